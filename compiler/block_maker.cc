@@ -15,7 +15,7 @@ namespace {
 using grid::Point;
 using grid::PointCondition;
 
-/// Errors of one setting that are reported at most.
+/// The maximum number of errors reported for one setting.
 constexpr int kMostErrors = 1000;
 
 /// The values of an axis of words.
@@ -25,7 +25,7 @@ std::vector<std::string> WordsOf(const plan::Axis& axis) {
   return words;
 }
 
-/// A coordinate for conditions: exact if all numbers of its axis are whole.
+/// A coordinate for conditions: exact if all numbers of its axis are integers.
 schema::Value ConditionValue(const plan::Axis& axis, std::size_t index, bool is_integer) {
   const auto* real = std::get_if<double>(&axis.values[index]);
   if (real == nullptr) return schema::Word{std::get<std::string>(axis.values[index])};
@@ -33,7 +33,7 @@ schema::Value ConditionValue(const plan::Axis& axis, std::size_t index, bool is_
   return *real;
 }
 
-/// Block::complete may depend on it: a value that is drawn has a seed of its own.
+/// True if Block::complete may depend on the value: a drawn value has a seed.
 bool DecidesSeedsOrPlugins(const schema::Parameter& parameter,
                            const std::vector<schema::Value>& values) {
   const auto is_plain = [](const schema::Value& value) {
@@ -81,7 +81,7 @@ grid::Block BlockMaker::MakeConditions() {
   };
   Choose(Point(extents_.size(), 0));
   for (const auto& skip : configuration_->layers().skips) {
-    if (!skip.node->when) continue;  // a fault that is reported
+    if (!skip.node->when) continue;  // an error that was reported
     PointCondition condition = Table(*skip.node->when, skip.scope);
     if (skip.node->is_only)
       condition = {PointCondition::Kind::kNot, {}, {}, {std::move(condition)}};

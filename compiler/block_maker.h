@@ -1,4 +1,4 @@
-// A block of a grid from the benchmark under one choice of its cases.
+// Makes a block of a grid from a benchmark under one choice of its cases.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@
 
 namespace cdb::compiler {
 
-/// Evaluates each condition and each setting once for each combination of the axes that it depends
-/// on. Not for several threads.
+/// Evaluates each condition and each setting once for each combination of values of the axes that
+/// it depends on. Not thread-safe.
 class BlockMaker {
  public:
-  /// `axes`: of the grid; `places`: as Block::places. Both outlive this object.
+  /// `axes`: those of the grid; `places`: as Block::places. Both must outlive this object.
   BlockMaker(std::shared_ptr<const scenario::Scenario> scenario,
              std::shared_ptr<configure::Configuration> configuration,
              const std::vector<plan::Axis>& axes, std::vector<grid::Point> places);
@@ -25,17 +25,17 @@ class BlockMaker {
   void Choose(const grid::Point& local);
   configure::Configuration& configuration() { return *configuration_; }
 
-  /// Everything but the settings. Errors of conditions are reported.
+  /// Makes everything except the settings. Errors of conditions are reported.
   grid::Block MakeConditions();
-  /// Adds the settings to what MakeConditions made. False after diagnostics; then the points whose
-  /// settings are bad are left out, so that others can be checked.
+  /// Adds the settings to the result of MakeConditions. False after diagnostics; points with
+  /// invalid settings are then left out, so that the others can be checked.
   bool AddSettings(grid::Block& block);
 
  private:
   grid::PointCondition Table(const dsl::Condition& condition, const scenario::Scope& scope);
   grid::AxisSet AxesIn(const dsl::Expr& expr, const scenario::Scope& scope) const;
   void SetAxis(std::size_t axis, std::size_t local);
-  /// Adds a condition of the points at which the value is bad to `bad`.
+  /// Adds to `bad` a condition that selects the points with an invalid value.
   void AddSetting(const configure::DependentParameter& parameter, grid::Block& block,
                   std::vector<grid::PointCondition>& bad);
   const grid::Remaining& RemainingAlong(const grid::AxisSet& axes, const grid::Block& block);
@@ -46,7 +46,7 @@ class BlockMaker {
   std::vector<grid::Point> places_;
   grid::Point extents_;
   std::vector<bool> is_integer_;            ///< by axis
-  std::vector<std::size_t> axis_of_sweep_;  ///< of the grid, by the configuration's axis
+  std::vector<std::size_t> axis_of_sweep_;  ///< the grid's axis, by the configuration's axis
   std::map<grid::AxisSet, grid::Remaining> remaining_;
 };
 

@@ -9,7 +9,7 @@
 namespace cdb::compiler {
 namespace {
 
-/// Those that it has not got.
+/// Adds the plug-ins that the scene does not have yet.
 void AddPlugins(std::span<const schema::PluginDetector> plugins, plan::Scene& scene) {
   for (const schema::PluginDetector& plugin : plugins)
     if (std::ranges::find(scene.plugins, plugin.name, &schema::PluginDetector::name) ==

@@ -1,4 +1,4 @@
-// A plan over one more axis than its file has: what a command line sweeps.
+// Adds an axis to a plan: the parameter swept on a command line.
 #pragma once
 
 #include <span>
@@ -9,9 +9,9 @@
 
 namespace cdb::compiler {
 
-/// The plan with an axis `parameter` of the world in front of the others, one of `words` for each
-/// of its values, all of which the schema or, where it takes detectors, `plugins` has. A plan that
-/// sweeps the parameter itself is given back as it is.
+/// The plan with an axis for `parameter` of the world in front of the others, with `words` as its
+/// values, all of which must be known to the schema or, for detectors, be in `plugins`. A plan that
+/// already sweeps the parameter is returned unchanged.
 plan::Plan Cross(const plan::Plan& plan, schema::WorldParameter parameter,
                  const std::vector<std::string>& words,
                  std::span<const schema::PluginDetector> plugins = {});

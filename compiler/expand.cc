@@ -22,19 +22,19 @@ namespace cdb::compiler {
 namespace {
 
 constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
-/// Choices of cases, each of which is laid out by itself.
+/// The maximum number of choices of cases, each of which is laid out separately.
 constexpr double kMostCases = 100'000;
-/// Points of a grid: the results have a cell for each, also where `skip` leaves it out.
+/// The maximum number of points of a grid: the results have a cell for each, also for skipped ones.
 constexpr double kMostPoints = 1e9;
 constexpr double kMostRuns = 1e8;
-/// What an axis holds in a case that has no value for it.
+/// The coordinate of a case that has no value for an axis.
 constexpr std::string_view kNoValue = "none";
 
-/// An axis of the plan: a sweep under one name in every configuration, or the names of cases.
+/// An axis of the plan: a sweep that has this name in every configuration, or the names of cases.
 struct GridAxis {
   plan::Axis axis;
   std::pair<int, int> order;
-  const configure::SweepAxis* sweep = nullptr;  ///< one of those it was made from; null for cases
+  const configure::SweepAxis* sweep = nullptr;  ///< one of its sweeps; null for cases
   std::size_t case_axis = kNowhere;
   std::vector<std::vector<plan::Coordinate>> values;        ///< by configuration
   std::unordered_map<plan::Coordinate, std::size_t> index;  ///< of each value
@@ -59,7 +59,7 @@ class Expander {
     CheckAxisNames({});
     const bool has_axes = !FailedBut(UnitErrors()) && layered_.is_complete();
     if (!has_axes || !MakeHead() || !MakeBlocks() || HasUnreadSkip()) {
-      // No grid, but each setting can still be looked at.
+      // There is no grid, but each setting can still be checked.
       for (const auto& configuration : configurations_) configuration->CheckSettings();
       return std::nullopt;
     }
@@ -73,7 +73,7 @@ class Expander {
   bool Failed() const { return FailedBut(0); }
   bool FailedBut(int errors) const { return diagnostics_.error_count() > errors_before_ + errors; }
 
-  /// Of units in settings.
+  /// The number of errors of units in settings.
   int UnitErrors() const {
     int errors = 0;
     for (const auto& configuration : configurations_) errors += configuration->unit_errors();
@@ -104,7 +104,7 @@ class Expander {
     return true;
   }
 
-  /// Then points that it leaves out cannot be told from others.
+  /// If true, skipped points cannot be told from others.
   bool HasUnreadSkip() const {
     return std::ranges::any_of(configurations_, [](const auto& configuration) {
       return std::ranges::any_of(configuration->layers().skips,
@@ -150,7 +150,7 @@ class Expander {
     axes_.push_back(std::move(axis));
   }
 
-  /// An axis is a variable of the results, so it cannot have the name of another.
+  /// An axis is a variable of the results, so it cannot share the name of another variable.
   void CheckAxisNames(const std::vector<const schema::ErrorInfo*>& errors) {
     for (const GridAxis& axis : axes_) {
       const std::string& name = axis.axis.name;
@@ -166,8 +166,8 @@ class Expander {
     }
   }
 
-  /// The axis holds every value that it has in some case; where it is not swept, the one that
-  /// stands there.
+  /// Fills the axis with every value that it has in some case; in a case that does not sweep it,
+  /// with the value set there.
   void FillValues(GridAxis& axis) {
     for (const auto& configuration : configurations_) {
       std::vector<plan::Coordinate> here;
@@ -193,7 +193,7 @@ class Expander {
     }
   }
 
-  /// Axes and repeats.
+  /// Makes axes and repeats.
   bool MakeHead() {
     for (const GridAxis& axis : axes_) grid_.head.axes.push_back(axis.axis);
     for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
@@ -237,7 +237,7 @@ class Expander {
     return true;
   }
 
-  /// Blocks without settings: the points that have a run. False if these are too many.
+  /// Makes the blocks without settings: the points with a run. False if there are too many.
   bool MakeBlocks() {
     double runs = 0;
     for (std::size_t i = 0; i < configurations_.size(); ++i) {
@@ -250,7 +250,7 @@ class Expander {
     return runs <= kMostRuns || TooMany(runs, kMostRuns, "runs");
   }
 
-  /// The values of each axis that a configuration has, as indices.
+  /// The values of each axis in a configuration, as indices.
   std::vector<grid::Point> PlacesOf(std::size_t configuration) const {
     std::vector<grid::Point> places;
     std::size_t rest = configuration;
@@ -319,7 +319,7 @@ class Expander {
   std::deque<BlockMaker> makers_;  ///< for each configuration
   std::vector<GridAxis> axes_;
   grid::Grid grid_;
-  /// A point has an error, which another benchmark may have reported already.
+  /// A point has an error, which another benchmark may already have reported.
   bool is_broken_ = false;
 };
 

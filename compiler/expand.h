@@ -1,4 +1,4 @@
-// A benchmark to the grid of its runs, with all settings as values.
+// Expands a benchmark to the grid of its runs, with all settings as values.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace cdb::compiler {
 
-/// Nullopt after diagnostics. Title and texts of the plan are filled in by `Compile`. `find_fault`
-/// looks at scenes; may be empty. `lints`: warn of numbers that Bullet cannot follow
+/// Nullopt after diagnostics. `Compile` fills in title and texts of the plan. `find_fault` checks
+/// scenes; may be empty. `lints`: warn of numbers that Bullet cannot simulate accurately
 /// (compiler/lints/lints.h), each once with its worst run.
 std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
                                  const scenario::BenchmarkRef& benchmark,

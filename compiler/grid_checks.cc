@@ -30,7 +30,8 @@ void GridChecks::Check() {
   Replay(*found);
 }
 
-/// So that no scene is placed twice. A closed form may depend on everything.
+/// The axes that determine the placement, so that no scene is placed twice. A closed form may
+/// depend on every axis.
 grid::AxisSet GridChecks::AxesOfPlacement() const {
   grid::AxisSet axes;
   bool has_closed_form = false;

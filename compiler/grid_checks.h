@@ -1,4 +1,4 @@
-// The checks of scenes, and the warnings about them, over all runs of a grid.
+// Checks of scenes, and warnings about them, over all runs of a grid.
 #pragma once
 
 #include <functional>
@@ -12,14 +12,14 @@
 
 namespace cdb::compiler {
 
-/// Chooses a point of a block of the grid for its configuration, and returns that.
+/// Chooses a point of a block of the grid in its configuration, and returns that configuration.
 using ChoosePoint =
     std::function<configure::Configuration&(std::size_t block, const grid::Point& local)>;
 
-/// Each check is made once for all runs that agree in what it reads. Not for several threads.
+/// Each check is made once for all runs that agree in the settings it reads. Not thread-safe.
 class GridChecks {
  public:
-  /// `benchmark`: where its name stands. `grid` outlives this object.
+  /// `benchmark`: the location of its name. `grid` must outlive this object.
   GridChecks(const grid::Grid& grid, ChoosePoint choose, text::Span benchmark,
              dsl::Diagnostics& diagnostics)
       : grid_(grid),
@@ -28,17 +28,17 @@ class GridChecks {
         diagnostics_(diagnostics),
         survey_(grid) {}
 
-  /// Errors that settings make together, of every run.
+  /// Checks the combinations of settings of every run.
   void Check();
-  /// Scenes that cannot be built: of every run, or of as many as take a second or two.
+  /// Finds scenes that cannot be built: among all runs, or as many as take a second or two.
   void FindFaults(const analysis::FindSceneFault& find);
-  /// Settings without effect, and numbers that Bullet cannot follow: of every run, or of about
-  /// kMostLinted spread over the grid.
+  /// Warns of settings without effect and of numbers that Bullet cannot simulate accurately: for
+  /// every run, or for about kMostLinted spread over the grid.
   void Lint();
 
-  /// Combinations of settings that are looked at.
+  /// The maximum number of combinations of settings that are checked.
   static constexpr std::uint64_t kMostLinted = 40'000, kMostPlaced = 2'000;
-  /// Objects that are placed where not all combinations are looked at.
+  /// The maximum number of placed objects if not all combinations are checked.
   static constexpr std::uint64_t kMostObjectsOfMany = 50'000;
 
  private:

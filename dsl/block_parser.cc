@@ -1,4 +1,4 @@
-// Blocks and their braces, and where to go on after an error.
+// Parses blocks and their braces, and finds the point at which to go on after an error.
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,7 +51,7 @@ bool StatementParser::ParseBraces(text::Span& span, const text::Span& owner,
                    "a block begins on the line of its name",
                    "put the '{' at the end of the line above");
   }
-  // Lines that stand further in are the block, though its '{' is missing.
+  // Lines indented further form the block, although its '{' is missing.
   const bool brace_missing = cursor_.At(TokenKind::kNewline) &&
                              cursor_.Peek(1).kind == TokenKind::kPath &&
                              IndentAt(cursor_.Peek(1).begin) > IndentAt(owner.begin);
@@ -97,7 +97,7 @@ bool StatementParser::ParseBlock(Block& block, const text::Span& owner) {
   return ParseBraces(block.span, owner, [&] { ParseStatement(block.statements); });
 }
 
-// From a '{' to behind its '}', without a look inside.
+// Skips from a '{' past its '}' without reading the contents.
 void StatementParser::SkipBraces() {
   int depth = 0;
   while (!cursor_.At(TokenKind::kEnd)) {
@@ -107,7 +107,7 @@ void StatementParser::SkipBraces() {
   }
 }
 
-// `{1, 2, 3}` and `{a, b}`: what other languages write for a vector or a list.
+// True at `{1, 2, 3}` or `{a, b}`, which other languages use for a vector or a list.
 bool StatementParser::ListInBraces() const {
   switch (cursor_.Peek(1).kind) {
     case TokenKind::kNumber:
@@ -125,7 +125,7 @@ bool StatementParser::ListInBraces() const {
 void StatementParser::EndStatement() {
   if (std::exchange(statement_begins_, false)) return;
   if (cursor_.AtStatementEnd() || cursor_.Previous().kind == TokenKind::kRightBrace) return;
-  // A block that was left open ends where the file's next item begins.
+  // A block left open ends where the next item of the file begins.
   if (AtFileItem()) return;
   const Token token = cursor_.Peek();
   if (token.kind == TokenKind::kRightParen || token.kind == TokenKind::kRightBracket) {

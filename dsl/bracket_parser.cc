@@ -97,7 +97,7 @@ bool ValueParser::ParseList(const Token& open, ParseOne parse_one) {
           next.kind == TokenKind::kComma ? "put the ',' at the end of the line above" : "");
       cursor_.Take();
       comma_reported = true;
-      // An element that goes on with an operator is not read again.
+      // Do not read an element again if it goes on with an operator.
       if (!cursor_.AtValueStart()) SkipElement();
     }
     if (cursor_.At(TokenKind::kComma)) {
@@ -173,7 +173,7 @@ ExprPtr ValueParser::ParseBracketed() {
   return Finish(std::move(vector), cursor_.SpanOf(open));
 }
 
-/// The values behind `word`, which is `in`.
+/// Parses the values after `word`, which is `in`.
 bool ValueParser::ParseInList(const Token& word, std::vector<ExprPtr>& values) {
   if (!cursor_.At(TokenKind::kLeftParen) && !cursor_.At(TokenKind::kLeftBracket)) {
     cursor_.Report(kMissingValue, cursor_.SpanOf(word), "'in' needs a list in brackets after it",
@@ -216,13 +216,13 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
       return nullptr;
     }
   }
-  // `in (a, b)` belongs to a condition.
+  // `in (a, b)` is part of a condition.
   const bool has_limits = cursor_.AtWord("in") && cursor_.Peek(1).kind != TokenKind::kLeftParen;
   if (has_limits && !ParseLimits(*call)) return nullptr;
   return Finish(std::move(call), cursor_.SpanOf(name));
 }
 
-/// `in 2 .. 8` behind a call: false, with a report, if it is incomplete.
+/// Parses `in 2 .. 8` after a call. False, with a report, if it is incomplete.
 bool ValueParser::ParseLimits(Expr& call) {
   const Token in = cursor_.Take();
   ExprPtr least = ParseSum();
@@ -260,7 +260,7 @@ ExprPtr ValueParser::ParseBareCall() {
   Argument argument;
   argument.name = Name{std::string(cursor_.Text(label)), cursor_.SpanOf(label)};
   cursor_.RefuseReserved(*argument.name);
-  // No bare call again: in `ring radius: r gap: 2` it is the brackets that are missing.
+  // Not a bare call again: in `ring radius: r gap: 2` the brackets are missing.
   if (cursor_.At(TokenKind::kText)) {
     argument.value = ParseText();
   } else if (ExprPtr first = ParseSum()) {
@@ -271,7 +271,7 @@ ExprPtr ValueParser::ParseBareCall() {
   return Finish(std::move(call), cursor_.SpanOf(name));
 }
 
-/// An argument that begins with `name :`; no value where one is missing.
+/// Parses an argument that begins with `name :`. Its value is null if it is missing.
 bool ValueParser::ParseLabelled(Argument& argument) {
   const Token first = cursor_.Take();
   cursor_.Take();
@@ -308,7 +308,7 @@ bool ValueParser::ParseLabelled(Argument& argument) {
   return true;
 }
 
-// `sd: 3`, `1 : y : z`, `y : 1 : 1` and `sphere 3`: how many colons there are tells a ratio that
+// Parses `sd: 3`, `1 : y : z`, `y : 1 : 1` or `sphere 3`. The number of colons tells a ratio that
 // begins with a name from a named argument.
 bool ValueParser::ParseArgument(Expr& call) {
   Argument argument;

@@ -1,4 +1,4 @@
-// The conditions of ValueParser.
+// The parser of conditions, part of ValueParser.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -74,8 +74,8 @@ ConditionPtr ValueParser::ParseOperand() {
   return ParseComparison();
 }
 
-// The grammar lets `not` negate the whole condition after it. Elsewhere it often binds closer, so
-// where that makes a difference the reader is told.
+// In the grammar, `not` negates the whole condition after it. In many languages it binds closer, so
+// a use where this makes a difference is reported.
 ConditionPtr ValueParser::ParseNot() {
   const DepthScope deeper(cursor_);
   const Token word = cursor_.Take();
@@ -159,7 +159,7 @@ bool ValueParser::AtComparisonEnd() const {
 }
 
 void ValueParser::ReportMissingComparison() {
-  // Points at the word that dangles, where there is one.
+  // Points at the word left dangling, if there is one.
   const Token& before = cursor_.Previous();
   const bool word = before.kind == TokenKind::kPath || before.kind == TokenKind::kAnd ||
                     before.kind == TokenKind::kOr || before.kind == TokenKind::kNot;
@@ -170,7 +170,7 @@ void ValueParser::ReportMissingComparison() {
       "for example: quantity > 3000");
 }
 
-/// `x in (a, b)` and `x not in (a, b)`, behind `x`.
+/// Parses `x in (a, b)` and `x not in (a, b)`, after `x`.
 ConditionPtr ValueParser::ParseIn(ConditionPtr condition) {
   const Token first = cursor_.Peek();
   const bool is_negated = AtNot();

@@ -1,13 +1,13 @@
-// Every kind of diagnostic of the lexer and the parser, once. A test holds that each has a golden
-// file in tests/golden/dsl.
+// The list of all kinds of diagnostic of the lexer and the parser. A test checks that each has a
+// golden file in tests/golden/dsl.
 #pragma once
 
 #include "dsl/diagnostics.h"
 
 namespace cdb::dsl {
 
-// X(constant, code, id): one row a kind. A code is never changed or used for another kind: people
-// write it down.
+// X(constant, code, id): one row per kind. A code is never changed or reused for another kind:
+// users refer to it.
 #define CDB_DSL_DIAGNOSTIC_KINDS(X)                      \
   /* the lexer's */                                      \
   X(kNotUtf8, "E0101", "not-utf8")                       \

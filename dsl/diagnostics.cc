@@ -12,15 +12,15 @@ constexpr std::size_t kLongestWord = 64;
 
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// How many slips of the hand a word of this length may have.
+// The number of typing errors tolerated in a word of this length.
 std::size_t SlipsIn(std::size_t length) {
   if (length <= 1) return 0;
   if (length <= 4) return 1;
   return length <= 8 ? 2 : 3;
 }
 
-// Damerau-Levenshtein distance in its restricted form (no edit inside a transposed pair), upper and
-// lower case alike. Both words are at most kLongestWord long.
+// Damerau-Levenshtein distance in its restricted form (no edit inside a transposed pair), ignoring
+// case. Both words are at most kLongestWord long.
 std::size_t Distance(std::string_view a, std::string_view b) {
   std::size_t rows[3][kLongestWord + 1] = {};
   std::size_t* before = rows[0];
@@ -42,7 +42,7 @@ std::size_t Distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// A place between two characters counts as the one behind it.
+/// A position between two characters counts as the character after it.
 std::uint32_t EndOf(const text::Span& span) { return std::max(span.end, span.begin + 1); }
 
 }  // namespace
@@ -78,7 +78,7 @@ std::string_view DidYouMean(std::string_view word,
   for (const std::string_view candidate : candidates) {
     if (candidate.size() > kLongestWord || candidate == word) continue;
     const std::size_t distance = Distance(word, candidate);
-    // A word that shares nothing with the candidate is not a slip, however short both are.
+    // A word that shares nothing with the candidate is not a typing error, however short both are.
     if (distance >= least || distance >= std::max(word.size(), candidate.size())) continue;
     least = distance;
     nearest = candidate;

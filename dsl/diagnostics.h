@@ -1,4 +1,4 @@
-// What can be wrong with a text, said in the user's words and tied to the place.
+// Diagnostics: errors and warnings in the user's terms, each with its location in the text.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@ namespace cdb::dsl {
 
 enum class Severity { kError, kWarning };
 
-/// A kind of diagnostic. Kinds are constants that each layer lists once (`dsl/diagnostic_kinds.h`,
-/// `compiler/diagnostic_kinds.h`); a test holds that every one of them has a golden file.
+/// A kind of diagnostic. Kinds are constants, and each layer lists its own once
+/// (`dsl/diagnostic_kinds.h`, `compiler/scenario/diagnostic_kinds.h`). A test checks that every
+/// kind has a golden file.
 struct DiagnosticKind {
   std::string_view code;  ///< stable, `E0201`, or `W0201` for a warning: `cdb explain E0201`
-  std::string_view id;    ///< in words, shown behind it: `[E0201 unknown-name]`
+  std::string_view id;    ///< in words, shown after the code: `[E0201 unknown-name]`
   constexpr Severity severity() const {
     return code.starts_with('W') ? Severity::kWarning : Severity::kError;
   }
 };
 
-/// A second place that explains the first ("it was set here before").
+/// A second location that explains the first ("it was set here before").
 struct Note {
   text::Span span;
   std::string text;
@@ -32,15 +33,15 @@ struct Note {
 
 struct Diagnostic {
   const DiagnosticKind* kind = nullptr;
-  text::Span span;      ///< the faulty part itself, not where the parser stood
+  text::Span span;      ///< the faulty part itself, not the parser's position
   std::string message;  ///< one sentence without a full stop
   std::string help;     ///< what to write instead; may be empty
   std::vector<Note> notes;
 };
 
-/// Collects diagnostics of one compilation. The same message at the same place is kept once. Two
-/// errors never overlap: one that touches a character of an earlier error follows from it as a
-/// rule, and is dropped.
+/// Collects the diagnostics of one compilation. The same message at the same location is kept once.
+/// Errors never overlap: an error that touches a character of an earlier one usually follows from
+/// it, and is dropped.
 class Diagnostics {
  public:
   void Report(const DiagnosticKind& kind, const text::Span& span, std::string message,
@@ -56,14 +57,14 @@ class Diagnostics {
   std::vector<Diagnostic> all_;
   bool OverlapsAnError(const text::Span& span) const;
 
-  std::unordered_set<std::string> seen_;  // place and message of each
+  std::unordered_set<std::string> seen_;  // location and message of each
   std::map<const text::Source*, std::map<std::uint32_t, std::uint32_t>>
       taken_;  // errors: begin, end
   int error_count_ = 0;
 };
 
-/// The candidate nearest to `word` by edit distance (transposition counts one), or empty where none
-/// is near enough to be a slip of the hand.
+/// The candidate nearest to `word` by edit distance (a transposition counts as one edit), or empty
+/// if none is near enough to be a typing error.
 std::string_view DidYouMean(std::string_view word, const std::vector<std::string_view>& candidates);
 
 }  // namespace cdb::dsl

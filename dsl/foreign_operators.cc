@@ -5,7 +5,7 @@
 namespace cdb::dsl {
 namespace {
 
-// Longer ones first where one begins another.
+// An operator that begins with another one stands before it.
 constexpr ForeignOperator kForeignOperators[] = {
     {"===", TokenKind::kEqual, "=="},
     {"!==", TokenKind::kNotEqual, "!="},

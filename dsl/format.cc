@@ -17,15 +17,15 @@ namespace {
 
 constexpr std::size_t kGap = 2;  // between the longest name and the column of values
 
-// What tokens alone do not say, by the offset of a token.
+// The roles of tokens that their kinds do not tell, by offset.
 struct Roles {
   std::unordered_set<std::uint32_t> signs;     // a `-` that negates
-  std::unordered_set<std::uint32_t> labels;    // `sd` of `sd: 3`
-  std::unordered_set<std::uint32_t> calls;     // the function's name
+  std::unordered_set<std::uint32_t> labels;    // the `sd` of `sd: 3`
+  std::unordered_set<std::uint32_t> calls;     // the name of a function
   std::unordered_set<std::uint32_t> settings;  // the path of a setting
-  std::unordered_set<std::uint32_t> opens;     // of a call without brackets: where its name ends
-  std::unordered_set<std::uint32_t> closes;    // and where its argument does
-  std::unordered_set<std::uint32_t> units;     // each place in the text of a unit but its first
+  std::unordered_set<std::uint32_t> opens;     // the end of the name in a call without brackets
+  std::unordered_set<std::uint32_t> closes;    // the end of the argument of such a call
+  std::unordered_set<std::uint32_t> units;     // every byte of a unit after its first
 };
 
 class RoleFinder {
@@ -41,8 +41,8 @@ class RoleFinder {
   }
 
  private:
-  // An expression's span begins with its brackets; the token is the first after them. No bracket
-  // is written before a `-` or a name that is not around it.
+  // The offset of an expression's first token after the brackets around it, where its span begins.
+  // All brackets before a `-` or the name of a call enclose the whole expression.
   std::uint32_t FirstInside(const Expr& expr) const {
     std::size_t at = expr.span.begin;
     while (text_[at] == '(' || text_[at] == ' ' || text_[at] == '\t' || text_[at] == '\n' ||
@@ -93,11 +93,11 @@ class RoleFinder {
   Roles roles_;
 };
 
-// One line of the result. A setting that begins a line has its name and the rest apart.
+// One line of the result. A setting at the start of a line has its name apart from the rest.
 struct Line {
   std::size_t indent = 0;  // columns
   std::string text;
-  std::size_t name_length = 0;  // of the setting that begins the line; 0 where none does
+  std::size_t name_length = 0;  // of a setting at the start of the line, otherwise 0
   bool blank_before = false;
   bool file_level = false;
 };
@@ -108,7 +108,7 @@ class Formatter {
 
   std::string Run() {
     Diagnostics diagnostics;
-    // The caller's source outlives this call, so the tree need not own it.
+    // The caller's source outlives this call, so the tree does not need to own it.
     const std::shared_ptr<const text::Source> source(std::shared_ptr<void>(), &source_);
     roles_ = RoleFinder(text_).Find(Parse(source, diagnostics));
     CDB_CHECK(!diagnostics.has_errors());
@@ -124,16 +124,16 @@ class Formatter {
     bool comment = false;
     std::uint32_t begin = 0;
     std::uint32_t end = 0;
-    int lines_before = 0;     // line ends between the piece before and this one
-    bool long_block = false;  // of a brace: its block has more than one line
-  };                          // a bracket that is written where there was none is empty
+    int lines_before = 0;     // line ends between the previous piece and this one
+    bool long_block = false;  // for a brace: its block has more than one line
+  };                          // a bracket that the formatter inserts is an empty piece
 
   std::string_view TextOf(const Piece& piece) const {
     if (piece.begin == piece.end) return piece.kind == TokenKind::kLeftParen ? "(" : ")";
     return text_.substr(piece.begin, piece.end - piece.begin);
   }
 
-  // Tokens and comments in their order, each with the line ends before it.
+  // Collects tokens and comments in order, each with the number of line ends before it.
   void Collect() {
     Diagnostics ignored;
     const TokenList list = Lex(source_, ignored);
@@ -221,7 +221,7 @@ class Formatter {
       const bool closes_list = !piece.comment && piece.kind == TokenKind::kRightParen;
       if (closes_block) --level;
       if (BreaksBefore(i)) {
-        // A statement ends with its line, save after `,` and inside brackets.
+        // A statement ends with its line, except after `,` and inside brackets.
         in_statement = i > 0 && (brackets > 0 || EndsWithComma(i));
         Line line;
         const std::size_t inside = brackets - (closes_list ? 1 : 0);
@@ -255,7 +255,8 @@ class Formatter {
     return i > 0 && pieces_[i - 1].kind == TokenKind::kComma;
   }
 
-  // Settings of one benchmark share a column for their values, on all levels, up to a blank line.
+  // The settings of one benchmark have their values in one column, on all levels, up to a blank
+  // line.
   std::string Lay() {
     std::string out;
     for (std::size_t first = 0; first < lines_.size();) {
@@ -272,7 +273,7 @@ class Formatter {
         if (line.name_length == 0) {
           out += line.text;
         } else {
-          // Behind the name stands one space already.
+          // One space already follows the name.
           out += line.text.substr(0, line.name_length);
           out.append(column - line.indent - line.name_length - 1, ' ');
           out += line.text.substr(line.name_length);

@@ -48,7 +48,7 @@ class Lexer {
   void LexUnknown();
 
   void CheckEscapes(std::size_t begin, std::size_t end);
-  /// True where a letter that is no ASCII letter stands (and not one of the foreign operators).
+  /// True at a letter outside ASCII that is not one of the foreign operators.
   bool AtForeignLetter(std::size_t at) const;
   std::size_t SkipNameChars(std::size_t at, bool* foreign) const;
 
@@ -147,7 +147,7 @@ void Lexer::LexComment() {
   while (end > at_ && (text_[end - 1] == ' ' || text_[end - 1] == '\t' || text_[end - 1] == '\r'))
     --end;
   result_.comments.push_back(SpanOf(at_, end));
-  // A line end that is CR LF is left whole for LexNewline.
+  // Leaves a CR LF line end whole for LexNewline.
   at_ = next < text_.size() && text_[next - 1] == '\r' ? next - 1 : next;
 }
 
@@ -169,7 +169,7 @@ bool Lexer::AtForeignLetter(std::size_t at) const {
   if (at >= text_.size() || static_cast<unsigned char>(text_[at]) < 0x80) return false;
   const char32_t value = text::DecodeUtf8(text_, at).value;
   if (FindForeignOperator(text_.substr(at)) != nullptr) return false;
-  // Latin-1 signs, spaces and general punctuation are no letters; above them nearly all is.
+  // Latin-1 signs, spaces and general punctuation are not letters; nearly all above them are.
   return (value >= 0xC0 || value == 0xB5) && !(value >= 0x2000 && value <= 0x2BFF) &&
          value != 0x3000 && value != 0xFEFF;
 }
@@ -209,7 +209,7 @@ void Lexer::LexPath() {
 }
 
 void Lexer::LexNumber() {
-  // Takes all that looks like one number to a person, so that a slip in it is one error.
+  // Takes everything that looks like one number to a person, so that a mistake in it is one error.
   const bool hex = text_[at_] == '0' && (At(at_ + 1) == 'x' || At(at_ + 1) == 'X');
   std::size_t end = at_;
   while (end < text_.size()) {
@@ -221,7 +221,7 @@ void Lexer::LexNumber() {
     if (!text::IsNameChar(c) && !AtForeignLetter(end) && !sign && !point) break;
     end += AtForeignLetter(end) ? static_cast<std::size_t>(text::DecodeUtf8(text_, end).bytes) : 1;
   }
-  // `benchmark 3d`: the parser says that it is no name.
+  // `benchmark 3d`: the parser reports that it is not a name.
   const bool is_name_like = text_.substr(at_, end - at_).find('.') == std::string_view::npos;
   if (is_name_like && AfterWordBeforeName()) return Add(TokenKind::kNumber, end);
   const bool good = CheckNumber(text_.substr(at_, end - at_), SpanOf(at_, end), diagnostics_);
@@ -238,7 +238,7 @@ void Lexer::LexText(char quote) {
   }
   const bool closed = end < text_.size() && text_[end] == quote;
   if (!closed) {
-    // What closes a list or a block at the end of the line was hardly meant as text.
+    // A character at the end of the line that closes a list or a block was hardly meant as text.
     while (end > begin + 1 &&
            std::string_view(" \t\r{}()[];,").find(text_[end - 1]) != std::string_view::npos)
       --end;
@@ -299,7 +299,7 @@ void Lexer::LexPercent() {
   Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
          remainder ? "there is no remainder; + - * / ^ are what there is"
                    : "a percentage is written as a fraction: 5 % is 0.05 or 5/100");
-  // Between two values it is an operator; after one it is a unit, and goes.
+  // Between two values it is an operator; after a single value it is a unit, and is dropped.
   if (remainder)
     Add(TokenKind::kStar, at_ + 1, true);
   else
@@ -307,7 +307,7 @@ void Lexer::LexPercent() {
 }
 
 bool Lexer::LexForeign() {
-  // `!` is an operator of its own only where `!=` is not meant.
+  // `!` is an operator itself only if `!=` is not meant.
   if (text_[at_] == '!' && At(at_ + 1) != '=') {
     Report(kForeignOperator, at_, at_ + 1, "'!' means nothing here", "did you mean 'not'?");
     Add(TokenKind::kNot, at_ + 1, true);
@@ -352,7 +352,7 @@ bool Lexer::LexOperator() {
     if (!StartsWith(entry.text)) continue;
     const bool closes =
         entry.kind == TokenKind::kRightParen || entry.kind == TokenKind::kRightBracket;
-    // A line may end before the bracket that closes a list.
+    // A line can end before the bracket that closes a list.
     if (closes && !result_.tokens.empty() && LastKind() == TokenKind::kNewline)
       result_.tokens.pop_back();
     Add(entry.kind, at_ + entry.text.size());

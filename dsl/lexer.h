@@ -1,4 +1,4 @@
-// Text to tokens.
+// The lexer: source text to tokens.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace cdb::dsl {
 
 enum class TokenKind : std::uint8_t {
   kEnd,
-  kNewline,  ///< one or more line ends where a statement can end there
+  kNewline,  ///< one or more line ends, where a statement can end
   kSemicolon,
-  kPath,  ///< a name or a dotted path; words such as `step` and `and` too
+  kPath,  ///< a name or a dotted path, also a word such as `step` or `and`
   kNumber,
-  kText,  ///< with its quotes
+  kText,  ///< including its quotes
   kLeftBrace,
   kRightBrace,
   kLeftParen,
@@ -39,15 +39,15 @@ enum class TokenKind : std::uint8_t {
   kLessEqual,
   kGreater,
   kGreaterEqual,
-  kAnd,      ///< `&&`; the word is a kPath
+  kAnd,      ///< `&&`; the word `and` is a kPath
   kOr,       ///< `||`
   kNot,      ///< `!`
-  kUnknown,  ///< a character that means nothing
+  kUnknown,  ///< a character without a meaning
 };
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  bool faulty = false;  ///< already reported, so that nobody complains a second time
+  bool faulty = false;  ///< already reported, so that it is not reported again
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
@@ -57,11 +57,11 @@ struct TokenList {
   std::vector<text::Span> comments;  ///< `#` to the end of its line, without trailing spaces
 };
 
-/// Reports every lexical error. Line ends after `(` and `,` and before `)` and `]` are no tokens.
-/// A text that is not UTF-8 or holds a NUL is refused whole: one error, and only kEnd.
+/// Reports every lexical error. Line ends after `(` and `,` and before `)` and `]` give no tokens.
+/// A text that is not UTF-8 or contains a NUL is rejected as a whole: one error, and only kEnd.
 TokenList Lex(const text::Source& source, Diagnostics& diagnostics);
 
-/// The contents of a kText token with its escapes resolved; a faulty one gives what can be read.
+/// The contents of a kText token with escapes resolved; of a faulty token, the readable part.
 std::string TextContents(std::string_view lexeme);
 
 }  // namespace cdb::dsl

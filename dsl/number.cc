@@ -42,7 +42,7 @@ class NumberCheck {
     return Refuse(kBadNumber, Quoted() + " is not a number", std::move(help));
   }
 
-  /// Into `digits_`, without the underscores.
+  /// Appends digits to `digits_`, without the underscores.
   bool TakeDigits(bool is_hex) {
     const auto is_digit = is_hex ? text::IsHexDigit : text::IsDigit;
     for (std::size_t i = 0; i < lexeme_.size(); ++i) {
@@ -75,8 +75,8 @@ class NumberCheck {
     return at > from;
   }
 
-  /// Skips digits, a point between digits, and an exponent with digits. Nullopt if one of them is
-  /// incomplete, else whether the number is whole.
+  /// Skips digits, a point between digits, and an exponent with digits. Nullopt if one of these is
+  /// incomplete, otherwise whether the number is an integer.
   std::optional<bool> SkipDecimal(std::size_t& at) const {
     const auto has = [&](std::string_view any) {
       return at < digits_.size() && any.find(digits_[at]) != std::string_view::npos;

@@ -95,7 +95,7 @@ Use StatementParser::ParseUse() {
         cursor_.Quote(cursor_.Previous()) + " needs a file's name after it",
         use.detector ? "for example: use detector \"mine.so\"" : "for example: use \"base.cdb\"");
   } else {
-    // A bare file name falls into many tokens; to the person it is one.
+    // A bare file name becomes many tokens, but is one word to the user.
     const std::uint32_t begin = cursor_.Peek().begin;
     const bool faulty = cursor_.Peek().faulty;
     while (!cursor_.AtStatementEnd() && !cursor_.At(TokenKind::kLeftBrace)) cursor_.Take();
@@ -144,7 +144,7 @@ std::optional<Let> StatementParser::ParseLet() {
   }
   if (names.size() == 1) return Let{std::move(*name), std::move(value)};
   more_lets_ = Unzip(names, std::move(value));
-  // After an error, the names are known and their values are not.
+  // After an error, the names are known but their values are not.
   if (more_lets_.empty())
     for (Name& one : names) more_lets_.push_back({std::move(one), nullptr});
   Let first = std::move(more_lets_.front());

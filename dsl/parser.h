@@ -1,4 +1,4 @@
-// Text to syntax tree.
+// The parser: source text to syntax tree.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,13 @@
 
 namespace cdb::dsl {
 
-/// Blocks, brackets, calls and operators may nest this deep together; past it the text is refused.
+/// The maximum depth of nested blocks, brackets, calls and operators together; deeper is an error.
 inline constexpr int kMaxDepth = 100;
 
-/// Parses a whole file. Every error is reported once and parsing goes on after it, so the tree
-/// holds all that could be understood; it must not be compiled when `diagnostics.has_errors()`.
-/// Never throws, never recurses past `kMaxDepth`. Source: the grammar in the language reference.
+/// Parses a whole file. Every error is reported once, and parsing goes on after it, so the tree
+/// holds everything that could be parsed; it must not be compiled if `diagnostics.has_errors()`.
+/// Never throws, never recurses deeper than `kMaxDepth`. Source: the grammar in the language
+/// reference.
 File Parse(std::shared_ptr<const text::Source> source, Diagnostics& diagnostics);
 
 }  // namespace cdb::dsl

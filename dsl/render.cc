@@ -12,8 +12,8 @@
 namespace cdb::dsl {
 namespace {
 
-constexpr int kWidest = 100;      // columns of a line that are shown
-constexpr int kLeftOfFault = 40;  // of them, at most, before the fault where the line is cut
+constexpr int kWidest = 100;      // maximum number of columns shown of a line
+constexpr int kLeftOfFault = 40;  // maximum number of these before the fault, in a line that is cut
 
 constexpr std::string_view kBold = "\033[1m";
 constexpr std::string_view kRed = "\033[1;31m";
@@ -21,13 +21,13 @@ constexpr std::string_view kMagenta = "\033[1;35m";
 constexpr std::string_view kCyan = "\033[1;36m";
 constexpr std::string_view kPlain = "\033[0m";
 
-// What a terminal would obey instead of show: controls and marks that reorder text.
+// Characters that a terminal obeys instead of showing: controls and marks that reorder text.
 bool Hidden(char32_t value) {
   return value < 0x20 || (value >= 0x7F && value < 0xA0) || (value >= 0x202A && value <= 0x202E) ||
          (value >= 0x2066 && value <= 0x2069) || value == 0x2028 || value == 0x2029;
 }
 
-// One character of a line: its bytes as they are shown, and its width.
+// One character of a line: its bytes as shown, and its width.
 struct Glyph {
   std::string_view text;
   int columns;
@@ -49,7 +49,7 @@ std::size_t StepBack(std::string_view line, std::size_t at) {
   return at;
 }
 
-// No message moves the cursor of a terminal, whatever the file said.
+// No message may move the cursor of a terminal, whatever the file contains.
 std::string WithoutControls(std::string_view text) {
   std::string shown;
   for (std::size_t at = 0; at < text.size();) {
@@ -108,12 +108,12 @@ class Renderer {
     const std::size_t fault = std::min<std::size_t>(span.begin - line_begin, line.size());
     std::size_t fault_end =
         std::min<std::size_t>(std::max(span.end, span.begin) - line_begin, line.size());
-    // Spaces at the end of a first line of several are no part of the fault.
+    // Spaces at the end of the first of several lines are not part of the fault.
     while (fault_end > fault && span.end - line_begin > line.size() &&
            (line[fault_end - 1] == ' ' || line[fault_end - 1] == '\t'))
       --fault_end;
 
-    // The part of the line that is shown: all of it, or a window around the fault.
+    // The part of the line that is shown: the whole line, or a window around the fault.
     std::size_t begin = fault;
     int before = 0;
     const bool short_line = line.size() <= static_cast<std::size_t>(kWidest);
@@ -152,7 +152,7 @@ class Renderer {
     out_ += '\n';
   }
 
-  // Whether the line can be shown from its start and still hold the fault.
+  // Whether a line shown from its start still includes the fault.
   static bool FitsFromStart(std::string_view line, std::size_t fault_end) {
     int columns = 0;
     for (std::size_t at = 0; at < fault_end && columns <= kWidest;) {

@@ -1,4 +1,4 @@
-// Diagnostics as a person reads them.
+// Diagnostics as text for people.
 #pragma once
 
 #include <cstddef>
@@ -11,23 +11,25 @@ namespace cdb::dsl {
 
 struct RenderOptions {
   bool color = false;  ///< ANSI colours, for a terminal
-  /// Errors, and warnings, that are shown; the number of the rest is said at the end.
+  /// The maximum number of errors, and of warnings, shown; the number left out is stated at the
+  /// end.
   std::size_t most = static_cast<std::size_t>(-1);
 };
 
-/// All diagnostics by file and place, each as
+/// All diagnostics, ordered by file and location, each as
 ///
 ///     examples/first.cdb:4:13: error: no object type is called 'cuboyd' [E0201 unknown-name]
 ///       4 |   type      cuboyd
 ///         |             ^^^^^^ did you mean 'cuboid'?
 ///
-/// with notes below it in the same form. Tabs are kept in step, wide lines are cut around the
-/// fault. Ends with a newline where there is anything; empty where there is nothing.
+/// with its notes below in the same form. Tabs are kept in step, and wide lines are cut around the
+/// fault. Ends with a newline unless it is empty; empty if there are no diagnostics.
 std::string Render(const Diagnostics& diagnostics, const RenderOptions& options = {});
-/// One of them.
+/// Renders a single diagnostic.
 std::string Render(const Diagnostic& diagnostic, const RenderOptions& options = {});
 
-/// By file, in the order in which files first appear, and place. What has no place comes first.
+/// Ordered by file, in order of first appearance, then by location. Those without a location come
+/// first.
 std::vector<const Diagnostic*> InOrder(const Diagnostics& diagnostics);
 
 }  // namespace cdb::dsl

@@ -169,7 +169,7 @@ Setting StatementParser::ParseSetting(Name path) {
 }
 
 bool StatementParser::ParseMoreValues(Setting& setting) {
-  std::optional<Token> comma;  // before the current value, where there is one
+  std::optional<Token> comma;  // before the current value, if there is one
   bool comma_reported = false;
   while (true) {
     const std::size_t start = cursor_.index();
@@ -211,7 +211,7 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
   }
 }
 
-/// `record timing,` and on the next line `cycles 5`: the comma is what is wrong. `value` begins
+/// True if the comma is the error: `record timing,` and on the next line `cycles 5`. `value` begins
 /// with `first`.
 bool StatementParser::IsTrailing(const Token& comma, const Token& first, const Expr& value) const {
   const auto line_of = [&](const Token& token) {
@@ -223,7 +223,7 @@ bool StatementParser::IsTrailing(const Token& comma, const Token& first, const E
   return next_statement && line_of(comma) < line_of(first);
 }
 
-/// `ring radius: 20 gap: 2` or `ring radius: 20, gap: 2`: true, with a report.
+/// At `ring radius: 20 gap: 2` or `ring radius: 20, gap: 2`: true, with a report.
 bool StatementParser::RefuseSecondArgument(const Expr& value) {
   const bool after_comma = cursor_.At(TokenKind::kComma);
   if (!value.bare || !(values_.AtLabel() || (after_comma && values_.AtLabel(1)))) return false;
@@ -235,8 +235,8 @@ bool StatementParser::RefuseSecondArgument(const Expr& value) {
   return true;
 }
 
-/// `quantity 5, type sphere`: true, with a report; the parser goes on with the second statement,
-/// whose name `value` is, from token `start` on.
+/// At `quantity 5, type sphere`: true, with a report. The parser goes on with the second statement,
+/// whose name is `value`, from token `start` on.
 bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const Token& comma,
                                                    std::size_t start, const Expr& value) {
   const bool is_list_of_words = setting.values.front()->kind == ExprKind::kPath;
@@ -248,7 +248,7 @@ bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const
   return true;
 }
 
-/// `timestep 10 seconds` or `timestep n ms`: true, with a report.
+/// At `timestep 10 seconds` or `timestep n ms`: true, with a report.
 bool StatementParser::RefuseUnit(ExprKind last) {
   const Token next = cursor_.Peek();
   if (next.kind != TokenKind::kPath) return false;
@@ -273,7 +273,7 @@ bool StatementParser::RefuseUnit(ExprKind last) {
   return true;
 }
 
-/// `cycles 5 6`: true, with a report.
+/// At `cycles 5 6`: true, with a report.
 bool StatementParser::RefuseSecondNumber(const Setting& setting) {
   const Expr& last = *setting.values.back();
   const bool is_number = last.kind == ExprKind::kNumber || last.kind == ExprKind::kNegate;
@@ -288,7 +288,7 @@ bool StatementParser::RefuseSecondNumber(const Setting& setting) {
   return true;
 }
 
-/// `for i in 1..3 { }`: true, with a report.
+/// At `for i in 1..3 { }`: true, with a report.
 bool StatementParser::RefuseLoop() {
   const Token word = cursor_.Peek();
   const bool is_branch = cursor_.AtWord("if");
@@ -305,8 +305,8 @@ bool StatementParser::RefuseLoop() {
   return true;
 }
 
-/// Where another statement seems to begin behind the last value, of which `word` is the text: true,
-/// with a report.
+/// True, with a report, if another statement seems to begin after the last value, whose text is
+/// `word`.
 bool StatementParser::RefuseMissingSemicolon(ExprKind last, const std::string& word) {
   const Token next = cursor_.Peek();
   const bool is_statement =
@@ -365,7 +365,7 @@ std::optional<Case> StatementParser::ParseCase() {
                      text::Concat({"write ", one.name.text, " { … }"}));
       SkipStatement();
     } else if (cursor_.fault_count() > faults && cursor_.AtStatementEnd()) {
-      // Its name was reported; a missing block would be a second error for the same slip.
+      // An error in its name was reported; a missing block would be a second error for one mistake.
     } else if (ParseBlock(one.block, one.name.span)) {
       result = std::move(one);
     }

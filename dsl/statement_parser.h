@@ -1,4 +1,4 @@
-// Statements, blocks and the items of a file: all of the language but values.
+// The parser of statements, blocks and the items of a file: of everything except values.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace cdb::dsl {
 
-/// Every function reports what is wrong, and goes on where the next statement begins.
+/// Every function reports the errors it finds, and goes on where the next statement begins.
 class StatementParser {
  public:
   StatementParser(const text::Source& source, Diagnostics& diagnostics)
@@ -28,7 +28,7 @@ class StatementParser {
   /// end of the statement has been read as well.
   bool DropOutsideBenchmark(const Token& token, bool& is_reported);
   Use ParseUse();
-  /// Of `let a, b = zip(…)` the first; the others are then in `more_lets_`.
+  /// For `let a, b = zip(…)` the first let; the others are then in `more_lets_`.
   std::optional<Let> ParseLet();
   /// The `=` of a let. False if no value follows; a missing `=` is reported.
   bool ParseEquals(const Name& name);
@@ -55,7 +55,8 @@ class StatementParser {
   bool RefuseMissingSemicolon(ExprKind last, const std::string& word);
   void ParseMisplaced();
 
-  /// A block and its braces. False where there is none, which is reported as missing from `owner`.
+  /// Parses a block and its braces. If there is none, returns false and reports it as missing from
+  /// `owner`.
   bool ParseBlock(Block& block, const text::Span& owner);
   /// Calls `parse_one` for everything between the braces.
   bool ParseBraces(text::Span& span, const text::Span& owner,
@@ -65,12 +66,12 @@ class StatementParser {
   void ReportUnclosed();
   bool AtFileItem() const;
 
-  /// What follows an error in a statement that began with `faults` of them: the statement stays,
-  /// with a value that nothing is known of.
+  /// Replaces the value of a statement that contains an error by an unknown value, and keeps the
+  /// statement. `faults` is the number of errors before it.
   void Poison(Statement& statement, int faults);
   void Poison(Let& let);
   void AddDamage(Damage damage) { damage_ = std::max(damage_, damage); }
-  /// After a statement: its end has to be here.
+  /// Expects the end of a statement.
   void EndStatement();
   void ReportStrayBracket();
   /// Reports that no statement begins with `first`, and skips to the end of the statement.
@@ -83,20 +84,20 @@ class StatementParser {
 
   struct OpenBlock {
     text::Span brace;
-    std::uint32_t indent;  // of the line on which it opens
+    std::uint32_t indent;  // of the line on which the block opens
   };
   std::uint32_t IndentAt(std::uint32_t offset) const;
 
   TokenCursor cursor_;
   ValueParser values_;
   std::vector<OpenBlock> open_;
-  // The brace of a block that was closed by a '}' further left than it should be: where a '}' is
-  // missing at the end, it is this block's, whatever the count says.
+  // The brace of a block closed by a '}' that is indented less than expected: if a '}' is missing
+  // at the end, it is the one of this block, whatever the count of braces gives.
   std::optional<text::Span> suspect_;
-  std::vector<Let> more_lets_;     // of the present statement
-  Damage damage_ = Damage::kNone;  // of the present benchmark, or of the file outside of them
+  std::vector<Let> more_lets_;     // of the current statement
+  Damage damage_ = Damage::kNone;  // of the current benchmark, or of the file outside benchmarks
   bool unclosed_reported_ = false;
-  bool statement_begins_ = false;  // where a statement's end is missing and was reported
+  bool statement_begins_ = false;  // after a missing end of a statement was reported
 };
 
 }  // namespace cdb::dsl

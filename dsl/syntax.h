@@ -1,4 +1,4 @@
-// The syntax tree of a `.cdb` file: what was written, without any knowledge of what it means.
+// The syntax tree of a `.cdb` file, without the meaning of any name.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace cdb::dsl {
 struct Expr;
 using ExprPtr = std::unique_ptr<Expr>;
 
-/// A name or a dotted path with its place.
+/// A name or a dotted path with its location.
 struct Name {
   std::string text;  ///< `objects.quantity`
   text::Span span;
@@ -24,39 +24,39 @@ struct Name {
 struct Argument {
   std::optional<Name> name;  ///< `sd` of `sd: 3`
   ExprPtr value;
-  ExprPtr weight;  ///< the `3` of `sphere 3`; null where there is none
+  ExprPtr weight;  ///< the `3` of `sphere 3`; null if absent
 };
 
 enum class ExprKind {
-  kNumber,    ///< text: the literal as written (`1_000`, `0xAA`, `1e6`), sign not included
+  kNumber,    ///< text: the literal as written (`1_000`, `0xAA`, `1e6`), without its sign
   kText,      ///< text: the contents with escapes resolved
-  kPath,      ///< text: the name or the path, words such as `sphere` and `on` too
+  kPath,      ///< text: the name or the path, also words such as `sphere` and `on`
   kVector,    ///< items: x, y, z
   kRatio,     ///< items: the three parts of `1 : y : z`
   kCall,      ///< text: the function; arguments; axis from `as`; items: the two limits of `in`
   kNegate,    ///< items: the operand
   kBinary,    ///< op; items: left, right
-  kRange,     ///< items: first, last, and the step or the count where given; range
+  kRange,     ///< items: first, last, and the step or the count if given; range
   kQuantity,  ///< items: the value; text: its unit, `m/s^2`; text_span
-  kError,     ///< could not be read, which is reported: a value that nothing is known of
+  kError,     ///< could not be parsed, which was reported: an unknown value
 };
 
-/// How a range walks: `a .. b`, `step d`, `count n`, `count n log`.
+/// The form of a range: `a .. b`, `step d`, `count n`, `count n log`.
 enum class RangeKind { kByOne, kStep, kCount, kCountLog };
 
-/// `let a, b = zip(sweep(…), sweep(…)) as name`: sweeps that move together. Each is the value of a
-/// let of its own.
+/// `let a, b = zip(sweep(…), sweep(…)) as name`: sweeps that vary together. Each is the value of a
+/// separate let.
 struct Zip {
   text::Span span;  ///< of the call
   std::vector<Name> names;
-  std::vector<const Expr*> sweeps;  ///< as many as names
+  std::vector<const Expr*> sweeps;  ///< one for each name
   std::optional<Name> axis;         ///< `as name`
 };
 
 struct Expr {
   ExprKind kind = ExprKind::kNumber;
-  int height = 1;   ///< nodes on the longest way down; with what it stands in at most `kMaxDepth`
-  text::Span span;  ///< with the brackets around it
+  int height = 1;   ///< nodes on the longest path down; with its ancestors at most `kMaxDepth`
+  text::Span span;  ///< including the brackets around it
   std::string text;
   char op = 0;  ///< one of + - * / ^
   RangeKind range = RangeKind::kByOne;
@@ -65,27 +65,27 @@ struct Expr {
   std::vector<Argument> arguments;
   std::optional<Name> axis;        ///< `as name` after a call
   bool bare = false;               ///< a call without brackets: `ring radius: 20`
-  std::shared_ptr<const Zip> zip;  ///< that this sweep is a part of; null where of none
+  std::shared_ptr<const Zip> zip;  ///< the zip that this sweep belongs to, or null
 };
 
 struct Condition;
 using ConditionPtr = std::unique_ptr<Condition>;
-/// `and` binds closer than `or`; `not` negates all that follows it in its brackets.
+/// `and` binds closer than `or`; `not` negates everything after it within its brackets.
 enum class ConditionKind { kCompare, kIn, kAnd, kOr, kNot };
 
 struct Condition {
   ConditionKind kind = ConditionKind::kCompare;
-  int height = 1;   ///< as that of Expr
-  text::Span span;  ///< with the brackets around it
+  int height = 1;   ///< as in Expr
+  text::Span span;  ///< including the brackets around it
   std::string op;   ///< kCompare: == != < <= > >=
   ExprPtr left, right;
   std::vector<ConditionPtr> items;  ///< kAnd, kOr: two; kNot: one
-  std::vector<ExprPtr> values;      ///< kIn: one or more, of which `left` is one
+  std::vector<ExprPtr> values;      ///< kIn: one or more; `left` must equal one of them
 };
 
 struct Statement;
 struct Block {
-  text::Span span;  ///< with its braces
+  text::Span span;  ///< including its braces
   std::vector<Statement> statements;
 };
 
@@ -104,8 +104,8 @@ struct Cases {
   std::vector<Case> cases;
 };
 struct Skip {
-  ConditionPtr when;     ///< null if it could not be read, which is reported
-  bool is_only = false;  ///< `only when`: what it does not name is left out
+  ConditionPtr when;     ///< null if it could not be parsed, which was reported
+  bool is_only = false;  ///< `only when`: keeps the points that meet the condition
 };
 struct Group {
   Name kind;                  ///< `objects`
@@ -129,12 +129,12 @@ struct Use {
   text::Span path_span;
 };
 
-/// What errors have left of a file or a benchmark. A value that cannot be read is a kError and
-/// leaves it whole.
+/// The damage that errors did to a file or a benchmark. A value that cannot be parsed is a kError
+/// and does not count as damage.
 enum class Damage {
   kNone,
-  kLost,       ///< statements are missing: any name may be one of theirs
-  kMisnested,  ///< its braces do not match: statements may stand in the wrong block
+  kLost,       ///< statements are missing: any name may have been defined in one of them
+  kMisnested,  ///< its braces do not match: statements may be in the wrong block
 };
 
 struct Benchmark {
@@ -146,8 +146,7 @@ struct Benchmark {
   Block block;
 };
 
-/// One file. `items` keeps the order in which they were written. Holds the source that its spans
-/// point into.
+/// One file. `items` keeps the order of the text. Owns the source that its spans point into.
 struct File {
   std::shared_ptr<const text::Source> source;
   Damage damage = Damage::kNone;  ///< outside the benchmarks

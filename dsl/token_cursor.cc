@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLongestQuote = 40;
 
-// Text that goes into a message: one line, not too long, cut between characters.
+// Shortens a text for a message: one line, not too long, cut between characters.
 std::string Shorten(std::string_view text) {
   std::string shown(text.substr(0, text.find_first_of("\r\n")));
   if (shown.size() > kLongestQuote) {
@@ -91,7 +91,7 @@ bool TokenCursor::NextLineContinues() const {
     case TokenKind::kCaret:
       return true;
     case TokenKind::kPath:
-      // `name value` is a statement of its own.
+      // `name value` is a separate statement.
       return !AtValueStart(2) && Peek(2).kind != TokenKind::kLeftBrace &&
              Peek(2).kind != TokenKind::kAssign && !IsReserved(Text(Peek(1)));
     default:
@@ -135,7 +135,7 @@ void TokenCursor::ReportUnexpected(std::string_view expected, std::string help) 
   const Token& token = Peek();
   if (token.faulty) return;
   const bool line_end = token.kind == TokenKind::kNewline;
-  // The end of a line has no width of its own, and CR LF would underline two columns of nothing.
+  // The end of a line has no width, and CR LF would underline two empty columns.
   const text::Span span = line_end ? text::Span{&source_, token.begin, token.begin} : SpanOf(token);
   Report(kUnexpectedToken, span, text::Concat({"expected ", expected, ", not ", Describe(token)}),
          std::move(help));
@@ -150,7 +150,7 @@ bool TokenCursor::FitsDepth(int height, const text::Span& span) {
   return false;
 }
 
-// `my-name` is one word to the person who wrote it.
+// `my-name` is one word to the user.
 Name TokenCursor::TakeHyphened(bool digits_too) {
   const Token path = Take();
   Name name{std::string(Text(path)), SpanOf(path)};

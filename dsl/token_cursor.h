@@ -1,4 +1,4 @@
-// A place in the tokens of a source, and how to complain about what is there.
+// A cursor over the tokens of a source, which reports errors at its position.
 #pragma once
 
 #include <cstddef>
@@ -15,32 +15,32 @@
 
 namespace cdb::dsl {
 
-/// `benchmark`, `use`, `let`, `cases` and `skip`, which no parameter can be called.
+/// True for `benchmark`, `use`, `let`, `cases` and `skip`, which cannot be names of parameters.
 bool IsReserved(std::string_view word);
 
-/// Reads the tokens of one source in order, with any look-ahead.
+/// Reads the tokens of one source in order, with unlimited lookahead.
 class TokenCursor {
  public:
-  /// Lexes the source, with its errors.
+  /// Lexes the source, and reports its lexical errors.
   TokenCursor(const text::Source& source, Diagnostics& diagnostics);
 
-  /// The token `ahead` of the current one; the last is kEnd, however far one looks.
+  /// The token `ahead` tokens after the current one; kEnd past the end.
   const Token& Peek(std::size_t ahead = 0) const;
-  /// The token that was taken last; kEnd before the first.
+  /// The token taken last; kEnd before the first.
   const Token& Previous() const;
   Token Take();
   bool At(TokenKind kind) const { return Peek().kind == kind; }
-  /// A word such as `step`, which is a name elsewhere.
+  /// True at a word such as `step`, which is an ordinary name elsewhere.
   bool AtWord(std::string_view word, std::size_t ahead = 0) const;
-  /// Where a statement can end: a line end, `;`, `}` or the end of the file.
+  /// True where a statement can end: at a line end, `;`, `}` or the end of the file.
   bool AtStatementEnd() const;
-  /// A name, number, text or opening bracket.
+  /// True at a name, number, text or opening bracket.
   bool AtValueStart(std::size_t ahead = 0) const;
-  /// At the end of a line whose next line can only go on with the value before it.
+  /// True at the end of a line if the next line can only continue the value before it.
   bool NextLineContinues() const;
   bool FirstOnLine(const Token& token) const;
 
-  /// Errors of the parser, and tokens up to here that the lexer has complained about.
+  /// The number of errors of the parser, plus the tokens before this one reported by the lexer.
   int fault_count() const { return error_count_ + faulty_before_[index_]; }
 
   std::size_t index() const { return index_; }
@@ -48,7 +48,7 @@ class TokenCursor {
 
   std::string_view Text(const Token& token) const;
   text::Span SpanOf(const Token& token) const { return {&source_, token.begin, token.end}; }
-  /// From `begin` to the end of the token that was taken last.
+  /// From `begin` to the end of the token taken last.
   text::Span SpanFrom(std::uint32_t begin) const { return {&source_, begin, Previous().end}; }
   /// `'size'`, `the end of the line`: for messages.
   std::string Describe(const Token& token) const;
@@ -60,21 +60,21 @@ class TokenCursor {
     if (kind.severity() == Severity::kError) ++error_count_;
     diagnostics_.Report(kind, span, std::move(message), std::move(help), std::move(notes));
   }
-  /// `expected WHAT, not 'x'`, unless the lexer has already complained about this token.
+  /// Reports `expected WHAT, not 'x'`, unless the lexer has already reported this token.
   void ReportUnexpected(std::string_view expected, std::string help = {});
 
-  /// True where `height` more levels still fit below the current one; else reports it, at `span`,
-  /// once for each statement.
+  /// True if `height` more levels fit below the current one; otherwise reports at `span`, once for
+  /// each statement.
   bool FitsDepth(int height, const text::Span& span);
-  /// Whether this statement nests too deep, so that the rest of it is not read.
+  /// True if this statement is nested too deeply, so that the rest of it is skipped.
   bool gave_up() const { return gave_up_; }
   void BeginStatement() { gave_up_ = false; }
 
-  /// A name in its own right: `my_bench` after `benchmark`. Reports what cannot be one and gives
-  /// what was meant; nothing where there is no name at all. `what` is for the message: `a let`.
-  /// Where a value goes on behind the name, a `-` is an operator and no part of it.
+  /// Parses a name that is defined here: `my_bench` after `benchmark`. Reports an invalid name and
+  /// returns the one that was probably meant; nullopt if there is no name at all. `what` is for the
+  /// message: `a let`. `within_value`: a `-` after the name is an operator.
   std::optional<Name> ParseName(std::string_view what, bool within_value = false);
-  /// The path at the cursor, as the head of a statement: refuses reserved words in it, and `-`.
+  /// The path at the cursor, as the head of a statement; reports reserved words in it, and `-`.
   Name TakePath();
   /// Reports the reserved words in a path.
   void RefuseReserved(const Name& path);
@@ -88,14 +88,14 @@ class TokenCursor {
   const text::Source& source_;
   Diagnostics& diagnostics_;
   std::vector<Token> tokens_;
-  std::vector<int> faulty_before_;  ///< by token: how many before it
+  std::vector<int> faulty_before_;  ///< by token: the number of faulty tokens before it
   std::size_t index_ = 0;
   int error_count_ = 0;
   int depth_ = 0;
   bool gave_up_ = false;
 };
 
-/// One level deeper for as long as it lives.
+/// Raises the depth by one level for its lifetime.
 class DepthScope {
  public:
   explicit DepthScope(TokenCursor& cursor) : cursor_(cursor) { ++cursor_.depth_; }

@@ -100,7 +100,7 @@ ExprPtr ValueParser::FinishValue(ExprPtr first) {
   return FinishRatio(std::move(parts));
 }
 
-// The first parts of a ratio are there; the others follow, each after its colon.
+// Parses the rest of a ratio after its first parts, each part after its colon.
 ExprPtr ValueParser::FinishRatio(std::vector<ExprPtr> parts) {
   const std::uint32_t begin = parts.front()->span.begin;
   while (cursor_.At(TokenKind::kColon)) {
@@ -113,7 +113,7 @@ ExprPtr ValueParser::FinishRatio(std::vector<ExprPtr> parts) {
   if (parts.size() == 2) {
     cursor_.Report(kRatioParts, ratio->span, "a ratio has three parts, and this has 2",
                    "a range is written with '..', a ratio as 1 : y : z");
-    // A range was meant, most likely.
+    // Most likely, a range was meant.
     ratio->kind = ExprKind::kRange;
   } else if (parts.size() > 3) {
     cursor_.Report(
@@ -140,7 +140,7 @@ ExprPtr ValueParser::FinishRange(ExprPtr first) {
   return Finish(std::move(range), cursor_.SpanOf(dots));
 }
 
-/// `step d`, `count n` or `log` behind a range, or what was meant as one.
+/// Parses `step d`, `count n` or `log` after a range, or a word that was meant as one of these.
 ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   const Token token = cursor_.Peek();
   if (token.kind == TokenKind::kDots) {
@@ -173,7 +173,7 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   return RangeWord::kTaken;
 }
 
-/// The number behind `step` or `count`, or `word` that was meant as one (`known` is false).
+/// Parses the number after `step` or `count`, or after `word`, meant as one (`known` is false).
 ValueParser::RangeWord ValueParser::ParseRangeNumber(Expr& range, const Token& word, bool is_step,
                                                      bool known) {
   if (cursor_.AtStatementEnd() || AtClose() || cursor_.At(TokenKind::kComma)) {
@@ -204,8 +204,8 @@ ExprPtr ValueParser::ParseSum() {
   return left;
 }
 
-// A unit belongs to the whole product before it, so that `1/60 s` is a sixtieth of a second; behind
-// a quantity it belongs to the last factor: `20 cm / 4 cm`.
+// A unit applies to the whole product before it, so that `1/60 s` is a sixtieth of a second; after
+// a quantity it applies to the last factor: `20 cm / 4 cm`.
 ExprPtr ValueParser::ParseProduct() {
   ExprPtr left = ParsePower();
   bool has_unit = left && AtUnit();
@@ -258,7 +258,7 @@ ExprPtr ValueParser::FinishQuantity(ExprPtr value) {
   return Finish(std::move(quantity), fault);
 }
 
-/// `^2` behind the name of a unit; false after a report.
+/// Parses `^2` after the name of a unit; false after a report.
 bool ValueParser::TakePower(std::string& unit) {
   const Token caret = cursor_.Take();
   const std::string_view power =
@@ -288,7 +288,7 @@ ExprPtr ValueParser::ParsePower() {
 }
 
 ExprPtr ValueParser::ParseUnary() {
-  // One sign at most; the rest of a row of them is one error.
+  // One sign at most; the rest of a row of signs is one error.
   const Token sign = cursor_.Peek();
   if (sign.kind != TokenKind::kMinus && sign.kind != TokenKind::kPlus) return ParsePrimary();
   cursor_.Take();

@@ -25,7 +25,7 @@ fs::path FileOf(const fs::path& folder, std::string_view kind, std::string_view 
   return folder / fmt::format("{}.{}", key, kind);
 }
 
-/// What a file begins with; to be raised with its layout.
+/// The beginning of a file; to be incremented with every change of its layout.
 std::string HeadOf(std::string_view kind, std::string_view key) {
   return fmt::format("cdb {} 3\n{}", kind, key);
 }
@@ -40,7 +40,7 @@ bool IsSafeFolder(const fs::path& folder) {
          IsOfUserAlone(status);
 }
 
-/// Makes it where it is missing, for the user alone. False where it is not safe.
+/// Creates the folder if it is missing, accessible only to the user. False if it is not safe.
 bool MakeFolder(const fs::path& folder) {
   std::error_code error;
   if (folder.empty()) return false;
@@ -49,7 +49,7 @@ bool MakeFolder(const fs::path& folder) {
   return IsSafeFolder(folder);
 }
 
-/// The bytes of a file that is the user's own; nullopt for any other.
+/// The bytes of a file owned by the user; nullopt for any other.
 std::optional<std::string> ReadOwn(const fs::path& path) {
   const plan::Descriptor file(open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat status = {};
@@ -72,14 +72,14 @@ bool WriteAllTo(int fd, std::string_view bytes) {
 
 enum class Replace { kYes, kNo };
 
-/// Writes a file under a temporary name and gives it its own. What a killed process left under that
-/// name is written over; while another process writes it, there is nothing to do.
+/// Writes a file under a temporary name and renames it. A leftover from a killed process under that
+/// name is overwritten; if another process is writing it, nothing is done.
 bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
   const fs::path temporary = path.string() + ".tmp";
   const plan::Descriptor file(
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (file.get() < 0) return false;
-  // Where the file system knows no locks, a mixture of two does not have its digest.
+  // Without locks in the file system, a mixture of two writes fails the check of its digest.
   if (flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
   if (!plan::IsAt(file.get(), temporary)) return false;
   const bool is_written = ftruncate(file.get(), 0) == 0 && WriteAllTo(file.get(), bytes);
@@ -94,13 +94,13 @@ bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
 constexpr const char* kSecretName = "secret";
 constexpr std::size_t kSecretBytes = 32;
 
-/// Known to whoever may read the folder, which is the user alone.
+/// Known to everyone who can read the folder, that is, only to the user.
 std::optional<std::string> FindSecret(const fs::path& folder) {
   auto secret = ReadOwn(folder / kSecretName);
   return secret && secret->size() == kSecretBytes ? secret : std::nullopt;
 }
 
-/// Of two processes that make one, both go on with the first.
+/// If two processes create one, both use the first.
 std::optional<std::string> MakeSecret(const fs::path& folder) {
   const fs::path path = folder / kSecretName;
   for (int tries = 0; tries < 3; ++tries) {
@@ -108,13 +108,13 @@ std::optional<std::string> MakeSecret(const fs::path& folder) {
     std::string bytes(kSecretBytes, '\0');
     if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
       return std::nullopt;
-    // What is there and is none is of no use to anybody.
+    // An existing file that is not a valid secret is useless.
     if (!WriteOwn(path, bytes, Replace::kNo) && !FindSecret(folder)) unlink(path.c_str());
   }
   return FindSecret(folder);
 }
 
-/// 64 hex digits that nobody without the secret can make (two passes, as in HMAC).
+/// 64 hex digits that only the owner of the secret can compute (two passes, as in HMAC).
 std::string SealOf(const std::string& secret, std::string_view body) {
   std::string inner = secret;
   inner += body;
@@ -129,7 +129,7 @@ fs::path CacheFolder() {
     return value == nullptr ? "" : value;
   };
   if (const auto folder = set("CDB_CACHE"); !folder.empty()) return folder;
-  // A relative one is to be ignored, says the XDG base directory specification.
+  // The XDG base directory specification says that a relative path must be ignored.
   if (const auto folder = set("XDG_CACHE_HOME"); folder.starts_with('/'))
     return fs::path(folder) / "cdb";
   if (const auto home = set("HOME"); !home.empty()) return fs::path(home) / ".cache" / "cdb";
@@ -188,7 +188,7 @@ CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_
   }
 }
 
-/// False where the file is no longer the one that others lock: whoever held it has removed it.
+/// False if the file is no longer the one that others lock: its last owner has removed it.
 bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
   bool is_locked = flock(fd_.get(), LOCK_EX | LOCK_NB) == 0;
   if (!is_locked && errno == EWOULDBLOCK) {
@@ -198,11 +198,11 @@ bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
   }
   if (is_locked && plan::IsAt(fd_.get(), file_)) return true;
   fd_.Close();
-  return !is_locked;  // no locks here
+  return !is_locked;  // the file system has no locks
 }
 
 CacheLock::~CacheLock() {
-  // While it is locked, so that nobody who waits for this file goes on with it.
+  // Removed while locked, so that a process that waits for this file does not continue with it.
   if (IsHeld()) unlink(file_.c_str());
 }
 

@@ -4,7 +4,7 @@
 
 namespace cdb::library {
 
-inline constexpr double kWallFriction = 0.5;  ///< Bullet's own
+inline constexpr double kWallFriction = 0.5;  ///< Bullet's default
 inline constexpr double kWallRestitution = 1;
 
 }  // namespace cdb::library

@@ -1,4 +1,4 @@
-// How many bodies a scene has, which is what detectors have limits for.
+// The number of bodies in a scene, which detectors limit.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace cdb::analysis {
 
-/// Objects of all groups, and the walls that stand.
+/// The objects of all groups, plus the walls in use.
 std::uint64_t BodyCount(const plan::Scene& scene);
-/// The most of any run.
+/// The largest number of bodies of any run.
 std::uint64_t MaxBodyCount(const plan::Plan& plan);
 
 }  // namespace cdb::analysis

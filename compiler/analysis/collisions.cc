@@ -18,7 +18,7 @@ Collisions::Collisions(const plan::Scene& scene) {
     walls_.push_back(Allows(a, kWallsWord));
     for (const plan::Group& b : groups) touches_.push_back(Allows(a, b.name) && Allows(b, a.name));
   }
-  std::vector<std::size_t> firsts;  // of each class
+  std::vector<std::size_t> firsts;  // the first group of each class
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const auto same =
         std::ranges::find_if(firsts, [&](std::size_t first) { return AreAlike(i, first); });

@@ -1,4 +1,4 @@
-// Which groups of objects may touch: `collides_with`.
+// Collision filter of the groups of objects: `collides_with`.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,23 @@
 
 namespace cdb::analysis {
 
-/// The word that names the walls among groups.
+/// The word for the walls among the names of groups.
 inline constexpr std::string_view kWallsWord = "walls";
 
-/// Two groups may touch where each one allows the other; walls allow everyone. Names that are no
-/// group's allow nobody.
+/// Two groups may touch if each allows the other; walls allow every group. A name that is not a
+/// group's allows none.
 class Collisions {
  public:
   explicit Collisions(const plan::Scene& scene);
 
-  /// Nothing is filtered.
+  /// True if nothing is filtered.
   bool AllMayTouch() const { return class_count_ == 1 && MayTouch(0, 0) && MayTouchWalls(0); }
-  /// By the groups' places in the scene.
+  /// By the index of each group in the scene.
   bool MayTouch(std::size_t group, std::size_t other) const {
     return touches_[group * walls_.size() + other] != 0;
   }
   bool MayTouchWalls(std::size_t group) const { return walls_[group] != 0; }
-  /// Groups of one class may touch the same others. Classes are counted from 0.
+  /// Groups of one class may touch the same groups. Classes are numbered from 0.
   std::size_t ClassOf(std::size_t group) const { return classes_[group]; }
   std::size_t ClassCount() const { return class_count_; }
 
@@ -38,7 +38,7 @@ class Collisions {
   std::size_t class_count_ = 0;
 };
 
-/// Bullet's masks have bits for no more.
+/// Bullet's collision masks have no bits for more.
 inline constexpr std::size_t kMostCollisionClasses = 12;
 
 }  // namespace cdb::analysis

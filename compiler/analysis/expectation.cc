@@ -13,7 +13,7 @@ namespace {
 
 using schema::IsZero;
 
-/// Kinematic objects do work on what they push.
+/// Kinematic objects do work on the objects that they push.
 bool IsDriven(const plan::Scene& scene) {
   return schema::AsCall(scene.world.Get("acceleration")) != nullptr ||
          std::ranges::any_of(scene.groups, HasKinematic) ||
@@ -42,8 +42,8 @@ bool MustRest(const plan::Scene& scene) {
          });
 }
 
-/// Bullet's contacts take the product of both sides' friction and restitution; a wall's restitution
-/// is 1.
+/// Bullet multiplies the friction and the restitution of both sides of a contact; the restitution
+/// of a wall is 1.
 bool KeepsEnergy(const plan::Scene& scene) {
   return std::ranges::all_of(scene.groups, [](const plan::Group& group) {
     const schema::Number* bounce = schema::AsNumber(group.settings.Get("restitution"));

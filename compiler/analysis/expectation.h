@@ -1,4 +1,4 @@
-// What a scene ought to do by physics, so that a verdict can say whether it did.
+// The physical behaviour expected of a scene, which a verdict compares with its motion.
 #pragma once
 
 #include <string_view>
@@ -8,25 +8,24 @@
 namespace cdb::analysis {
 
 enum class Expectation {
-  kAnything,  ///< no more than not to gain energy
-  kRest,      ///< to stand where it stands: a stack
-  kEnergy,    ///< to keep its energy: nothing rubs, nothing is damped, bounces are elastic
-  kDriven,    ///< a schedule moves it, so that energy says nothing
+  kAnything,  ///< nothing except that it must not gain energy
+  kRest,      ///< to stay where it is: a stack
+  kEnergy,    ///< to keep its energy: no friction, no damping, elastic bounces
+  kDriven,    ///< a schedule moves it, so that its energy proves nothing
 };
 
 /// `anything`, `rest`, `energy`, `driven`.
 std::string_view ExpectationName(Expectation expectation);
 
-/// By the parameter `expect`; where that is `auto`, by the scene's own numbers. A schedule always
-/// drives.
+/// From the parameter `expect`; if that is `auto`, from the settings of the scene. A scene with a
+/// schedule is always driven.
 Expectation ExpectationOf(const plan::Scene& scene);
 
-/// Nothing in the scene takes energy from objects that touch nothing: no damping, no schedule.
+/// True if nothing takes energy from objects without contacts: no damping, no schedule.
 bool FliesFreely(const plan::Scene& scene);
 
-/// Only contacts can take energy from the scene, by friction and by bounces that are not elastic:
-/// it flies freely, nothing resists rolling, contacts are rigid, and `expect` does not say
-/// `anything`.
+/// True if only contacts can take energy from the scene, by friction and by inelastic bounces: it
+/// flies freely, nothing resists rolling, contacts are rigid, and `expect` is not `anything`.
 bool OnlyContactsTakeEnergy(const plan::Scene& scene);
 
 }  // namespace cdb::analysis

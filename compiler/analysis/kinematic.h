@@ -1,4 +1,4 @@
-// Kinematic objects: they move as their velocities or their path say, whatever they meet.
+// Kinematic objects: they follow their velocities or their path, whatever they touch.
 #pragma once
 
 #include "compiler/plan/plan.h"
@@ -8,7 +8,7 @@ namespace cdb::analysis {
 /// The word of `mass` that makes an object kinematic.
 inline constexpr std::string_view kKinematicWord = "kinematic";
 
-/// The group has objects, and they are kinematic, or some of them may be drawn to be.
+/// True if the group has objects, and all or some of them may be kinematic.
 bool HasKinematic(const plan::Group& group);
 
 }  // namespace cdb::analysis

@@ -23,7 +23,7 @@ bool IsConstantZero(const schema::Value& value) {
   return vector != nullptr && vector->isZero(0);
 }
 
-/// The first group, by its name, whose `parameter` is not the constant 0 or off.
+/// The first group, by name, whose `parameter` is not the constant 0 or off.
 std::optional<std::string> GroupWith(const plan::Scene& scene, schema::GroupParameter parameter) {
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
@@ -161,8 +161,8 @@ class Analysis {
   }
 
   Answer StaticBoxes() const {
-    // A box that is not updated moves into dbvt's second tree, without its margin, and pairs are
-    // found in another order.
+    // A box that is not updated moves into the second tree of dbvt, without its margin, and pairs
+    // are found in another order.
     if (scene_.world.WordOr("detector") == "dbvt")
       return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
     if (scene_.world.On("sleeping"))
@@ -179,8 +179,8 @@ class Analysis {
   }
 
   const plan::Scene& scene_;
-  std::optional<std::string> ccd_, spin_, linked_;  ///< a group that has it
-  std::optional<std::string> told_;                 ///< a group whose poses are in a file
+  std::optional<std::string> ccd_, spin_, linked_;  ///< a group with this property
+  std::optional<std::string> told_;                 ///< a group whose poses are read from a file
 };
 
 }  // namespace

@@ -15,11 +15,11 @@ namespace cdb::analysis {
 enum class Decision {
   kLeftOut,
   kKept,
-  kAbsent,  ///< the scene has none anyway (walls where none stand)
+  kAbsent,  ///< the scene does not have it anyway (walls in a scene without walls)
   kOpen,    ///< the worker decides when the objects are drawn and placed
 };
 
-/// What becomes of one component in one run, and the number that decides it.
+/// The decision about one component in one run, and the number that decides it.
 struct PruningDecision {
   schema::Component component;
   Decision decision;
@@ -27,21 +27,21 @@ struct PruningDecision {
   bool operator==(const PruningDecision&) const = default;
 };
 
-/// One for each component, in the order of the table. `omit none` keeps all; a list keeps what it
-/// does not name.
+/// One for each component, in the order of the table. `omit none` keeps all components; a list
+/// keeps those that it does not name.
 std::vector<PruningDecision> AnalysePruning(const plan::Scene& scene);
 
-/// How `omit` asks for a component: by its name, by `auto`, which not all are part of, or not at
-/// all.
+/// How `omit` requests a component: by name, by `auto`, which does not include every component, or
+/// not at all.
 enum class PruningRequest { kNo, kAuto, kByName };
 PruningRequest RequestFor(const plan::Scene& scene, schema::Component component);
 
-/// One line for each: `walls: left out: ...`. The text that results carry as `needs`.
+/// One line per component: `walls: left out: ...`. Stored in results as `needs`.
 std::string DecisionsText(std::span<const PruningDecision> decisions);
-/// The names of those left out, separated by spaces: what results carry as `omitted`.
+/// The names of the components left out, separated by spaces. Stored in results as `omitted`.
 std::string OmittedNames(std::span<const PruningDecision> decisions);
-/// DecisionsText says that the component was there: not left out, and not absent from the scene
-/// anyway.
+/// True if DecisionsText states that the component was present: not left out, and not absent from
+/// the scene anyway.
 bool SaysKept(std::string_view decisions_text, schema::Component component);
 
 }  // namespace cdb::analysis

@@ -16,10 +16,10 @@
 namespace cdb::analysis {
 namespace {
 
-/// Cycles, objects and what else is counted are int32 coordinates of the results.
+/// Cycles, objects and other counts are int32 coordinates of the results.
 constexpr std::uint64_t kMostCycles = 2147483647;
 
-/// As a person would write it: `1 / 15`, `3 / 50`, `0.0123`.
+/// In a readable form: `1 / 15`, `3 / 50`, `0.0123`.
 std::string SecondsText(double seconds, double timestep) {
   for (const double unit : {seconds, timestep}) {
     const double rate = std::round(1 / unit);
@@ -40,7 +40,7 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
   return "choose a reference.timestep that divides the time step of the run";
 }
 
-/// `every 60` counts cycles: as many of the reference's as last as long.
+/// `every 60` counts cycles: converts it to the number of cycles of the reference in the same time.
 template <bool kGrouped>
 bool StretchSchedules(plan::SettingsOf<kGrouped>& settings, double from_s, double to_s) {
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -148,19 +148,19 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   const auto steps = WholeSteps(sampling->interval_s, timestep);
   CDB_CHECK(steps);
   set("timestep", timestep);
-  // As far as the last sample of any run goes that asks for it.
+  // Up to the last sample of any run that uses this reference.
   set("cycles", (sampling->count - 1) * *steps);
   set("warmup", std::uint64_t{0});
   set("precision", world.Get("accuracy.reference.precision"));
   set("detector", world.Get("accuracy.reference.detector"));
-  // The contacts too are those of the reference's detector.
+  // The reference's own detector also finds the contacts.
   set("narrow_phase", schema::Word{"own"});
   set("pair_order", schema::Word{"listed"});
   set("threads", std::uint64_t{1});
   set("solver.iterations", world.Get("accuracy.reference.iterations"));
   if (world.WordOr("accuracy.reference.contact") != "same")
     set("contact", world.Get("accuracy.reference.contact"));
-  // What decides nothing of it must not make another run of it.
+  // A setting without effect on the reference must not change its id.
   set("accuracy.reference.contact", schema::Word{"same"});
   set("accuracy.metrics", schema::WordList{"none"});
   set("omit", schema::WordList{"auto"});

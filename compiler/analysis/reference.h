@@ -1,5 +1,5 @@
-// Samples and references of a scene: which runs serve as ground truth. They follow from the scenes
-// alone, so that every process derives the same ones.
+// Samples and references of a scene: the runs that serve as ground truth. They follow from the
+// scenes alone, so that every process derives the same ones.
 #pragma once
 
 #include <cstdint>
@@ -10,36 +10,37 @@
 
 namespace cdb::analysis {
 
-/// When a run is sampled: at the start and then every `interval_s` of simulated time.
+/// The times at which a run is sampled: at the start, then every `interval_s` of simulated time.
 struct Sampling {
   double interval_s = 0;
-  std::uint64_t cycles = 0;  ///< from one sample to the next, warm-up cycles too
-  std::uint64_t count = 0;   ///< with the one at the start
+  std::uint64_t cycles = 0;  ///< from one sample to the next, including warm-up cycles
+  std::uint64_t count = 0;   ///< including the sample at the start
   bool operator==(const Sampling&) const = default;
 };
 
-/// Why the errors that a scene asks for cannot be had; no parameter where they can.
+/// The reason why the requested errors of a scene cannot be measured; no parameter if they can.
 struct AccuracyFault {
   const schema::Parameter* parameter = nullptr;  ///< to be changed: `accuracy.interval`, `cycles`
-  std::string message;                           ///< what is wrong
-  std::string help;                              ///< what would do
+  std::string message;                           ///< the fault
+  std::string help;                              ///< a value that would be accepted
 };
 AccuracyFault FindAccuracyFault(const plan::Scene& scene);
 
-/// What follows is for scenes without such a fault (CDB_CHECK).
+/// The functions below require a scene without such a fault (CDB_CHECK).
 
-/// Nullopt where the scene asks for no errors.
+/// Nullopt if the scene requests no errors.
 std::optional<Sampling> SamplingOf(const plan::Scene& scene);
 
-/// So many steps of `timestep_s` are `span_s` to a part in 10^9; nullopt where none are.
+/// The number of steps of `timestep_s` that equals `span_s` to a part in 10^9; nullopt if there is
+/// none.
 std::optional<std::uint64_t> WholeSteps(double span_s, double timestep_s);
 
-/// Some error that it asks for needs the truth, and it names no closed form.
+/// True if a requested error needs the ground truth, and the scene names no closed form.
 bool NeedsReference(const plan::Scene& scene);
 
-/// The scene that stands for the truth of `scene`: from the same start over the same time with the
-/// reference's time step, precision, detector, iterations and contact settings; nothing is recorded
-/// but samples. Equal for scenes that differ only in what is replaced, so that they share it.
+/// The scene that provides the ground truth for `scene`: the same start and the same time, with the
+/// time step, precision, detector, iterations and contact settings of the reference; only samples
+/// are recorded. Scenes that differ only in replaced settings share one reference.
 plan::Scene ReferenceOf(const plan::Scene& scene);
 
 /// The reference with every object's start moved by kNudge of its size: how far the two part shows
@@ -47,7 +48,7 @@ plan::Scene ReferenceOf(const plan::Scene& scene);
 plan::Scene PerturbedOf(plan::Scene reference);
 inline constexpr double kPerturbation = 1e-9;
 
-/// Fills `references` of the plan and names them in its runs.
+/// Fills `references` of the plan, and enters their ids in its runs.
 void AddReferences(plan::Plan& plan);
 
 }  // namespace cdb::analysis

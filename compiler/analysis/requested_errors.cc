@@ -10,7 +10,7 @@ namespace {
 using schema::ErrorInfo;
 using schema::WordList;
 
-/// Most runs of most plans ask for none, and there may be many.
+/// Most runs of most plans request no errors, and a plan can have many runs.
 bool AsksForNone(const WordList& metrics) { return metrics.size() == 1 && metrics[0] == "none"; }
 
 const WordList& MetricsOf(const plan::Scene& scene) {

@@ -1,4 +1,4 @@
-// The errors that a scene or a plan asks for by `accuracy.metrics`.
+// The errors that a scene or a plan requests by `accuracy.metrics`.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,9 @@
 
 namespace cdb::analysis {
 
-/// In the order of the table; empty where the scene asks for none.
+/// In the order of the table; empty if the scene requests none.
 std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Scene& scene);
-/// Of all runs together.
+/// Those of all runs together.
 std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Plan& plan);
 
 }  // namespace cdb::analysis

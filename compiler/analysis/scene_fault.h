@@ -1,4 +1,5 @@
-// Why a scene cannot be built as its settings say, though each of them is valid by itself.
+// The reason why a scene cannot be built from its settings, although each of them is valid by
+// itself.
 #pragma once
 
 #include <functional>
@@ -11,16 +12,16 @@ namespace cdb::analysis {
 
 struct SceneFault {
   enum class Kind {
-    kPlacement,   ///< an object cannot be where its layout puts it, or the objects cannot fit
+    kPlacement,   ///< the layout cannot place an object, or the objects do not fit
     kClosedForm,  ///< `accuracy.closed_form` is not the solution of this scene
   };
   Kind kind = Kind::kPlacement;
-  std::string group;           ///< of the objects to blame; empty where it is none alone
-  std::string cause, remedy;   ///< `remedy` is empty where the cause says it
-  std::string parameter = {};  ///< whose value is to blame; empty where it is none alone
+  std::string group;           ///< of the objects at fault; empty if no single group is
+  std::string cause, remedy;   ///< `remedy` is empty if the cause implies it
+  std::string parameter = {};  ///< whose value is at fault; empty if no single parameter is
 };
 
-/// Looks at a scene; nullopt where nothing is wrong. A function, as only the library knows layouts
+/// Checks a scene; nullopt if it has no fault. A function, because only the library knows layouts
 /// and closed forms.
 using FindSceneFault = std::function<std::optional<SceneFault>(const plan::Scene& scene)>;
 

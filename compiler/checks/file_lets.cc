@@ -76,7 +76,7 @@ void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnos
   const dsl::File& file = scenario.main()->tree;
   NameCollector used;
   used.Add(file);
-  // A file of lets is there for others.
+  // A file with only lets is meant for use by others.
   const bool is_for_others = scenario.Benchmarks().empty();
   scenario::Layers layers;
   layers.groups = {used.groups().begin(), used.groups().end()};

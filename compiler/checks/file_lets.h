@@ -1,4 +1,4 @@
-// The lets of a file outside its benchmarks, whether a benchmark uses them or not.
+// Checks the lets of a file outside its benchmarks, whether or not a benchmark uses them.
 #pragma once
 
 #include "compiler/scenario/scenario.h"
@@ -6,8 +6,8 @@
 
 namespace cdb::checks {
 
-/// What a name means is known in a benchmark only, so of lets that are used, only faults that are
-/// faults anywhere are reported; of lets that nothing uses, all.
+/// The meaning of a name is known only within a benchmark. So for lets that are used, only errors
+/// that are errors anywhere are reported; for unused lets, all errors.
 void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnostics);
 
 }  // namespace cdb::checks

@@ -47,7 +47,7 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
            "fixed");
   }
-  // What is said of these is enough.
+  // These have a warning already.
   if (std::ranges::any_of(scene.groups, [](const plan::Group& group) {
         return analysis::HasKinematic(group) && IsStill(group);
       }))

@@ -1,4 +1,4 @@
-// Settings that a benchmark says and that move or judge nothing in any of its runs.
+// Settings of a benchmark that have no effect in any of its runs.
 #pragma once
 
 #include <map>
@@ -12,17 +12,17 @@
 
 namespace cdb::checks {
 
-/// Velocities of fixed objects, kinematic objects that nothing moves, and expectations of scenes
-/// that are driven. Not for several threads.
+/// Velocities of fixed objects, kinematic objects without motion, and expectations of driven
+/// scenes. Not thread-safe.
 class IdleSettings {
  public:
-  /// `benchmark`: where its name stands, for what no setting is to blame for.
+  /// `benchmark`: the location of its name, for findings that no single setting causes.
   IdleSettings(text::Span benchmark, dsl::Diagnostics& diagnostics)
       : benchmark_(benchmark), diagnostics_(diagnostics) {}
 
-  /// The scene at the chosen point of `configuration`.
+  /// Adds the scene at the chosen point of `configuration`.
   void Add(configure::Configuration& configuration, const plan::Scene& scene);
-  /// Warns of what was idle in every scene that was added.
+  /// Warns of settings that had no effect in every scene added.
   void Report() const;
 
  private:
@@ -36,7 +36,7 @@ class IdleSettings {
   text::Span benchmark_;
   dsl::Diagnostics& diagnostics_;
   std::map<scenario::ParameterKey, Finding> idle_;
-  std::set<scenario::ParameterKey> useful_;  ///< in some scene
+  std::set<scenario::ParameterKey> useful_;  ///< those with an effect in some scene
 };
 
 }  // namespace cdb::checks

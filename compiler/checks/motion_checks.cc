@@ -1,4 +1,5 @@
-// What kinematic objects cannot do, and what only they can; surfaces, which do not move.
+// Settings that kinematic objects cannot have, those that only they can have, and those of
+// surfaces, which cannot move.
 #include <fmt/format.h>
 
 #include "compiler/analysis/kinematic.h"
@@ -15,10 +16,10 @@ struct MotionFault {
   std::string message, help;
 };
 
-/// What Bullet would do with one differs from shape to shape.
+/// Bullet's treatment of a margin differs from shape to shape.
 std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
   const schema::Value& given = group.settings.Get("margin");
-  // The default is no margin here.
+  // The default means no margin here.
   if (schema::ToText(given) == (*schema::GroupParameter("margin")).default_text)
     return std::nullopt;
   return MotionFault{"margin",

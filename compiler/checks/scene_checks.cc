@@ -28,7 +28,7 @@ bool SceneChecks::PassTraced(configure::Configuration& configuration, plan::Scen
   return Trace(configuration, scene) && CheckCounts(configuration, scene);
 }
 
-// Makes it a scene of its trace. False where what is set does not go with one.
+// Turns the scene into one of its trace. False if a setting cannot be used with a trace.
 bool SceneChecks::Trace(configure::Configuration& configuration, plan::Scene& scene) {
   std::string why;
   const auto facts = configuration.scenario().TraceAt(analysis::TraceOf(scene)->path, why);
@@ -47,7 +47,7 @@ bool SceneChecks::Trace(configure::Configuration& configuration, plan::Scene& sc
   return faults.empty();
 }
 
-// Limits that several parameters have together.
+// Limits on several parameters together.
 bool SceneChecks::CheckCounts(configure::Configuration& configuration, const plan::Scene& scene) {
   const std::uint64_t objects = scene.ObjectCount();
   const std::uint64_t bodies = analysis::BodyCount(scene);
@@ -80,7 +80,7 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
   return holds;
 }
 
-// `at` and `pair` place a number of objects of their own.
+// `at` and `pair` fix the number of objects.
 bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
@@ -94,7 +94,7 @@ bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const pla
     const std::uint64_t places = is_pair                          ? 2
                                  : schema::ListsPoints(*location) ? location->arguments.size()
                                                                   : 1;
-    // A group of none is left out, but for a pair, which is two.
+    // A quantity of 0 leaves a group out, except for `pair`, which needs two objects.
     if (quantity == places || (is_at && quantity == 0)) continue;
     good = false;
     if (!misplaced_.emplace(group.name, location->name).second) continue;
@@ -114,7 +114,7 @@ bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const pla
   return good;
 }
 
-// A table has a line for each object, and alone says what it says.
+// A table has one line for each object, and no setting may repeat or contradict its columns.
 bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan::Group& group) {
   analysis::PoseFault why;
   const bool is_path = analysis::PathOf(group) != nullptr;
@@ -156,7 +156,7 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
   return true;
 }
 
-// `collides_with` names groups that there are, of no more kinds than Bullet tells apart.
+// `collides_with` must name existing groups, in no more classes than Bullet can tell apart.
 bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
                                   const plan::Scene& scene) {
   const auto parameter = schema::GroupParameter("collides_with");
@@ -195,7 +195,7 @@ bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
   return false;
 }
 
-// What links cannot hold.
+// Objects that links cannot hold together.
 bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
@@ -226,7 +226,7 @@ bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan
   return good;
 }
 
-// A component that `omit` names must not be one that the scene needs.
+// `omit` must not name a component that the scene needs.
 bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan::Scene& scene) {
   if (scene.world.Lists("omit", "none")) return true;
   bool good = true;
@@ -246,7 +246,7 @@ bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan:
   return good;
 }
 
-// What is said of errors has to lead to some, and their samples to lie on everyone's cycles.
+// Settings of accuracy need metrics; samples must fall on cycles, at one interval in all runs.
 bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene) {
   const auto& settings = configuration.layers().settings;
   const scenario::ParameterKey metrics{"", schema::WorldParameter("accuracy.metrics").get()};

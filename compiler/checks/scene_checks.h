@@ -1,5 +1,5 @@
-// Errors of a whole scene whose settings are valid one by one: too many bodies, the omission of a
-// component that it needs, errors that cannot be collected, settings without a meaning on a trace.
+// Errors of a whole scene whose settings are valid one by one: too many bodies, omission of a
+// component that it needs, errors that cannot be measured, settings without a meaning on a trace.
 #pragma once
 
 #include <cstddef>
@@ -16,17 +16,18 @@
 
 namespace cdb::checks {
 
-/// The scenes of one benchmark, which share what is wrong with most of them: each fault is reported
-/// once. Not for several threads.
+/// Checks the scenes of one benchmark. Each fault is reported once, as most scenes share it. Not
+/// thread-safe.
 class SceneChecks {
  public:
-  /// `benchmark`: where its name stands, for what no setting is to blame for.
+  /// `benchmark`: the location of its name, for faults that no single setting causes.
   SceneChecks(text::Span benchmark, dsl::Diagnostics& diagnostics)
       : benchmark_(benchmark), diagnostics_(diagnostics) {}
 
-  /// Of the scene at the chosen point of `configuration`. False where something is wrong.
+  /// Checks the scene at the chosen point of `configuration`. False if it has a fault.
   bool Pass(configure::Configuration& configuration, const plan::Scene& scene);
-  /// The same of a scene whose detector is run on a trace, which becomes a scene of that trace.
+  /// Does the same for a scene whose detector is run on a trace, and turns it into a scene of the
+  /// trace.
   bool PassTraced(configure::Configuration& configuration, plan::Scene& scene);
 
  private:
@@ -42,17 +43,17 @@ class SceneChecks {
 
   text::Span benchmark_;
   dsl::Diagnostics& diagnostics_;
-  // As reported:
+  // Faults already reported.
   bool capacity_reported_ = false;
   std::set<std::pair<std::string, std::string>>
-      misplaced_;  ///< groups, and their layouts or what is wrong with their links
-  /// Words of `omit` that were refused: the reason may be another one in each run.
+      misplaced_;  ///< groups, and their layout or the fault of their links
+  /// Words of `omit` already rejected: the reason can differ between runs.
   std::set<std::tuple<const text::Source*, std::size_t, schema::Component>> refused_;
   std::set<std::pair<scenario::ParameterKey, std::string>>
-      untraceable_;          ///< settings, and words of `record`, that do not go with a trace
-  bool inaccurate_ = false;  ///< a fault in what is said of accuracy
+      untraceable_;          ///< settings, and words of `record`, that cannot be used with a trace
+  bool inaccurate_ = false;  ///< a fault in the settings of accuracy
 
-  std::optional<double> interval_s_;  ///< of the samples, once some run has any
+  std::optional<double> interval_s_;  ///< of the samples, once a run has any
 };
 
 }  // namespace cdb::checks

@@ -16,10 +16,10 @@ using schema::GroupParameter;
 using schema::WorldParameter;
 using Kind = analysis::SceneFault::Kind;
 
-/// Objects that keep the default size are warned of where all others are smaller than this part.
+/// Warns of objects of the default size if all others are smaller than this fraction of it.
 constexpr double kSmall = 0.1;
 
-/// All that decides where objects are placed.
+/// All settings that determine the placement of objects.
 std::string PlacementKey(const plan::Scene& scene) {
   std::string key = schema::ToText(scene.world.Get("world.side"));
   for (const plan::Group& group : scene.groups) {
@@ -42,11 +42,12 @@ std::string DefaultSizeText() {
 }  // namespace
 
 std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(const plan::Scene& scene) {
-  // Where objects are drawn depends on the seeds, which follow from it.
+  // The positions depend on the seeds, which follow from `seed`.
   plan::NoteRead(*WorldParameter("seed"));
   const std::uint64_t count = scene.ObjectCount();
   if (NamesClosedForm(scene)) {
-    // It depends on most of a scene, so that no two are alike. The square must not overflow.
+    // It depends on most of a scene, so that no two scenes share a result. The square must not
+    // overflow.
     pairs_ += count < kMostPairs ? count * count / 2 : kMostPairs + 1;
     if (pairs_ > kMostPairs) return std::nullopt;
     return find_(scene);
@@ -79,7 +80,8 @@ void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene
                             !configuration.IsSet({fault->group, GroupParameter("size").get()});
 }
 
-// The first setting that may be to blame and that the benchmark has, else its name.
+// The location of the first setting that may be at fault and that the benchmark sets, else of its
+// name.
 text::Span SceneFaults::SpanOf(configure::Configuration& configuration,
                                const analysis::SceneFault& fault) const {
   std::vector<scenario::ParameterKey> keys;
@@ -101,7 +103,7 @@ text::Span SceneFaults::SpanOf(configure::Configuration& configuration,
 void SceneFaults::WarnOfDefaultSizes(configure::Configuration& configuration,
                                      const plan::Scene& scene) {
   const GroupParameter size = "size";
-  double largest = 0;  // of the groups that set their size
+  double largest = 0;  // of the groups that set a size
   for (const plan::Group& group : scene.groups)
     if (group.settings.Count("quantity") > 0 && configuration.IsSet({group.name, size.get()}))
       largest = std::max(largest, lints::BoundsOf(group.settings, "size").most);

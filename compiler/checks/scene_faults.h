@@ -1,5 +1,5 @@
-// Scenes of a benchmark that cannot be built or have another closed form: each fault once, with the
-// number of its runs.
+// Scenes of a benchmark that cannot be built or that have another closed form: each fault once,
+// with the number of runs that have it.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +18,11 @@
 
 namespace cdb::checks {
 
-/// Not for several threads.
+/// Not thread-safe.
 class SceneFaults {
  public:
-  /// `benchmark`: where its name stands, for what no setting is to blame for. `find` may be empty:
-  /// then there are no faults. `most_objects`: that are placed.
+  /// `benchmark`: the location of its name, for faults that no single setting causes. `find` may be
+  /// empty: no faults are then found. `most_objects`: the limit on placed objects.
   SceneFaults(text::Span benchmark, analysis::FindSceneFault find, dsl::Diagnostics& diagnostics,
               std::uint64_t most_objects = kMostObjects)
       : benchmark_(benchmark),
@@ -30,13 +30,13 @@ class SceneFaults {
         diagnostics_(diagnostics),
         most_objects_(most_objects) {}
 
-  /// The scene at the chosen point of `configuration`, which is run so many times. Scenes that
-  /// place the same objects are looked at once, and no more than hold `most_objects` together, or
-  /// kMostPairs of objects that a closed form may look at, which take a second or two: the rest
-  /// shows when it is run.
+  /// Adds the scene at the chosen point of `configuration`, which has `runs` runs. Scenes that
+  /// place the same objects are checked once. Checks stop at `most_objects` objects in total, or at
+  /// kMostPairs pairs of objects that a closed form may examine, which take a second or two:
+  /// remaining faults show in the runs.
   void Add(configure::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
-  /// Of a plan of so many runs. A wrong closed form is an error, and so are objects that cannot be
-  /// placed in any run; where only some runs fail of it, the others are worth having: a warning.
+  /// Reports for a plan of `runs` runs. A wrong closed form is an error, and so are objects that
+  /// cannot be placed in any run. If only some runs fail, the others are still useful: a warning.
   void Report(std::size_t runs) const;
 
   static constexpr std::uint64_t kMostObjects = 1'000'000, kMostPairs = 200'000'000;
@@ -50,10 +50,10 @@ class SceneFaults {
   };
   using FindingKey = std::pair<analysis::SceneFault::Kind, std::string>;  ///< by group
 
-  /// Nullopt where the scene is not looked at.
+  /// Nullopt if the scene is not checked.
   std::optional<std::optional<analysis::SceneFault>> Find(const plan::Scene& scene);
   void WarnOfDefaultSizes(configure::Configuration& configuration, const plan::Scene& scene);
-  /// Spheres whose sides are drawn one by one.
+  /// Warns of spheres whose sides are drawn one by one.
   void WarnOfEllipsoids(configure::Configuration& configuration, const plan::Scene& scene);
   text::Span SpanOf(configure::Configuration& configuration,
                     const analysis::SceneFault& fault) const;
@@ -63,11 +63,11 @@ class SceneFaults {
   dsl::Diagnostics& diagnostics_;
   std::uint64_t most_objects_;
   std::map<std::string, std::optional<std::optional<analysis::SceneFault>>>
-      known_;                              ///< by what decides it
-  std::uint64_t objects_ = 0, pairs_ = 0;  ///< looked at so far
+      known_;                              ///< by the settings that determine the placement
+  std::uint64_t objects_ = 0, pairs_ = 0;  ///< examined so far
   std::size_t unplaced_runs_ = 0, looked_at_ = 0;
   std::map<FindingKey, Finding> findings_;
-  std::set<std::string> default_sizes_;  ///< groups that were warned of
+  std::set<std::string> default_sizes_;  ///< groups already warned of
 };
 
 }  // namespace cdb::checks

@@ -68,8 +68,8 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
                                     word),
                         fmt::format("what can be: {}", fmt::join(kRecorded, ", "))});
 
-  // The plan says of its own accord how large the scene is; what it says of objects beside that has
-  // no effect.
+  // The trace determines the size of the scene; other settings of objects in the plan have no
+  // effect.
   scene.groups.resize(1);
   scene.groups[0].settings.Set("quantity", facts.bodies);
   scene.seeds.clear();

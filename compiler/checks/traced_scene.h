@@ -1,4 +1,4 @@
-// A scene whose detector is run on a trace: what still means something there.
+// A scene whose detector is run on a trace, and the settings that still apply to it.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace cdb::checks {
 
-/// What is wrong with one setting.
+/// The fault of one setting.
 struct TracedFault {
   const dsl::DiagnosticKind* kind = nullptr;
   scenario::ParameterKey key;
-  std::string word;  ///< of the list that it is set to; empty: the setting as a whole
+  std::string word;  ///< of the list in the setting; empty: the whole setting
   std::string message, help;
 };
 
-/// Gives `scene` what the trace says: as many objects as it has bodies, no walls, its time step and
-/// precision, all of its cycles and what can be recorded, where `layers` does not say otherwise.
-/// Returns what `layers` says that means nothing with it.
+/// Gives `scene` the properties of the trace: one object per body, no walls, its time step and
+/// precision, all of its cycles and everything that can be recorded, unless `layers` sets
+/// otherwise. Returns the settings of `layers` that have no meaning with a trace.
 std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
                                   plan::Scene& scene);
 

@@ -88,7 +88,7 @@ class UnreachedValues {
                         what + ": `skip` leaves out every point that has it", help);
   }
 
-  /// The benchmark's own cases that make the axis; null if there are none.
+  /// The cases in the benchmark itself that make the axis; null if there are none.
   const dsl::Cases* CasesOf(const std::string& axis) const {
     for (const dsl::Statement& statement : benchmark_.benchmark->block.statements)
       if (const auto* cases = std::get_if<dsl::Cases>(&statement.what))
@@ -96,7 +96,7 @@ class UnreachedValues {
     return nullptr;
   }
 
-  /// Where the axis is swept, in any case.
+  /// The location of a sweep of the axis, in any case.
   std::optional<text::Span> SweepOf(const std::string& axis) const {
     dsl::Diagnostics said_before;
     const scenario::LayeredBenchmark layered(scenario_, benchmark_, said_before);
@@ -118,7 +118,7 @@ class UnreachedValues {
   dsl::Diagnostics& diagnostics_;
 };
 
-/// The settings and lets of a block by their full names, each with the place of its name.
+/// The settings and lets of a block by their full names, with the locations of these names.
 using Definitions = std::map<std::string, text::Span>;
 
 void Collect(const dsl::Block& block, const std::string& outer, Definitions& definitions) {
@@ -135,7 +135,7 @@ void Collect(const dsl::Block& block, const std::string& outer, Definitions& def
   }
 }
 
-/// A setting outside the cases that each of them sets anew.
+/// Reports a setting outside cases that every case overrides.
 void ReportOverridden(const dsl::Block& block, dsl::Diagnostics& diagnostics) {
   Definitions outside;
   Collect(block, "", outside);

@@ -1,4 +1,4 @@
-// What a benchmark says and no run has: values of axes, cases, axes and settings.
+// Parts of a benchmark that no run uses: values of axes, cases, axes and settings.
 #pragma once
 
 #include "compiler/grid/grid.h"
@@ -7,13 +7,13 @@
 
 namespace cdb::checks {
 
-/// Warns of what stands in the benchmark's own block, not of what it takes from a base: values of
-/// an axis and cases that `skip` leaves out at every point, sweeps in a let that nothing uses, and
-/// settings that every case overrides. `grid` is the benchmark's.
+/// Warns of parts of the benchmark's own block, not of those from a base: values of an axis and
+/// cases that `skip` leaves out at every point, sweeps in an unused let, and settings that every
+/// case overrides. `grid` is the benchmark's.
 void ReportUnreachable(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
                        const grid::Grid& grid, dsl::Diagnostics& diagnostics);
 
-/// Warns of a let of the file that is a sweep and that nothing uses.
+/// Warns of an unused let of the file that is a sweep.
 void ReportUnusedSweep(const dsl::Let& let, dsl::Diagnostics& diagnostics);
 
 }  // namespace cdb::checks

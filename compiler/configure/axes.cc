@@ -19,7 +19,7 @@ using dsl::ExprKind;
 using schema::Number;
 using schema::Value;
 
-/// A whole number that a double would round is a label rather than a wrong number.
+/// A large integer that a double would round becomes a label, not a wrong number.
 bool IsExactNumber(const Value& value) {
   const Number* number = AsNumber(value);
   if (number == nullptr) return false;
@@ -44,7 +44,7 @@ class AxisFinder {
   }
 
  private:
-  /// The setting or let that a sweep is written in.
+  /// The setting or let that contains a sweep.
   struct Statement {
     std::string name, parameter, unit;
     std::optional<scenario::ParameterKey> key;
@@ -52,7 +52,7 @@ class AxisFinder {
     int count = 0;  ///< sweeps found in it so far
   };
 
-  /// The part of a statement in which an expression stands.
+  /// The part of a statement that contains an expression.
   struct Part {
     const Expr* slot = nullptr;  ///< the whole value, vector component or argument
     const schema::ParametrisedWord* word = nullptr;
@@ -63,7 +63,7 @@ class AxisFinder {
 
   static Statement StatementOf(const scenario::ParameterKey& key, int order) {
     const schema::Parameter& parameter = *key.second;
-    // As it is called in its outermost block: `size`, `side`, `links_stiffness`.
+    // The name within its outermost block: `size`, `side`, `links_stiffness`.
     std::string full = parameter.FullName();
     std::string name = full.substr(full.find('.') + 1);
     std::ranges::replace(name, '.', '_');
@@ -107,7 +107,7 @@ class AxisFinder {
         Walk(*argument.value, scope, statement, part);
       return;
     }
-    // Of a function that there is not, nothing is known.
+    // Nothing is known of the arguments of an unknown function.
     if (!schema::FindDistribution(call.text) && schema::FindParametrisedWord(call.text) == nullptr)
       return;
     for (const auto& limit : call.items) {
@@ -121,7 +121,7 @@ class AxisFinder {
       inner.slot = argument.value.get();
       if (const schema::ParametrisedWord* word = schema::FindParametrisedWord(call.text)) {
         inner.word = word;
-        // A point stands for all arguments: its axis is called after the component.
+        // A point replaces all arguments: its axis is named after the component.
         const bool is_point = word->takes_points && argument.value->kind == ExprKind::kVector;
         if (!is_point) inner.argument = names::ArgumentAt(*word, call, i);
       }
@@ -131,7 +131,7 @@ class AxisFinder {
     }
   }
 
-  /// A let that several statements use is walked once.
+  /// A let used by several statements is walked once.
   void WalkLet(const names::Referent& referent) {
     if (!referent.let || !seen_.insert(referent.let->node).second) return;
     const dsl::Let& let = *referent.let->node;
@@ -154,8 +154,8 @@ class AxisFinder {
     axes_.push_back(std::move(axis));
   }
 
-  /// One axis, with the values of the first sweep; where these are not distinct, with labels of
-  /// all.
+  /// One axis, with the values of the first sweep; if these are not distinct, with joined labels of
+  /// all sweeps.
   void AddZip(const dsl::Zip& zip, const scenario::Scope& scope, Statement& statement) {
     const Expr& first = *zip.sweeps[0];
     if (!seen_.insert(&first).second) return;
@@ -218,7 +218,7 @@ class AxisFinder {
         part.argument != nullptr && part.argument->unit != schema::kParametersUnit;
     axis.unit = has_own_unit ? std::string(part.argument->unit) : statement.unit;
     if (part.argument == nullptr && part.word != nullptr)
-      axis.unit = part.word->arguments[0].unit;  // of a point
+      axis.unit = part.word->arguments[0].unit;  // the unit of a point
     axis.key = statement.key;
     axis.word = part.word;
     axis.argument = part.argument;
@@ -227,9 +227,9 @@ class AxisFinder {
     return axis;
   }
 
-  /// The values on the axis of `call`; nullopt after a diagnostic. In `20 * sweep(1, 2)` they are
-  /// 20 and 40, unless another axis takes part in them. In `sweep(1, 2) * size`, of which each
-  /// object has another value, they are 1 and 2, and `is_factor`.
+  /// The values on the axis of `call`; nullopt after a diagnostic. For `20 * sweep(1, 2)` they are
+  /// 20 and 40, unless another axis takes part. For `sweep(1, 2) * size`, which differs for each
+  /// object, they are 1 and 2, and `is_factor` is set.
   std::optional<std::vector<Value>> Evaluate(const Expr& call, const evaluate::Sweep& sweep,
                                              const scenario::Scope& scope, const Part& part,
                                              bool& is_factor) {

@@ -1,4 +1,4 @@
-// Finds the sweeps of a benchmark and makes axes of them.
+// Finds the sweeps of a benchmark and makes axes from them.
 #pragma once
 
 #include <string>
@@ -18,15 +18,15 @@ struct SweepAxis {
   const dsl::Expr* call = nullptr;
   std::string parameter, unit;
   std::optional<scenario::ParameterKey> key;  ///< of that parameter
-  /// The argument of a word in which the sweep stands, `ring(radius: sweep(1, 2))`; else null.
+  /// The argument of a word that contains the sweep, `ring(radius: sweep(1, 2))`; otherwise null.
   const schema::ParametrisedWord* word = nullptr;
   const schema::Parameter* argument = nullptr;
-  int component = -1;         ///< 0, 1, 2: the sweep stands in a vector or a ratio
-  std::pair<int, int> order;  ///< of its statement, and its place therein
+  int component = -1;         ///< 0, 1, 2: the sweep is in a vector or a ratio
+  std::pair<int, int> order;  ///< of its statement, and its position in it
   std::vector<plan::Coordinate> values;
 };
 
-/// All axes of `layers`, in the order in which the sweeps are written. Two of one name are
+/// All axes of `layers`, in the order in which the sweeps are written. Two axes of one name are
 /// reported.
 std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evaluator& evaluator);
 

@@ -72,7 +72,7 @@ void Conditions::CheckCalls(const dsl::Condition& condition) {
   for (const auto& value : condition.values) RefuseCall(*value);
 }
 
-/// A call in a condition has no one value: true, with a report.
+/// A call in a condition does not have a single value: true, with a report.
 bool Conditions::RefuseCall(const Expr& expr) {
   if (expr.kind == ExprKind::kCall && expr.text == "sweep") {
     evaluator_.Error(scenario::kMisplacedSweep, expr.span, "a sweep in a condition makes no axis",
@@ -146,7 +146,7 @@ bool Conditions::CheckWord(const Expr& word, const Expr& other, const scenario::
       evaluator_.names().Resolve(other.text, scope).let)
     return true;
   if (std::ranges::find(words, word.text) != words.end()) return true;
-  // The axis may be one that could not be read.
+  // It may be an axis with an error.
   if (words.empty() && evaluator_.layers().has_unread) return false;
   const std::string near = Nearest(word.text, words, scope);
   std::string help;

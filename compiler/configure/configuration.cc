@@ -20,8 +20,8 @@ namespace {
 using dsl::ExprKind;
 using schema::Value;
 
-/// The argument that axis `like` sweeps, of a value that is not swept here; nullopt where that is
-/// another word.
+/// The value, for the argument that axis `like` sweeps, in a value that is not swept here; nullopt
+/// if the value is another word.
 std::optional<Value> ArgumentLike(const SweepAxis& like, const Value& value) {
   std::optional<schema::Call> call;
   if (AsCall(value)) call = *AsCall(value);
@@ -139,7 +139,7 @@ void Configuration::Add(const scenario::ParameterKey& key) {
   parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_)});
 }
 
-/// Reports the invalid values of a parameter, at most as many as a person would read.
+/// Reports the invalid values of a parameter, up to the number that a person would read.
 void Configuration::ReportAll(const DependentParameter& parameter) {
   constexpr int kMost = 1000;
   const Point here = point_;

@@ -1,4 +1,4 @@
-// A benchmark under one choice of its cases: its axes, and the scene at each of their points.
+// A benchmark under one choice of its cases: its axes, and the scene at each of its points.
 #pragma once
 
 #include <cstddef>
@@ -46,21 +46,21 @@ class Configuration {
   const std::vector<DependentParameter>& parameters() const { return parameters_; }
   /// The value of a parameter at the chosen point; nullopt after a diagnostic.
   std::optional<schema::Value> ValueOf(const scenario::ParameterKey& key);
-  /// Sets the seeds of a scene and the plug-ins that it uses.
+  /// Sets the seeds of a scene and the plug-ins it uses.
   void Complete(plan::Scene& scene) const;
-  /// Checks each setting, and each condition, on its own.
+  /// Checks each setting and each condition separately.
   void CheckSettings();
 
   bool IsSet(const scenario::ParameterKey& key) const { return layers_.settings.contains(key); }
-  /// The place of a parameter's value at the chosen point, for diagnostics about it; `otherwise`
-  /// where it is a default.
+  /// The location of a parameter's value at the chosen point, for diagnostics about it; `otherwise`
+  /// if it is a default.
   text::Span SpanOf(const scenario::ParameterKey& key, const text::Span& otherwise);
-  /// The place of one word of the list that `key` is set to, at the chosen point.
+  /// The location of one word in the list of `key`, at the chosen point.
   text::Span SpanOfWord(const scenario::ParameterKey& key, std::string_view word);
 
-  /// Errors of units in settings: axes and conditions can be read in spite of them.
+  /// Errors of units in settings; axes and conditions can be evaluated in spite of them.
   int unit_errors() const { return unit_errors_; }
-  /// The value that axis `like` of another configuration has here, where it is not swept.
+  /// The value here for axis `like` of another configuration, if it is not swept here.
   std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
  private:
@@ -73,7 +73,7 @@ class Configuration {
   Conditions conditions_;
   std::vector<SweepAxis> axes_;
   int unit_errors_ = 0;
-  std::set<scenario::ParameterKey> faulty_;  ///< settings that are reported and not evaluated
+  std::set<scenario::ParameterKey> faulty_;  ///< settings with reported errors, not evaluated
   std::vector<DependentParameter> parameters_;
   Point point_;
 };

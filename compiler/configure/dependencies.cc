@@ -41,7 +41,7 @@ class Collector {
       for (const auto& value : setting->second.node->values) Add(*value, setting->second.scope);
     } else {
       for (const auto& value : names::DefaultSetting(*key.second).values) Add(*value, {});
-      // The layout may say how many there are.
+      // The layout may determine the quantity.
       if (key.second == schema::GroupParameter("quantity").get())
         Add(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
     }

@@ -21,7 +21,7 @@ namespace {
 using dsl::Expr;
 using schema::Value;
 
-/// `at((0, 0, 0), (1, 2, 3))`: the points, none of which has a name or a weight.
+/// `at((0, 0, 0), (1, 2, 3))`: the points, which must not have names or weights.
 std::optional<Value> EvaluatePoints(const Expr& expr, const schema::ParametrisedWord& info,
                                     const scenario::Scope& scope, Evaluator& evaluator) {
   schema::Call call{std::string(info.name), {}};
@@ -39,7 +39,7 @@ std::optional<Value> EvaluatePoints(const Expr& expr, const schema::Parametrised
   return good ? std::optional<Value>(std::move(call)) : std::nullopt;
 }
 
-/// Whether the arguments are points; nullopt where the first one is wrong.
+/// Whether the arguments are points; nullopt if the first one is invalid.
 std::optional<bool> HasPoints(const Expr& expr, const schema::ParametrisedWord& info,
                               const scenario::Scope& scope, Evaluator& evaluator) {
   const auto is_plain = [](const dsl::Argument& argument) {
@@ -54,7 +54,7 @@ std::optional<bool> HasPoints(const Expr& expr, const schema::ParametrisedWord& 
   return AsVector(*first) != nullptr;
 }
 
-/// A word with its arguments.
+/// Evaluates a word with its arguments.
 std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWord& info,
                                   const scenario::Scope& scope, Evaluator& evaluator) {
   const auto has_points = HasPoints(expr, info, scope, evaluator);
@@ -82,7 +82,7 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
     good = good && value;
     if (value) call.arguments.push_back(*value);
   }
-  // A name that is not quite right is what is missing.
+  // A misspelt name explains a missing argument.
   if (given.good() && !missing.empty())
     ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
   if (!good || !missing.empty()) return std::nullopt;

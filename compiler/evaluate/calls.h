@@ -10,7 +10,7 @@ namespace cdb::evaluate {
 
 class Evaluator;
 
-/// nullopt after a diagnostic.
+/// Nullopt after a diagnostic.
 std::optional<schema::Value> EvaluateCall(const dsl::Expr& call, const scenario::Scope& scope,
                                           Evaluator& evaluator);
 

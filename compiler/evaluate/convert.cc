@@ -16,7 +16,7 @@ namespace {
 using schema::Integer;
 using schema::Value;
 
-/// A distribution whose draws are this rarely inside the domain would be drawn again for ever.
+/// The minimum probability of draws inside the domain: below it, redrawing would hardly end.
 constexpr double kLeastChance = 1e-3;
 
 class Converter {
@@ -197,7 +197,7 @@ class Converter {
       if (const auto detector = schema::FindDetector(text, plugins_))
         return CanBeUsed(*detector) ? std::optional(Value(word)) : std::nullopt;
     if (parameter_.HasWord(text)) return Value(word);
-    // Which groups there are is checked with the whole scene.
+    // The existence of groups is checked with the whole scene.
     if (parameter_.word_source == schema::WordSource::kGroups) return Value(word);
     if (parameter_.TakesCall(text)) {
       const schema::ParametrisedWord& info = *schema::FindParametrisedWord(text);
@@ -220,7 +220,7 @@ class Converter {
                               : fmt::format("did you mean '{}'?", near));
   }
 
-  /// It has the phase that is asked for, and is there.
+  /// True if the detector has the required phase and is available.
   bool CanBeUsed(const schema::DetectorInfo& detector) const {
     if (!parameter_.HasWord(detector.name, plugins_)) {
       if (parameter_.word_source == schema::WordSource::kNarrowPhases) {
@@ -243,7 +243,7 @@ class Converter {
     return false;
   }
 
-  /// A measured value outside the domain is a fault of the table.
+  /// A measured value outside the domain is an error in the table.
   bool TableInDomain(const schema::Distribution& drawn) const {
     if (drawn.kind != schema::DistributionKind::kEmpirical) return true;
     return std::ranges::all_of(drawn.arguments, [&](const Value& value) {
@@ -256,7 +256,7 @@ class Converter {
     });
   }
 
-  /// Draws outside the domain are drawn again; that has to end.
+  /// Draws outside the domain are repeated, which must terminate.
   bool Reachable(const schema::Distribution& drawn) const {
     const schema::Domain& domain = parameter_.domain;
     schema::Limits allowed{domain.min, domain.max};
@@ -329,7 +329,7 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Value, text::Span>>
   }
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (!parameter.StandsAlone(words[i])) continue;
-    // Of two words that both want to stand alone, the second is the odd one.
+    // If two words each exclude all others, the second is reported.
     for (std::size_t j = 0; j < words.size(); ++j) {
       if (words[j] == words[i] || (parameter.StandsAlone(words[j]) && i < j) ||
           parameter.StandsBeside(words[i], words[j]))
@@ -344,7 +344,7 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Value, text::Span>>
     }
   }
   if (!good) return std::nullopt;
-  // Order has no meaning, so it must not make another run of it.
+  // The order has no meaning, so it must not change the id of the run.
   std::ranges::sort(words);
   return Value(std::move(words));
 }

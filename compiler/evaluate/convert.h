@@ -14,15 +14,15 @@
 
 namespace cdb::evaluate {
 
-/// The setting that `value` makes: a count, a real, a switch, the choices of an any( ) one by one;
-/// nullopt after a diagnostic at `span` that says what the parameter takes. `choices`: the places
-/// of those choices, if known. `plugins`: detectors beside the catalogue's.
+/// The setting made from `value`: a count, a real, a switch; each choice of an any( ) is converted.
+/// Nullopt after a diagnostic at `span` that states the values the parameter takes. `choices`: the
+/// locations of those choices, if known. `plugins`: detectors besides the catalogue's.
 std::optional<schema::Value> Convert(const schema::Value& value, const schema::Parameter& parameter,
                                      const text::Span& span, const std::vector<text::Span>& choices,
                                      std::span<const schema::PluginDetector> plugins,
                                      dsl::Diagnostics& diagnostics);
 
-/// Reports that the word `info` lacks the arguments `missing`.
+/// Reports that `missing` arguments of the word `info` are missing.
 void ReportMissingArguments(const schema::ParametrisedWord& info,
                             const std::vector<std::string_view>& missing, const text::Span& span,
                             dsl::Diagnostics& diagnostics);

@@ -36,7 +36,7 @@ constexpr std::pair<std::string_view, std::string_view> kNamedDimensions[] = {
     {"Pa", "a pressure"},
     {"B", "a number of bytes"}};
 
-/// `kg m/s^2`.
+/// A unit as text in base units: `kg m/s^2`.
 std::string BaseUnits(const Unit& unit) {
   const std::pair<const char*, int> powers[] = {{"kg", unit.mass},
                                                 {"m", unit.length},
@@ -60,7 +60,7 @@ Unit SchemaUnit(std::string_view text) {
   return *unit;
 }
 
-/// The exponent of a power, if it is written as a whole number from -9 to 9.
+/// The exponent of a power, if it is an integer literal from -9 to 9.
 std::optional<int> WrittenPower(const Expr& expr) {
   const bool is_negative = expr.kind == ExprKind::kNegate;
   const Expr& number = is_negative ? *expr.items[0] : expr;
@@ -181,7 +181,7 @@ bool Dimensions::IsDrawn(const scenario::ParameterKey& key) {
 }
 
 bool Dimensions::NamesDrawn(const Expr& path, const scenario::Scope& scope) {
-  constexpr int kMostDepth = 500;  // the evaluator refuses longer chains
+  constexpr int kMostDepth = 500;  // the evaluator rejects longer chains
   const names::Referent referent = evaluator_.names().Resolve(path.text, scope);
   if (depth_ >= kMostDepth || referent.IsWord() || referent.is_object_count) return false;
   ++depth_;
@@ -249,7 +249,7 @@ Dimensions::Dimension Dimensions::FindRange(const Expr& expr, const scenario::Sc
       expr.range == dsl::RangeKind::kCount || expr.range == dsl::RangeKind::kCountLog;
   if (has_count) RequirePure({Find(*expr.items[2], scope), expr.items[2]->span}, "a count");
   Parts parts = ItemsOf(expr, scope, has_count ? 2 : expr.items.size());
-  // `0 .. 10 cm` counts by one metre.
+  // `0 .. 10 cm` counts in steps of one metre.
   const bool by_one =
       expr.range == dsl::RangeKind::kByOne && std::ranges::any_of(parts, [](const Part& part) {
         return part.dimension.kind == Kind::kUnit;
@@ -291,7 +291,7 @@ Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Sco
   return Join(parts);
 }
 
-/// Of the draws themselves, without their limits.
+/// The dimension of the draws themselves, without their limits.
 Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Scope& scope) {
   if (expr.text == "normal") return FindNormal(expr, scope);
   if (expr.text == "empirical") return {};
@@ -315,7 +315,7 @@ Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Sc
 Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {
   const Parts parts = ArgumentsOf(expr, scope);
   if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
-  if (parts.size() != 1) return {};  // as the evaluator says
+  if (parts.size() != 1) return {};  // reported by the evaluator
   const Dimension& of = parts[0].dimension;
   if (of.kind == Kind::kDrawn) return {};
   if (of.kind != Kind::kUnit) return of;
@@ -395,7 +395,7 @@ Dimensions::Dimension Dimensions::JoinWithoutUnit(const Parts& parts) {
     if (drawn != nullptr && !drawn->unit.HasDimensionOf(dimension.unit)) return {};
     drawn = &dimension;
   }
-  // Numbers beside it are in its unit, as everywhere.
+  // Plain numbers beside it are in its unit, as everywhere.
   return drawn != nullptr ? *drawn : Dimension{kind, {}};
 }
 

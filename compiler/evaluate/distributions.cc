@@ -22,7 +22,7 @@ using schema::DistributionKind;
 using schema::Number;
 using schema::Value;
 
-/// The weight of a choice of any( ): 1 where none is written.
+/// The weight of a choice of any( ): 1 if none is given.
 std::optional<double> WeightOf(const dsl::Argument& argument, const scenario::Scope& scope,
                                Evaluator& evaluator) {
   if (!argument.weight) return 1;
@@ -118,7 +118,7 @@ class PairDistribution {
     return true;
   }
 
-  /// Both become numbers or both vectors: 0 beside a vector is one.
+  /// Makes both numbers or both vectors: 0 beside a vector becomes a vector.
   bool MatchKinds() {
     if (arguments_.size() != 2)
       return Fail(scenario::kBadArguments, call_.span,
@@ -137,7 +137,7 @@ class PairDistribution {
   }
 
   bool CheckDomain() {
-    // Numbers as vectors of three equal components, so that one check serves both.
+    // Numbers become vectors of three equal components, so that one check serves both.
     const auto triple = [](const Value& value) {
       return AsVector(value) ? *AsVector(value)
                              : Vector3d(Vector3d::Constant(AsNumber(value)->AsReal()));
@@ -170,10 +170,10 @@ class PairDistribution {
   const scenario::Scope& scope_;
   Evaluator& evaluator_;
   std::vector<Value> arguments_;
-  bool is_variance_ = false;  ///< the second argument is one
+  bool is_variance_ = false;  ///< whether the second argument is a variance
 };
 
-/// `in 2 .. 8`; nullopt after a diagnostic.
+/// Evaluates `in 2 .. 8`; nullopt after a diagnostic.
 std::optional<schema::Limits> LimitsOf(const Expr& call, const scenario::Scope& scope,
                                        Evaluator& evaluator) {
   const auto least = evaluator.EvaluateNumber(*call.items[0], scope, "limits");

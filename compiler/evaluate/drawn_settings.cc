@@ -20,7 +20,7 @@ std::string_view TextOf(const text::Span& span) {
   return span.source->text().substr(span.begin, span.end - span.begin);
 }
 
-/// Of a formula, also as the argument of same( ) or density( ).
+/// The names of settings in a formula, also in one that is the argument of same( ) or density( ).
 std::vector<const Formula*> NamesIn(const Value& value) {
   const schema::Call* call = AsCall(value);
   if (call == nullptr) return schema::SettingsIn(value);
@@ -67,7 +67,7 @@ std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
                                  const text::Span& span, Evaluator& evaluator) {
   Formula formula;
   formula.op = std::move(op);
-  // As a plan holds them: whole numbers and reals are written alike there.
+  // As in a plan, which does not distinguish integers and reals here.
   for (Value& argument : arguments)
     formula.arguments.push_back(AsNumber(argument) ? Value(AsNumber(argument)->AsReal())
                                                    : std::move(argument));
@@ -89,11 +89,11 @@ void RefuseFormula(const Formula& formula, dsl::Diagnostics& diagnostics) {
 
 std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
                                 Evaluator& evaluator) {
-  if (key.first.empty()) return value;  // where any formula is refused
+  if (key.first.empty()) return value;  // any formula is an error in the world
   for (const Formula* name : NamesIn(value)) {
     if (name->group == key.first) continue;
     const schema::Parameter* parameter = schema::FindParameter(name->setting, true);
-    // `size pebbles.size` is a same( ) like that of the other group, which has draws of its own.
+    // `size pebbles.size` is a same( ) like that of the other group, but with separate draws.
     if (AsFormula(value) && AsFormula(value)->op.empty())
       if (auto other = evaluator.EvaluateParameter({name->group, parameter});
           other && AsCall(*other))

@@ -39,7 +39,7 @@ bool IsHeading(std::string_view field) {
   return !field.empty() && (field[0] == '"' || text::IsLetter(field[0]));
 }
 
-/// Reads a table line by line; `fault` says what is wrong with the line that was added last.
+/// Reads a table line by line; `fault` describes the error in the line added last.
 class TableReader {
  public:
   bool Add(std::string_view line) {

@@ -54,7 +54,7 @@ std::optional<Value> EvaluateVector(const Expr& expr, const scenario::Scope& sco
         scenario::kWrongKind, expr.span,
         fmt::format("'{}' takes words, and no brackets around them", scope.parameter->name),
         "cases { } are an axis whose values are lists");
-  if (expr.items.size() != 3) return std::nullopt;  // as the parser has said
+  if (expr.items.size() != 3) return std::nullopt;  // reported by the parser
   const auto vector = EvaluateTriple(expr, scope, "a vector's components", evaluator);
   return vector ? std::optional<Value>(*vector) : std::nullopt;
 }
@@ -65,7 +65,7 @@ std::optional<Value> EvaluateRatio(const Expr& expr, const scenario::Scope& scop
   return parts ? std::optional<Value>(schema::Ratio{*parts}) : std::nullopt;
 }
 
-/// The value of a list parameter; several words as one: `gravity, walls`.
+/// The value of a list parameter. Several words are one value: `gravity, walls`.
 std::optional<Value> EvaluateList(const dsl::Setting& setting, const scenario::Scope& scope,
                                   Evaluator& evaluator) {
   if (setting.values.size() == 1) return evaluator.Evaluate(*setting.values[0], scope);
@@ -109,7 +109,7 @@ void Evaluator::Choose(const Expr& call, std::size_t index) {
 }
 
 std::optional<Value> Evaluator::Evaluate(const Expr& expr, const scenario::Scope& scope) {
-  // Numbers of names and calls have been checked where they are written.
+  // The numbers in names and calls are checked where they are written.
   const bool is_checked = expr.kind == ExprKind::kPath || expr.kind == ExprKind::kCall;
   auto value = EvaluateUnchecked(expr, scope);
   if (!value || is_checked || IsFinite(*value)) return value;
@@ -171,7 +171,7 @@ bool Evaluator::IsWordHere(std::string_view word, const scenario::Scope& scope) 
 std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::Scope& scope) {
   const names::Referent referent = names_.Resolve(expr.text, scope);
   if (referent.IsWord()) {
-    // It may be the name of a let that could not be read.
+    // It may be the name of a let with a syntax error.
     if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
     if (expr.text == kPiName) return Number(kPi);
     if (expr.text.find('.') != std::string::npos)
@@ -190,7 +190,7 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
 bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
   const auto begin = std::ranges::find(active_, node, &Active::node);
   if (begin != active_.end()) {
-    // The same one is reported, wherever the circle was entered.
+    // The report names the same member, wherever the cycle was entered.
     const auto first = std::min_element(begin, active_.end(), [](const Active& a, const Active& b) {
       return a.name.span.begin < b.name.span.begin;
     });
@@ -204,7 +204,7 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
     return false;
   }
   if (active_.size() < kMaxChain) return true;
-  // What is left of the chain would be too long as well.
+  // The rest of the chain would be too long as well.
   if (!std::exchange(is_chain_reported_, true))
     Error(scenario::kCircular, expr.span, fmt::format("'{}' leads on and on", expr.text),
           fmt::format("lets may use one another {} deep", kMaxChain));
@@ -227,7 +227,7 @@ std::optional<Value> Evaluator::EvaluateNamedParameter(const Expr& expr,
   const dsl::Name written{expr.text, expr.span};
   active_.push_back({key.second, set != layers_.settings.end() ? set->second.node->path : written});
   auto value = EvaluateParameter(key);
-  // A mass from a density depends on the size too.
+  // A mass from a density also depends on the size.
   if (value && AsCall(*value) && AsCall(*value)->name == "density")
     if (!EvaluateSizeOf(key.first)) value = std::nullopt;
   active_.pop_back();
@@ -239,7 +239,7 @@ bool Evaluator::EvaluateSizeOf(const std::string& group) {
   const schema::Parameter* size = schema::GroupParameter("size").get();
   const auto set = layers_.settings.find({group, size});
   if (set == layers_.settings.end()) return true;
-  // A circle that leads past here is found inside.
+  // A cycle through here is found further in.
   if (std::ranges::find(active_, size, &Active::node) != active_.end()) return true;
   active_.push_back({size, set->second.node->path});
   const bool good = EvaluateParameter({group, size}).has_value();
@@ -263,7 +263,7 @@ std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& 
 bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
   const Expr* at = &expr;
   scenario::Scope inner = scope;
-  // Lets may lead back to themselves, which is reported where they are evaluated.
+  // A let may refer to itself, which is reported when it is evaluated.
   for (std::size_t i = 0; i < kMaxChain; ++i) {
     const Expr& chosen = sweeps_.Origin(*at, inner);
     if (chosen.kind == ExprKind::kCall)
@@ -282,7 +282,7 @@ std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
   const auto set = layers_.settings.find({group, schema::GroupParameter("location").get()});
   if (set == layers_.settings.end() || set->second.node->values.size() != 1) return std::nullopt;
   const dsl::Setting& setting = *set->second.node;
-  // Others may use the quantity themselves: ring(radius: quantity / 4).
+  // Other layouts may use the quantity themselves: ring(radius: quantity / 4).
   if (!ListsPlaces(*setting.values[0], set->second.scope)) return std::nullopt;
   if (!CheckCircle(&setting, *setting.values[0])) return std::nullopt;
   active_.push_back({&setting, setting.path});
@@ -304,7 +304,7 @@ std::optional<Value> Evaluator::CountObjects() {
     if (!quantity || !AsNumber(*quantity)) return std::nullopt;
     objects = objects + *AsNumber(*quantity);
   }
-  // An empty world still has a cube.
+  // A world without objects still has a cube.
   return objects.AsReal() < 1 ? Number::Whole(1) : objects;
 }
 

@@ -1,4 +1,4 @@
-// Expressions to values, for one choice of a value on every axis.
+// Evaluates expressions for one choice of a value on every axis.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@
 
 namespace cdb::evaluate {
 
-/// Evaluates the expressions of one `Layers`. Every error is reported once and gives nullopt.
+/// Evaluates the expressions of one `Layers`. Every error is reported once, and gives nullopt.
 class Evaluator {
  public:
   Evaluator(const scenario::Scenario& scenario, const scenario::Layers& layers,
@@ -22,16 +22,16 @@ class Evaluator {
 
   /// The value at the chosen point of the axes.
   std::optional<schema::Value> Evaluate(const dsl::Expr& expr, const scenario::Scope& scope);
-  /// `what`: the plural of what `expr` is, for messages.
+  /// `what`: a plural noun for `expr`, for messages.
   std::optional<schema::Number> EvaluateNumber(const dsl::Expr& expr, const scenario::Scope& scope,
                                                const char* what);
-  /// A parameter's value as it is written, or its default.
+  /// The value of a parameter as written, or its default.
   std::optional<schema::Value> EvaluateParameter(const scenario::ParameterKey& key);
   /// Converts the value of `expr` (convert.h); errors point at the chosen value of a sweep.
   std::optional<schema::Value> ConvertFor(const schema::Parameter& parameter,
                                           const schema::Value& value, const dsl::Expr& expr,
                                           const scenario::Scope& scope);
-  /// Chooses the `index`th value of the sweep `call`, and of those that are zipped with it.
+  /// Chooses the `index`th value of the sweep `call`, and of the sweeps zipped with it.
   void Choose(const dsl::Expr& call, std::size_t index);
 
   std::nullopt_t Error(const dsl::DiagnosticKind& kind, const text::Span& span, std::string message,
@@ -44,7 +44,7 @@ class Evaluator {
   dsl::Diagnostics& diagnostics() { return diagnostics_; }
 
  private:
-  /// A let or a parameter that is being evaluated, and where it is set.
+  /// A let or a parameter under evaluation, and the location of its definition.
   struct Active {
     const void* node;
     dsl::Name name;
@@ -52,21 +52,22 @@ class Evaluator {
 
   std::optional<schema::Value> EvaluateUnchecked(const dsl::Expr& expr,
                                                  const scenario::Scope& scope);
-  /// A word of the parameter that is being set, or of the language.
+  /// True for a word of the parameter being set, or of the language.
   bool IsWordHere(std::string_view word, const scenario::Scope& scope) const;
   std::optional<schema::Value> EvaluatePath(const dsl::Expr& expr, const scenario::Scope& scope);
   std::optional<schema::Value> EvaluateLet(const scenario::Placed<dsl::Let>& let);
   std::optional<schema::Value> EvaluateNamedParameter(const dsl::Expr& expr,
                                                       const scenario::ParameterKey& key);
-  /// For its circles: false after a diagnostic.
+  /// Evaluates the size, to find cycles through it; false after a diagnostic.
   bool EvaluateSizeOf(const std::string& group);
-  /// In all groups, at least 1.
+  /// The number of objects in all groups, at least 1.
   std::optional<schema::Value> CountObjects();
-  /// Evaluated as written, it is a layout that lists its objects: `at`, `poses`, `path`.
+  /// True if the value, as written, is a layout that lists its objects: `at`, `poses`, `path`.
   bool ListsPlaces(const dsl::Expr& expr, const scenario::Scope& scope);
-  /// How many objects the group's layout lists; nullopt where it lists none, or after a diagnostic.
+  /// The number of objects that the group's layout lists; nullopt if it lists none, or after a
+  /// diagnostic.
   std::optional<schema::Value> CountPlaces(const std::string& group);
-  /// `node`, written as `expr`, is not being evaluated already.
+  /// False, with a report, if `node`, written as `expr`, is already being evaluated.
   bool CheckCircle(const void* node, const dsl::Expr& expr);
 
   const scenario::Scenario& scenario_;
@@ -74,8 +75,8 @@ class Evaluator {
   dsl::Diagnostics& diagnostics_;
   names::Names names_;
   Sweeps sweeps_;
-  std::map<const dsl::Let*, std::optional<schema::Value>> let_values_;  ///< at the present choice
-  std::vector<Active> active_;                                          ///< the innermost last
+  std::map<const dsl::Let*, std::optional<schema::Value>> let_values_;  ///< at the current choice
+  std::vector<Active> active_;                                          ///< the innermost one last
   bool is_chain_reported_ = false;
 };
 

@@ -17,7 +17,7 @@ using dsl::Expr;
 using Eigen::Vector3d;
 using schema::Value;
 
-/// nullopt where the operator does not go between the two kinds.
+/// Nullopt if the operator is not defined for the two kinds.
 std::optional<Value> Apply(char op, const Value& left, const Value& right) {
   if (AsNumber(left) && AsNumber(right))
     return schema::Calculate(op, *AsNumber(left), *AsNumber(right));

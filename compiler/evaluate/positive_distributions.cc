@@ -20,13 +20,13 @@ using schema::Value;
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// An argument, and the numbers that it takes.
+/// An argument and its range.
 struct PositiveArgument {
   std::string_view name;
   double least, most;
 };
 
-// Draws of lognormal must fit into a double; shapes below 0.01 draw hardly anything but 0.
+// Draws of lognormal must fit into a double; shapes below 0.01 draw almost only 0.
 constexpr PositiveArgument kLognormalArguments[] = {{"mu", -500, 500}, {"sigma", 0, 20}};
 constexpr PositiveArgument kExponentialArguments[] = {{"mean", 0, kUnlimited}};
 constexpr PositiveArgument kShapeArguments[] = {{"shape", 0.01, 1e6}, {"scale", 0, kUnlimited}};

@@ -1,4 +1,4 @@
-// Distributions above 0: `lognormal(median: 5 cm, sigma: 0.4)`, `gamma(2, 3)`.
+// Distributions of positive numbers: `lognormal(median: 5 cm, sigma: 0.4)`, `gamma(2, 3)`.
 #pragma once
 
 #include <optional>

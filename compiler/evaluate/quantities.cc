@@ -22,7 +22,7 @@ using schema::Integer;
 using schema::Number;
 using schema::Value;
 
-/// What pi is more than kPi.
+/// The difference of pi and kPi.
 constexpr double kPiRest = 1.2246467991473532e-16;
 
 /// Digits, without a point, times ten to the power of `exponent`.
@@ -31,7 +31,7 @@ struct Decimal {
   int exponent = 0;
 };
 
-/// Of the text of a finite number without a sign.
+/// Parses the text of a finite number without a sign.
 Decimal DecimalOf(std::string_view text) {
   Decimal decimal;
   bool is_fraction = false;
@@ -64,7 +64,7 @@ Number ToNumber(const Decimal& decimal) {
   return value;
 }
 
-/// `value * pi / divisor`, rounded about once: products carry their rounding errors along.
+/// `value * pi / divisor` with about one rounding: the products carry their rounding errors.
 double TimesPi(double value, double divisor) {
   const double product = value * kPi;
   const double rest = std::fma(value, kPi, -product) + value * kPiRest;
@@ -95,7 +95,7 @@ std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const text::Unit&
                                         schema::Distribution drawn, Evaluator& evaluator) {
   using enum schema::DistributionKind;
   if (drawn.kind == kLognormal) {
-    // Of the logarithm: a factor moves its mean.
+    // The mean of the logarithm: a factor shifts it.
     const double factor = InSi(Number::Whole(1), unit).AsReal();
     drawn.arguments[0] = AsNumber(drawn.arguments[0])->AsReal() + std::log(factor);
   }
@@ -127,7 +127,7 @@ Number InSi(const Number& number, const text::Unit& unit) {
       unit.factor <= kMostFactor &&
       !__builtin_mul_overflow(decimal.digits, static_cast<Integer>(unit.factor), &product);
   if (is_exact) decimal.digits = product;
-  // 5 km are the whole number 5000; 50 mm are not whole, and 5000 mm are.
+  // 5 km become the integer 5000; 50 mm are not an integer, but 5000 mm are.
   for (; decimal.exponent > 0 && number.is_whole() && decimal.digits < Integer{1} << 64;
        --decimal.exponent)
     decimal.digits *= 10;
@@ -147,7 +147,7 @@ Number InSi(const Number& number, const text::Unit& unit) {
 std::optional<Value> EvaluateQuantity(const dsl::Expr& expr, const scenario::Scope& scope,
                                       Evaluator& evaluator) {
   const auto unit = text::ParseUnit(expr.text);
-  CDB_CHECK(unit.has_value());  // the parser takes no other
+  CDB_CHECK(unit.has_value());  // the parser accepts no other unit
   const auto value = evaluator.Evaluate(*expr.items[0], scope);
   if (!value) return std::nullopt;
   return Scaled(expr, *unit, *value, evaluator);

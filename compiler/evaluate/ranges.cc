@@ -16,7 +16,7 @@ using schema::Number;
 
 using Numbers = std::vector<Number>;
 
-/// Of the end of a range, in steps: a step like 0.1 is not quite a tenth.
+/// Tolerance at the end of a range, in steps: a step such as 0.1 is not exactly a tenth.
 constexpr double kRounding = 1e-9;
 
 std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
@@ -40,12 +40,12 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
     return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range lies above 0");
   const auto between = [&](Integer i) {
     if (!log) return first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1);
-    // In decades, so that 1 .. 1000 count 4 gives 10 and 100 as they are.
+    // In decades, so that 1 .. 1000 count 4 gives exactly 10 and 100.
     const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
     const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
     return Number(std::pow(10.0, low + part * (high - low)));
   };
-  // The ends are as written; between them no error adds up.
+  // The ends are exactly as written; between them no error accumulates.
   Numbers numbers = {first};
   for (Integer i = 1; i + 1 < *count; ++i) numbers.push_back(between(i));
   if (*count > 1) numbers.push_back(last);
@@ -95,7 +95,7 @@ void RoundBetweenEnds(std::vector<Number>& numbers) {
   Numbers rounded;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const bool is_end = i == 0 || i + 1 == numbers.size();
-    // What is larger is refused as a count.
+    // Larger numbers are rejected as counts.
     const double real = std::round(numbers[i].AsReal());
     const bool fits = std::abs(real) < 0x1p63;
     const Number number = is_end || !fits ? numbers[i] : Number::Whole(static_cast<Integer>(real));

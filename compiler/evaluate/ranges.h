@@ -12,16 +12,16 @@ namespace cdb::evaluate {
 
 class Evaluator;
 
-/// At most this number of values on one axis.
+/// The maximum number of values on one axis.
 inline constexpr std::size_t kMaxAxisValues = 1'000'000;
 
-/// nullopt after a diagnostic.
+/// Nullopt after a diagnostic.
 std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,
                                                        const scenario::Scope& scope,
                                                        Evaluator& evaluator);
 
-/// Makes the numbers of a logarithmic range whole, of which the ends are as written, and keeps one
-/// of those that are the same then: a count has no 34.66.
+/// Rounds the numbers between the ends of a logarithmic range to integers, and removes duplicates:
+/// a count cannot be 34.66.
 void RoundBetweenEnds(std::vector<schema::Number>& numbers);
 
 }  // namespace cdb::evaluate

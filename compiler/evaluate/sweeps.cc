@@ -31,7 +31,7 @@ class Restore {
 const Sweep* Sweeps::Find(const Expr& call, const scenario::Scope& scope) {
   const auto known = sweeps_.find(&call);
   if (known != sweeps_.end()) return known->second ? &*known->second : nullptr;
-  // Until it is expanded there is none: one that leads back to itself fails.
+  // It is empty until expanded: a sweep that refers to itself fails.
   std::optional<Sweep>& sweep = sweeps_[&call];
   sweep = Expand(call, scope);
   return sweep ? &*sweep : nullptr;
@@ -96,7 +96,7 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
   const Expr* range = expr.kind == ExprKind::kRange ? &expr : nullptr;
   scenario::Scope inner = scope;
   if (expr.kind == ExprKind::kPath) {
-    // A let may hold a range.
+    // A let may contain a range.
     const names::Referent referent = evaluator_.names().Resolve(expr.text, scope);
     if (referent.let && referent.let->node->value->kind == ExprKind::kRange) {
       range = referent.let->node->value.get();
@@ -113,7 +113,7 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
     return true;
   }
   items.push_back({&expr, std::nullopt});
-  // Reported here, since a value with an error may never be chosen.
+  // Reported here, since a value with an error might never be chosen.
   return evaluator_.Evaluate(expr, scope).has_value();
 }
 

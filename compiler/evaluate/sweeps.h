@@ -27,13 +27,13 @@ class Sweeps {
  public:
   explicit Sweeps(Evaluator& evaluator) : evaluator_(evaluator) {}
 
-  /// The sweep at `call`, expanded at first use; null where that failed.
+  /// The sweep at `call`, expanded at first use; null if that failed.
   const Sweep* Find(const dsl::Expr& call, const scenario::Scope& scope);
-  /// Chooses the `index`th value of `call`; false if it was chosen already.
+  /// Chooses the `index`th value of `call`; false if it was already chosen.
   bool Choose(const dsl::Expr& call, std::size_t index);
   /// The chosen value of `call`.
   std::optional<schema::Value> Evaluate(const dsl::Expr& call, const scenario::Scope& scope);
-  /// The expression that gives the value of `expr`: of a sweep, its chosen item if that is one.
+  /// The expression that determines `expr`: for a sweep, its chosen item if that is an expression.
   const dsl::Expr& Origin(const dsl::Expr& expr, const scenario::Scope& scope);
 
  private:

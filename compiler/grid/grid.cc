@@ -65,7 +65,7 @@ Remaining RemainingBy(const Block& block, const AxisSet& axes) {
   const Subgrid whole(AllAxes(block.extents.size()), block.extents);
   const Subgrid looked_at(Union(Subgrid(axes, block.extents).axes(), block.SkipAxes()),
                           block.extents);
-  // Points that differ in other axes only are left out together.
+  // Points that differ only in other axes are skipped together.
   const std::uint64_t alike = whole.size() / looked_at.size();
   Remaining remaining{Subgrid(axes, block.extents), {}, {}};
   remaining.counts.assign(remaining.by.size(), 0);

@@ -46,8 +46,8 @@ void AppendBlock(const Block& block, std::string& text) {
   }
 }
 
-/// The runs of `grid` for which a number that follows from their settings is largest, or that are
-/// the first with some word. Functions of few settings are evaluated a few times.
+/// Finds the runs of `grid` that maximise a number computed from their settings, or that are the
+/// first with a word. A function of few settings is evaluated only a few times.
 class BoundsFinder {
  public:
   explicit BoundsFinder(const Grid& grid) : survey_(grid), cursor_(grid), grid_(grid) {}
@@ -94,7 +94,7 @@ class BoundsFinder {
   std::vector<plan::Run> runs_;
 };
 
-/// Those that settings name.
+/// The detectors that settings name.
 schema::WordList DetectorsOf(const plan::Scene& scene) {
   schema::WordList words;
   for (const schema::Parameter& parameter : schema::Schema())
@@ -117,7 +117,7 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   bounds.AddFirstOfEach(
       [](const plan::Scene& scene) { return scene.world.Words("accuracy.metrics"); });
   bounds.AddFirstOfEach(DetectorsOf);
-  // Programs are looked for, and series are recorded, by these.
+  // These words determine which programs are needed and which series are recorded.
   bounds.AddFirstOfEach([](const plan::Scene& scene) {
     return schema::WordList{std::string(scene.world.WordOr("precision")),
                             analysis::TraceOf(scene) ? "trace" : "scene",
@@ -126,8 +126,8 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   return bounds.Take();
 }
 
-/// Points that differ only on the axes of the detector, numbered so that neighbours have numbers
-/// far from each other.
+/// Groups of points that differ only on the axes of the detector, numbered so that neighbouring
+/// groups have distant numbers.
 class Groups {
  public:
   explicit Groups(const Grid& grid) {
@@ -147,7 +147,7 @@ class Groups {
 
   const Subgrid& within() const { return within_; }
 
-  /// The groups of a part, ascending.
+  /// The groups of a part, in ascending order.
   std::vector<std::uint64_t> Of(Part part) const {
     __extension__ using Wide = unsigned __int128;
     const auto begin_of = [&](std::uint64_t index) {
@@ -167,7 +167,7 @@ class Groups {
   std::uint64_t step_ = 1;
 };
 
-/// `bounds`: with every plug-in.
+/// `bounds` must include every plug-in.
 std::string HashOf(const Grid& grid, const std::vector<plan::Run>& bounds) {
   std::string text = fmt::format("grid {}\n{}\nrepeats {}\n", plan::kPlanVersion,
                                  grid.head.benchmark, grid.head.repeats);

@@ -1,4 +1,4 @@
-// Parts of a grid that is too large to be listed: the runs of a part follow from its number.
+// Parts of a grid that is too large to list: the number of a part determines its runs.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace cdb::grid {
 
-/// Its hash is over axes, repeats, settings, conditions and plug-ins: what decides the runs, in
-/// place of all of them, so that this takes as long as there are values of settings. Without its
-/// short text. Runs are made anew for each visit.
+/// The hash covers axes, repeats, settings, conditions and plug-ins, which determine the runs,
+/// instead of the runs themselves; so the time depends on the number of values in settings. Leaves
+/// the short text empty. Runs are made anew for each visit.
 plan::WholePlan MakeWhole(std::shared_ptr<const Grid> grid);
 
 /// The part numbered `index`, from 0, of `count`.
@@ -23,9 +23,9 @@ struct Part {
 };
 
 /// The runs of one part, in grid order, with references. Runs that differ only in the detector are
-/// in the same part. Points that neighbour each other on the grid are in different parts, so that
-/// all parts have about the same work; part I of N is the parts I*S to I*S+S-1 of N*S. `whole`:
-/// that of the grid.
+/// in the same part. Neighbouring points of the grid are in different parts, so that all parts have
+/// about the same work; part I of N consists of the parts I*S to I*S+S-1 of N*S. `whole`: that of
+/// the grid.
 plan::Plan ListPart(const Grid& grid, std::shared_ptr<const plan::WholePlan> whole, Part part);
 
 }  // namespace cdb::grid

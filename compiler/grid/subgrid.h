@@ -1,4 +1,4 @@
-// The combinations of values of some of a grid's axes.
+// The combinations of values of some axes of a grid.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,12 @@ using AxisSet = std::vector<std::size_t>;
 
 AxisSet Union(const AxisSet& a, const AxisSet& b);
 AxisSet AllAxes(std::size_t count);
-/// The axes that have more than one value.
+/// The axes with more than one value.
 AxisSet WithoutConstants(const AxisSet& axes, const Point& extents);
-/// A double, as it may be more than 64 bits hold.
+/// A double, because the count may exceed 64 bits.
 double CountOf(const Point& extents);
 
-/// The combinations of the values on `axes`, numbered so that the last axis is the fastest.
+/// The combinations of the values on `axes`, numbered with the last axis fastest.
 class Subgrid {
  public:
   Subgrid() = default;
@@ -28,15 +28,15 @@ class Subgrid {
 
   const AxisSet& axes() const { return axes_; }
   std::uint64_t size() const { return size_; }
-  /// Of the point's own combination.
+  /// The number of the point's combination.
   std::uint64_t IndexOf(const Point& point) const {
     std::uint64_t index = 0;
     for (std::size_t i = 0; i < axes_.size(); ++i) index += strides_[i] * point[axes_[i]];
     return index;
   }
-  /// Moves the point to the combination `index`; its place on other axes stays.
+  /// Moves the point to the combination `index`; its indices on other axes stay.
   void MoveTo(std::uint64_t index, Point& point) const;
-  /// Moves the point to the next combination; false at the end, where it begins again.
+  /// Moves the point to the next combination; false at the end, where it wraps around.
   bool Advance(Point& point) const;
 
  private:

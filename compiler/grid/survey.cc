@@ -9,10 +9,10 @@
 namespace cdb::grid {
 namespace {
 
-/// Numbers below `size`, spread evenly for every stride: the additive sequence of the golden ratio.
-/// Both ends are among them.
+/// Numbers below `size`, spread evenly for every stride by the additive sequence of the golden
+/// ratio, and both ends.
 std::vector<std::uint64_t> SpreadNumbers(std::uint64_t size, std::uint64_t count) {
-  constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;  // 2^64 over the golden ratio
+  constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;  // 2^64 divided by the golden ratio
   std::vector<std::uint64_t> numbers = {0, size - 1};
   std::uint64_t at = 0;
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -23,7 +23,7 @@ std::vector<std::uint64_t> SpreadNumbers(std::uint64_t size, std::uint64_t count
   return numbers;
 }
 
-/// The ends of all axes, where problems gather.
+/// The corners of the grid, where problems are most likely.
 std::vector<Point> CornersOf(const Point& extents, std::size_t most) {
   std::vector<Point> corners = {Point(extents.size(), 0)};
   for (std::size_t axis = 0; axis < extents.size(); ++axis) {

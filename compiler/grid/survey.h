@@ -1,5 +1,5 @@
-// Functions of scenes over a whole grid, each evaluated once for all runs that agree in the
-// settings that it reads.
+// Evaluates functions of scenes over a whole grid, once for all runs that agree in the settings
+// read.
 #pragma once
 
 #include <cstddef>
@@ -13,31 +13,31 @@
 
 namespace cdb::grid {
 
-/// A point that stands for all that agree with it.
+/// A point that represents all points that agree with it.
 struct Sample {
   std::size_t block = 0;
   Point local;
   std::uint64_t place = 0;   ///< its number on the grid
-  std::uint64_t points = 0;  ///< that it stands for, itself included
+  std::uint64_t points = 0;  ///< the number of points that it represents, including itself
 };
 
-/// The samples of one look at a grid.
+/// The samples of one pass over a grid.
 struct Samples {
   std::vector<Sample> samples;  ///< in grid order
-  bool is_whole = true;         ///< they stand for every point that has a run
+  bool is_whole = true;         ///< they represent every point with a run
 };
 
-/// Chooses the points of a grid at which a function has to be evaluated. Not for several threads.
+/// Chooses the points of a grid at which a function must be evaluated. Not thread-safe.
 class Survey {
  public:
   explicit Survey(const Grid& grid) : grid_(grid), cursor_(grid) {}
 
-  /// Calls `look` for points in grid order, with the whole scene's settings, after `begin`. If
-  /// `look` reads a parameter that varies along an axis that was left out, all begins again, so
-  /// that in the end it has been called once for each combination that it can tell apart. If these
-  /// are more than `most`, it is called for about `most` points instead, spread over the grid, and
-  /// `is_whole` is false. `begin` forgets what earlier calls have found. `axes`: of which it is
-  /// known that `look` reads them. Returns `is_whole`.
+  /// Calls `begin`, then `look` for points in grid order with all settings of their scenes. If
+  /// `look` reads a parameter that varies along an axis not yet included, everything starts again,
+  /// so that it is finally called once for each combination that it can distinguish. If there are
+  /// more than `most` combinations, it is called for about `most` points spread over the grid
+  /// instead, and `is_whole` is false. `begin` must discard earlier findings. `axes`: axes that
+  /// `look` is known to read. Returns `is_whole`.
   bool Look(std::uint64_t most, AxisSet axes, const std::function<void(bool is_whole)>& begin,
             const std::function<void(const Sample&, const plan::Scene&)>& look);
 
@@ -46,7 +46,7 @@ class Survey {
   Samples Whole(const AxisSet& axes) const;
   Samples Spread(std::uint64_t most) const;
   std::uint64_t NumberOf(const Point& place) const;
-  /// Axes along which something that was read varies.
+  /// The axes along which a parameter that was read varies.
   AxisSet AxesRead(const plan::ReadRecorder& recorder) const;
 
   const Grid& grid_;

@@ -17,10 +17,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastPart = 1e-3;
-/// Settings that a formula is searched by.
+/// The maximum number of settings by which a formula is searched.
 constexpr std::size_t kMostNamed = 6;
 
-/// The ends of what a distribution of numbers or vectors usually draws.
+/// The usual minimum and maximum of a distribution of numbers or vectors.
 std::pair<Vector3d, Vector3d> EndsOf(const schema::Distribution& distribution) {
   const auto is_vector = [](const schema::Value& value) {
     return schema::AsVector(value) != nullptr;
@@ -67,7 +67,7 @@ Vector3d LargestComponents(const schema::Value& value) {
   if (const auto* vector = std::get_if<Vector3d>(&value)) return vector->cwiseAbs();
   if (const schema::Call* schedule = schema::AsCall(value)) {
     if (schedule->name == "every") return LargestComponents(schema::ArgumentOf(*schedule, "value"));
-    // It turns, so that any component can get as large as the whole.
+    // It turns, so that any component can reach the full length.
     return Vector3d::Constant(LargestComponents(schema::ArgumentOf(*schedule, "vector")).norm());
   }
   const auto* distribution = std::get_if<schema::Distribution>(&value);

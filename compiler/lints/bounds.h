@@ -1,4 +1,4 @@
-// How small and how large what a scene draws can be, without drawing it.
+// Bounds of the values that a scene draws, without drawing them.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,22 +13,23 @@ struct Bounds {
   double least = 0, most = 0;
 };
 
-/// Of a number: of a distribution its usual range (compiler/schema/cumulative.h), of any( ) its
-/// numbers. What can only be more than 0 is at least a thousandth of `most`: few draws are less.
-/// Of same( ) and density( ), of their value. {0, 0} where the value is a word, or a formula.
+/// Bounds of a number: of a distribution its usual range (compiler/schema/cumulative.h), of any( )
+/// its numbers. A lower bound of a distribution is at least a thousandth of `most`: few draws are
+/// smaller. For same( ) and density( ), those of their value. {0, 0} if the value is a word or a
+/// formula.
 Bounds PositiveBounds(const schema::Value& value);
 
-/// The same of a setting that may be a formula: between its values where each setting that it names
-/// is as small, or as large, as it can be. `bounds_of` gives these by name. {0, 0} where it names
-/// more than a few.
+/// Bounds of a setting that may be a formula: the extremes of its values with each setting in it at
+/// its smallest or its largest value, which `bounds_of` gives by name. {0, 0} if it names too many
+/// settings.
 Bounds PositiveBounds(const schema::Value& value,
                       const std::function<Bounds(std::string_view)>& bounds_of);
 
-/// Of a vector, or of what a schedule gives in the course of a run: the largest size of each
-/// component.
+/// The largest absolute value of each component of a vector, or of a schedule in the course of a
+/// run.
 Eigen::Vector3d LargestComponents(const schema::Value& value);
 
-/// All values are drawn, or set by a schedule: not one constant.
+/// True if the value is drawn or set by a schedule, not a constant.
 bool IsDrawnOrScheduled(const schema::Value& value);
 
 }  // namespace cdb::lints

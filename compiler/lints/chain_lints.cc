@@ -12,7 +12,7 @@ constexpr double kHeavyEnd = 0.1, kStiffSpring = 2;
 
 }  // namespace
 
-/// The way that joints open in a step, over the way that is corrected in one.
+/// The distance that joints open in one step, divided by the distance corrected in one step.
 std::optional<Estimate> HeavyEnd(const SceneFacts& scene, const GroupFacts& objects) {
   if (!(scene.g > 0) || !objects.linked || objects.springs ||
       !objects.settings->On("links.anchor") || objects.quantity < 2)
@@ -24,8 +24,8 @@ std::optional<Estimate> HeavyEnd(const SceneFacts& scene, const GroupFacts& obje
   return Estimate{value, kHeavyEnd, ShorterStepSquared(scene, value, kHeavyEnd), open};
 }
 
-/// A chain of n equal masses swings with at most 2 sqrt(k/m) times a sine, and explicit integration
-/// explodes where (w dt)^2 + 2 c dt / m passes 4.
+/// The highest frequency of a chain of n equal masses is 2 sqrt(k/m) times a sine, and explicit
+/// integration diverges if (w dt)^2 + 2 c dt / m exceeds 4.
 std::optional<Estimate> StiffSpring(const SceneFacts& scene, const GroupFacts& objects) {
   if (!objects.springs) return std::nullopt;
   const double n = objects.quantity;

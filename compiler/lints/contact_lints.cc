@@ -21,35 +21,36 @@ bool IsBall(const GroupFacts& objects) {
   return type != nullptr && type->text == "sphere" && objects.least_side == objects.longest_side;
 }
 
-/// Of its size: a ball that starts no higher above the floor has a contact there at once.
+/// As a fraction of its size: a ball that starts no higher above the floor touches it at once.
 constexpr double kOnFloor = 0.01;
 
-/// One ball, or several side by side, that start on what bears them, at rest or rolling.
+/// One ball, or several side by side, that start on their support, at rest or rolling.
 bool LiesAsBall(const SceneFacts& scene, const GroupFacts& objects) {
   if (!IsBall(objects) || objects.stacked > 1 || objects.velocity.y() > 0) return false;
   const double above = scene.rests ? objects.gap : scene.FallHeight(objects);
   return above <= kOnFloor * objects.least_side;
 }
 
-/// When two numbers that part at `speed` and `pull` are `way` apart; negative where never.
+/// The time until two numbers that separate at `speed` with acceleration `pull` are `way` apart;
+/// negative if never.
 double TimeUntil(double way, double speed, double pull) {
   if (pull == 0) return speed * way > 0 ? way / speed : -1;
   const double square = speed * speed + 2 * pull * way;
   if (square < 0) return -1;
-  // The earlier of the roots after the start.
+  // The earliest root after the start.
   const double root = std::sqrt(square);
   const double one = (-speed - root) / pull, two = (-speed + root) / pull;
   const double earlier = std::min(one, two), later = std::max(one, two);
   return earlier > 0 ? earlier : later;
 }
 
-/// How an object meets a fixed one, along one axis.
+/// The impact of an object on a fixed one, along one axis.
 struct Impact {
   double speed = 0, thickness = 0;
-  bool is_certain = false;  ///< it starts at a known place, and its way leads there
+  bool is_certain = false;  ///< it starts at a known position, and its path leads there
 };
 
-/// An object that flies from a known place to the fixed one along `axis`.
+/// An object that flies from a known position to the fixed one along `axis`.
 std::optional<Impact> FlightTo(const SceneFacts& scene, const GroupFacts& objects,
                                const GroupFacts& fixed, int axis) {
   const auto from = FixedPositionOf(objects), to = FixedPositionOf(fixed);
@@ -69,10 +70,10 @@ std::optional<Impact> FlightTo(const SceneFacts& scene, const GroupFacts& object
   return Impact{speed, fixed.least_sides[axis], true};
 }
 
-/// The number of the lint for the fixed and the kinematic objects of a scene.
+/// The value of the lint for the fixed and the kinematic objects of a scene.
 Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   Estimate worst{0, kThinWall};
-  // Falls begin in the cube.
+  // Falls begin within the cube.
   const double fallen = std::min(scene.FallSpeed(objects), std::sqrt(2 * scene.g * scene.side));
   const Vector3d gained =
       scene.g > 0 ? Vector3d(fallen / scene.g * scene.acceleration) : Vector3d(Vector3d::Zero());
@@ -104,7 +105,7 @@ std::optional<Estimate> LongStep(const SceneFacts& scene, const GroupFacts& obje
   const double value = scene.g * scene.timestep * scene.timestep / objects.least_side;
   const bool on_plane = scene.has_walls && !scene.has_box_walls;
   const bool lies = LiesAsBall(scene, objects);
-  // On a plane such a ball stays where it is in any time step.
+  // On a plane such a ball keeps its position with any time step.
   if (lies && on_plane) return std::nullopt;
   const double threshold = lies ? kLongStepOfBall : on_plane ? kLongStepOnPlane : kLongStepOnBox;
   return Estimate{value, threshold, ShorterStepSquared(scene, value, threshold)};
@@ -114,7 +115,7 @@ std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& obje
   if (MayBeOn(objects, "ccd")) return std::nullopt;
   const Estimate object = ThinObject(scene, objects);
   if (!scene.has_box_walls) return object;
-  // Walls stand across the axes.
+  // Walls are perpendicular to the axes.
   const double value = scene.FastestComponent(objects) * scene.timestep /
                        (objects.least_side + analysis::kWallThickness * scene.side);
   const Estimate wall{value, kThinWall, ShorterStep(scene, value, kThinWall)};
@@ -123,7 +124,7 @@ std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& obje
 
 std::optional<Estimate> FastHit(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.MayTouch() || MayBeOn(objects, "ccd")) return std::nullopt;
-  // Falling on what is fixed or hitting it head-on does not spin a ball.
+  // A ball that falls on a fixed object or hits it head-on does not spin.
   const bool is_ball = IsBall(objects);
   if (is_ball && scene.moving == 1 && IsAlongOneAxis(objects.velocity)) return std::nullopt;
   const double speed = is_ball ? objects.velocity.maxCoeff() : scene.FastestComponent(objects);
@@ -138,7 +139,7 @@ std::optional<Estimate> SoftContact(const SceneFacts& scene, const GroupFacts& o
   const double softest = BoundsOf(*objects.settings, "contact_stiffness").least;
   if (!(softest > 0)) return std::nullopt;
   const double sinks = objects.stacked * objects.mass.most * scene.g / softest;
-  // Half of the scenes come to rest in which the damper is stronger than the spring.
+  // With a damper stronger than the spring, half of the scenes come to rest.
   const double damper = BoundsOf(*objects.settings, "contact_damping").least;
   const bool open = damper * damper > 4 * softest * objects.mass.most;
   return Estimate{sinks, kSoftContact, softest * Excess(sinks, kSoftContact), open};
@@ -151,7 +152,7 @@ std::optional<Estimate> ThinShape(const SceneFacts& scene, const GroupFacts& obj
   if (is_round) return std::nullopt;
   // Contacts with planes are found without GJK.
   if (scene.count < 2 && !scene.has_box_walls) return std::nullopt;
-  // The depth of contacts becomes wrong, and only some runs fail of it.
+  // The depth of contacts becomes wrong, but only some runs fail because of it.
   const bool open = true;
   return Estimate{objects.elongation, kThinShape, Harmless(kThinShape), open};
 }

@@ -15,23 +15,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A pyramid is as unsteady as a stack of this part of its height. Measured.
+/// A pyramid is as unstable as a stack of this fraction of its height. Measured.
 constexpr double kPyramid = 0.4;
 
-/// An argument of a layout that is a constant.
+/// A constant argument of a layout.
 std::optional<double> RealOf(const schema::Call& layout, std::string_view argument) {
   const schema::Number* given = schema::AsNumber(schema::ArgumentOf(layout, argument));
   return given != nullptr ? std::optional<double>(given->AsReal()) : std::nullopt;
 }
 
-/// Layers of a square pyramid of at least `quantity` objects.
+/// The number of layers of a square pyramid of at least `quantity` objects.
 double PyramidHeight(double quantity) {
   double height = 1;
   while (height * (height + 1) * (2 * height + 1) / 6 < quantity) ++height;
   return height;
 }
 
-/// Adds the consequences of the layout.
+/// Adds facts that follow from the layout.
 void AddLayout(double side, GroupFacts& objects) {
   objects.position = Vector3d::Constant(side / 2);
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
@@ -68,7 +68,7 @@ void AddLinks(GroupFacts& objects) {
   objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
 
-/// What part of the box of its sides an object fills, roughly.
+/// The fraction of its bounding box that an object fills, roughly.
 double FillOf(std::string_view type) {
   constexpr std::pair<std::string_view, double> kFills[] = {
       {"sphere", 0.52}, {"cuboid", 1}, {"cylinder", 0.79}, {"cone", 0.26}, {"tetrahedron", 0.33}};
@@ -103,7 +103,7 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
   objects.most_sides = size.most * aspect;
   objects.least_side = objects.least_sides.minCoeff();
   objects.longest_side = objects.most_sides.maxCoeff();
-  // One draw for all sides leaves the aspect as it is.
+  // One draw for all sides keeps the aspect.
   const schema::Value& sizes = settings.Get("size");
   objects.elongation = schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
                            ? aspect.maxCoeff() / aspect.minCoeff()
@@ -129,7 +129,7 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
   Bounds bounds =
       PositiveBounds(value, [&](std::string_view named) { return BoundsOf(settings, named); });
   if (name != "mass" || schema::AsCall(value) == nullptr) return bounds;
-  // Of the density: the masses of the least and of the largest object.
+  // From a density: the masses of the smallest and of the largest object.
   const Bounds fill = FillBounds(settings.Get("type")), size = BoundsOf(settings, "size");
   const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
   bounds.least *= fill.least * Vector3d(size.least * aspect).prod();
@@ -182,7 +182,7 @@ double SceneFacts::FallHeight(const GroupFacts& objects) const {
 
 double SceneFacts::FallSpeed(const GroupFacts& objects) const {
   if (rests) return 0;
-  // A chain swings at most from above its anchor to below.
+  // A chain swings at most from above its anchor to below it.
   if (objects.linked && objects.settings->On("links.anchor"))
     return std::min(g * Time(), std::sqrt(8 * g * objects.quantity * objects.longest_side));
   const double fallen = g * Time();

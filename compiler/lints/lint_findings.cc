@@ -23,7 +23,7 @@ void LintFindings::Add(configure::Configuration& configuration, const plan::Scen
   }
 }
 
-// The first parameter to blame that the benchmark sets, else its name.
+// The location of the first parameter at fault that the benchmark sets, else of its name.
 text::Span LintFindings::SpanOf(configure::Configuration& configuration, const std::string& group,
                                 Lint lint) const {
   std::string_view names = InfoOf(lint).about;

@@ -1,4 +1,4 @@
-// What the lints say of a benchmark's runs: each once, with its worst run.
+// Findings of the lints in the runs of a benchmark: each once, with its worst run.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace cdb::lints {
 
-/// Not for several threads.
+/// Not thread-safe.
 class LintFindings {
  public:
-  /// `benchmark`: where its name stands, for what no setting is to blame for.
+  /// `benchmark`: the location of its name, for findings that no single setting causes.
   LintFindings(text::Span benchmark, dsl::Diagnostics& diagnostics)
       : benchmark_(benchmark), diagnostics_(diagnostics) {}
 
-  /// The scene at the chosen point of `configuration`, which is run so many times.
+  /// Adds the scene at the chosen point of `configuration`, which has `runs` runs.
   void Add(configure::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
-  /// As warnings, of a plan of so many runs, of which `looked_at` were added.
+  /// Reports warnings for a plan of `runs` runs, of which `looked_at` were added.
   void Report(std::size_t looked_at, std::size_t runs) const;
 
  private:
   struct Finding {
     LintNumber worst;
-    text::Span span;  ///< of what makes the worst number
+    text::Span span;  ///< of the setting that causes the worst number
     std::size_t runs = 0, bad_runs = 0;
   };
   text::Span SpanOf(configure::Configuration& configuration, const std::string& group,

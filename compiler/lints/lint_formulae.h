@@ -8,7 +8,7 @@
 
 namespace cdb::lints {
 
-/// A number that predicts a fault; the members are those of LintNumber.
+/// A number that predicts a problem; the members are those of LintNumber.
 struct Estimate {
   double value = 0;
   double threshold = 1;
@@ -16,10 +16,10 @@ struct Estimate {
   bool open = false;
 };
 
-/// `objects` are of `scene` and move; nullopt where the lint does not apply to them.
+/// `objects` belong to `scene` and move; nullopt if the lint does not apply to them.
 using Formula = std::optional<Estimate>(const SceneFacts& scene, const GroupFacts& objects);
 
-// What objects bear: stacking_lints.cc.
+// Loads: stacking_lints.cc.
 Formula TallStack;
 Formula MassRatio;
 Formula NarrowFoot;
@@ -30,7 +30,7 @@ Formula ShortRun;
 Formula HeavyEnd;
 Formula StiffSpring;
 
-// What happens where objects meet: contact_lints.cc.
+// Contacts: contact_lints.cc.
 Formula LongStep;
 Formula ThinWall;
 Formula FastHit;
@@ -49,13 +49,13 @@ Formula LostMotion;
 Formula LostFall;
 Formula HeavyMass;
 
-/// Just below the value from which on warnings begin: remedies aim at it.
+/// Just below the value at which warnings begin: the target of remedies.
 inline double Harmless(double threshold) { return threshold * LintNumber::kDoubtful * 0.999; }
 
-/// By what factor a number is too large.
+/// The factor by which a number is too large.
 inline double Excess(double value, double threshold) { return value / Harmless(threshold); }
 
-/// The time step with which a number would be harmless that is proportional to it, or to its
+/// The time step that makes a number harmless if the number is proportional to the step, or to its
 /// square.
 double ShorterStep(const SceneFacts& scene, double value, double threshold);
 double ShorterStepSquared(const SceneFacts& scene, double value, double threshold);

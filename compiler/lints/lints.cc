@@ -95,7 +95,7 @@ constexpr LintInfo kLints[] = {
 };
 // clang-format on
 
-/// s; runs with smaller ones take too long to be of use.
+/// s; runs with smaller time steps take too long to be useful.
 constexpr double kLeastTimestep = 1e-5;
 
 /// A time step as a fraction of a second, a count as a whole number.

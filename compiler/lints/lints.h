@@ -1,4 +1,4 @@
-// Numbers of a scene that predict whether Bullet can simulate it, before anything runs.
+// Numbers of a scene that predict, before a run, whether Bullet can simulate it accurately.
 // Source: measured on Bullet 3.24. `cdb doc lints` prints the table, and
 // tests/runtime/engine/lints_test.cc compares it with the outcome of runs.
 #pragma once
@@ -41,16 +41,16 @@ enum class Lint {
 /// One row of THE table of lints.
 struct LintInfo {
   Lint lint;
-  dsl::DiagnosticKind kind;    ///< its id is the lint's name
+  dsl::DiagnosticKind kind;    ///< its id is the name of the lint
   std::string_view number;     ///< the formula, in words
-  std::string_view threshold;  ///< from where on it goes wrong
+  std::string_view threshold;  ///< the value at which problems begin
   std::string_view predicts;   ///< a sentence with {} for `will` or `may`
-  std::string_view remedy;     ///< what to write, with {} for a number
-  std::string_view about;      ///< the parameters it is made of, the first to blame first
+  std::string_view remedy;     ///< the change to make, with {} for a number
+  std::string_view about;      ///< the parameters it depends on, the most likely cause first
 };
 std::span<const LintInfo> Lints();
 const LintInfo& InfoOf(Lint lint);
-/// It is the kind of one of the table's rows.
+/// True if it is the kind of a row of the table.
 bool IsLint(const dsl::DiagnosticKind& kind);
 
 /// One number of one scene.
@@ -58,12 +58,12 @@ struct LintNumber {
   Lint lint;
   double value = 0;
   double threshold = 1;
-  std::size_t group = 0;  ///< index into Scene::groups of the objects that it is about
-  double remedy = 0;      ///< what fills LintInfo::remedy: with it the number would be harmless
-  bool open = false;      ///< beyond the threshold too it goes well as often as not
+  std::size_t group = 0;  ///< index into Scene::groups of the objects concerned
+  double remedy = 0;      ///< the number in LintInfo::remedy: with it the value would be harmless
+  bool open = false;      ///< about half of such runs succeed even beyond the threshold
 
   double Severity() const { return value / threshold; }
-  /// Wrong as a rule from the threshold on, and now and then from a third of it.
+  /// Beyond the threshold, runs usually go wrong; from a third of it, occasionally.
   bool IsBad() const { return !open && Severity() >= 1; }
   bool IsDoubtful() const { return Severity() >= kDoubtful; }
   bool IsWorseThan(const LintNumber& other) const {
@@ -72,12 +72,12 @@ struct LintNumber {
   static constexpr double kDoubtful = 1.0 / 3;
 };
 
-/// The worst number of each lint that has something to say about the scene, in the order of the
-/// table. By the bounds of what is drawn (compiler/lints/bounds.h); nothing is drawn or placed.
-/// Any thread; about two microseconds a group.
+/// The worst number of each lint that applies to the scene, in the order of the table. From the
+/// bounds of drawn values (compiler/lints/bounds.h); nothing is drawn or placed. Any thread; about
+/// two microseconds per group.
 std::vector<LintNumber> LintScene(const plan::Scene& scene);
 
-/// `the stack will fall: ... is 0.2, the limit is 0.015`, and what to write instead.
+/// `the stack will fall: ... is 0.2, the limit is 0.015`, with a remedy.
 std::string LintMessage(const LintNumber& number);
 std::string LintRemedy(const LintNumber& number);
 

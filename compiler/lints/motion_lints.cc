@@ -1,4 +1,4 @@
-// Lints about motion in flight: spin, long ways in one step, and sleep.
+// Lints about motion in flight: spin, long distances in one step, and sleep.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -21,12 +21,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFastSpin = 1.41, kSpinDrift = 0.05;
 constexpr double kRounding = 1e-9;
 
-/// How fast a free spin changes its direction in the body, over the spin: |w x Iw| / (|w| |Iw|), of
-/// a body whose second moment along y is `along_y` times that of a box.
+/// The rate at which a free spin changes its direction in the body, divided by the spin: |w x Iw| /
+/// (|w| |Iw|), for a body whose second moment along y is `along_y` times that of a box.
 double TwistOf(const GroupFacts& objects, double along_y) {
   // Second moments are proportional to the squares of the sides.
   Vector3d squares = objects.most_sides.cwiseAbs2();
-  if (objects.least_side < objects.most_sides.minCoeff()) squares.x() /= 2;  // each side drawn
+  if (objects.least_side < objects.most_sides.minCoeff()) squares.x() /= 2;  // separate draws
   squares.y() *= along_y;
   const Vector3d inertia = Vector3d::Constant(squares.sum()) - squares;
   const auto* turn = std::get_if<Vector3d>(&objects.settings->Get("orientation"));
@@ -40,7 +40,7 @@ double TwistOf(const GroupFacts& objects, double along_y) {
 /// The largest twist of the shapes that may be drawn. 0 about an axis of the body.
 double Twist(const GroupFacts& objects) {
   if (!(objects.spin > 0)) return 0;
-  // A cylinder's second moment is larger by 4/3 along its axis.
+  // The second moment of a cylinder is larger by 4/3 along its axis.
   const bool has_cylinders = MayBe(objects.settings->Get("type"), "cylinder");
   const double most =
       std::max(TwistOf(objects, 1), has_cylinders ? TwistOf(objects, 4.0 / 3) : 0.0);
@@ -59,7 +59,7 @@ std::optional<Estimate> SpinDrift(const SceneFacts& scene, const GroupFacts& obj
   const double twist = Twist(objects);
   if (!(twist > 0)) return std::nullopt;
   const double turn = objects.spin * scene.timestep;
-  // The part of the spin in the energy that the verdict takes as its measure.
+  // The fraction of the spin in the energy by which the verdict scales drift.
   const double spin = std::pow(objects.spin * objects.longest_side, 2) / 20;
   const double rest = objects.speed * objects.speed / 2 + scene.g * scene.side;
   const double value = scene.cycles * turn * turn * twist * twist * spin / (spin + rest);
@@ -77,7 +77,7 @@ std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& ob
     return std::nullopt;
   const double speed = objects.speed + scene.g * kSleepAfter;
   if (!(speed > 0 || objects.spin > 0)) return std::nullopt;
-  // Objects that hit something before are not in flight.
+  // Objects that hit something earlier are not in flight.
   if (scene.MayTouch() && objects.speed * kSleepAfter > scene.side / 4 / std::cbrt(scene.count))
     return std::nullopt;
   const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,

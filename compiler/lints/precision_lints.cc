@@ -1,4 +1,4 @@
-// Lints about rounding: positions, motion and masses that the precision does not resolve.
+// Lints about rounding: positions, motion and masses below the resolution of the precision.
 #include <algorithm>
 #include <cmath>
 
@@ -12,12 +12,12 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kCoarsePlace = 0.012, kLostMotion = 0.4, kLostFall = 0.3;
 constexpr double kHeavySingle = 1.45e7, kHeavyDouble = 7e15;
-/// Gravity is lost where it gives less than half a step, motion is wrong long before.
+/// Gravity is lost if its gain is below half a step; motion is wrong long before.
 constexpr double kGainOverPlace = 0.2;
 constexpr double kHopelesslyCoarse = 0.5;
-/// Sides that an object has to move for its motion to count.
+/// The distance, in sides, that an object must move for its motion to count.
 constexpr double kNoticed = 0.01;
-/// The distance of neighbouring numbers at `value`.
+/// The distance between neighbouring floating-point numbers at `value`.
 double StepAt(double value, double epsilon) {
   return value > 0 ? std::exp2(std::floor(std::log2(value))) * epsilon : 0;
 }
@@ -28,7 +28,8 @@ std::optional<Estimate> CoarsePlace(const SceneFacts& scene, const GroupFacts& o
   if (!scene.MayTouch()) return std::nullopt;
   const double place = objects.position.maxCoeff();
   const double coarse = StepAt(place, scene.epsilon) / objects.least_side;
-  // At half a side, rounding alone moves an object by a quarter of it. Below, much stays put.
+  // At half a side, rounding alone moves an object by a quarter of it. Below, many objects stay in
+  // place.
   const bool open = coarse < kHopelesslyCoarse;
   return Estimate{coarse, kCoarsePlace, place / Excess(coarse, kCoarsePlace), open};
 }
@@ -49,7 +50,7 @@ std::optional<Estimate> LostMotion(const SceneFacts& scene, const GroupFacts& ob
     const double mean = means[axis], way = ways[axis];
     if (!(way > noticed) || !(mean > 0)) continue;
     const double step = StepAt(objects.position[axis], scene.epsilon);
-    // Of the whole way: losses of a slow part of it do not matter.
+    // Relative to the whole motion: losses in a slow component do not matter.
     const double lost = step / (means.maxCoeff() * scene.timestep);
     // An object that starts within a few steps of its support may not fall.
     if (lost > worst) open = scene.rests && way < 3 * step;
@@ -62,11 +63,11 @@ std::optional<Estimate> LostMotion(const SceneFacts& scene, const GroupFacts& ob
   return Estimate{worst, kLostMotion, place / Excess(worst, kLostMotion), open};
 }
 
-/// Of what falls from rest.
+/// For objects that fall from rest.
 std::optional<Estimate> LostFall(const SceneFacts& scene, const GroupFacts& objects) {
   if (!(scene.g > 0) || scene.rests || objects.linked || objects.speed > 0) return std::nullopt;
   const double noticed = kNoticed * objects.least_side;
-  // What lies on the floor does not fall.
+  // Objects on the floor do not fall.
   if (scene.has_walls && scene.FallHeight(objects) <= noticed) return std::nullopt;
   const double way = std::max(noticed, scene.g * scene.timestep * scene.timestep);
   const double place = objects.position.maxCoeff();

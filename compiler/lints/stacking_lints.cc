@@ -1,5 +1,4 @@
-// Lints about what objects bear: stacks, objects right above others, and the time they take to
-// settle.
+// Lints about loads: stacks, objects directly above others, and the time needed to settle.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,17 +14,17 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kTallStack = 0.025, kMassRatio = 12, kNarrowFoot = 30, kOverlap = 0.3;
 constexpr double kShortRun = 35;
-/// By how much a stack of n bears a load worse than one object: this times n. Measured.
+/// A stack of n objects carries a load worse than one object by this times n. Measured.
 constexpr double kLoadedStack = 0.6;
 
-/// An axis of the square lattice of a stack's columns: the coordinate next to `at`.
+/// The coordinate nearest to `at` on one axis of the square lattice of a stack's columns.
 double NearestColumn(double at, double edge, double spacing) {
   const double first = -(edge - 1) / 2;
   return spacing * (first + std::clamp(std::round(at / spacing - first), 0.0, edge - 1));
 }
 
-/// A known position is above a group that stands on the floor: as nothing overlaps, what is over
-/// one of its columns.
+/// True if a known position is above a group that stands on the floor: over one of its columns, as
+/// nothing overlaps.
 bool IsOverStanding(const Vector3d& above, const GroupFacts& load, const GroupFacts& bearer) {
   const schema::Call* layout = schema::AsCall(bearer.settings->Get("location"));
   if (layout == nullptr || (layout->name != "stack" && layout->name != "pyramid")) return false;
@@ -33,7 +32,7 @@ bool IsOverStanding(const Vector3d& above, const GroupFacts& load, const GroupFa
   double edge = 1, spacing = 1;
   Vector3d column_reach = reach;
   if (layout->name == "pyramid") {
-    // Its base is as many objects wide as it is high.
+    // Its base is as many objects wide as the pyramid is high.
     column_reach += (bearer.stacked - 1) / 2 * (bearer.most_sides + Vector3d::Constant(bearer.gap));
   } else {
     edge = std::ceil(std::sqrt(std::ceil(bearer.quantity / bearer.stacked)));
@@ -55,9 +54,9 @@ std::optional<Estimate> TallStack(const SceneFacts& scene, const GroupFacts& obj
   return Estimate{value, kTallStack, ShorterStepSquared(scene, value, kTallStack)};
 }
 
-/// Of objects in one stack, of groups at known positions of which the higher one is the load, and
-/// of what another group puts on a stack or pyramid.
-/// Heaps bear much higher ratios, and which object lies on which is chance.
+/// For objects in one stack, for groups at known positions, of which the higher is the load, and
+/// for the load of another group on a stack or pyramid. Heaps carry much higher ratios, and the
+/// order of objects in them is random.
 std::optional<Estimate> MassRatio(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.HasWeight()) return std::nullopt;
   const auto above = FixedPositionOf(objects);
@@ -76,7 +75,7 @@ std::optional<Estimate> MassRatio(const SceneFacts& scene, const GroupFacts& obj
   return Estimate{ratio, kMassRatio, scene.iterations * Excess(ratio, kMassRatio)};
 }
 
-/// Of groups at known positions, one right above the other.
+/// For groups at known positions, one directly above the other.
 std::optional<Estimate> NarrowFoot(const SceneFacts& scene, const GroupFacts& objects) {
   const auto above = FixedPositionOf(objects);
   if (!(scene.g > 0) || !scene.rests || !above) return std::nullopt;

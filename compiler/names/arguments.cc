@@ -23,7 +23,7 @@ const schema::Parameter* ArgumentAt(const schema::ParametrisedWord& info, const 
 scenario::Scope ArgumentScope(const Expr& call, std::size_t i, const scenario::Scope& scope) {
   const schema::ParametrisedWord* info = schema::FindParametrisedWord(call.text);
   const schema::Parameter* argument = info != nullptr ? ArgumentAt(*info, call, i) : nullptr;
-  // Of points there may be more than arguments; their parts are the same.
+  // There may be more points than arguments; each has the same components.
   if (argument == nullptr && info != nullptr && info->takes_points) argument = &info->arguments[0];
   scenario::Scope inner = scope;
   if (argument != nullptr) inner.parameter = argument;

@@ -1,4 +1,4 @@
-// How the arguments of a parametrised word are matched with its row in
+// Matches the arguments of a parametrised word with its row in
 // compiler/schema/parametrised_words.h.
 #pragma once
 
@@ -13,23 +13,23 @@
 
 namespace cdb::names {
 
-/// The row's argument that the `i`th argument of `call` gives, by its name or by its position; null
-/// where `info` has no such argument.
+/// The argument of the row that the `i`th argument of `call` sets, by name or by position; null if
+/// `info` has no such argument.
 const schema::Parameter* ArgumentAt(const schema::ParametrisedWord& info, const dsl::Expr& call,
                                     std::size_t i);
 
-/// Where the `i`th argument of `call`, itself written in `scope`, is evaluated: `fit` is a word of
-/// the argument, not a name.
+/// The scope of the `i`th argument of `call`, which is itself in `scope`: `fit` is a word of the
+/// argument, not a name.
 scenario::Scope ArgumentScope(const dsl::Expr& call, std::size_t i, const scenario::Scope& scope);
 
-/// The arguments of a call, in the order of the row. Reports those that do not fit.
+/// The arguments of a call, in the order of the row. Reports arguments that do not match.
 class GivenArguments {
  public:
   GivenArguments(const dsl::Expr& call, const schema::ParametrisedWord& info,
                  dsl::Diagnostics& diagnostics);
 
   bool good() const { return good_; }
-  /// Null where the call does not give it.
+  /// Null if the call does not give it.
   const dsl::Argument* operator[](std::size_t i) const { return given_[i]; }
 
  private:

@@ -1,4 +1,4 @@
-// The schema's defaults as syntax, so that they are evaluated like anything a user writes.
+// The schema's defaults as syntax, so that they are evaluated like user input.
 #pragma once
 
 #include "compiler/schema/schema.h"
@@ -6,7 +6,7 @@
 
 namespace cdb::names {
 
-/// The default's setting. Parsed once; never null for a row of the schema (checked).
+/// The setting of the default. Parsed once; never null for a row of the schema (checked).
 const dsl::Setting& DefaultSetting(const schema::Parameter& parameter);
 
 }  // namespace cdb::names

@@ -31,7 +31,8 @@ std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   return kModelFormats;
 }
 
-/// The SHA-256 of the table that `call` names, `written` in a scenario; nullopt after a diagnostic.
+/// The SHA-256 of the table in `call`, which is at `written` in a scenario; nullopt after a
+/// diagnostic.
 std::optional<std::string> HashOfTable(const scenario::Scenario& scenario, const schema::Call& call,
                                        const text::Span& written, dsl::Diagnostics& diagnostics) {
   for (const char* name : {"cycle", "run", "group"}) {

@@ -1,4 +1,4 @@
-// Files that a scenario names: models and traces.
+// Files named in a scenario: models and traces.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,11 @@
 namespace cdb::names {
 
 /// Replaces the arguments of `call`, the name of a file and its expected hash as written, by the
-/// file's path and its hash. False after a diagnostic.
+/// path of the file and its hash. False after a diagnostic.
 bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
                    dsl::Diagnostics& diagnostics);
 
-/// The call that the text behind `trace` stands for.
+/// The call that a text after `trace` stands for.
 std::optional<schema::Call> TraceNamed(const scenario::Scenario& scenario, const schema::Text& name,
                                        dsl::Diagnostics& diagnostics);
 

@@ -7,14 +7,14 @@
 namespace cdb::names {
 namespace {
 
-/// Lets of a file come before the statements of any benchmark.
+/// The lets of a file come before the statements of any benchmark.
 constexpr int kFileLets = -1'000'000;
 constexpr std::string_view kObjectCount = "objects";
 
 }  // namespace
 
 Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) const {
-  // A default of the schema: all its other words are words.
+  // A default of the schema: every other word stands for itself.
   if (scope.file == nullptr) return {std::nullopt, std::nullopt, path == kObjectCount};
   if (scope.parameter != nullptr &&
       (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
@@ -57,7 +57,7 @@ std::optional<scenario::ParameterKey> Names::FindParameter(const std::string& pa
   }
   if (const schema::Parameter* parameter = schema::FindParameter(path, false))
     return scenario::ParameterKey{"", parameter};
-  // Outside the blocks `quantity` is that of the objects, like the name of its axis.
+  // Outside the blocks, `quantity` means that of `objects`, like the name of its axis.
   if (scope.group.empty() && scope.block.empty() && IsGroup("objects"))
     if (const schema::Parameter* parameter = schema::FindParameter(path, true))
       return scenario::ParameterKey{"objects", parameter};

@@ -24,9 +24,10 @@ class Names {
   Names(const scenario::Scenario& scenario, const scenario::Layers& layers)
       : scenario_(scenario), layers_(layers) {}
 
-  /// A let or a parameter, searched for from the innermost block outwards; else `path` is a word.
+  /// A let or a parameter, searched for from the innermost block outwards; otherwise `path` is a
+  /// word.
   Referent Resolve(const std::string& path, const scenario::Scope& scope) const;
-  /// The let whose name is nearest to `word`; empty where none is near.
+  /// The let with the name nearest to `word`; empty if none is near.
   std::string_view NearestLet(const std::string& word, const scenario::Scope& scope) const;
 
  private:

@@ -22,7 +22,7 @@ int SignificantDigits(std::string_view text) {
   return digits;
 }
 
-/// The nearest values below and above `value` among those of the axis; infinite if there are none.
+/// The nearest values below and above `value` on the axis; infinite if there are none.
 struct Neighbours {
   double below = -kNoNeighbour, above = kNoNeighbour;
 };
@@ -41,12 +41,12 @@ Neighbours NeighboursOf(const Axis& axis, double value) {
 
 std::string Rounded(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
-// Rounding keeps the order, so that a label that differs from those of both neighbours differs from
-// all. A value with a shorter label than `value` would share it at its own number of digits.
+// Rounding is monotonic, so a label that differs from those of both neighbours differs from all
+// others. A value with a shorter label than `value` would share it at its own number of digits.
 std::string Label(double value, const Neighbours& neighbours) {
   const std::string exact = schema::FormatReal(value);
   if (value == std::floor(value) || SignificantDigits(exact) <= kWrittenDigits) return exact;
-  // 12345.678 is 12346, not 1.235e+04.
+  // 12345.678 becomes 12346, not 1.235e+04.
   const double size = std::fabs(value);
   const int before_point = size >= 1 && size < 1e12 ? static_cast<int>(std::log10(size)) + 1 : 0;
   for (int digits = std::max(kLeastDigits, before_point); digits < kAllDigits; ++digits) {

@@ -1,4 +1,4 @@
-// A file descriptor of our own.
+// A file descriptor with an owner.
 #pragma once
 
 #include <sys/stat.h>
@@ -10,7 +10,7 @@
 
 namespace cdb::plan {
 
-/// Closed at its end. Below 0 there is none.
+/// Closed by the destructor. A negative number means none.
 class Descriptor {
  public:
   explicit Descriptor(int fd = -1) : fd_(fd) {}
@@ -20,7 +20,7 @@ class Descriptor {
     return *this;
   }
   ~Descriptor() { Close(); }
-  /// 0, or the errno; closing may be the first that hears of a failed write (NFS, quotas).
+  /// 0, or the errno; a failed write may be reported only on closing (NFS, quotas).
   int Close() { return fd_ >= 0 && close(std::exchange(fd_, -1)) != 0 ? errno : 0; }
   int get() const { return fd_; }
 
@@ -28,7 +28,7 @@ class Descriptor {
   int fd_;
 };
 
-/// Whether the open file is the one that stands at `path`, which may be a symbolic link to it.
+/// Whether the open file is the one at `path`, which may be a symbolic link to it.
 inline bool IsAt(int fd, const std::filesystem::path& path) {
   struct stat ours = {}, there = {};
   return fstat(fd, &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&

@@ -21,10 +21,10 @@ std::string WhyNoFile(mode_t mode) {
   return "it is a device, not a file";
 }
 
-/// Descriptor of a regular file, or -1 and why not.
+/// The descriptor of a regular file, or -1 and the reason.
 int OpenInput(const std::string& path, std::string& why) {
   struct stat status = {};
-  // Before it is opened: that alone rewinds a tape.
+  // Checked before opening: opening alone rewinds a tape.
   if (stat(path.c_str(), &status) != 0) {
     why = ErrorText(errno);
     return -1;

@@ -1,7 +1,7 @@
-// Files that a user or a file names, opened for reading. Only regular files are: a pipe or a device
-// would be waited for, or never end.
+// Opens files named by a user or a file, for reading. Only regular files: a pipe or a device might
+// block, or never end.
 //
-// Errors: `why` says what is wrong, without the name. Threads: any.
+// Errors: `why` is the reason, without the name of the file. Threads: any.
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,19 @@
 
 namespace cdb::plan {
 
-/// More than any plan of listed runs has.
+/// More than the size of any plan that lists its runs.
 inline constexpr std::size_t kMaxInputBytes = std::size_t{1} << 30;
 
-/// Empty where `path` is a regular file that can be read: for libraries that open files themselves.
+/// Empty if `path` is a readable regular file, otherwise the reason: for libraries that open files
+/// themselves.
 std::string WhyNotReadable(const std::string& path);
 
-/// The whole file. Nullopt where it is no regular file, cannot be read or has more than
+/// Reads a whole file. Nullopt if it is not a regular file, cannot be read or has more than
 /// `max_bytes`.
 std::optional<std::string> ReadInputFile(const std::string& path, std::string& why,
                                          std::size_t max_bytes = kMaxInputBytes);
 
-/// What is left of an open file, as ReadInputFile: for standard input.
+/// Reads the rest of an open file, as ReadInputFile: for standard input.
 std::optional<std::string> ReadInput(int fd, std::string& why,
                                      std::size_t max_bytes = kMaxInputBytes);
 

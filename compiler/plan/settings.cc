@@ -18,7 +18,7 @@ const T& As(const schema::Value& value) {
 
 thread_local ReadRecorder* recorder = nullptr;
 
-/// The entry of the parameter, or where it would be.
+/// The entry of the parameter, or its insertion point.
 template <typename Table>
 auto LowerBound(Table& table, const schema::Parameter& parameter) {
   return std::ranges::lower_bound(table, parameter.name, {},

@@ -13,15 +13,15 @@
 
 namespace cdb::plan {
 
-/// Tells the ReadRecorder of this thread, if there is one, of a read.
+/// Notes a read in the ReadRecorder of this thread, if there is one.
 void NoteRead(const schema::Parameter& parameter);
-/// Of every parameter of groups, or of the world.
+/// Notes a read of every parameter of groups, or of the world.
 void NoteReads(bool grouped);
 
-/// While it lives, it notes the parameters that its thread reads from any settings, so that a
-/// function of a scene can be evaluated once for all scenes that agree in what it reads. The
-/// innermost one notes. What a function reads of a scene beside its settings (seeds) it has to note
-/// itself.
+/// Records, during its lifetime, the parameters that its thread reads from any settings, so that a
+/// function of a scene can be evaluated once for all scenes that agree in these. Only the innermost
+/// recorder of a thread records. A function that reads other members of a scene (seeds) must note
+/// these itself.
 class ReadRecorder {
  public:
   ReadRecorder();
@@ -30,7 +30,7 @@ class ReadRecorder {
   ReadRecorder& operator=(const ReadRecorder&) = delete;
 
   bool HasRead(const schema::Parameter& parameter) const;
-  /// Grows with each parameter that is read for the first time.
+  /// Increases with each parameter read for the first time.
   std::size_t count() const { return count_; }
 
  private:
@@ -38,15 +38,15 @@ class ReadRecorder {
 
   void Note(std::size_t row);
 
-  std::vector<bool> read_;  ///< by the row of the schema
+  std::vector<bool> read_;  ///< by row of the schema
   std::size_t count_ = 0;
   ReadRecorder* outer_;
 };
 
-/// Values by the parameter's name without its group: `timestep`, `world.side`; in a group
-/// `quantity`, `size`. Here for parameters that are known only at run time; code that names a
-/// parameter uses SettingsOf. Copies share the values in which they agree, as the scenes of a sweep
-/// differ in few. Threads: one for an object and its copies.
+/// Values by the name of the parameter without its group: `timestep`, `world.side`; in a group
+/// `quantity`, `size`. For parameters known only at run time; code that names a parameter uses
+/// SettingsOf. Copies share equal values, as the scenes of a sweep differ in few. Threads: one for
+/// an object and its copies.
 class Settings {
   struct Entry {
     const schema::Parameter* parameter;
@@ -74,7 +74,7 @@ class Settings {
     const Entry* at_;
   };
 
-  /// In the order of their names. Counts as a read of each, of the world and of groups.
+  /// In the order of their names. Counts as a read of every parameter, of the world and of groups.
   Iterator begin() const {
     NoteReads(false);
     NoteReads(true);
@@ -96,24 +96,24 @@ class Settings {
 
  private:
   const Table& table() const;
-  /// Null where there is none.
+  /// Null if absent.
   const schema::Value* Find(const schema::Parameter& parameter) const;
-  /// A table that no copy shares.
+  /// The table, copied first if it is shared.
   Table& OwnTable();
 
-  std::shared_ptr<Table> table_;  ///< by name; null: empty; changed by OwnTable
+  std::shared_ptr<Table> table_;  ///< by name; null: empty; modified through OwnTable
 };
 
-/// Plans do not write it: a brief parameter that has its default. So plans of earlier versions, and
-/// the ids of their runs, stay what they are.
+/// True for a brief parameter at its default, which plans omit. So plans of earlier versions, and
+/// the ids of their runs, stay the same.
 bool IsLeftOutOfPlans(std::string_view name, const schema::Value& value);
 /// The default of a brief parameter.
 schema::Value BriefDefault(const schema::Parameter& parameter);
 
-/// The settings of the world, or of a group. Complete: what the file leaves out has the schema's
-/// default. A parameter of the other, one that does not exist or one of another type is a compile
-/// error; a value that is missing or, where the parameter takes several types, has another is our
-/// own bug (CDB_CHECK).
+/// The settings of the world, or of a group. Complete: a parameter not set in the file has the
+/// schema's default. A parameter of the other kind, an unknown one or one of another type is a
+/// compile error. A missing value or, if the parameter has several types, one of another type is an
+/// internal error (CDB_CHECK).
 template <bool kGrouped>
 class SettingsOf : public Settings {
  public:
@@ -126,11 +126,11 @@ class SettingsOf : public Settings {
     return First();
   }
   const schema::Value& Get(Parameter<> parameter) const { return ValueOf(*parameter); }
-  /// Counts too.
+  /// Also accepts counts.
   double Real(Parameter<schema::ValueKind::kReal> parameter) const;
   std::uint64_t Count(Parameter<schema::ValueKind::kCount> parameter) const;
   bool On(Parameter<schema::ValueKind::kSwitch> parameter) const;
-  /// The word, or `otherwise` where the value is not a word (`mass fixed` against `mass 1`).
+  /// The word, or `otherwise` if the value is not a word (`mass fixed` against `mass 1`).
   std::string_view WordOr(Parameter<schema::ValueKind::kWord> parameter,
                           std::string_view otherwise = {}) const;
   Eigen::Vector3d Vector(Parameter<schema::ValueKind::kVector> parameter) const;

@@ -56,8 +56,8 @@ bool HasShaInstructions() {
   return __get_cpuid_count(7, 0, &a, &b, &c, &d) != 0 && (b & 1u << 29) != 0;
 }
 
-/// The upper half of `a` and the lower half of `b`. (_mm_alignr_epi8 would do it and does not
-/// compile with -O0 -flto.)
+/// The upper half of `a` and the lower half of `b`. (_mm_alignr_epi8 would do the same, but does
+/// not compile with -O0 -flto.)
 __m128i UpperThenLower(__m128i a, __m128i b) {
   return _mm_unpacklo_epi64(_mm_unpackhi_epi64(a, a), b);
 }

@@ -1,4 +1,4 @@
-// SHA-256 (FIPS 180-4), to name plans and runs by what is in them.
+// SHA-256 (FIPS 180-4), to identify plans and runs by their contents.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace cdb::plan {
 
 /// 64 hex digits.
 std::string Sha256Hex(std::string_view data);
-/// The same without special instructions of the processor.
+/// The same without special processor instructions.
 std::string PortableSha256Hex(std::string_view data);
 
 }  // namespace cdb::plan

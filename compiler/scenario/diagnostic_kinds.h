@@ -1,5 +1,5 @@
-// Every kind of diagnostic the compiler reports, listed once. A test holds that each has a golden
-// file. A code is never changed or used for another kind.
+// The list of all kinds of diagnostic of the compiler. A test checks that each has a golden file. A
+// code is never changed or reused for another kind.
 #pragma once
 
 #include "dsl/diagnostics.h"

@@ -13,7 +13,7 @@ namespace cdb::scenario {
 namespace {
 
 constexpr std::string_view kUnnamedGroup = "objects";
-/// Searching for a similar name is most of what an error costs, and nobody reads so many.
+/// Finding similar names dominates the cost of an error, and nobody reads more than this.
 constexpr int kMostSuggestions = 1000;
 
 bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
@@ -21,9 +21,9 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
   return std::ranges::find(blocks, name) != blocks.end();
 }
 
-/// Names that a let may not have. Those of components, errors and closed forms may be had:
-/// `gravity`, `height` and `spin` are names a scene wants, and behind the parameter that takes them
-/// they are words (Names::Resolve).
+/// True for names that a let must not have. Names of components, errors and closed forms are
+/// allowed: `gravity`, `height` and `spin` are useful names in a scene, and after the parameter
+/// that takes them they are words (Names::Resolve).
 bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
   const bool is_reserved_distribution =
       name == "uniform" || name == "normal" || name == "log_uniform" || name == "any";
@@ -38,7 +38,7 @@ bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDe
   });
 }
 
-/// A parameter as it would be written in a block; empty where it cannot stand there.
+/// The name of a parameter as written in a block; empty if it cannot be set there.
 std::string NameIn(const schema::Parameter& parameter, const std::string& block, bool in_group) {
   if (parameter.grouped && !in_group) return block.empty() ? parameter.FullName() : std::string();
   if (parameter.grouped != in_group) return {};
@@ -47,8 +47,8 @@ std::string NameIn(const schema::Parameter& parameter, const std::string& block,
   return name.starts_with(block + ".") ? name.substr(block.size() + 1) : std::string();
 }
 
-/// What the user may have meant by a name that there is not: a slip of the hand, or a name from
-/// elsewhere.
+/// A suggestion for an unknown name: the correction of a typing error, or the equivalent of a name
+/// from elsewhere.
 std::string SuggestParameter(std::string_view word, const std::string& block, bool in_group) {
   std::vector<std::string> names;
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -238,7 +238,7 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
   axis.name = cases.name ? cases.name->text : "case";
   axis.span = cases.name ? cases.name->span : cases.keyword;
   axis.order = order_;
-  // Cases of the same name replace those of a base.
+  // Cases replace those of the same name in a base.
   auto index = std::ranges::find(case_axes_, axis.name, &CaseAxis::name) - case_axes_.begin();
   if (index < static_cast<std::ptrdiff_t>(case_axes_.size())) {
     Once(place.layer, "cases " + axis.name, axis.span,
@@ -360,8 +360,8 @@ Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
   }
   if (layers.groups.empty()) layers.groups.emplace_back(kUnnamedGroup);
   const auto lay = [&layers](const Entry& entry) {
-    // What a benchmark lays over its base takes the base's place in the order of axes; what a case
-    // lays over, its own.
+    // A setting that overrides one of the base keeps that one's position in the order of axes; one
+    // that a case overrides takes the position of the case.
     const auto put = [&entry](auto& map, const auto& key, const auto& placed) {
       auto& there = map.emplace(key, placed).first->second;
       const int order = entry.case_axis < 0 ? there.order : placed.order;

@@ -1,5 +1,5 @@
-// A benchmark with everything laid over one another: its bases (`from`), its groups, and one choice
-// of its cases.
+// A benchmark with its layers combined: its bases (`from`), its groups, and one choice of its
+// cases.
 #pragma once
 
 #include <map>
@@ -14,22 +14,22 @@
 
 namespace cdb::scenario {
 
-/// Where an expression stands, which decides what its names mean.
+/// The position of an expression, which determines the meaning of its names.
 struct Scope {
   const ScenarioFile* file = nullptr;
-  std::string group;  ///< of objects; empty outside of them
+  std::string group;  ///< of objects; empty outside groups
   std::string
       block;  ///< within the group or the benchmark: `world`, `accuracy.reference`; or empty
-  /// The parameter that is being set; null in a let or a condition. Its own words come before the
-  /// names of parameters: `omit sleeping` is not about the switch `sleeping`.
+  /// The parameter being set; null in a let or a condition. Its own words take precedence over
+  /// names of parameters: `omit sleeping` does not refer to the switch `sleeping`.
   const schema::Parameter* parameter = nullptr;
 };
 
-/// `inner` as it is called outside of the block or group `outer`: `pebbles.links`.
+/// The name of `inner` outside the block or group `outer`: `pebbles.links`.
 inline std::string Joined(std::string_view outer, std::string_view inner) {
   return std::string(outer) + (outer.empty() || inner.empty() ? "" : ".") + std::string(inner);
 }
-/// The block around `block`; empty where there is none.
+/// The block around `block`; empty if there is none.
 inline std::string Outside(std::string_view block) {
   const std::size_t dot = block.rfind('.');
   return std::string(block.substr(0, dot == std::string_view::npos ? 0 : dot));
@@ -38,7 +38,7 @@ inline std::string Outside(std::string_view block) {
 /// A parameter of the world (group empty) or of a group.
 using ParameterKey = std::pair<std::string, const schema::Parameter*>;
 
-/// One statement with its place in the order in which everything was written.
+/// A statement with its position in the order of writing.
 template <typename Node>
 struct Placed {
   const Node* node = nullptr;
@@ -46,17 +46,17 @@ struct Placed {
   int order = 0;
 };
 
-/// What one run is made from, once its cases are chosen.
+/// The statements that make one run, after the choice of cases.
 struct Layers {
   std::vector<std::string> groups;
   std::map<ParameterKey, Placed<dsl::Setting>> settings;
   std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
       lets;  ///< by group and block, and name
   std::vector<Placed<dsl::Skip>> skips;
-  /// Some value, or the condition of a skip, could not be read.
+  /// A value, or the condition of a skip, had a syntax error.
   bool has_unread = false;
-  /// Statements could not be read, here or outside the benchmarks: a name without a meaning may be
-  /// one of theirs.
+  /// Statements had syntax errors, here or outside the benchmarks: one of them may define an
+  /// unknown name.
   bool is_incomplete = false;
 };
 
@@ -68,24 +68,23 @@ struct CaseAxis {
   std::vector<std::string> names;
 };
 
-/// A benchmark and its bases, checked for names, places and duplicates once, then laid out for each
-/// choice of cases.
+/// A benchmark and its bases, with names, places and duplicates checked once, then combined for
+/// each choice of cases.
 class LayeredBenchmark {
  public:
   LayeredBenchmark(const Scenario& scenario, const BenchmarkRef& benchmark,
                    dsl::Diagnostics& diagnostics);
 
-  /// False where a `from` leads nowhere, or braces do not match: nothing can be said of what is
-  /// set.
+  /// False if a base is missing or braces do not match: the settings are then unknown.
   bool is_readable() const { return has_base_ && damage_ != dsl::Damage::kMisnested; }
-  /// True if every statement could be read.
+  /// True if no statement had a syntax error.
   bool is_complete() const { return damage_ == dsl::Damage::kNone; }
   const std::vector<CaseAxis>& case_axes() const { return case_axes_; }
   /// `chosen`: an index for each case axis.
   Layers Lay(const std::vector<std::size_t>& chosen) const;
 
  private:
-  /// A statement, and the case that it belongs to (-1: none).
+  /// A statement, and the case that contains it (-1: none).
   struct Entry {
     int case_axis = -1;
     std::size_t case_index = 0;
@@ -94,10 +93,10 @@ class LayeredBenchmark {
     std::optional<Placed<dsl::Let>> let;
     std::optional<Placed<dsl::Skip>> skip;
   };
-  /// What is being walked: the layer (a benchmark's own statements or one case) and the block.
+  /// The current position: the layer (the statements of a benchmark, or one case) and the block.
   struct Place {
     const ScenarioFile* file = nullptr;
-    std::string group, block;  ///< as of Scope
+    std::string group, block;  ///< as in Scope
     int case_axis = -1;
     std::size_t case_index = 0;
     int layer = 0;
@@ -105,7 +104,7 @@ class LayeredBenchmark {
 
   static bool IsUnread(const Entry& entry);
   void Chain(const BenchmarkRef& benchmark);
-  /// Why nothing can come from `from`.
+  /// Reports the reason why `from` gives nothing.
   void ReportBase(const dsl::Name& from, const ScenarioFile& file, bool is_circle);
   void CollectLabels(const dsl::Block& block);
   void Walk(const dsl::Block& block, const Place& place);
@@ -115,7 +114,7 @@ class LayeredBenchmark {
   void WalkLet(const dsl::Let& let, const Place& place);
   bool IsLet(const std::string& name, const Place& place) const;
   std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
-  /// Why there is no block of that name here.
+  /// Reports the reason why there is no block of this name here.
   void ReportBlock(const dsl::Name& kind, const Place& place);
   void DeclareGroup(const std::string& name, const Place& place);
   void Once(int layer, const std::string& what, const text::Span& span, const std::string& message);

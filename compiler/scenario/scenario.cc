@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxUses = 64;
 
-/// Calls `visit` for `file` and everything it uses, each once, nearest first; stops when `visit`
+/// Calls `visit` for `file` and all files it uses, each once, nearest first; stops when `visit`
 /// returns true.
 template <typename Visit>
 void ForEachVisible(const ScenarioFile& file, Visit visit) {
@@ -64,7 +64,7 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   std::string why;
   std::optional<std::string> text = read_(path, why);
   if (!text) {
-    // The place of a missing main file is the command line; an empty text stands for it.
+    // A missing main file has its location on the command line; an empty text stands for it.
     const auto nowhere = std::make_shared<const text::Source>(path, "");
     text::Span span = {nowhere.get(), 0, 0};
     if (use != nullptr) span = use->path_span;
@@ -87,7 +87,7 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   });
   loading_.push_back(&file);
   ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
-    if (wanted.path_span.source == nullptr) return;  // not a path; the parser has said so
+    if (wanted.path_span.source == nullptr) return;  // not a path; reported by the parser
     if (files_.size() + plugin_files_.size() >= kMaxUses) {
       diagnostics.Report(kTooManyRuns, wanted.span,
                          fmt::format("a scenario reads at most {} files", kMaxUses));
@@ -178,7 +178,7 @@ void Scenario::AddDetector(schema::PluginDetector detector, const dsl::Use* use,
 
 void Scenario::CheckNames(dsl::Diagnostics& diagnostics) const {
   const auto once = [&](auto& seen, const dsl::Name& name, const char* what) {
-    if (name.span.source == nullptr) return;  // it has none, as the parser has said
+    if (name.span.source == nullptr) return;  // it has no name; reported by the parser
     const auto [first, is_new] = seen.emplace(name.text, &name);
     if (!is_new)
       diagnostics.Report(kSetTwice, name.span,

@@ -1,4 +1,4 @@
-// A scenario file with all the files it uses, read and parsed.
+// A scenario file and all files it uses, read and parsed.
 #pragma once
 
 #include <functional>
@@ -19,32 +19,33 @@
 
 namespace cdb::scenario {
 
-/// The disk, behind a function so that tests need none: the text of a file, or nullopt and why not.
+/// Reads the text of a file, or gives nullopt and the reason; a function, so that tests need no
+/// disk.
 using ReadFile =
     std::function<std::optional<std::string>(const std::string& path, std::string& why)>;
 
-/// Looks into the bytes of a shared library, behind a function as well, and runs nothing of it: its
-/// detectors with name, phases and limit, or nullopt and why there are none.
+/// Inspects the bytes of a shared library without running any of it: its detectors with name,
+/// phases and limit, or nullopt and the reason why there are none. A function too.
 using DescribePlugin = std::function<std::optional<std::vector<schema::PluginDetector>>(
     const std::string& bytes, const std::string& path, std::string& why)>;
 
-/// Shared libraries that a command line names, and how to look into any.
+/// The shared libraries of a command line, and the function that inspects any library.
 struct PluginSource {
   std::vector<std::string> files = {};
   DescribePlugin describe = {};
 };
 
-/// A parsed file and what its `use` lines reach.
+/// A parsed file and the files of its `use` lines.
 struct ScenarioFile {
   std::string path;
   dsl::File tree;
   std::vector<const ScenarioFile*> uses;
-  /// The first of each name.
+  /// The first let of each name.
   std::unordered_map<std::string_view, const dsl::Let*> lets;
   std::unordered_map<std::string_view, const dsl::Benchmark*> benchmarks;
 };
 
-/// A benchmark with the file whose names it sees.
+/// A benchmark with its file, which determines the names it can use.
 struct BenchmarkRef {
   const ScenarioFile* file = nullptr;
   const dsl::Benchmark* benchmark = nullptr;
@@ -55,58 +56,61 @@ struct LetRef {
   const dsl::Let* let = nullptr;
 };
 
-/// All files of one compilation; owns the trees that everything else points into.
+/// All files of one compilation; owns the syntax trees that all other data points into.
 class Scenario {
  public:
-  /// Reads `path` and what it uses: `use "other"` is looked for beside the file that says it, then
-  /// in `library`, with or without `.cdb`; `use detector "mine.so"` likewise. Reports what cannot
-  /// be read or parsed, a `use` that leads back to itself, a library that offers no detector, or
-  /// one whose name is taken. What is wrong with a library of the command line has no place.
+  /// Reads `path` and the files it uses: `use "other"` is searched for in the folder of the file
+  /// that contains it, then in `library`, with or without `.cdb`; likewise `use detector
+  /// "mine.so"`. Reports files that cannot be read or parsed, cycles of `use`, a library without
+  /// detectors, and a detector whose name is taken. Errors in a library of the command line have no
+  /// location.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
            const PluginSource& plugins, const analysis::ReadTrace& read_trace,
            const analysis::ReadPoses& read_poses, dsl::Diagnostics& diagnostics);
 
-  /// Reports lets and benchmarks of one name in one file.
+  /// Reports lets and benchmarks that share a name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
 
-  /// Null where the file could not be read.
+  /// Null if the file could not be read.
   const ScenarioFile* main() const { return main_; }
-  /// False where a used file, or a statement outside the benchmarks, could not be read, so that
-  /// names may be missing.
+  /// False if a used file, or a statement outside the benchmarks, had an error, so that names may
+  /// be missing.
   bool is_complete() const { return is_complete_; }
   /// The file's own benchmarks, in order.
   std::vector<BenchmarkRef> Benchmarks() const;
-  /// A benchmark, a file-level `let`, that `file` sees: its own, then those of the files it uses.
+  /// A benchmark or a file-level `let` visible in `file`: one of its own, then of the files it
+  /// uses.
   std::optional<BenchmarkRef> FindBenchmark(const ScenarioFile& file, std::string_view name) const;
   std::optional<LetRef> FindLet(const ScenarioFile& file, std::string_view name) const;
   std::vector<std::string_view> BenchmarkNames(const ScenarioFile& file) const;
   std::vector<std::string_view> LetNames(const ScenarioFile& file) const;
-  /// A file-level `let`'s place among all of them: used files first, as if their text stood where
-  /// they are used.
+  /// The position of a file-level `let` among all of them: used files first, as if their text
+  /// replaced the `use` line.
   int LetOrder(const dsl::Let& let) const;
-  /// The SHA-256 of a file, which is read once; nullopt, and why, where it cannot be read. Not for
-  /// several threads.
+  /// The SHA-256 of a file, read once; nullopt and the reason if it cannot be read. Not
+  /// thread-safe.
   std::optional<std::string> HashOf(const std::string& path, std::string& why) const;
-  /// The text of a file; nullopt, and why, where it cannot be read.
+  /// The text of a file; nullopt and the reason if it cannot be read.
   std::optional<std::string> TextOf(const std::string& path, std::string& why) const {
     return read_(path, why);
   }
-  /// The detectors of all plug-ins, whichever file uses them, in the order of their names.
+  /// The detectors of all plug-ins, of all files, ordered by name.
   std::span<const schema::PluginDetector> plugins() const { return plugins_; }
-  /// What a trace holds, read once; nullopt, and why, where it is of no use. Not for several
-  /// threads.
+  /// The facts about a trace, read once; nullopt and the reason if it cannot be used. Not
+  /// thread-safe.
   std::optional<analysis::TraceFacts> TraceAt(const std::string& path, std::string& why) const;
-  /// What the table of a `poses` call holds, read once; nullopt, and why, where it is of no use.
-  /// Not for several threads.
+  /// The facts about the table of a `poses` call, read once; nullopt and the reason if it cannot be
+  /// used. Not thread-safe.
   std::optional<analysis::PoseFacts> PosesAt(const schema::Call& poses,
                                              analysis::PoseFault& why) const;
-  /// The main file's text, then each used file's under a comment with its name.
+  /// The text of the main file, then of each used file under a comment with its name.
   std::string FullText() const;
 
  private:
   const ScenarioFile* Load(const std::string& path, const dsl::Use* use,
                            dsl::Diagnostics& diagnostics);
-  /// `wanted` as `path` says it: beside it, else in the library of scenarios; with `extension`.
+  /// Finds `wanted` of the file `path`: beside it, else in the library of scenarios; with
+  /// `extension`.
   std::string Find(const std::string& wanted, const std::string& path,
                    std::string_view extension) const;
   void LoadPlugin(const std::string& path, const dsl::Use* use, dsl::Diagnostics& diagnostics);

@@ -1,5 +1,5 @@
-// What a scenario can name: object types, detectors, layouts, closed forms. The compiler, `cdb
-// list` and `cdb doc` read these tables.
+// The catalogue: the names of object types, detectors, layouts and closed forms that a scenario can
+// use. The compiler, `cdb list` and `cdb doc` read these tables.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ struct ObjectType {
   std::string_view doc;
 };
 
-/// Errors that a third-party detector is known to make.
+/// Known errors of a third-party detector.
 enum class KnownErrors : std::uint8_t {
   kNone = 0,
   kMissesPairs = 1,
   kFalsePositives = 2,
-  kNoNearContacts = 4,  ///< bodies that are close, but do not overlap, have no contact
+  kNoNearContacts = 4,  ///< no contact for bodies that are close but do not overlap
 };
 constexpr KnownErrors operator|(KnownErrors a, KnownErrors b) {
   return static_cast<KnownErrors>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
@@ -30,32 +30,32 @@ struct DetectorInfo {
   std::string_view doc;
   std::string_view source;
   std::string_view phases;       ///< space-separated: `broad`, `narrow`
-  std::string_view family;       ///< of algorithms, comma-separated where it is of several
+  std::string_view family;       ///< of algorithms; comma-separated if there are several
   std::uint64_t max_bodies = 0;  ///< objects and walls together; 0 means no limit
-  std::string_view limits = {};  ///< what else it cannot do, or does wrong; may be empty
-  std::string_view part = {};    ///< the optional part it is in; empty for what is always there
+  std::string_view limits = {};  ///< other limitations or errors; may be empty
+  std::string_view part = {};    ///< the optional part it is in; empty if always included
   KnownErrors known_errors = KnownErrors::kNone;
 
   constexpr bool HasPhase(std::string_view phase) const {
     return phases.find(phase) != std::string_view::npos;
   }
-  /// So many, walls included.
+  /// True if it supports this number of bodies, walls included.
   bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
   bool Makes(KnownErrors error) const {
     return (static_cast<std::uint8_t>(known_errors) & static_cast<std::uint8_t>(error)) != 0;
   }
 };
 
-/// A family of algorithms that the source paper's section 2 names: some detector is of it
-/// (DetectorInfo::family lists it), or `why_not` says why none is.
+/// A family of algorithms from section 2 of the source paper: a detector belongs to it
+/// (DetectorInfo::family lists it), or `why_not` gives the reason why none does.
 struct FamilyInfo {
   std::string_view name;
   std::string_view source;
   std::string_view why_not = {};
 };
 
-/// A shared library of detectors that is built where its Debian package is installed:
-/// `cdb-detectors-<name>.so`, beside the workers in the folder `detectors`.
+/// A shared library of detectors, built if its Debian package is installed:
+/// `cdb-detectors-<name>.so`, in the folder `detectors` beside the workers.
 struct DetectorPart {
   std::string_view name;
   std::string_view package;
@@ -77,15 +77,14 @@ std::span<const DetectorInfo> Detectors();
 std::span<const DetectorPart> DetectorParts();
 std::span<const FamilyInfo> Families();
 std::span<const LayoutInfo> Layouts();
-/// library/closed_forms/closed_form.h makes them.
+/// They are implemented by library/closed_forms/closed_form.h.
 std::span<const ClosedFormInfo> ClosedForms();
 
-/// Null if there is none of that name.
+/// Null if there is none with this name.
 const DetectorInfo* FindDetector(std::string_view name);
 const DetectorPart* FindDetectorPart(std::string_view name);
 
-/// The word of the language for one that people try first: `cuboid` for `cube`. Empty if there is
-/// none.
+/// The word of the language for a common alternative: `cuboid` for `cube`. Empty if there is none.
 std::string_view WordFor(std::string_view word);
 
 }  // namespace cdb::schema

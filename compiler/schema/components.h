@@ -7,7 +7,7 @@
 
 namespace cdb::schema {
 
-/// The parts of the engine that a scene may do without, in the order of the table.
+/// The parts of the engine that a scene can omit, in the order of the table.
 enum class Component {
   kWalls,
   kRaycastTree,
@@ -28,15 +28,15 @@ enum class Component {
 struct ComponentInfo {
   Component component;
   std::string_view name;     ///< the word that `omit` takes
-  std::string_view doc;      ///< what it is, one line
-  std::string_view changes;  ///< what of the measurement changes without it; empty: nothing does
-  bool is_in_auto = true;    ///< `omit auto` leaves it out where it can; otherwise `omit` names it
-  /// Every summary names it where it is left out.
+  std::string_view doc;      ///< a description, one line
+  std::string_view changes;  ///< effect of its omission on the measurement; empty if none
+  bool is_in_auto = true;    ///< `omit auto` may leave it out; otherwise `omit` must name it
+  /// True if every summary names the component when it is left out.
   bool IsVisible() const { return !changes.empty(); }
 };
 std::span<const ComponentInfo> Components();
 const ComponentInfo& InfoOf(Component component);
-/// Null where there is none.
+/// Null if there is none with this name.
 const ComponentInfo* FindComponent(std::string_view name);
 
 }  // namespace cdb::schema

@@ -22,7 +22,7 @@ double ArgumentOf(const Distribution& distribution, std::size_t i) {
 
 double NormalAt(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
 
-/// By weight, what part of the choices is at most x, or below it.
+/// The fraction, by weight, of the choices that are at most x, or below it.
 double PartOf(const Distribution& choices, double x, bool or_equal) {
   double sum = 0, all = 0;
   for (std::size_t i = 0; i < choices.arguments.size(); ++i) {
@@ -63,13 +63,13 @@ double GammaFraction(double a, double x) {
 }
 
 /// A gamma distribution with scale 1 at three deviations to the side of `sign`, by the cube of
-/// Wilson and Hilferty (1931), which is normal within some per cent.
+/// Wilson and Hilferty (1931), which is normal to within a few per cent.
 double UsualGamma(double shape, double sign) {
   const double root = 1 - 1 / (9 * shape) + sign * 3 / (3 * std::sqrt(shape));
   return root > 0 ? shape * root * root * root : 0;
 }
 
-/// The only value that is drawn, if there is only one.
+/// The value, if only one can be drawn.
 std::optional<double> ConstantOf(const Distribution& d) {
   const bool is_pair =
       d.kind == DistributionKind::kUniform || d.kind == DistributionKind::kLogUniform;

@@ -1,19 +1,19 @@
-// Distribution functions: what part of the draws is at most x.
+// Cumulative distribution functions.
 #pragma once
 
 #include "compiler/schema/value.h"
 
 namespace cdb::schema {
 
-/// Of numbers; of any( ) and empirical( ), by weight. Limits (`in 2 .. 8`) are not applied. Within
-/// 1e-12 of the true value.
+/// The fraction of draws that are at most x, for numbers; for any( ) and empirical( ), by weight.
+/// Limits (`in 2 .. 8`) are not applied. Within 1e-12 of the true value.
 double CumulativeAt(const Distribution& distribution, double x);
 
-/// The part of the draws in [low, high].
+/// The fraction of draws in [low, high].
 double ChanceWithin(const Distribution& distribution, double low, double high);
 
-/// Numbers that all but a few draws lie between: the ends of what is bounded; of the others, those
-/// that a draw is beyond as rarely as one of a normal distribution is beyond three deviations.
+/// An interval that contains all but a few draws: the ends of a bounded distribution; for others,
+/// the points beyond which draws are as rare as beyond three deviations of a normal distribution.
 /// Limits are applied.
 Limits UsualRange(const Distribution& distribution);
 

@@ -1,4 +1,4 @@
-// The table of detectors that cdb comes with. The catalogue and the entries in library/detectors
+// The table of the detectors included in cdb. The catalogue and the entries in library/detectors
 // read it.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace cdb::schema {
 
-// Limits of all of FCL's trees.
+// Limits shared by all trees of FCL.
 #define FCL_TREES \
   "tests surfaces, with 24 sides for round shapes: no contact if one body is inside the other"
 

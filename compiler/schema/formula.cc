@@ -16,7 +16,7 @@ bool IsOperator(std::string_view op) {
   return op.size() == 1 && kOperators.find(op[0]) != std::string_view::npos;
 }
 
-/// How closely it binds; sums are loosest.
+/// Precedence; sums bind loosest.
 constexpr int kSum = 1, kProduct = 2, kPower = 3, kPrimary = 4;
 int BindingOf(const Value& value) {
   const Formula* formula = AsFormula(value);

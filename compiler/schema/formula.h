@@ -1,6 +1,6 @@
-// Formulae: expressions of values that are drawn for an object, as a setting of the same group.
+// Formulae: expressions of values drawn for an object, in a setting of the same group.
 //
-// They depend on one another without a circle, and name settings that are numbers.
+// They have no circular dependencies, and name settings that are numbers.
 #pragma once
 
 #include <cstddef>
@@ -13,23 +13,23 @@
 
 namespace cdb::schema {
 
-/// A formula has at most this many operators, functions, numbers and names.
+/// The maximum number of operators, functions, numbers and names in a formula.
 inline constexpr std::size_t kMostFormulaParts = 200;
 std::size_t FormulaParts(const Value& value);
 
-/// `op` is an operator or a function, and takes so many arguments.
+/// True if `op` is an operator or a function with this number of arguments.
 bool IsFormulaOp(std::string_view op, std::size_t arguments);
 
-/// The names of settings in it, in order; a setting that is named twice is there twice.
-/// They are parts of `value`.
+/// The names of settings in it, in order; a setting named twice appears twice. They are parts of
+/// `value`.
 std::vector<const Formula*> SettingsIn(const Value& value);
 std::vector<const Formula*> SettingsIn(Value&& value) = delete;
 
-/// As `.cdb` writes it, with no more brackets than it needs: `2 * size ^ 3`.
+/// As written in `.cdb`, with the minimum of brackets: `2 * size ^ 3`.
 std::string FormulaText(const Formula& formula);
 
-/// The value for an object of which `value_of` gives the settings by name. NaN or infinity where it
-/// is no finite number.
+/// The value for an object, whose settings `value_of` gives by name. NaN or infinity if it is not a
+/// finite number.
 double Evaluate(const Formula& formula, const std::function<double(std::string_view)>& value_of);
 
 }  // namespace cdb::schema

@@ -12,12 +12,12 @@ namespace cdb::schema {
 struct Function {
   std::string_view name;
   std::size_t most_arguments;
-  Number (*apply)(std::span<const Number>);  ///< of at least one number; may give NaN or infinity
+  Number (*apply)(std::span<const Number>);  ///< at least one number; may give NaN or infinity
 };
 
 /// `round floor ceil abs min max sqrt sin cos exp log`.
 std::span<const Function> Functions();
-/// Null where there is none of this name.
+/// Null if there is none with this name.
 const Function* FindFunction(std::string_view name);
 
 /// `op`: one of + - * / ^. A division by 0 gives NaN or infinity.

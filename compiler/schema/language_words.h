@@ -11,7 +11,7 @@ namespace cdb::schema {
 enum class WordRole {
   kStatement,  ///< begins a statement: `let`
   kFunction,   ///< makes a value from arguments: `sweep`
-  kModifier,   ///< stands within a statement or a value: `from`, `step`, `and`
+  kModifier,   ///< is part of a statement or a value: `from`, `step`, `and`
   kConstant,   ///< is a value: `on`
 };
 

@@ -1,5 +1,6 @@
-// THE table of errors that a run can be held to: the words of `accuracy.metrics`, and the arrays of
-// /accuracy that each makes. Checker, `cdb doc accuracy`, results and `cdb show --error` read it.
+// THE table of errors that can be measured for a run: the words of `accuracy.metrics`, and the
+// arrays that each adds to /accuracy. Checker, `cdb doc accuracy`, results and `cdb show --error`
+// read it.
 #pragma once
 
 #include <span>
@@ -7,15 +8,15 @@
 
 namespace cdb::schema {
 
-/// How the errors at a run's samples become one number.
+/// How the errors at the samples of a run become one number.
 enum class Fold {
   kRms,
   kMean,
   kMax,
-  kMeanOfSome,  ///< over the samples that have a value: a sample may have nothing to look at
+  kMeanOfSome,  ///< over the samples with a value: a sample may have nothing to measure
 };
 
-/// The errors that there are, in the order of the table.
+/// The errors, in the order of the table.
 enum class ErrorKind {
   kPosition,
   kVelocity,
@@ -39,12 +40,12 @@ enum class ErrorKind {
 struct ErrorInfo {
   ErrorKind kind;
   std::string_view name;    ///< of its array, `/accuracy/NAME`, and for `cdb show --error`
-  std::string_view series;  ///< of the array with its value at each sample
-  std::string_view metric;  ///< the word of `accuracy.metrics` that asks for it
-  std::string_view unit;    ///< empty where it has none
+  std::string_view series;  ///< the array with its value at each sample
+  std::string_view metric;  ///< the word of `accuracy.metrics` that requests it
+  std::string_view unit;    ///< empty if it has none
   std::string_view doc;     ///< one line
-  bool needs_truth;         ///< a closed form or a reference run; else it is the run's own
-  bool to_horizon;          ///< says something only as long as the reference is sure of itself
+  bool needs_truth;         ///< a closed form or a reference run; else only the run itself
+  bool to_horizon;          ///< meaningful only as long as the reference is reliable
   Fold fold;
 };
 std::span<const ErrorInfo> Errors();

@@ -42,7 +42,7 @@ std::optional<Number> Number::FromLiteral(std::string_view text) {
 
 std::optional<Integer> Number::AsWhole() const {
   if (is_whole()) return *whole();
-  // Past 2^53 a real that looks whole has lost its last digits.
+  // Above 2^53, a real that looks like an integer has lost its last digits.
   const double real = std::get<double>(value_);
   if (std::floor(real) != real || std::fabs(real) > 9007199254740992.0) return std::nullopt;
   return static_cast<Integer>(real);

@@ -1,4 +1,4 @@
-// Numbers of the language: exact as long as they are whole.
+// Numbers of the language: integers are exact.
 #pragma once
 
 #include <compare>
@@ -12,12 +12,12 @@ namespace cdb::schema {
 
 __extension__ using Integer = __int128;
 
-/// A whole number or a real. Sums, differences, products and powers of whole numbers stay whole,
-/// and so do quotients without a remainder; results beyond 64 bits become 64-bit reals. A count in
-/// a plan is whole, any other number in it a real.
+/// An integer or a real. Sums, differences, products and powers of integers are integers, and so
+/// are quotients without a remainder; results beyond 64 bits become 64-bit reals. In a plan, a
+/// count is an integer and any other number a real.
 class Number {
  public:
-  /// Implicit, so that settings take numbers of C++.
+  /// Implicit, so that settings accept C++ numbers.
   Number(std::uint64_t value) : value_(Integer{value}) {}
   Number(double value) : value_(value) {}
   static Number Whole(Integer value);
@@ -25,9 +25,9 @@ class Number {
   static std::optional<Number> FromLiteral(std::string_view text);
 
   bool is_whole() const { return std::holds_alternative<Integer>(value_); }
-  /// Also a real without a fraction, up to 2^53: `1e6` is a count.
+  /// Also of a real without a fraction, up to 2^53: `1e6` is a count.
   std::optional<Integer> AsWhole() const;
-  /// Anything but a whole number from 0 to 2^64 - 1 is our own bug (CDB_CHECK).
+  /// Anything but an integer from 0 to 2^64 - 1 is an internal error (CDB_CHECK).
   std::uint64_t AsCount() const;
   double AsReal() const {
     return is_whole() ? static_cast<double>(*whole()) : std::get<double>(value_);
@@ -40,9 +40,9 @@ class Number {
   friend Number operator*(const Number& a, const Number& b);
   friend Number operator/(const Number& a, const Number& b);
   friend Number Power(const Number& base, const Number& exponent);
-  /// By value: 1 and 1.0 are equivalent. Exact if both are whole. NaN compares as unordered.
+  /// By value: 1 and 1.0 are equivalent. Exact if both are integers. NaN compares as unordered.
   friend std::partial_ordering Compare(const Number& a, const Number& b);
-  /// By representation: the whole number 1 differs from the real 1.0.
+  /// By representation: the integer 1 differs from the real 1.0.
   bool operator==(const Number&) const = default;
 
  private:

@@ -1,6 +1,6 @@
-// A parameter that the code names: `WorldParameter("timestep")`, `GroupParameter("size")`. A name
-// that the table does not have is a compile error, and so is a parameter that cannot have the kind
-// of value that is asked for.
+// A parameter named in the code: `WorldParameter("timestep")`, `GroupParameter("size")`. It is a
+// compile error if the table has no such name, or if the parameter cannot have the requested kind
+// of value.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace cdb::schema {
 enum class ValueKind {
   kAny,
   kReal,   ///< numbers and counts
-  kCount,  ///< whole numbers
+  kCount,  ///< integers
   kSwitch,
-  kWord,   ///< one word, also where it stands for a number: `mass fixed`
+  kWord,   ///< one word, also if it stands for a number: `mass fixed`
   kWords,  ///< a list
   kVector,
   kDrawn,  ///< constants and distributions
@@ -45,16 +45,16 @@ constexpr bool MayBe(const Parameter& parameter, ValueKind kind) {
   return false;
 }
 
-/// Not constexpr: a constant expression that calls one of them does not compile, and the compiler's
-/// message has its name.
+/// Not constexpr: a constant expression that calls one of these does not compile, and the error
+/// message shows its name.
 void NoSuchParameter();
 void ParameterHasAnotherKind();
 
-/// A row of the table, of the world or, where `kGrouped`, of a group.
+/// A row of the table, of the world or, if `kGrouped`, of a group.
 template <bool kGrouped, ValueKind kKind = ValueKind::kAny>
 class ParameterRef {
  public:
-  /// Implicit, so that `settings.Real("timestep")` reads as it is meant.
+  /// Implicit, so that `settings.Real("timestep")` can be written.
   consteval ParameterRef(const char* name) {
     while (row_ < kParameters.size() &&
            !(kParameters[row_].grouped == kGrouped && kParameters[row_].name == name))

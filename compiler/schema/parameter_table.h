@@ -1,5 +1,5 @@
-// The rows of THE table of parameters, as constants: a name in the code is looked up in them when
-// it is compiled (parameter_ref.h). At run time, ask schema.h.
+// The rows of THE table of parameters, as constants, so that a name in the code is looked up at
+// compile time (parameter_ref.h). At run time, use schema.h.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace cdb::schema {
 
-/// The words of the table stand in a class, so that they are names of the table alone.
+/// A class, so that the short names of the table are local to it.
 struct ParameterTable {
   using enum ParameterType;
   using enum WordSource;
@@ -26,7 +26,7 @@ struct ParameterTable {
 
   // clang-format off
   static constexpr auto kRows = std::to_array<Parameter>({
-    // The ten of the paper, section 3.1.
+    // The ten parameters of the paper, section 3.1.
     {"cycles", false, kCount, kCountFromOne, kConstant, "", "1000", "", kOwn,
      "collision-detection cycles to time",
      "steps frames iterations duration"},
@@ -63,7 +63,7 @@ struct ParameterTable {
      "spin at the start",
      "spin rotation omega", "every rotating"},
 
-    // What a study needs beside them: the world,
+    // Further parameters of a study: the world,
     {"seed", false, kCount, {.min = 0, .max = kMaxSeed}, kConstant, "", "0xAAAAAAAAAA", "", kOwn,
      "every distribution has a random stream of its own, seeded by it",
      "random_seed rng"},
@@ -169,7 +169,7 @@ struct ParameterTable {
      "which parts of the engine to leave out that the scene provably does not need",
      "prune exclude skip_parts without leave_out"},
 
-    // What it is compared with.
+    // The comparison with the ground truth.
     {"accuracy.metrics", false, kWords, kAny, kConstant, "", "none", "none", kMetrics,
      "errors to collect, in a pass of its own beside the timed one",
      "errors error accuracy"},

@@ -1,5 +1,5 @@
-// THE table of words that take arguments: layouts, models from files, schedules, sizes and masses.
-// The checker, `cdb doc`, the plan and the engine read it; a parameter lists those that it takes
+// THE table of words with arguments: layouts, models from files, schedules, sizes and masses. The
+// checker, `cdb doc`, the plan and the engine read it; a parameter lists the ones it takes
 // (Parameter::calls).
 #pragma once
 
@@ -13,45 +13,45 @@
 
 namespace cdb::schema {
 
-/// In a scenario `ring`, `ring(radius: 20)` or, of one argument, `ring radius: 20`; positions count
-/// as names do: `at(0, 5, 0)`.
+/// In a scenario `ring`, `ring(radius: 20)` or, with one argument, `ring radius: 20`; arguments can
+/// also be given by position: `at(0, 5, 0)`.
 struct ParametrisedWord {
   std::string_view name;
   std::string_view doc;  ///< one line
-  /// Described as parameters are; one without a default must be given.
+  /// Described as parameters are; an argument without a default is required.
   std::span<const Parameter> arguments;
-  /// It takes a list of points instead of its arguments too: `at((0, 0, 0), (1, 2, 3))`.
+  /// Also takes a list of points instead of its arguments: `at((0, 0, 0), (1, 2, 3))`.
   bool takes_points = false;
 };
 
-/// The unit of an argument that is itself a value of the parameter: `every(60, (0, -9.8, 0))`.
+/// The unit of an argument that is a value of the parameter itself: `every(60, (0, -9.8, 0))`.
 inline constexpr std::string_view kParametersUnit = "as the parameter";
 
 std::span<const ParametrisedWord> ParametrisedWords();
-/// Null where there is none.
+/// Null if there is none with this name.
 const ParametrisedWord* FindParametrisedWord(std::string_view name);
-/// Those without a default, in order.
+/// The arguments without a default, in order.
 std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info);
-/// The word by itself, every argument at its default; nullopt where one has none.
+/// The word with all arguments at their defaults; nullopt if one has none.
 std::optional<Call> WithDefaults(const ParametrisedWord& info);
-/// An argument's default; one without is our own bug.
+/// The default of an argument; calling it for an argument without one is an internal error.
 Value DefaultOf(const Parameter& argument);
-/// It names a file that is read, and holds its hash: `mesh("rock.obj")`.
+/// True if it names a file to read, and holds its hash: `mesh("rock.obj")`.
 inline bool NamesFile(const ParametrisedWord& info) {
   return info.arguments[0].type == ParameterType::kText;
 }
-/// The call that a text alone stands for behind `trace`.
+/// The call that a plain text after `trace` stands for.
 inline constexpr std::string_view kTraceCall = "file";
 /// The layout that reads a file.
 inline constexpr std::string_view kPosesCall = "poses";
-/// The type that is a grid of heights.
+/// The type of a grid of heights.
 inline constexpr std::string_view kHeightsCall = "heights";
 /// The layout that reads the path of a kinematic object.
 inline constexpr std::string_view kPathCall = "path";
-/// The call's arguments are a list of points, each a vector, instead of those of its row.
+/// True if the arguments are a list of points, each a vector, instead of those of its row.
 bool ListsPoints(const Call& call);
-/// The argument of a call of the plan that lists no points; a name that its row does not have is
-/// our own bug.
+/// The argument of a call in the plan that lists no points; a name that its row does not have is an
+/// internal error.
 const Value& ArgumentOf(const Call& call, std::string_view argument);
 
 }  // namespace cdb::schema

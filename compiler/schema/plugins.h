@@ -1,4 +1,4 @@
-// Detectors of a user's shared library, as scenarios and plans name them.
+// Detectors of a user's shared library, as named in scenarios and plans.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,15 @@ struct PluginDetector {
   std::string name;
   std::string phases;            ///< as in the catalogue: `broad`, `narrow`, `broad narrow`
   std::uint64_t max_bodies = 0;  ///< walls included; 0 means no limit
-  std::string path;              ///< of the library, as its scenario file was reached
+  std::string path;              ///< of the library, as reached from its scenario file
   std::string sha256;            ///< of the library: another file is another detector
   bool operator==(const PluginDetector&) const = default;
 };
 
-/// The words that a library's phases can be.
+/// The possible phases of a detector in a library.
 inline constexpr std::string_view kPluginPhases[] = {"broad", "narrow", "broad narrow"};
 
-/// The catalogue's row, or what stands in `plugins`; nullopt where neither has the name. Its texts
+/// The row of the catalogue, or the entry in `plugins`; nullopt if neither has the name. Its texts
 /// live as long as `plugins`.
 std::optional<DetectorInfo> FindDetector(std::string_view name,
                                          std::span<const PluginDetector> plugins);

@@ -14,14 +14,14 @@ namespace cdb::schema {
 
 /// Names of the same kind.
 struct ResultNames {
-  std::string_view kind;          ///< one of them: `a series of the results`
+  std::string_view kind;          ///< a noun for one of them: `a series of the results`
   std::string_view names;         ///< separated by spaces
   bool only_with_errors = false;  ///< in the file only if the benchmark asks for errors
 };
 std::span<const ResultNames> ReservedNames();
 
-/// What has the name of `axis` already in the results of a benchmark that asks for `errors`: `a
-/// series of the results`. Nullopt if the name is free.
+/// The kind of the existing name that equals `axis` in the results of a benchmark that requests
+/// `errors`: `a series of the results`. Nullopt if the name is free.
 std::optional<std::string> FindNameClash(std::string_view axis,
                                          std::span<const ErrorInfo* const> errors);
 

@@ -46,7 +46,7 @@ std::string PointsText(const Call& call) {
   return fmt::format("{}({})", call.name, text);
 }
 
-/// Only what differs from its default; what must be given, without its name.
+/// Only arguments that differ from their defaults; required arguments without their names.
 std::string CallText(const Call& call) {
   const ParametrisedWord* info = FindParametrisedWord(call.name);
   CDB_CHECK(info != nullptr);
@@ -64,7 +64,7 @@ std::string CallText(const Call& call) {
   return text.empty() ? call.name : fmt::format("{}({})", call.name, text);
 }
 
-/// The user writes no hash, and an axis needs none to tell its values apart.
+/// Users do not write hashes, and an axis does not need them to distinguish its values.
 Call WithoutHash(Call call) {
   const ParametrisedWord& info = *FindParametrisedWord(call.name);
   if (NamesFile(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
@@ -95,7 +95,7 @@ struct TextOf {
   }
   std::string operator()(const Distribution& d) const {
     std::string text = std::string(DistributionName(d.kind)) + "(";
-    // A label needs no more than the name of a table; a run is made of its values.
+    // A label needs only the name of a table; a run needs its values.
     if (d.kind == DistributionKind::kEmpirical) text += QuotedText(d.file);
     for (std::size_t i = 0; i < d.arguments.size(); ++i) {
       if (d.kind == DistributionKind::kEmpirical && is_label) break;

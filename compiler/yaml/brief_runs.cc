@@ -11,7 +11,7 @@
 namespace cdb::yaml {
 namespace {
 
-/// What stands behind `key` in a line that begins with it.
+/// The text after `key` in a line that begins with it.
 bool Follows(std::string_view line, std::string_view key, std::string_view& rest) {
   if (!line.starts_with(key)) return false;
   rest = line.substr(key.size());
@@ -38,7 +38,7 @@ bool ReadIndices(std::string_view text, std::vector<std::size_t>& indices) {
   return true;
 }
 
-/// False where the line should say something else.
+/// False if the line is malformed.
 bool ReadLine(std::string_view line, BriefRun& run) {
   std::string_view rest;
   if (Follows(line, "    at: ", rest)) return ReadIndices(rest, run.at);

@@ -1,5 +1,5 @@
-// A few facts of each run of a plan that was written as YAML, without reading all of it: for
-// reports on results, whose plans are long.
+// A few facts about each run of a plan in YAML, without parsing all of it: for reports on results,
+// whose plans are long.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ struct BriefRun {
   std::uint64_t objects = 0;  ///< of all groups
 };
 
-/// The runs of `yaml`, a plan as ToYaml writes it; nullopt for one of another version, and for any
-/// other text (FromYaml tells why). Nothing is checked: ids may not be those of their runs.
+/// The runs of `yaml`, a plan written by ToYaml; nullopt for a plan of another version and for any
+/// other text (FromYaml gives the reason). Nothing is checked: ids may not match their runs.
 std::optional<std::vector<BriefRun>> FindBriefRuns(std::string_view yaml);
 
 }  // namespace cdb::yaml

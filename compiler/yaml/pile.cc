@@ -11,13 +11,13 @@
 namespace cdb::yaml {
 namespace {
 
-/// They decide how long a run is, what it shows and what it is compared with.
+/// These determine the length of a run, its outputs and its comparison, but not its piles.
 bool IsOfTheRun(const schema::Parameter& parameter) {
   constexpr std::string_view kNames = "cycles warmup timeout memory repeats expect seed timestep";
   return schema::ListsWord(kNames, parameter.name) || parameter.name.starts_with("accuracy.");
 }
 
-/// Settling has its own damping, margins and velocities, and no bounces.
+/// Settling uses its own damping, margins and velocities, and no bounces.
 constexpr std::initializer_list<schema::GroupParameter> kReplaced = {
     "restitution", "linear_damping",  "angular_damping", "margin",
     "ccd",         "linear_velocity", "angular_velocity"};
@@ -48,7 +48,8 @@ plan::Scene SettlingScene(const plan::Scene& scene) {
   set("omit", schema::WordList{"none"});
   set("record", schema::WordList{});
   set("sleeping", false);
-  // Bullet's own: a sweep of the solver, and a reference run, begin with the same heap too.
+  // Bullet's defaults, so that a sweep of the solver, and a reference run, begin with the same
+  // heap.
   set("solver.iterations", std::uint64_t{10});
   set("solver.erp", 0.2);
   set("solver.warm_start", 0.85);

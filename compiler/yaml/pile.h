@@ -1,4 +1,4 @@
-// Which runs of a sweep begin with the same pile.
+// Identifies the runs of a sweep that begin with the same pile.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace cdb::yaml {
 
-/// A group with objects has `location pile`.
+/// True if the group has objects and `location pile`.
 bool HasPile(const plan::Group& group);
 bool HasPile(const plan::Scene& scene);
 
-/// The scene as its piles settle: in double precision, with a fixed detector and solver, and
-/// nothing recorded. The time step is that of `scene`.
+/// The scene in which its piles settle: in double precision, with a fixed detector and solver,
+/// recording nothing. The time step is that of `scene`.
 plan::Scene SettlingScene(const plan::Scene& scene);
 
-/// What decides the piles of a scene, as text: scenes with the same text have the same piles. The
-/// time step of settling follows from it.
+/// Everything that determines the piles of a scene, as text: scenes with the same text have the
+/// same piles. It also determines the time step of settling.
 std::string PileText(const plan::Scene& scene);
 
 }  // namespace cdb::yaml

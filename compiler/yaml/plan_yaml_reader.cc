@@ -1,4 +1,4 @@
-// Reading of plans; plan_yaml.cc writes them.
+// Reads plans; plan_yaml_writer.cc writes them.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
@@ -22,7 +22,7 @@
 namespace cdb::yaml {
 namespace {
 
-/// Walks a document and turns everything unexpected into a PlanError with file and line.
+/// Walks a document; everything unexpected becomes a PlanError with file and line.
 class Nodes {
  public:
   explicit Nodes(const std::string& name) : name_(name) {}
@@ -395,7 +395,7 @@ class PlanReader : public ValueReader {
   }
 
  private:
-  /// Files are called by names, so a name has no room for more than the language allows.
+  /// Names become names of files, so only the characters that the language allows are accepted.
   std::string Name(const YAML::Node& node) const {
     const std::string& name = Text(node);
     if (!text::IsPlainName(name))
@@ -405,7 +405,7 @@ class PlanReader : public ValueReader {
     return name;
   }
 
-  /// What a plan that was compiled keeps to, and its ids do not vouch for.
+  /// Checks a property of compiled plans that the ids do not guarantee.
   void CheckAccuracy(const YAML::Node& node, const plan::Scene& scene) const {
     const analysis::AccuracyFault fault = analysis::FindAccuracyFault(scene);
     if (fault.parameter != nullptr) Fail(node.Mark(), fault.message);
@@ -420,11 +420,11 @@ class PlanReader : public ValueReader {
   }
 };
 
-/// Parses and reads, with yaml-cpp's own errors in our form.
+/// Parses and reads; errors of yaml-cpp become PlanErrors.
 template <typename Read>
 auto Parsed(const std::string& text, const std::string& name, Read read) {
   const PlanReader reader(name);
-  // yaml-cpp takes what is not UTF-8 and writes something else.
+  // yaml-cpp accepts text that is not UTF-8 and changes it.
   for (std::size_t at = 0; at < text.size();) {
     const int bytes = text::DecodeUtf8(text, at).bytes;
     if (bytes == 0) throw PlanError(fmt::format("{}: byte {} is not UTF-8", name, at));

@@ -41,7 +41,7 @@ void CheckPlanVersion(std::uint64_t version, const std::string& name) {
 }
 
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name) {
-  // A plan that lists its runs may be large: it is not parsed for this.
+  // A plan that lists its runs may be large, so it is not parsed for this check.
   const std::string key = fmt::format("\n{}:", kShortPlanFormat);
   if (text.substr(0, 400).find(key) == std::string::npos) return std::nullopt;
   try {

@@ -124,7 +124,7 @@ void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
   out << YAML::EndSeq << YAML::EndMap;
 }
 
-/// Each line behind `indent`.
+/// Appends each line of `text` after `indent`.
 void AppendIndented(std::string_view text, std::string_view indent, std::string& out) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size() - 1) + 1;
@@ -135,7 +135,7 @@ void AppendIndented(std::string_view text, std::string_view indent, std::string&
 }
 
 std::string SettingYaml(std::string_view name, const schema::Value& value) {
-  // As the emitter writes it, which takes its time over numbers.
+  // The same text as from the emitter, which is slow for numbers.
   if (const schema::Number* number = schema::AsNumber(value))
     return fmt::format("{}: {}\n", name, number->Text());
   YAML::Emitter out;
@@ -149,7 +149,7 @@ std::string Indices(const std::vector<std::size_t>& at) {
   return fmt::format("[{}]", fmt::join(at, ", "));
 }
 
-/// Behind which the text is cut into pieces.
+/// Size at which the text is passed on as a piece, in bytes.
 constexpr std::size_t kPiece = 1 << 16;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A plan as YAML, run by run: of a run, only what differs from the one before is written anew.
+// Writes a plan as YAML, run by run; only the differences to the previous run are formatted anew.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,25 @@
 
 namespace cdb::yaml {
 
-/// The texts of one run after the other: only what differs from the last run is written anew. Not
-/// for several threads.
+/// The texts of consecutive runs; only the differences to the last run are formatted anew. Not
+/// thread-safe.
 class RunText {
  public:
-  /// `indent`: before each line of an entry but the first.
+  /// `indent` precedes each line of an entry except the first.
   explicit RunText(std::string indent) : indent_(std::move(indent)) {}
 
-  /// What follows is of this scene.
+  /// Selects the scene for the calls that follow.
   void Set(const plan::Scene& scene);
-  /// As RunId gives it.
+  /// The id, as from RunId.
   std::string Id(std::uint64_t rep) const;
   /// Appends the entry of the plan's `runs`; returns the id.
   std::string AppendYaml(const std::vector<std::size_t>& at, std::uint64_t rep,
                          std::string& out) const;
-  /// As RunToYaml, without an indent. What follows is of its scene.
+  /// As RunToYaml, without an indent. Selects the scene of `run`.
   std::string YamlOf(const plan::Run& run);
 
  private:
-  /// A setting as it was written last.
+  /// A setting as last written.
   struct Line {
     std::string name;
     schema::Value value;
@@ -55,21 +55,22 @@ class RunText {
   std::vector<schema::PluginDetector> plugins_;
   bool is_begun_ = false;
   std::string canonical_;  ///< of the scene
-  std::string yaml_;       ///< lines behind `rep`
+  std::string yaml_;       ///< lines after `rep`
 };
 
-/// Writes a plan in the order of its document: the head, skipped points, runs, the scenario's text.
-/// Not for several threads.
+/// Writes the parts of a plan in the order of the document: the head, skipped points, runs, the
+/// text of the scenario. Not thread-safe.
 class PlanWriter {
  public:
-  /// `write` gets the text in pieces. Runs, skipped points and references of `head` are not read.
+  /// `write` receives the text in pieces. Runs, skipped points and references of `head` are
+  /// ignored.
   PlanWriter(const plan::Plan& head, std::function<void(std::string_view)> write);
 
   void AddSkipped(const std::vector<std::size_t>& at);
-  /// After all skipped points. Returns the run's id.
+  /// Call after all skipped points. Returns the id of the run.
   std::string AddRun(const std::vector<std::size_t>& at, std::uint64_t rep,
                      const plan::Scene& scene);
-  /// Once, after all runs.
+  /// Call once, after all runs.
   void Finish();
 
  private:

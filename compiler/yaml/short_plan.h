@@ -1,5 +1,5 @@
-// The short form of a plan that is too long to be listed: the texts that it is compiled from, and
-// the hash of what has to come of them.
+// The short form of a plan that is too long to be listed: the source texts, and the hash that the
+// compiled plan must have.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cdb::yaml {
 
-/// The key of the format's version, by which a short plan is known.
+/// The key of the format version, which identifies a short plan.
 inline constexpr std::string_view kShortPlanFormat = "cdb_short_plan";
 
 struct ShortPlan {
@@ -20,19 +20,19 @@ struct ShortPlan {
   std::uint64_t runs = 0;            ///< of the whole plan
   std::string source;                ///< the scenario file, as the user named it
   std::string file;                  ///< the scenario file, as a key of `files`
-  std::string library;               ///< folder in which files were looked for; may be empty
-  std::vector<std::string> plugins;  ///< libraries of the command line
+  std::string library;               ///< folder in which files were searched for; may be empty
+  std::vector<std::string> plugins;  ///< shared libraries of the command line
   std::map<std::string, std::string> files;  ///< texts of scenario files by their paths
   bool operator==(const ShortPlan&) const = default;
 };
 
 std::string ToYaml(const ShortPlan& plan);
 
-/// Nullopt where the text is something else, such as a plan that lists its runs. Throws PlanError
-/// for a short plan of another version or a damaged one; `name` is for messages.
+/// Nullopt if the text is something else, such as a plan that lists its runs. Throws PlanError for
+/// a short plan of another version or a damaged one; `name` is for messages.
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name);
 
-/// Throws PlanError where the plan `name`, in either form, is of another format than kPlanVersion.
+/// Throws PlanError if the plan `name`, in either form, has a format other than kPlanVersion.
 void CheckPlanVersion(std::uint64_t version, const std::string& name);
 
 }  // namespace cdb::yaml

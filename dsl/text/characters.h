@@ -13,7 +13,7 @@ inline bool IsLetter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 inline bool IsNameChar(char c) { return IsLetter(c) || IsDigit(c); }
-/// A name as the language has it: of a benchmark, a group, a let.
+/// A name in the sense of the language: of a benchmark, a group or a let.
 inline bool IsPlainName(std::string_view text) {
   if (text.empty() || !IsLetter(text[0])) return false;
   for (const char c : text)

@@ -1,10 +1,9 @@
-// A check for our own mistakes that stays on in release builds. Never for bad input; never inside
-// timed code.
+// Assertions that stay on in release builds. Never for invalid input; never inside timed code.
 #pragma once
 
 namespace cdb::text {
 
-/// Prints what failed and where, and ends the process.
+/// Prints the failed condition and its location, and ends the process.
 [[noreturn]] void CheckFailed(const char* condition, const char* file, int line);
 
 }  // namespace cdb::text

@@ -1,4 +1,4 @@
-// Joins pieces of text; for messages.
+// Joins strings, for messages.
 #pragma once
 
 #include <initializer_list>

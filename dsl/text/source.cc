@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kStride = 1024;
 
-// Bytes that do not continue a code point; a byte that is not UTF-8 counts as one character.
+// Counts the bytes that begin a code point; a byte that is not UTF-8 counts as one character.
 std::uint32_t CountCodePoints(std::string_view text) {
   return static_cast<std::uint32_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;

@@ -1,4 +1,4 @@
-// One text that was read, and stretches of it.
+// A source text, and ranges of it.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,26 @@ struct Position {
   int column = 1;
 };
 
-/// A named text that knows where its lines begin. Immutable; every `Span` into it points back here,
-/// so it has to outlive them (it is held by the tree that was parsed from it). A UTF-8 byte order
-/// mark at the start is dropped. Less than 4 GiB; whoever reads a file refuses a larger one.
+/// A named text with an index of its lines. Immutable; every `Span` into it points to it, so it
+/// must outlive them (the tree parsed from it owns it). A UTF-8 byte order mark at the start is
+/// dropped. Less than 4 GiB; the code that reads a file rejects a larger one.
 class Source {
  public:
   Source(std::string name, std::string text);
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
-  /// The name as the user wrote it; shown in messages, never opened again.
+  /// The name as the user wrote it; shown in messages, never opened.
   const std::string& name() const { return name_; }
   std::string_view text() const { return text_; }
 
-  /// Offsets past the end give the position just after the last character.
+  /// Offsets past the end give the position after the last character.
   Position PositionAt(std::uint32_t offset) const;
-  /// The line without its end (LF or CR LF); empty where there is no such line.
+  /// The line without its end (LF or CR LF); empty if there is no such line.
   std::string_view Line(int line) const;
-  /// The offset at which a line begins; the length of the text where there is no such line.
+  /// The offset of the start of a line; the length of the text if there is no such line.
   std::uint32_t LineStart(int line) const;
-  /// Where a byte of the text is in the file, whose byte order mark is not part of the text.
+  /// The offset in the file of a byte of the text, which excludes the byte order mark.
   std::uint32_t FileOffset(std::uint32_t offset) const { return offset + byte_order_mark_; }
   int LineCount() const { return static_cast<int>(line_starts_.size()); }
 
@@ -42,20 +42,20 @@ class Source {
 
   std::string name_;
   std::string text_;
-  std::uint32_t byte_order_mark_ = 0;  // bytes of it
+  std::uint32_t byte_order_mark_ = 0;  // its length in bytes, 0 if there is none
   std::vector<std::uint32_t> line_starts_;
-  // Code points before every kStride-th byte, so that a column in a very long line costs little.
+  // Code points before every kStride-th byte, to find a column quickly even in a very long line.
   std::vector<std::uint32_t> code_points_;
 };
 
-/// Bytes [begin, end) of a source. An empty span marks a place between two characters.
+/// Bytes [begin, end) of a source. An empty span marks a position between two characters.
 struct Span {
   const Source* source = nullptr;
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
 
-/// The smallest span that holds both; they have to be of one source.
+/// The smallest span that contains both, which must be of one source.
 Span Join(const Span& first, const Span& last);
 
 }  // namespace cdb::text

@@ -117,7 +117,7 @@ std::optional<Unit> ParseUnit(std::string_view text) {
   if (text.starts_with("1/")) text.remove_prefix(1);
   for (int sign = 1; !text.empty();) {
     if (text.front() == '/' || text.front() == ' ') {
-      // The `/` holds for the one name after it.
+      // The `/` applies only to the name after it.
       sign = text.front() == '/' ? -1 : 1;
       text.remove_prefix(1);
     }

@@ -1,4 +1,4 @@
-// The units that a value may be written in: `10 ms`, `90 deg/s`, `5 N s/m`.
+// The units in which a value can be given: `10 ms`, `90 deg/s`, `5 N s/m`.
 #pragma once
 
 #include <optional>
@@ -7,13 +7,13 @@
 
 namespace cdb::text {
 
-/// A unit as a factor to SI, `factor / divisor * 10^tens * pi^pis`, and the powers of the SI base
-/// units and of the byte in it. The factor and the divisor are whole; they are exact up to 2^53.
+/// A unit: its factor to SI, `factor / divisor * 10^tens * pi^pis`, and its powers of the SI base
+/// units and of the byte. The factor and the divisor are integers, exact up to 2^53.
 struct Unit {
   double factor = 1, divisor = 1;
   int tens = 0, pis = 0;
   int length = 0, mass = 0, time = 0, angle = 0;
-  int memory = 0;  ///< bytes
+  int memory = 0;  ///< power of the byte
 
   bool IsPure() const { return HasDimensionOf({}); }
   bool HasDimensionOf(const Unit& other) const {
@@ -24,13 +24,13 @@ struct Unit {
 
 /// One of the names in the table: `ms`, `kg`, `deg`.
 bool IsUnitName(std::string_view name);
-/// The unit that `word` is another name of: `s` of `seconds`; empty if none.
+/// The unit for which `word` is another name: `s` for `seconds`; empty if there is none.
 std::string_view UnitCalled(std::string_view word);
-/// All names, separated by spaces.
+/// All names of units, separated by spaces.
 std::string UnitNames();
 
-/// `m/s^2`, `N s/m`, `1/s`: names joined by spaces or `/`, each with a power of one digit. Nullopt
-/// if it is none. The empty text is the unit of a number without one.
+/// Parses `m/s^2`, `N s/m`, `1/s`: names joined by spaces or `/`, each with a power of one digit.
+/// Nullopt if the text is not a unit. The empty text is the unit of a number without one.
 std::optional<Unit> ParseUnit(std::string_view text);
 
 /// `a * b^power`, as a unit.

@@ -47,8 +47,7 @@ int ColumnsOf(char32_t value) {
   struct Range {
     char32_t first, last;
   };
-  // Coarse on purpose: the blocks that terminals draw wide, and the marks that join the letter
-  // before them.
+  // Deliberately coarse: the blocks that terminals draw wide, and the combining marks.
   static constexpr Range kCombining[] = {
       {0x300, 0x36F}, {0x200B, 0x200D}, {0x20D0, 0x20FF}, {0xFE00, 0xFE0F}, {0xFE20, 0xFE2F}};
   static constexpr Range kWide[] = {{0x1100, 0x115F},   {0x2E80, 0x303E},  {0x3041, 0xA4CF},

@@ -1,4 +1,4 @@
-// One code point of a UTF-8 text.
+// Decodes UTF-8, and makes text safe to print.
 #pragma once
 
 #include <cstddef>
@@ -9,19 +9,19 @@ namespace cdb::text {
 
 struct CodePoint {
   char32_t value = 0;
-  int bytes = 0;  ///< 1 to 4; 0 where the text is not UTF-8 at that byte
+  int bytes = 0;  ///< 1 to 4; 0 if the text is not UTF-8 at this byte
 };
 
-/// Decodes at `at`, which has to be inside the text. Overlong forms, surrogates and values past
-/// U+10FFFF are not UTF-8.
+/// Decodes the code point at `at`, which must be inside the text. Overlong forms, surrogates and
+/// values above U+10FFFF are not UTF-8.
 CodePoint DecodeUtf8(std::string_view text, std::size_t at);
 
-/// A text from elsewhere, fit to be stored and printed: each byte that is not UTF-8, of a control
-/// character other than a line feed, or of a mark that turns the direction of text, becomes `?`,
-/// and a tab a space.
+/// Makes a text from outside safe to store and print: `?` replaces each byte that is not UTF-8, of
+/// a control character other than a line feed, or of a mark that changes the direction of text; a
+/// space replaces a tab.
 std::string Printable(std::string_view text);
 
-/// How many columns of a terminal it takes: 0 (combining), 1 or 2 (wide).
+/// The width in columns of a terminal: 0 (combining), 1 or 2 (wide).
 int ColumnsOf(char32_t value);
 
 }  // namespace cdb::text

@@ -2,9 +2,9 @@
 // friction f of at most mu N acts against it: v' = a + f/m, w' = -r up x f/I, so that with I = 2/5
 // m r²
 //   s' = a + 7/2 f/m.
-// Where f = -2/7 m a is less than mu N, slipping ends, and then v' = 5/7 a: on a slope the ball
-// rolls where its tangent is at most 7/2 mu, and on the flat one that was thrown without spin keeps
-// 5/7 of its speed.
+// If f = -2/7 m a is less than mu N, slipping ends, and then v' = 5/7 a: on a slope the ball rolls
+// if its tangent is at most 7/2 mu, and on a level floor a ball thrown without spin keeps 5/7 of
+// its speed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,18 +18,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRolls = 5.0 / 7;     ///< of an acceleration, what a rolling ball gains by it
-constexpr double kSlipGain = 7.0 / 2;  ///< s' over f/m
+constexpr double kRolls = 5.0 / 7;     ///< fraction of an acceleration that a rolling ball gains
+constexpr double kSlipGain = 7.0 / 2;  ///< s' divided by f/m
 
 struct BallMotion {
   Vector3d x, v, w;  ///< m, m/s, rad/s
 };
 
-/// Slipping at first, for as long as `slips_for`, then rolling, or slipping the other way.
+/// Slips at first, for `slips_for`, then rolls or slips the other way.
 class BallOnFloor : public ClosedForm {
  public:
-  /// `along`: the acceleration along the floor, parallel to the slip where there are both. `grip`:
-  /// mu N/m, the most that friction gives. m/s².
+  /// `along`: the acceleration along the floor, parallel to the slip if both are present. `grip`:
+  /// mu N/m, the maximum of friction. m/s².
   BallOnFloor(const Fit& fit, const Vector3d& along, double grip)
       : object_(fit.object(0)),
         acceleration_(fit.acceleration()),
@@ -41,7 +41,7 @@ class BallOnFloor : public ClosedForm {
     const Vector3d slip = SlipOf(start_);
     if (!slip.isZero(0)) {
       first_ = -grip_ * slip.normalized();
-      // The slip's rate of change along itself.
+      // The rate of change of the slip along itself.
       const double rate = slip.normalized().dot(along_ + kSlipGain * first_);
       slips_for_ = rate < 0 ? slip.norm() / -rate : HUGE_VAL;
     }
@@ -77,19 +77,19 @@ class BallOnFloor : public ClosedForm {
   Vector3d SlipOf(const BallMotion& ball) const {
     return ball.v - radius_ * ball.w.cross(Vector3d::UnitY());
   }
-  /// Under the constant friction `f` in N/kg.
+  /// The motion under the constant friction `f` in N/kg.
   BallMotion After(const BallMotion& from, const Vector3d& f, double seconds) const {
     const Vector3d gain = along_ + f;
     const Vector3d spin = -Vector3d::UnitY().cross(f) / (kBallInertia * radius_);
     return {from.x + seconds * (from.v + seconds / 2 * gain), from.v + seconds * gain,
             from.w + seconds * spin};
   }
-  /// J, kinetic.
+  /// Kinetic energy, J.
   double EnergyOf(const BallMotion& ball) const {
     return object_.mass / 2 *
            (ball.v.squaredNorm() + kBallInertia * radius_ * radius_ * ball.w.squaredNorm());
   }
-  /// J that friction has taken until then.
+  /// The energy lost to friction until then, J.
   double TakenByFriction(const BallMotion& ball) const {
     return std::max(
         0.0, EnergyOf(start_) + object_.mass * along_.dot(ball.x - start_.x) - EnergyOf(ball));
@@ -104,7 +104,7 @@ class BallOnFloor : public ClosedForm {
   double energy_scale_ = 0;
 };
 
-/// The ball stands on a floor and meets no wall before the end.
+/// Requires that the ball is on a floor and does not meet a wall before the end.
 std::unique_ptr<BallOnFloor> MakeBallOnFloor(const Fit& fit, const Vector3d& along) {
   const layouts::ObjectState& ball = fit.object(0);
   const double radius = ball.solid.sides.x() / 2;

@@ -1,5 +1,5 @@
-// A ball between walls: parabolas, or straight lines, from impact to impact. An impact leaves the
-// product of both restitutions of the velocity.
+// A ball between walls: parabolas, or straight lines, from impact to impact. An impact multiplies
+// the normal velocity by the product of both restitutions.
 #include <algorithm>
 #include <cmath>
 
@@ -12,12 +12,12 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Of the fastest that it ever was: a ball that leaves a wall no faster stays there. Its next hop
-/// is 1e-18 of the first in height, below rounding, and the infinitely many that follow take 1e-9
-/// of the first's time.
+/// A ball that leaves a wall no faster than this fraction of its maximum speed stays there. Its
+/// next hop is 1e-18 of the first in height, below rounding, and the infinitely many later hops
+/// take 1e-9 of the time of the first.
 constexpr double kRest = 1e-9;
 
-/// Along one axis.
+/// The motion along one axis.
 struct Ball {
   double x = 0, v = 0, a = 0;
 
@@ -25,15 +25,15 @@ struct Ball {
     x += seconds * (v + a * seconds / 2);
     v += a * seconds;
   }
-  /// The velocity with which it passes `wall` in the direction of `sign`; 0 where it never does.
+  /// The velocity at which it passes `wall` in the direction of `sign`; 0 if it never does.
   double SpeedAt(double wall, int sign) const {
     return sign * std::sqrt(std::max(v * v + 2 * a * (wall - x), 0.0));
   }
-  /// Until then; negative or infinite where it never does.
+  /// The time until it passes; negative or infinite if it never does.
   double TimeTo(double wall, int sign) const {
     const double at_wall = SpeedAt(wall, sign);
     if (at_wall == 0) return kInfinity;
-    // Of the two forms of the root the one that does not cancel.
+    // Of the two forms of the root, the one without cancellation.
     if (v * at_wall > 0) return 2 * (wall - x) / (v + at_wall);
     return (at_wall - v) / a;
   }
@@ -109,7 +109,7 @@ class Bounce : public ClosedForm {
   int axis_;
   Ball start_;
   double restitution_;
-  double walls_[2];  ///< of the centre's way, - and +; infinite where none stands
+  double walls_[2];  ///< of the path of the centre, - and +; infinite without a wall
 };
 
 bool IsAlong(const Vector3d& vector, int axis) {

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 class Braking : public ClosedForm {
  public:
-  /// `rest`: where its centre is while it stands on the floor.
+  /// `rest`: the position of its centre when it stands on the floor.
   Braking(const Fit& fit, const Vector3d& rest, double deceleration)
       : object_(fit.object(0)),
         acceleration_(fit.acceleration()),
@@ -60,7 +60,7 @@ std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit) {
   fit.RequireLevelVelocity(0);
   const double friction = box.friction * library::kWallFriction;
   if (!(friction > 0)) fit.Refuse("nothing stops the box", "make its friction more than 0");
-  // The floor's force goes through the centre of mass where it leaves the base at this point.
+  // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = friction * height / 2 * box.linear_velocity.normalized();
   if (!fit.IsOverBase(0, upright, off))
     fit.Refuse("the box would tip over", "make it flatter or the friction smaller");

@@ -152,7 +152,7 @@ void Fit::RequireClearOfWalls(std::size_t index, const objects::Box& box, const 
       const auto out = [&](double t) {
         return sign * (from[axis] + surface + v * t + a * t * t / 2 - WallAt(sign));
       };
-      const double turn = -v / a;  // where it is farthest, if at all
+      const double turn = -v / a;  // the turning point, if any
       const bool turns = turn > 0 && turn < seconds;
       if (std::max({out(0), out(seconds), turns ? out(turn) : out(0)}) < 0) continue;
       Refuse(fmt::format("{} reaches the wall {}{} before the end", Name(index),

@@ -1,4 +1,4 @@
-// The conditions of closed forms on a scene, and the messages when one is not met.
+// The conditions of closed forms on a scene, and the messages when one is violated.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,31 +12,32 @@
 
 namespace cdb::closed_forms {
 
-/// Where two numbers of a scene count as the same, relative to their size.
+/// Two numbers of a scene count as equal within this relative difference.
 inline constexpr double kSame = 1e-9;
-/// Of an object's height: the most that it may stand above the floor and still count as standing.
+/// The maximum height above the floor, as a fraction of its own height, at which an object still
+/// counts as standing.
 inline constexpr double kStandingGap = 0.01;
 inline constexpr double kBallInertia = 0.4;  ///< I/(m r²)
 
-/// A scene, looked at by one form. Each Require throws SceneError where it is otherwise. Scene and
-/// state must outlive it. SI units.
+/// A scene, checked for one form. Each Require throws SceneError if its condition is violated.
+/// Scene and state must outlive it. SI units.
 class Fit {
  public:
-  /// Requires what every form does: objects, none fixed, none damped, nothing on a schedule, rigid
-  /// contacts; and links only where the form is of them.
+  /// Checks the requirements common to all forms: objects, none fixed, none damped, no schedules,
+  /// rigid contacts, and links only in forms of linked objects.
   Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state);
 
-  /// `what` is so and is not of the form; `remedy` would be.
+  /// Reports that `what` violates the form; `remedy` would fix it.
   [[noreturn]] void Refuse(const std::string& what, const std::string& remedy) const;
 
   std::size_t size() const { return state_.objects.size(); }
   const std::vector<layouts::ObjectState>& objects() const { return state_.objects; }
   const layouts::ObjectState& object(std::size_t index) const { return state_.objects[index]; }
   const Eigen::Vector3d& acceleration() const { return state_.acceleration; }
-  double end() const { return end_; }  ///< of the run, warm-up included
+  double end() const { return end_; }  ///< of the run, including warm-up
   /// The settings of the first object's group.
   const plan::GroupSettings& links() const { return scene_.groups[object(0).group].settings; }
-  /// The walls' coordinate along `axis` on the side of `sign`, and whether one stands there.
+  /// The coordinate of the walls along `axis` on the side of `sign`, and whether there is a wall.
   double WallAt(int sign) const { return sign * half_; }
   bool HasWall(int axis, int sign) const;
   /// For messages: `object 3 of 10 (group `pebbles`)`.
@@ -47,26 +48,26 @@ class Fit {
   void RequireNoSpin(std::size_t index) const;
   void RequireNoVelocity(std::size_t index) const;
   void RequireNoAcceleration() const;
-  /// A floor stands, and the acceleration presses onto it; straight down.
+  /// Requires a floor, and an acceleration straight down onto it.
   void RequireFloor() const;
   void RequireLevelFloor() const;
-  /// It moves along the floor.
+  /// Requires that it moves along the floor.
   void RequireLevelVelocity(std::size_t index) const;
-  /// The first object is linked to the world, by one of the `types`: `ball or hinge`.
+  /// Requires a link of the first object to the world, of one of the `types`: `ball or hinge`.
   void RequireLink(std::string_view types) const;
-  /// A cuboid with one axis upright. Gives that axis, whose side is its height.
+  /// Requires a cuboid with one axis upright. Returns this axis, whose side is the height.
   int RequireLevelCuboid(std::size_t index) const;
-  /// The object, that tall, is `gap` above what it stands on.
+  /// Requires that the object, of this height, is `gap` above its support.
   void RequireStanding(std::size_t index, double gap, double height) const;
-  /// A point below the middle of a level cuboid, so far off it in the world's axes, is over the
-  /// face that it stands on.
+  /// True if a point below the middle of a level cuboid, displaced by `off` in world axes, is over
+  /// the face that it stands on.
   bool IsOverBase(std::size_t index, int upright, const Eigen::Vector3d& off) const;
-  /// No wall is reached by the object, which extends from its centre as `box` does, on its way from
-  /// `from` under constant acceleration in `seconds`.
+  /// Requires that the object, which extends from its centre as `box` does, reaches no wall on its
+  /// path from `from` under constant acceleration in `seconds`.
   void RequireClearOfWalls(std::size_t index, const objects::Box& box, const Eigen::Vector3d& from,
                            const Eigen::Vector3d& velocity, const Eigen::Vector3d& acceleration,
                            double seconds) const;
-  /// The part of the acceleration along the floor.
+  /// The component of the acceleration along the floor.
   Eigen::Vector3d Downhill() const { return {acceleration().x(), 0, acceleration().z()}; }
   double Pressing() const { return -acceleration().y(); }
 
@@ -77,21 +78,21 @@ class Fit {
   double end_, half_;
 };
 
-/// A box around the object that holds it however it turns, or, where it does not spin, just it.
+/// The box around the object in any orientation or, if it does not spin, in its own.
 objects::Box ReachOf(const layouts::ObjectState& object);
 
 struct Momenta {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< about the common centre of mass
 };
-/// Of objects that are turned as they were at the start, or are balls. `spins` is empty where none
-/// turns.
+/// Momenta of objects that keep the orientation of the start, or are balls. `spins` is empty if
+/// none spins.
 Momenta MomentaOf(const std::vector<layouts::ObjectState>& objects,
                   const std::vector<Eigen::Vector3d>& positions,
                   const std::vector<Eigen::Vector3d>& velocities,
                   const std::vector<Eigen::Vector3d>& spins);
 
-// The forms, each in a file of its name: slide and stick in incline.cc, roll and bowl in
+// The forms, each in a file with its name; slide and stick in incline.cc, roll and bowl in
 // ball_on_floor.cc, flip in spin.cc.
 std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit);
 std::unique_ptr<ClosedForm> MakeBounce(const Fit& fit);

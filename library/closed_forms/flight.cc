@@ -47,14 +47,14 @@ class Trajectory : public ClosedForm {
   Momenta start_;
 };
 
-/// What decides whether two objects meet: read for each pair.
+/// The data that decide whether two objects meet: read for each pair.
 struct Flyer {
   Vector3d position, velocity;
   double radius = 0;  ///< around it, m
   bool turns = false;
 };
 
-/// Seen from one of two, the other goes straight on, as both fall alike.
+/// Relative to one of the two, the other moves in a straight line, as both fall alike.
 bool MayTouch(const Flyer& a, const Flyer& b, double end) {
   const Vector3d apart = b.position - a.position;
   const Vector3d closing = b.velocity - a.velocity;
@@ -64,7 +64,8 @@ bool MayTouch(const Flyer& a, const Flyer& b, double end) {
   return (apart + nearest * closing).squaredNorm() <= reach * reach;
 }
 
-/// Of what moves, at the start or at the end: the speed of a parabola is largest there.
+/// The largest kinetic energy, at the start or at the end: the speed on a parabola is largest
+/// there.
 double LargestKineticEnergy(const Fit& fit) {
   double start = 0, end = 0;
   for (const layouts::ObjectState& object : fit.objects()) {

@@ -1,5 +1,5 @@
-// Two balls that meet once: momentum is kept, and the product of both restitutions of the speed
-// with which they met.
+// Two balls that collide once: momentum is conserved, and the speed of approach is multiplied by
+// the product of both restitutions.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 class HeadOn : public ClosedForm {
  public:
-  /// They meet after `meeting` seconds.
+  /// The balls meet after `meeting` seconds.
   HeadOn(const Fit& fit, double meeting) : objects_(fit.objects()), meeting_(meeting) {
     const layouts::ObjectState &a = objects_[0], &b = objects_[1];
     const double mass = a.mass + b.mass;
@@ -42,7 +42,7 @@ class HeadOn : public ClosedForm {
     return truth;
   }
 
-  /// Above that of the same momentum.
+  /// Relative to that of the same momentum.
   double energy_scale() const override { return energy_scale_; }
   const Vector3d& after(std::size_t index) const { return after_[index]; }
 

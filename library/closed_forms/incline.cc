@@ -1,4 +1,4 @@
-// A box on the floor under tilted acceleration: Coulomb friction, which takes the product of both
+// A box on the floor under a tilted acceleration, with Coulomb friction: the product of both
 // coefficients.
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// From rest where it stands, with constant acceleration along the floor, which may be 0.
+/// Motion from rest, with constant acceleration along the floor, which may be 0.
 class OnFloor : public ClosedForm {
  public:
   OnFloor(const Fit& fit, double height, const Vector3d& along, double energy_scale)
@@ -61,7 +61,7 @@ Incline RequireIncline(const Fit& fit) {
   const Vector3d downhill = fit.Downhill();
   const double tangent = downhill.norm() / fit.Pressing();
   const double friction = box.friction * library::kWallFriction;
-  // The floor's force goes through the centre of mass where it leaves the base at this point.
+  // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = std::min(tangent, friction) * height / 2 * downhill.stableNormalized();
   if (!fit.IsOverBase(0, upright, off))
     fit.Refuse("the box would tip over", "make it flatter, the slope or the friction smaller");

@@ -1,6 +1,6 @@
-// A ball that meets one wall obliquely, without acceleration. The normal velocity v_n becomes
-// -e v_n, e the product of both restitutions; friction gives at most mu times the impulse of that,
-// mu (1 + e) v_n, and no more than ends the slip s = v_t - r w x n, 2/7 of it (I = 2/5 m r²).
+// A ball that hits one wall obliquely, without acceleration. The normal velocity v_n becomes -e
+// v_n, e the product of both restitutions. Friction gives at most mu times that impulse, mu (1 + e)
+// v_n, and no more than stops the slip s = v_t - r w x n, which takes 2/7 of it (I = 2/5 m r²).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSticks = 2.0 / 7;  ///< of the slip: the change of velocity that ends it
+constexpr double kSticks = 2.0 / 7;  ///< change of velocity that stops the slip, divided by it
 
 struct WallHit {
   double time = HUGE_VAL;              ///< s
   Vector3d normal = Vector3d::Zero();  ///< of the wall, into the cube
 };
 
-/// The first wall on the ball's way.
+/// The first wall in the path of the ball.
 WallHit FirstHit(const Fit& fit) {
   const layouts::ObjectState& ball = fit.object(0);
   const double radius = ball.solid.sides.x() / 2;

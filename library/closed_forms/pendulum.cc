@@ -1,7 +1,7 @@
 // A rigid body that swings about a pivot l from its centre of mass: with I + m l² about the pivot
-// and the angle q from where it would hang,
+// and the angle q from the position of rest,
 //   q'' = -w² sin q, w² = m l a/(I + m l²);
-// let go at q0 it is q = 2 asin(k cd(w t, k)), k = sin(q0/2), with the period 4 K(k)/w (Jacobi; see
+// released at q0, q = 2 asin(k cd(w t, k)), k = sin(q0/2), with the period 4 K(k)/w (Jacobi; see
 // DLMF 22.19(i)).
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ struct JacobiFunctions {
   double sn, cn, dn;
 };
 
-/// Of the modulus k < 1, by the arithmetic-geometric mean (DLMF 22.20(ii)).
+/// The Jacobi functions of modulus k < 1, by the arithmetic-geometric mean (DLMF 22.20(ii)).
 JacobiFunctions JacobiOf(double u, double k) {
   constexpr std::size_t kMost = 16;  // it converges quadratically
   std::array<double, kMost + 1> a = {1}, c = {k};
@@ -42,7 +42,7 @@ JacobiFunctions JacobiOf(double u, double k) {
 
 class Pendulum : public ClosedForm {
  public:
-  /// It turns about `axis`, from `angle` to where it would hang.
+  /// It turns about `axis`, starting at `angle` from the position of rest.
   Pendulum(const Fit& fit, double length, double angle, const Vector3d& axis)
       : object_(fit.object(0)),
         pivot_(object_.pose.position + length * Vector3d::UnitY()),
@@ -61,7 +61,7 @@ class Pendulum : public ClosedForm {
     const double k = std::sin(angle_ / 2);
     const JacobiFunctions f = JacobiOf(frequency_ * time_s, k);
     const double now = 2 * std::asin(k * f.cn / f.dn);
-    // d/dt of it; cd' = -(1 - k²) sn/dn².
+    // The time derivative; cd' = -(1 - k²) sn/dn².
     const double rate = -2 * k * frequency_ * std::sqrt(1 - k * k) * f.sn / f.dn;
     const Eigen::Quaterniond turn = layouts::TurnAbout((angle_ - now) * axis_);
     const Vector3d below = turn * (-length_ * Vector3d::UnitY());

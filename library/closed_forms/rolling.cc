@@ -1,7 +1,7 @@
 // A plate of mass M on N balls of mass m and moment I that roll on the floor, all under an
 // acceleration a along it; after the rolling test of SimBenchmark
-// (leggedrobotics.github.io/SimBenchmark). Nothing slips, so that a ball's top, and with it the
-// plate, goes twice as fast as its centre, and what a does is kinetic energy:
+// (leggedrobotics.github.io/SimBenchmark). Nothing slips, so that the top of a ball, and with it
+// the plate, moves twice as fast as its centre, and the work of a becomes kinetic energy:
 //   d/dt [M (2v)²/2 + N (m + I/r²) v²/2] = M a 2v + N m a v
 //   v' = a (2M + N m) / (4M + N (m + I/r²))
 #include <fmt/format.h>
@@ -19,7 +19,8 @@ using Eigen::Vector3d;
 
 class Rolling : public ClosedForm {
  public:
-  /// `along` is the balls' acceleration, `rest` where each object's centre is while it stands.
+  /// `along` is the acceleration of the balls, `rest` the position of each object's centre when it
+  /// stands.
   Rolling(const Fit& fit, std::size_t plate, double radius, const Vector3d& along,
           std::vector<Vector3d> rest)
       : objects_(fit.objects()),
@@ -73,7 +74,7 @@ void Extend(objects::Box& box, const Vector3d& point) {
   box = {box.lower.cwiseMin(point), box.upper.cwiseMax(point)};
 }
 
-/// The only object that is no ball.
+/// The only object that is not a ball.
 std::size_t RequirePlateOnBalls(const Fit& fit) {
   std::size_t plate = fit.size();
   for (std::size_t i = 0; i < fit.size(); ++i) {
@@ -90,13 +91,13 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
   return plate;
 }
 
-/// What must hold of a plate and its balls; each function refuses the scene if it does not.
+/// The requirements for a plate and its balls; each function rejects the scene if one is violated.
 struct PlateOnBalls {
   const Fit& fit;
   const std::size_t plate_index;
-  const int upright;  ///< the plate's axis
+  const int upright;  ///< the upright axis of the plate
   const layouts::ObjectState& plate;
-  const layouts::ObjectState& ball;  ///< which all are like
+  const layouts::ObjectState& ball;  ///< one of the balls, which must all be alike
 
   double radius() const { return ball.solid.sides.x() / 2; }
   double height() const { return plate.solid.sides[upright]; }
@@ -105,8 +106,8 @@ struct PlateOnBalls {
     return fit.object(i).pose.position - plate.pose.position;
   }
 
-  /// The positions from which they roll, by object. `way`: that of the plate past a ball, to the
-  /// end.
+  /// The positions from which they roll, by object. `way`: the displacement of the plate past a
+  /// ball until the end.
   std::vector<Vector3d> RequireRest(const Vector3d& way) const {
     const double floor = fit.WallAt(-1);
     std::vector<Vector3d> rest(fit.size());
@@ -138,10 +139,10 @@ struct PlateOnBalls {
                  "give all one size, mass and friction");
   }
 
-  /// Where below the plate's middle the balls' forces add up must be between the balls, by their
-  /// box alone. `held`: what friction must give the plate, m/s^2.
+  /// The point below the plate where the forces of the balls act in sum must be between the balls,
+  /// judged by their bounding box. `held`: the acceleration of the plate by friction, m/s^2.
   void RequireNoTipping(const Vector3d& held, const Vector3d& way) const {
-    objects::Box at_start = kNowhere, at_end = kNowhere;  // of the centres, seen from the plate
+    objects::Box at_start = kNowhere, at_end = kNowhere;  // of the centres, relative to the plate
     for (std::size_t i = 0; i < fit.size(); ++i) {
       if (i == plate_index) continue;
       Extend(at_start, FromPlate(i));
@@ -155,7 +156,7 @@ struct PlateOnBalls {
                      "put balls under its ends, or make the run shorter");
   }
 
-  /// What friction must do so that nothing slips, over all balls together.
+  /// The friction needed to prevent slipping, summed over all balls.
   void RequireNoSlipping(const Vector3d& downhill, const Vector3d& along) const {
     const Vector3d held = downhill - 2 * along;
     const double on_plate = plate.mass * held.norm();
@@ -181,7 +182,7 @@ std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit) {
   const PlateOnBalls system = {fit, plate_index, fit.RequireLevelCuboid(plate_index), plate, ball};
   const double radius = system.radius();
 
-  // The plate gains on each ball what the ball has gone.
+  // The plate moves past each ball by as much as the ball moves.
   const double rolling = ball.mass * (1 + ball.solid.InertiaPerMass().x() / (radius * radius));
   const double gain =
       (2 * plate.mass + system.balls() * ball.mass) / (4 * plate.mass + system.balls() * rolling);

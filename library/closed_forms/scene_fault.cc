@@ -13,7 +13,7 @@
 namespace cdb::closed_forms {
 namespace {
 
-/// Decomposing one takes seconds; a surface is only read.
+/// Decomposing a mesh takes seconds; a surface is only read.
 bool MayBeMesh(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))

@@ -1,4 +1,4 @@
-// Faults that the library finds in a scene before it runs.
+// Faults of a scene that the library finds before a run.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,10 @@
 
 namespace cdb::closed_forms {
 
-/// Objects that cannot be placed without a place being drawn (layouts/placement.h), or conditions
-/// of the closed form that the scene names and does not meet. Scenes with models or mesh files are
-/// looked at only for a closed form, as decomposing a mesh takes seconds. Threads: any.
+/// Finds objects that cannot be placed, as far as this needs no random draw
+/// (library/layouts/placement.h), and violated conditions of the closed form that the scene names.
+/// Scenes with models or mesh files are checked only for a closed form, as decomposing a mesh takes
+/// seconds. Threads: any.
 std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene);
 
 }  // namespace cdb::closed_forms

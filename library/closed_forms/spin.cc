@@ -1,8 +1,8 @@
-// A free rigid body: Euler's equations with the orientation, by Taylor series far below rounding.
-// One that turns about its middle axis turns over: with I1 < I2 < I3, the energy E and the angular
-// momentum L the spin along that axis goes as sn(p t), with
+// A free rigid body: Euler's equations with the orientation, by Taylor series far below rounding. A
+// body that spins about its middle axis flips over: with I1 < I2 < I3, the energy E and the angular
+// momentum L, the spin along that axis varies as sn(p t), with
 //   p² = (I3 - I2)(L² - 2 E I1)/(I1 I2 I3), k² = (I2 - I1)(2 E I3 - L²)/((I3 - I2)(L² - 2 E I1)),
-// and I1 and I3 exchanged where L² < 2 E I2; from one flip to the next take 2 K(k)/p (Landau and
+// and I1 and I3 exchanged if L² < 2 E I2; the time between two flips is 2 K(k)/p (Landau and
 // Lifshitz, Mechanics, section 37).
 #include <fmt/format.h>
 
@@ -20,18 +20,18 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 struct Turning {
-  Vector3d spin = Vector3d::Zero();  ///< in the body's axes, rad/s
+  Vector3d spin = Vector3d::Zero();  ///< in body axes, rad/s
   Quaterniond orientation = Quaterniond::Identity();
 };
 
-// The rates are at most the squares of the spin, so that a solution's coefficients are at most
-// powers of it: a step of a tenth of a radian leaves 0.1^17 after this many.
+// The rates are at most the squares of the spin, so that the coefficients of a solution are at most
+// powers of it: with a step of a tenth of a radian, the remainder after this many is 0.1^17.
 constexpr std::size_t kOrder = 16;
 constexpr double kRadiansPerStep = 0.1;
 
 /// `ratios` are (I2 - I3)/I1 and so on, each within ±1.
 Turning Step(const Turning& from, const Vector3d& ratios, double seconds) {
-  // The equations are quadratic, so that each coefficient is a sum of products of those before.
+  // The equations are quadratic, so each coefficient is a sum of products of earlier ones.
   std::array<Vector3d, kOrder + 1> spin;
   std::array<Quaterniond, kOrder + 1> turn;
   spin[0] = from.spin;
@@ -99,15 +99,15 @@ class Spin : public ClosedForm {
   Turning start_;
   Vector3d ratios_, angular_momentum_;
   double energy_scale_ = 0, step_ = 0;
-  // How far it is integrated, for the next time to go on from.
+  // The last state integrated, from which the next call continues.
   mutable Turning last_;
   mutable double steps_done_ = 0;
 };
 
-/// Of 1: a modulus so near to it is 1 but for rounding.
+/// Relative to 1: a modulus this close to 1 differs from it only by rounding.
 constexpr double kRoundedModulus = 1e-14;
 
-/// Between two flips, s; infinite where the body turns about an axis of its own.
+/// The time between two flips, s; infinite if the body spins about a principal axis.
 double FlipTime(const layouts::ObjectState& object) {
   Vector3d inertia = object.solid.InertiaPerMass();
   const Vector3d spin = object.pose.orientation.conjugate() * object.angular_velocity;

@@ -1,7 +1,7 @@
-// One object that hangs from its anchor by a spring of stiffness k with a damper c: what it is
-// stretched by follows m u'' = -k u - c u' + m a. With b = c/2m and w² = k/m - b²
+// One object that hangs from its anchor by a spring of stiffness k with a damper c: its stretch u
+// follows m u'' = -k u - c u' + m a. With b = c/2m and w² = k/m - b²
 //   u = m a/k + exp(-b t) (A cos w t + (u'(0) + b A)/w sin w t), A = -m a/k,
-// hyperbolic where w² < 0. Its period is 2 pi/w.
+// hyperbolic if w² < 0. Its period is 2 pi/w.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ class Spring : public ClosedForm {
 
   Truth At(double time_s) const override {
     const double w = std::sqrt(std::abs(square_));
-    // cos and sin/w, or what they become where the damper is the stronger.
+    // cos and sin/w, or their hyperbolic counterparts with a stronger damper.
     double c = 1, s = time_s;
     if (square_ > 0) {
       c = std::cos(w * time_s);
@@ -48,19 +48,19 @@ class Spring : public ClosedForm {
     return truth;
   }
 
-  /// Of the swing about where it hangs.
+  /// The energy of the swing about the position of rest.
   double energy_scale() const override {
     const double speed = object_.linear_velocity.y();
     return (object_.mass * speed * speed + k_ * hangs_ * hangs_) / 2;
   }
 
-  /// m, from the start; a damper makes it less.
+  /// m, from the start; a damper reduces it.
   double Farthest() const { return std::abs(hangs_) + std::sqrt(2 * energy_scale() / k_); }
 
  private:
   layouts::ObjectState object_;
   double k_, pull_, rate_, square_;
-  double hangs_;  ///< m, above the start, at rest
+  double hangs_;  ///< m, position of rest relative to the start
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One column of boxes that stand on each other and do nothing.
+// One column of boxes that stand on each other and stay at rest.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// Entries of the detectors that cdb comes with. Name, doc, phases and limit are those of the
-// catalogue.
+// Entries of the detectors included in cdb. Name, doc, phases and limit come from the catalogue.
 #pragma once
 
 #include <string_view>

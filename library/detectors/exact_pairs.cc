@@ -15,7 +15,8 @@ struct Row {
 
 using Component = double Vec3::*;
 
-/// Along which the finite boxes are spread the widest for their size: few overlap there.
+/// The axis along which the finite boxes are most spread relative to their size, so that few
+/// overlap.
 Component BestAxis(const std::vector<Row>& rows) {
   Component best = &Vec3::x;
   double best_crowding = INFINITY;
@@ -44,7 +45,7 @@ std::vector<Pair> ExactPairs(const Scene& scene) {
   rows.reserve(scene.size);
   for (Id body = 0; body < scene.size; ++body) {
     const Box& box = scene.boxes[body];
-    if (Overlap(box, box)) rows.push_back({box, body});  // false for what is not a number
+    if (Overlap(box, box)) rows.push_back({box, body});  // false if a coordinate is NaN
   }
   const Component axis = BestAxis(rows);
   std::ranges::sort(

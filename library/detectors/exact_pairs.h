@@ -8,7 +8,7 @@
 namespace cdb::detectors {
 
 /// All pairs of bodies that may collide and whose boxes overlap, in order. Boxes are compared
-/// unchanged, in double; they are sorted along one axis, and every pair that overlaps there is
+/// unchanged, in double; they are sorted along one axis, and every pair that overlaps on it is
 /// tested. Boxes with a NaN overlap nothing. Threads: any.
 std::vector<Pair> ExactPairs(const Scene& scene);
 

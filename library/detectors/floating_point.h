@@ -1,4 +1,4 @@
-// Keeps the floating-point environment of a thread as it is around a call into foreign code.
+// Preserves the floating-point environment of a thread across a call into foreign code.
 #pragma once
 
 #include <cfenv>
@@ -8,9 +8,9 @@
 
 namespace cdb::detectors {
 
-/// Remembers the environment, and restores it at the end of its scope: the rounding mode; on
-/// x86-64 also how denormals are treated and which exceptions trap. Flags of exceptions that
-/// occurred are not part of it. Threads: of the calling thread only.
+/// Saves the environment, and restores it at the end of its scope: the rounding mode and, on
+/// x86-64, the treatment of denormals and the exceptions that trap. Flags of exceptions that
+/// occurred are not included. Threads: affects the calling thread only.
 class KeepsFloatingPoint {
  public:
   KeepsFloatingPoint() : saved_(Read()) {}

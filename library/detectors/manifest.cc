@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = 1 << 20;
 
-/// A structure at a place of the file; nullopt where it is not whole there.
+/// Reads a structure at an offset of the file; nullopt if it is not entirely inside.
 template <typename T>
 std::optional<T> StructureAt(std::string_view bytes, std::uint64_t at) {
   if (at > bytes.size() || bytes.size() - at < sizeof(T)) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<Elf64_Ehdr> ElfHeader(std::string_view bytes) {
   return header;
 }
 
-/// The contents of the section of that name, if there is one.
+/// The contents of the section with that name, if there is one.
 std::optional<std::string_view> FindSection(std::string_view bytes, const Elf64_Ehdr& header,
                                             std::string_view name) {
   const auto section_at = [&](std::uint64_t index) {
@@ -65,7 +65,7 @@ std::optional<std::string_view> FindSection(std::string_view bytes, const Elf64_
   return std::nullopt;
 }
 
-/// The text up to `end`, which is taken off with it; all of it where there is no `end`.
+/// Removes and returns the text up to `end`, and removes `end`; all of it if there is no `end`.
 std::string_view TakeUntil(std::string_view& text, char end) {
   const std::size_t at = std::min(text.find(end), text.size());
   const std::string_view taken = text.substr(0, at);
@@ -81,7 +81,7 @@ std::optional<T> WholeNumber(std::string_view text) {
   return number;
 }
 
-/// As a message can show it.
+/// A printable form for messages.
 std::string Shown(std::string_view text) {
   constexpr std::size_t kMostShown = 80;
   std::string shown(text.substr(0, kMostShown));
@@ -90,7 +90,7 @@ std::string Shown(std::string_view text) {
   return shown;
 }
 
-/// Takes off the first line, `ABI <tab> BUILD`.
+/// Removes the first line, `ABI <tab> BUILD`, and checks it.
 void CheckInterface(std::string_view& text, const std::string& path) {
   std::string_view line = TakeUntil(text, '\n');
   const auto abi = WholeNumber<std::uint32_t>(TakeUntil(line, '\t'));

@@ -1,5 +1,5 @@
-// The detectors that a shared library offers, read from its file without loading it: a library that
-// is loaded may run any code, and a scenario that is only looked at must not.
+// The detectors of a shared library, read from its file without loading it: a loaded library may
+// run any code, and a scenario that is only inspected must not do that.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace cdb::detectors {
 
-/// The detectors of the library with these bytes, in its order, without path and hash, by the text
-/// that CDB_DETECTORS stores in its section kManifestSection. `path` is for messages. Throws
-/// PluginError if it is no ELF file of this machine, has no such text, or has one of another
+/// The detectors of the library with these bytes, in its order, without path and hash, from the
+/// text that CDB_DETECTORS stores in its section kManifestSection. `path` is for messages. Throws
+/// PluginError if it is not an ELF file for this machine, has no such text, or has one of another
 /// interface, of another standard library, or with an invalid or duplicate name. Threads: any.
 std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const std::string& path);
 

@@ -47,7 +47,7 @@ void RefuseBuild(const std::string& build, const std::string& path) {
 const Plugin& LoadPlugin(const std::string& path) {
   // The initializers of libraries linked with -ffast-math flush denormals to zero.
   const KeepsFloatingPoint keeps;
-  // A name without a slash would be looked for in the system's folders.
+  // A name without a slash would be searched for in the system's folders.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw PluginError(fmt::format("cannot load '{}': {}", path, dlerror()));

@@ -19,14 +19,14 @@ std::string FullName(std::string_view group, std::string_view parameter) {
   return group.empty() ? std::string(parameter) : fmt::format("{}.{}", group, parameter);
 }
 
-/// `orientation random`: a word that stands for a distribution.
+/// True for `orientation random`: a word that stands for a distribution.
 bool IsRandomWord(const Value& value) {
   const auto* word = std::get_if<schema::Word>(&value);
   return word != nullptr && word->text == "random";
 }
 
-/// What a word draws from: `every`, `same` and `density` their value, `rotating` the vector that it
-/// turns.
+/// The value that a word draws from: for `every`, `same` and `density` their value, for `rotating`
+/// the vector that it rotates.
 const Value& DrawnBy(const Value& value) {
   const schema::Call* call = schema::AsCall(value);
   if (call != nullptr && (call->name == "every" || call->name == "same" || call->name == "density"))
@@ -35,7 +35,7 @@ const Value& DrawnBy(const Value& value) {
   return value;
 }
 
-/// A number; a vector's or a ratio's component.
+/// A number, or a component of a vector or a ratio.
 double Component(const Value& value, int component) {
   if (const schema::Number* number = schema::AsNumber(value)) return number->AsReal();
   const auto* vector = std::get_if<Eigen::Vector3d>(&value);
@@ -55,7 +55,7 @@ const Value& Weighed(const Distribution& distribution, Stream& stream) {
   return distribution.arguments.back();
 }
 
-/// A value of a table; each alike where it has no weights.
+/// A value of a table; all are equally likely if it has no weights.
 const Value& OfTable(const Distribution& table, Stream& stream) {
   if (!table.weights.empty()) return Weighed(table, stream);
   CDB_CHECK(!table.arguments.empty());
@@ -179,7 +179,7 @@ std::optional<double> Draw::RealOrWord(std::string_view* word) {
 }
 
 std::optional<Eigen::Vector3d> Draw::VectorOrWord(std::string_view* word) {
-  // A choice is one draw; everything else goes component by component.
+  // A choice is a single draw; other values are drawn component by component.
   const Value& value = Choose();
   if (const auto* chosen = std::get_if<schema::Word>(&value)) {
     *word = chosen->text;

@@ -1,5 +1,5 @@
-// Draws the values of a parameter: constants yield themselves, distributions a new value each time
-// from their random stream.
+// Draws the values of a parameter: a constant gives itself, a distribution a new value each time
+// from its random stream.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,44 +14,42 @@
 
 namespace cdb::distributions {
 
-/// One parameter of a group or of the world. A number outside the parameter's domain (a size or a
-/// mass of 0 or less) or the limits of the distribution is drawn again, a vector component by
-/// component. Not for several threads; the
-/// scene must outlive it. Every call throws SceneError where kMaxRedraws draws in a row are outside
-/// the domain. A schedule gives what it begins with and then what comes next: each Vector() of
-/// `every` is a new draw of its value; `rotating` gives the vector that it turns. Of `same` and
-/// `density`, a draw is one of their value.
+/// One parameter of a group or of the world. A number outside the domain of the parameter (a size
+/// or a mass of 0 or less) or the limits of the distribution is drawn again, a vector component by
+/// component. Not thread-safe; the scene must outlive it. Every call throws SceneError if
+/// kMaxRedraws draws in a row are outside the domain. A schedule gives its values in order: each
+/// Vector() of `every` is a new draw of its value; `rotating` gives the vector that it rotates.
+/// `same` and `density` give a draw of their value.
 class Draw {
  public:
   static constexpr int kMaxRedraws = 100000;
 
-  /// Throws SceneError where the plan has no seed for a distribution.
+  /// Throws SceneError if the plan has no seed for a distribution.
   Draw(const plan::Scene& scene, schema::ParameterRef<false, schema::ValueKind::kDrawn> parameter)
       : Draw(scene, nullptr, *parameter) {}
   Draw(const plan::Scene& scene, const plan::Group& group,
        schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter)
       : Draw(scene, &group, *parameter) {}
-  /// For a parameter that is known only at run time; `group` is null for one of the world.
+  /// For a parameter known only at run time; `group` is null for one of the world.
   Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter);
 
   double Real();
   bool On();
-  /// One of the choices as it stands in the plan, a Word or a Call: `sphere`, `mesh("rock.obj",
-  /// …)`.
+  /// One of the choices as in the plan, a Word or a Call: `sphere`, `mesh("rock.obj", …)`.
   const schema::Value& Choice();
-  /// A number where the parameter takes words too: empty where a word was drawn, which `word`
-  /// receives (`mass fixed`).
+  /// A number if the parameter also takes words: empty if a word was drawn, which is stored in
+  /// `word` (`mass fixed`).
   std::optional<double> RealOrWord(std::string_view* word);
   Eigen::Vector3d Vector();
-  /// Empty where a word was drawn (`orientation random`).
+  /// Empty if a word was drawn (`orientation random`).
   std::optional<Eigen::Vector3d> VectorOrWord(std::string_view* word);
-  /// What the draws come from, for what a drawn word asks for.
+  /// The stream of the draws, for values that a drawn word requires.
   Stream& stream() { return stream_; }
 
  private:
   const schema::Value& Choose();
   double RealFrom(const schema::Value& value, int component);
-  /// Inside the domain of the parameter and the limits of the distribution.
+  /// True inside the domain of the parameter and the limits of the distribution.
   bool Accepts(const schema::Value& value, double real) const;
   double RealInDomain(const schema::Value& value, int component);
   [[noreturn]] void NeverInDomain() const;
@@ -59,12 +57,12 @@ class Draw {
   const schema::Parameter* parameter_;
   const schema::Value* value_;
   const schema::Distribution* distribution_;
-  std::string name_;  ///< `pebbles.size`: of the stream, and in messages
+  std::string name_;  ///< `pebbles.size`: name of the stream, and for messages
   Stream stream_;
 };
 
-/// The stream `group.parameter` of the scene, or `parameter` of the world, where the group is
-/// empty. Throws SceneError where the plan has no seed for it.
+/// The stream `group.parameter` of the scene, or `parameter` of the world if `group` is empty.
+/// Throws SceneError if the plan has no seed for it.
 Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string_view parameter);
 
 }  // namespace cdb::distributions

@@ -17,7 +17,7 @@ bool IsBy(std::string_view word, const schema::Value& value) {
   return call != nullptr && call->name == word;
 }
 
-/// The formula that sets a value, also as the argument of same( ) and density( ).
+/// The formula of a value, also if it is the argument of same( ) or density( ).
 const schema::Formula* FormulaIn(const schema::Value& value) {
   const bool has_word = IsBy("same", value) || IsBy("density", value);
   return schema::AsFormula(has_word ? schema::ArgumentOf(*schema::AsCall(value), "value") : value);
@@ -56,7 +56,7 @@ Eigen::Vector3d ObjectNumbers::Sides() {
   if (size.formula != nullptr || size.is_same) {
     sides_ = Eigen::Vector3d::Constant(Find(size).value());
   } else {
-    // A constant size is the same for each side; a distribution draws each side by itself.
+    // A constant size applies to every side; a distribution draws each side separately.
     const double x = size.draw.Real();
     const double y = size.draw.Real();
     sides_ = Eigen::Vector3d(x, y, size.draw.Real());

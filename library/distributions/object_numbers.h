@@ -1,4 +1,4 @@
-// The settings of an object that are numbers: drawn, or evaluated from others of the same object.
+// The numeric settings of an object: drawn, or evaluated from others of the same object.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,26 +13,26 @@
 
 namespace cdb::distributions {
 
-/// Of the objects of one group, one after the other. Each setting has a stream of its own, so that
-/// the order in which they are asked for does not matter. Not for several threads; the scene must
-/// outlive it. Every call throws SceneError as Draw does, and where a formula gives no number in
-/// the domain of its setting.
+/// The settings of the objects of one group, one object after the other. Each setting has a
+/// separate stream, so that the order of calls does not matter. Not thread-safe; the scene must
+/// outlive it. Every call throws SceneError as Draw does, and if a formula gives no number in the
+/// domain of its setting.
 class ObjectNumbers {
  public:
   ObjectNumbers(const plan::Scene& scene, const plan::Group& group);
 
-  /// Goes on to the next object.
+  /// Moves to the next object.
   void Next();
   /// m: size, for each side; without the aspect.
   Eigen::Vector3d Sides();
-  /// m^3: a mass from a density needs it first.
+  /// m^3; must be set before a mass is computed from a density.
   void SetVolume(double volume) { volume_ = volume; }
-  /// Empty where a word was drawn (`mass fixed`, `contact_stiffness rigid`). Not of the size.
+  /// Empty if a word was drawn (`mass fixed`, `contact_stiffness rigid`). Not for the size.
   std::optional<double> Find(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
     return Find(SettingOf(parameter.name()));
   }
   double Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
-  /// Empty where a number was drawn. Valid as long as the scene.
+  /// Empty if a number was drawn. Valid for the lifetime of the scene.
   std::string_view Word(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
 
  private:
@@ -40,7 +40,7 @@ class ObjectNumbers {
   struct Setting {
     const schema::Parameter* parameter;
     Draw draw;
-    const schema::Formula* formula;  ///< null where it is drawn
+    const schema::Formula* formula;  ///< null if it is drawn
     bool is_same, is_density;
     State state = State::kUnknown;
     std::optional<double> number = {};
@@ -57,7 +57,7 @@ class ObjectNumbers {
   std::vector<Setting> settings_;
   std::optional<Eigen::Vector3d> sides_;
   std::optional<double> volume_;
-  std::uint64_t count_ = 0;  ///< of objects so far, this one included
+  std::uint64_t count_ = 0;  ///< number of objects so far, including this one
 };
 
 }  // namespace cdb::distributions

@@ -21,14 +21,14 @@
 
 namespace cdb::distributions {
 
-/// One stream. Copies go on alike. Not for several threads.
+/// One stream. Copies continue identically. Not thread-safe.
 class Stream {
  public:
   explicit Stream(std::uint64_t seed) : engine_(seed) {}
 
   /// [0, 1).
   double Uniform();
-  /// [minimum, maximum), or `minimum` where both are equal.
+  /// [minimum, maximum), or `minimum` if both are equal.
   double Uniform(double minimum, double maximum) {
     return minimum + (maximum - minimum) * Uniform();
   }
@@ -39,21 +39,21 @@ class Stream {
   /// The logarithm has mean mu and standard deviation sigma; |mu| + 9 sigma <= 700.
   double Lognormal(double mu, double sigma);
   double Exponential(double mean);
-  /// Both: 0.01 <= shape, scale > 0.
+  /// Requires 0.01 <= shape, scale > 0; Weibull too.
   double Gamma(double shape, double scale);
   double Weibull(double shape, double scale);
-  /// Uniform over all turns; a unit quaternion.
+  /// Uniform over all rotations; a unit quaternion.
   Eigen::Quaterniond Turn();
 
  private:
-  /// Above 0 and below 1.
+  /// In the open interval (0, 1).
   double Open();
   std::uint64_t Bits53() { return engine_() >> 11; }
   std::mt19937_64 engine_;
 };
 
-/// The x at which the normal distribution (mean 0, standard deviation 1) reaches p, 0 < p < 1.
-/// Relative error about 1e-16. M. J. Wichura, Algorithm AS 241, Applied Statistics 37 (1988).
+/// The quantile of the normal distribution (mean 0, standard deviation 1) at p, 0 < p < 1. Relative
+/// error about 1e-16. M. J. Wichura, Algorithm AS 241, Applied Statistics 37 (1988).
 double InverseNormal(double p);
 
 /// Natural logarithm of x > 0 (normal) and its inverse, within 2 units in the last place, from

@@ -1,4 +1,4 @@
-// The objects of a scene during placement: cached bounds, and tests for overlap.
+// The objects of a scene during placement: cached bounds, and overlap tests.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,23 +15,23 @@ inline objects::Box Shifted(const objects::Box& box, const Eigen::Vector3d& by) 
   return {by + box.lower, by + box.upper};
 }
 
-/// Balls about the centre of mass, inside and around a solid: most pairs are decided by them.
+/// Inner and outer spheres of a solid about its centre of mass; they decide most pairs.
 struct Core {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double inner = 0, outer = 0;  ///< radii, m; `inner` is 0 where the centre is not in the solid
+  double inner = 0, outer = 0;  ///< radii, m; `inner` is 0 if the centre is outside the solid
 };
 
-/// The objects of one group: those from `first` to before `end`.
+/// The objects of one group: indices in [first, end).
 struct GroupRange {
   const plan::Group* group;
   std::size_t first, end;
   std::size_t size() const { return end - first; }
 };
 
-/// Room for rounding where distances alone decide.
+/// Tolerance for rounding where distances alone decide.
 inline constexpr double kRounding = 1e-9;
 
-/// m. Scene and state must outlive it. Not for several threads.
+/// Lengths in m. Scene and state must outlive it. Not thread-safe.
 class Bodies {
  public:
   Bodies(const plan::Scene& scene, InitialState& state);
@@ -44,22 +44,22 @@ class Bodies {
   std::span<const ObjectState> ObjectsOf(const GroupRange& range) const {
     return std::span(state_.objects).subspan(range.first, range.size());
   }
-  /// Its centre of mass at the origin.
+  /// With its centre of mass at the origin.
   const objects::Box& bounds(std::size_t index) const { return bounds_[index]; }
   Eigen::Vector3d Extents(std::size_t index) const {
     return bounds_[index].upper - bounds_[index].lower;
   }
   const Core& core(std::size_t index) const { return cores_[index]; }
-  /// Around the object where it is.
+  /// The box around the object at its current position.
   objects::Box BoxOf(std::size_t index) const {
     return Shifted(bounds_[index], cores_[index].position);
   }
 
   void MoveTo(std::size_t index, const Eigen::Vector3d& place);
-  /// Whether the object would touch `other`, were it at `place`, and `box` around it there.
+  /// Whether the object would touch `other` if it were at `place`, with `box` around it there.
   bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                  std::size_t other) const {
-    // Here, as most calls end here.
+    // Inline, as most calls return here.
     const Core& core = cores_[index];
     const Core& theirs = cores_[other];
     const double distance = (theirs.position - place).squaredNorm();

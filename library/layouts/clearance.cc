@@ -19,17 +19,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Contact that only rounding makes an overlap: in steps between numbers as large as the
-/// coordinates, and in parts of sizes and distance for what objects/distance.h is exact to.
+/// Overlaps below these are attributed to rounding: in units of rounding of the coordinates, and as
+/// a fraction of sizes and distance, the accuracy of library/objects/distance.h.
 constexpr double kRoundedCoordinates = 8 * std::numeric_limits<double>::epsilon();
 constexpr double kRoundedDistance = 4e-14;
-/// Of an object: where rounding is more, places are too coarse to tell touching from overlapping,
-/// and neither is allowed.
+/// As a fraction of an object: with more rounding, positions are too coarse to distinguish touching
+/// from overlapping, and neither is allowed.
 constexpr double kCoarse = 1e-6;
-/// Of both sizes: how far apart two surfaces show the direction in which they touched.
+/// As a fraction of both sizes: the separation at which two surfaces show the direction of contact.
 constexpr double kShownApart = 1e-6;
 
-/// `reaches 2 m through`, for messages about an object of that extent.
+/// `reaches 2 m through`, for messages; `extent` is that of the object.
 std::string HowFar(double through, double extent, double rounding) {
   if (through <= rounding) return "is nearer than its place can be told to";
   if (through > extent) return fmt::format("lies {:.4g} m beyond", through - extent);
@@ -53,14 +53,14 @@ void CheckWalls(const Bodies& bodies, std::size_t index) {
   }
 }
 
-/// Recorded objects that lie on a wall reach into it a little, as contacts give way.
+/// Recorded objects that lie on a wall penetrate it slightly, as contacts are not rigid.
 bool MayReachThroughWalls(const Bodies& bodies, std::size_t index) {
   const plan::Group& group = bodies.GroupOf(index);
   return analysis::PosesOf(group) != nullptr && group.settings.On("overlap") &&
          bodies.core(index).position.cwiseAbs().maxCoeff() < bodies.side() / 2;
 }
 
-/// Two objects as they are placed.
+/// Two objects in their positions.
 class PlacedPair {
  public:
   PlacedPair(const ObjectState& a, const ObjectState& b)
@@ -72,7 +72,7 @@ class PlacedPair {
                                            b.pose.position.cwiseAbs().maxCoeff())),
         rounding_(kRoundedDistance * (pair_.size() + offset_.norm()) + coarseness_) {}
 
-  /// No two pieces reach into one another by more than rounding.
+  /// True if no two pieces penetrate one another by more than rounding.
   bool OnlyTouches() const {
     const double least = std::min(a_.solid.sides.minCoeff(), b_.solid.sides.minCoeff());
     if (offset_.isZero(0) || coarseness_ > kCoarse * least) return false;
@@ -81,7 +81,8 @@ class PlacedPair {
     });
   }
 
-  /// How far b must go away from a, along the line between their centres of mass, to be free. m.
+  /// The distance that b must move away from a, along the line between their centres of mass, to be
+  /// separate. m.
   double Depth() const {
     const double apart = offset_.norm();
     const Vector3d direction = apart > 0 ? Vector3d(offset_ / apart) : Vector3d::UnitY();
@@ -90,8 +91,8 @@ class PlacedPair {
   }
 
  private:
-  /// Moved apart a little along the line between the centres of mass, two surfaces show the
-  /// direction in which they touched; along it, rounding alone must free them.
+  /// Moved apart slightly along the line between the centres of mass, two surfaces show the
+  /// direction of contact; a displacement by the rounding along it must separate them.
   bool IsFreedByRounding(std::size_t i, std::size_t j) const {
     const Vector3d away = kShownApart * pair_.size() * offset_.normalized();
     const Vector3d direction = pair_.PieceGap(i, j, offset_ + away).direction;
@@ -102,7 +103,7 @@ class PlacedPair {
   objects::SolidPair pair_;
   Vector3d offset_;
   double coarseness_;  ///< of the coordinates, m
-  double rounding_;    ///< with that of distances, m
+  double rounding_;    ///< including that of distances, m
 };
 
 void CheckPair(const Bodies& bodies, std::size_t one, std::size_t two) {

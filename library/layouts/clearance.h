@@ -8,12 +8,12 @@
 
 namespace cdb::layouts {
 
-/// `indices`: the objects to look at. Those that move may reach neither through a wall of the cube,
-/// whichever stand, nor into any other; they may touch both, to a few roundings of their
-/// coordinates. Fixed ones may leave the cube and overlap one another, and those of groups with
-/// `overlap` on may be in each other's place.
-/// Throws SceneError, which names the object that comes later, the other or the wall, by how much,
-/// and what to change. O(n) where sizes and shapes are alike.
+/// `indices`: the objects to check. Movable objects must neither reach through a wall of the cube,
+/// whichever walls are in use, nor into another object; they may touch both, within a few roundings
+/// of their coordinates. Fixed objects may leave the cube and overlap one another, and objects of
+/// groups with `overlap` on may overlap each other. Throws SceneError, which names the later
+/// object, the other object or the wall, the depth, and a remedy. O(n) if sizes and shapes are
+/// similar.
 void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indices);
 
 }  // namespace cdb::layouts

@@ -26,7 +26,7 @@ Probe::Probe(objects::Solid its_solid, const Eigen::Quaterniond& its_orientation
       outer(solid.OuterRadius()) {}
 
 bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Box& voxel) const {
-  // Thin as it is, it covers no place by itself.
+  // A surface is too thin to cover a position.
   if (bodies_.object(other).solid.IsSurface()) return false;
   const Core& theirs = bodies_.core(other);
   const Vector3d to_lower = (theirs.position - voxel.lower).cwiseAbs();
@@ -37,7 +37,7 @@ bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Bo
     return true;
   const double outer = probe.outer + theirs.outer;
   if (farthest > outer * outer * (1 + kRounding)) return false;
-  std::array<Vector3d, 8> offsets;  // from the probe in each corner
+  std::array<Vector3d, 8> offsets;  // from the probe in each corner of the voxel
   for (int corner = 0; corner < 8; ++corner)
     for (int axis = 0; axis < 3; ++axis)
       offsets[corner][axis] = theirs.position[axis] -
@@ -45,7 +45,7 @@ bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Bo
   const ObjectState& neighbour = bodies_.object(other);
   const objects::SolidPair pair(probe.solid, probe.orientation, neighbour.solid,
                                 neighbour.pose.orientation);
-  // The places where two convex pieces touch are convex, so the corners decide.
+  // The positions at which two convex pieces touch form a convex set, so the corners decide.
   return pair.AnyPieces([&](std::size_t piece, std::size_t their_piece) {
     return std::ranges::all_of(offsets, [&](const Vector3d& offset) {
       return pair.PiecesOverlap(piece, their_piece, offset);
@@ -54,16 +54,16 @@ bool Coverage::Covers(std::uint32_t other, const Probe& probe, const objects::Bo
 }
 
 bool Coverage::IsCovered(const Probe& probe, const objects::Box& voxel) const {
-  // Who covers the voxel covers its centre.
+  // An object that covers the voxel also covers its centre.
   const objects::Box box = Shifted(probe.bounds, (voxel.lower + voxel.upper) / 2);
   if (grid_.AnyOf(box, [&](std::uint32_t other) { return Covers(other, probe, voxel); }))
     return true;
   return IsUnturnedCuboid(probe.solid, probe.orientation) && IsCoveredBySlabs(probe, voxel);
 }
 
-/// Whether unturned cuboids cut the voxel away slice by slice. Two of them with hardly less than
-/// the probe's room between their faces cover many voxels together and none alone, until the
-/// voxels are as thin as what lacks.
+/// Whether unrotated cuboids together cover the voxel, cut off slice by slice. Two of them with
+/// slightly too little space for the probe between their faces cover many voxels together but none
+/// alone, until the voxels are as thin as the missing space.
 bool Coverage::IsCoveredBySlabs(const Probe& probe, const objects::Box& voxel) const {
   objects::Box left = voxel;
   const objects::Box reach{voxel.lower + probe.bounds.lower, voxel.upper + probe.bounds.upper};
@@ -86,7 +86,7 @@ bool Coverage::IsCoveredBySlabs(const Probe& probe, const objects::Box& voxel) c
     }
     return false;
   };
-  // A cut may let a cuboid span what is left that did not before.
+  // After a cut, a cuboid may span the rest that did not before.
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round)
     if (grid_.AnyOf(reach, cut)) return true;

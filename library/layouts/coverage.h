@@ -8,26 +8,26 @@
 
 namespace cdb::layouts {
 
-/// What the voxels of a list are free for: a solid that every object to come has inside it, at its
-/// centre of mass. What is not free for the probe is free for none of them.
+/// The object for which voxels are tested: a solid that is contained in every object still to be
+/// placed, at its centre of mass. A position that is not free for the probe is free for none of
+/// them.
 struct Probe {
   objects::Solid solid;
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  objects::Box bounds;          ///< its centre of mass at the origin
+  objects::Box bounds;          ///< with its centre of mass at the origin
   double inner = 0, outer = 0;  ///< radii, m
 
   Probe(objects::Solid its_solid, const Eigen::Quaterniond& its_orientation);
 };
 
-/// Bodies and grid, which lists those that have their place, must outlive it. Not for several
-/// threads.
+/// `bodies`, and the grid, which lists the placed ones, must outlive it. Not thread-safe.
 class Coverage {
  public:
   Coverage(const Bodies& bodies, const BoxGrid& grid) : bodies_(bodies), grid_(grid) {}
 
-  /// Whether the probe touches object `other` wherever in the voxel it is.
+  /// Whether the probe touches object `other` at every position in the voxel.
   bool Covers(std::uint32_t other, const Probe& probe, const objects::Box& voxel) const;
-  /// Whether the probe is known to touch something wherever in the voxel it is.
+  /// Whether the probe is known to touch an object at every position in the voxel.
   bool IsCovered(const Probe& probe, const objects::Box& voxel) const;
 
  private:

@@ -24,15 +24,15 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-/// Voxels for each object of the scene: of a new lattice, and of a list that is still halved.
+/// Voxels per object of the scene: in a new lattice, and in a list that may still be split.
 constexpr double kVoxelsPerObject = 32;
 constexpr double kMinVoxels = 1 << 16;
 constexpr std::size_t kSplitVoxelsPerObject = 8;
 constexpr std::size_t kMinSplitVoxels = 1 << 19;
 
-/// Below this, few draws miss.
+/// Below this packing fraction, few draws miss.
 constexpr double kMinFillForHints = 0.05;
-/// Times the inner radius.
+/// In units of the inner radius.
 constexpr double kHintReach = 1.0;
 
 std::vector<double> ExtentsOf(const Bodies& bodies) {
@@ -44,9 +44,9 @@ std::vector<double> ExtentsOf(const Bodies& bodies) {
 
 struct VoxelSearch {
   Probe probe;
-  bool exact;  ///< the probe is each of the objects to come
+  bool exact;  ///< the probe equals each of the remaining objects
   FreeVoxels voxels;
-  std::uint64_t misses = 0;  ///< of all objects since the voxels were halved
+  std::uint64_t misses = 0;  ///< of all objects since the voxels were last split
 };
 
 class DrawnPlacer {
@@ -86,7 +86,7 @@ class DrawnPlacer {
     }
   }
 
-  /// Where the centre of mass may be for the box to lie between the walls: strictly inside this.
+  /// The open box for the centre of mass that keeps the object between the walls.
   objects::Box DomainOf(std::size_t index) const {
     const objects::Box& bounds = bodies_.bounds(index);
     return {Vector3d::Constant(-side_ / 2) - bounds.lower,
@@ -111,7 +111,7 @@ class DrawnPlacer {
       }
       const std::uint64_t max_misses = search->exact ? kNoLimit : kMissesBeforeVoxels;
       if (PlaceInVoxels(index, *search, max_misses, stream)) continue;
-      // The voxels are free for something smaller: find this object's own.
+      // The voxels are free for a smaller probe: find those of this object.
       VoxelSearch own = SearchFor(index, index + 1);
       PlaceInVoxels(index, own, kNoLimit, stream);
     }
@@ -133,8 +133,8 @@ class DrawnPlacer {
     return false;
   }
 
-  /// A coordinate strictly between `low` and `high`. The axes are independent, so drawing one again
-  /// by itself gives the same distribution as drawing the whole place again.
+  /// A coordinate strictly between `low` and `high`. The axes are independent, so redrawing one
+  /// coordinate gives the same distribution as redrawing the whole position.
   template <typename DrawAlong>
   double Coordinate(std::size_t index, double low, double high, DrawAlong draw_along) {
     for (std::uint64_t tries = 0; tries < kMaxTriesOfOne; ++tries) {
@@ -145,8 +145,8 @@ class DrawnPlacer {
     fraction_.TooFull(index, PackingFraction::kGivenUp);
   }
 
-  /// The voxels that are free for the objects from `first` to before `end`: for the object itself
-  /// where all are alike, else for the largest ball that each of them holds.
+  /// The voxels that are free for the objects in [first, end): for the object itself if all are
+  /// equal, otherwise for the largest ball inside each of them.
   VoxelSearch SearchFor(std::size_t first, std::size_t end) {
     const ObjectState& object = bodies_.object(first);
     bool alike = true;
@@ -168,14 +168,13 @@ class DrawnPlacer {
                                       object.pose.orientation);
     const double most = kMinVoxels + kVoxelsPerObject * static_cast<double>(bodies_.size());
     const auto covered = [&](const objects::Box& voxel) { return IsCovered(probe, voxel, first); };
-    // A ring's centre of mass is in none of its pieces.
+    // The centre of mass of a ring is in none of its pieces.
     const double edge = radius > 0 ? radius : half;
     FreeVoxels voxels(domain.lower, domain.upper, edge, most, covered);
     return {probe, alike, std::move(voxels)};
   }
 
-  /// False where `max_misses` draws in a row were not free. Throws SceneError where no voxel is
-  /// left.
+  /// False if `max_misses` draws in a row were not free. Throws SceneError if no voxel is left.
   bool PlaceInVoxels(std::size_t index, VoxelSearch& search, std::uint64_t max_misses,
                      distributions::Stream& stream) {
     const objects::Box domain = DomainOf(index);
@@ -199,7 +198,7 @@ class DrawnPlacer {
       }
       CountTry(index);
       if (fits && coverage_.Covers(collider, search.probe, voxel)) voxels.Remove(drawn);
-      // Two draws for each voxel have found nearly all that one object covers.
+      // After two draws per voxel, nearly all voxels covered by a single object have been found.
       if (++search.misses < 2 * voxels.size()) continue;
       if (voxels.size() > kMinSplitVoxels + kSplitVoxelsPerObject * bodies_.size()) continue;
       if (!voxels.CanSplit()) fraction_.TooFull(index, PackingFraction::kGivenUp);
@@ -209,7 +208,7 @@ class DrawnPlacer {
     return false;
   }
 
-  /// Any object that the object would touch at `place`.
+  /// An object that the object would touch at `place`, or kNobody.
   std::uint32_t ColliderAt(std::size_t index, const Vector3d& place) {
     std::uint32_t collider = hints_ ? hints_->At(place) : kNobody;
     const objects::Box box = Shifted(bodies_.bounds(index), place);
@@ -224,7 +223,7 @@ class DrawnPlacer {
     return collider;
   }
 
-  /// `index` is the object for which the voxel is looked at.
+  /// `index` is the object for which the voxel is tested.
   bool IsCovered(const Probe& probe, const objects::Box& voxel, std::size_t index) {
     CountTry(index);
     return coverage_.IsCovered(probe, voxel);
@@ -236,12 +235,12 @@ class DrawnPlacer {
     List(index);
   }
 
-  /// So that others keep clear of it.
+  /// Adds it to the grid, so that later objects avoid it.
   void List(std::size_t index) {
     const auto id = static_cast<std::uint32_t>(index);
     grid_.Add(id, bodies_.BoxOf(index));
     if (!hints_) return;
-    // Whoever comes is likely to be as large, and to touch it from here.
+    // Later objects are likely to be as large, and to touch it from these positions.
     const Core& core = bodies_.core(index);
     const Vector3d reach = Vector3d::Constant(kHintReach * core.inner);
     hints_->Set({core.position - reach, core.position + reach}, id);

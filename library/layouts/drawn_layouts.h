@@ -1,4 +1,4 @@
-// Random layouts, which draw each position until it is free: uniform, normal.
+// Random layouts, which redraw each position until it is free: uniform, normal.
 #pragma once
 
 #include "compiler/plan/plan.h"
@@ -6,8 +6,9 @@
 
 namespace cdb::layouts {
 
-/// Places the objects of all groups with such layouts, in order, around those that stand already:
-/// all of the exact layouts, inside the cube or not. Places, errors: library/layouts/placement.h.
+/// Places the objects of all groups with such layouts, in order, around the objects already placed:
+/// all those of exact layouts, inside the cube or not. Positions, errors:
+/// library/layouts/placement.h.
 void PlaceDrawn(const plan::Scene& scene, Bodies& bodies);
 
 }  // namespace cdb::layouts

@@ -25,7 +25,7 @@ const schema::Call& LayoutOf(const plan::Group& group) {
   return *layout;
 }
 
-/// Empty where the argument is a word: `fit`, `all`.
+/// Empty if the argument is a word: `fit`, `all`.
 template <typename T>
 std::optional<T> Argument(const schema::Call& layout, std::string_view name) {
   const schema::Value& value = schema::ArgumentOf(layout, name);
@@ -33,13 +33,13 @@ std::optional<T> Argument(const schema::Call& layout, std::string_view name) {
   return std::get<T>(value);
 }
 
-/// Empty where the argument is a word.
+/// Empty if the argument is a word.
 std::optional<double> RealArgument(const schema::Call& layout, std::string_view name) {
   const auto number = Argument<schema::Number>(layout, name);
   return number ? std::optional(number->AsReal()) : std::nullopt;
 }
 
-/// The smallest number whose `power` is not below n.
+/// The smallest number whose `power` is at least n.
 std::size_t RootUp(std::size_t n, auto power) {
   std::size_t root = 0;
   while (power(root) < n) ++root;
@@ -51,15 +51,15 @@ std::size_t Cube(std::size_t k) { return k * k * k; }
 /// k^2 + (k - 1)^2 + ... + 1.
 std::size_t SquarePyramidal(std::size_t k) { return k * (k + 1) * (2 * k + 1) / 6; }
 
-/// The coordinate of the `index`th of `count` points `spacing` apart about 0.
+/// The coordinate of the `index`th of `count` points at intervals of `spacing`, centred on 0.
 double Along(std::size_t index, std::size_t count, double spacing) {
   return (static_cast<double>(index) - static_cast<double>(count - 1) / 2) * spacing;
 }
 
-/// The least r, at least 0, at which the boxes whose centres are r * chord apart and whose half
-/// extents add up to `halves` have a gap of `gap` between them. The chord is level and not 0.
+/// The smallest r >= 0 at which boxes with centres r * chord apart and a sum of half extents of
+/// `halves` have a gap of `gap` between them. The chord is level and not 0.
 double LeastRadius(const Vector3d& chord, const Vector3d& halves, double gap) {
-  // Along an axis the gap is r * along - half, once that is positive.
+  // Along one axis the gap is r * along - half, if that is positive.
   struct Axis {
     double along, half;
     double Opens() const { return along > 0 ? half / along : HUGE_VAL; }
@@ -119,7 +119,7 @@ class ExactPlacer {
     const std::size_t base = RootUp(range_.size(), SquarePyramidal);
     const double gap = Length("gap").value_or(kFitGap * largest_.maxCoeff());
     const Vector3d cell = largest_ + Vector3d::Constant(gap);
-    std::size_t layer = 0, at = 0;  // in the layer
+    std::size_t layer = 0, at = 0;  // in its layer
     for (std::size_t i = 0; i < range_.size(); ++i, ++at) {
       if (at == Square(base - layer)) {
         ++layer;
@@ -135,7 +135,7 @@ class ExactPlacer {
   void Ring() {
     const std::size_t n = range_.size();
     const auto on_circle = [&](std::size_t i) -> Vector3d {
-      // std::sin and std::cos decide the last bit.
+      // The last bit depends on std::sin and std::cos.
       const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
       return {std::cos(angle), 0, std::sin(angle)};
     };
@@ -184,7 +184,7 @@ class ExactPlacer {
     bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
   }
 
-  /// They were placed as they were drawn.
+  /// DrawObjects has already set their positions.
   void Poses() {}
 
   void Pair() {
@@ -217,7 +217,7 @@ class ExactPlacer {
   }
 
  private:
-  /// Of an extent, between surfaces.
+  /// Between surfaces, as a fraction of the extent.
   static constexpr double kFitGap = 1e-3;
   static constexpr int kMaxDirections = 1000;
 
@@ -328,7 +328,7 @@ std::vector<Vector3d> PlacesAbovePile(const plan::Group& group, double side,
               group.name, *width, cell),
           "make width larger or the size smaller", group.name);
     }
-    // More than n along an edge are never used, and fit into no integer.
+    // More than n along an edge are never used, and might not fit into an integer.
     edge = static_cast<std::size_t>(std::min(cells, static_cast<double>(n)));
   }
   if (edge == 0) return {};

@@ -12,9 +12,9 @@
 
 namespace cdb::layouts {
 
-/// Whether the group's layout is one of these, and not drawn.
+/// True if the layout of the group is one of these, so that it is not drawn.
 bool HasExactLayout(const plan::Group& group);
-/// Whether its layout is `pile`, and it has objects: then the engine settles them.
+/// True if the layout is `pile` and the group has objects, which the engine then settles.
 bool IsPile(const plan::Group& group);
 
 /// Gives every object of a group with such a layout its place. Nothing is left to chance but the

@@ -1,4 +1,4 @@
-// The free space for one more object, as voxels that are refined around it.
+// The free space for one more object, as voxels that are refined adaptively.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,17 +12,17 @@
 
 namespace cdb::layouts {
 
-/// A list of voxels, equal boxes of a lattice between `low` and `high`, that together hold every
-/// free place: a place drawn uniformly from one of them, each as likely, and drawn again until it
-/// is free is uniform over what is free. An empty list proves that nothing is. m. Not for several
-/// threads. 8 bytes for each voxel. Source: G. Zhang and S. Torquato, Phys. Rev. E 88, 053312
+/// A list of voxels, equal boxes of a lattice between `low` and `high`, that together contain every
+/// free position: a position drawn uniformly from a uniformly chosen voxel, and redrawn until it is
+/// free, is uniform over the free space. An empty list proves that there is none. m. Not
+/// thread-safe. 8 bytes per voxel. Source: G. Zhang and S. Torquato, Phys. Rev. E 88, 053312
 /// (2013).
 ///
-/// `covered(box)` says whether surely no place of the box is free.
+/// `covered(box)` returns true only if no position in the box is free.
 class FreeVoxels {
  public:
-  /// The voxels about `edge` long that are not covered; longer ones where there would be more than
-  /// `most` in the lattice. `low` < `high` on every axis.
+  /// The voxels of edge length about `edge` that are not covered; longer ones if there would be
+  /// more than `most` in the lattice. `low` < `high` on every axis.
   template <typename Covered>
   FreeVoxels(const Eigen::Vector3d& low, const Eigen::Vector3d& high, double edge, double most,
              Covered covered)
@@ -31,7 +31,7 @@ class FreeVoxels {
     const auto along = [&](int axis) {
       return std::clamp(std::ceil(length[axis] / edge), 1.0, double{kMaxAlong});
     };
-    // Ends: once `edge` is the longest side, there is one voxel.
+    // Terminates: once `edge` is the longest side, there is one voxel.
     while (along(0) * along(1) * along(2) > std::max(most, 1.0)) edge *= 1.1;
     std::array<std::uint64_t, 3> cells;
     for (int axis = 0; axis < 3; ++axis) {
@@ -52,7 +52,7 @@ class FreeVoxels {
     return BoxAt({voxel >> (2 * kBits), (voxel >> kBits) & kMask, voxel & kMask});
   }
 
-  /// For a voxel that is covered by now. The last takes its index.
+  /// Removes a voxel that is now covered. The last voxel takes its index.
   void Remove(std::size_t index) {
     voxels_[index] = voxels_.back();
     voxels_.pop_back();
@@ -60,14 +60,14 @@ class FreeVoxels {
 
   bool CanSplit() const { return 2 * along_ <= kMaxAlong; }
 
-  /// Halves the edges: of each voxel's eight parts those that are not covered stay.
+  /// Halves the edges, and keeps the uncovered ones of the eight parts of each voxel.
   template <typename Covered>
   void Split(Covered covered) {
     std::vector<std::uint64_t> whole;
     whole.swap(voxels_);
     edges_ /= 2;
     along_ *= 2;
-    // From the end, giving memory back on the way: the parts need it.
+    // From the end, and with memory released on the way, as the parts need it.
     for (; !whole.empty(); whole.pop_back()) {
       if (whole.size() < whole.capacity() / 2) whole.shrink_to_fit();
       const std::uint64_t voxel = whole.back();
@@ -79,7 +79,7 @@ class FreeVoxels {
   }
 
  private:
-  static constexpr int kBits = 21;  ///< of a coordinate
+  static constexpr int kBits = 21;  ///< of one coordinate
   static constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
   static constexpr std::uint64_t kMaxAlong = std::uint64_t{1} << kBits;
 

@@ -6,8 +6,8 @@
 namespace cdb::layouts {
 namespace {
 
-/// Entries that all boxes together may take for each box. Compact boxes that fit into the cube stay
-/// below it with a cell for each box; long thin ones at a slant need larger cells.
+/// The maximum number of entries per box. Compact boxes that fit into the cube stay below it with
+/// one cell per box; long thin oblique ones need larger cells.
 constexpr double kMaxEntriesPerBox = 32;
 constexpr double kMaxCellsAlongEdge = 1024;
 
@@ -29,13 +29,13 @@ BoxGrid::BoxGrid(double side, const std::vector<double>& extents) : side_(side) 
   cells_ = static_cast<std::size_t>(cells);
   cells_per_metre_ = cells / side;
   heads_.assign(cells_ * cells_ * cells_, kNone);
-  // As many as cubes of these extents would take: growing would copy them all again and again.
+  // The number for cubes of these extents: growing the vector would copy the entries repeatedly.
   entries_.reserve(static_cast<std::size_t>(entries));
 }
 
 BoxGrid::Bounds32 BoxGrid::Outwards(const objects::Box& box) const {
-  // Coordinates are not above 1 here: rounding them, twice, loses up to 2^-24. What is beyond that
-  // is out of the cube, and so of what is asked.
+  // Coordinates are at most 1 here, so rounding twice loses up to 2^-24. Larger ones are outside
+  // the cube, and so outside any query.
   constexpr float kLarger = 0x1p-23F;
   const auto in_sides = [&](double x) {
     return static_cast<float>(std::clamp(x / side_, -1., 1.));

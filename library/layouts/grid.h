@@ -1,4 +1,4 @@
-// A grid over the cube that lists the boxes in each cell, to test a new box only with its
+// A grid over the cube that lists the boxes in each cell, so that a new box is tested only with its
 // neighbours.
 #pragma once
 
@@ -9,18 +9,18 @@
 
 namespace cdb::layouts {
 
-/// A box is listed in every cell that it reaches, by value: in single precision and a little
-/// larger, so that two of them share a cache line. Not for several threads.
+/// A box is stored in every cell that it overlaps, by value: in single precision and slightly
+/// enlarged, so that two entries share a cache line. Not thread-safe.
 class BoxGrid {
  public:
-  /// `extents`: the largest extent of each box to come, for the size of the cells. m.
+  /// `extents`: the largest extent of each box to be added, which determines the cell size. m.
   BoxGrid(double side, const std::vector<double>& extents);
 
   void Add(std::uint32_t id, const objects::Box& box);
 
   /// Calls `meets(id)` for the boxes that overlap or touch `box` or miss it by less than 1e-6 of
-  /// the side, some of them more than once, until one returns true; returns whether one did. `box`
-  /// may leave the cube by half its side, those that were added by any length.
+  /// the side, possibly repeatedly, until a call returns true; returns whether one did. `box` may
+  /// leave the cube by half its side, added boxes by any length.
   template <typename Meets>
   bool AnyOf(const objects::Box& box, Meets meets) const {
     const Bounds32 query = Outwards(box);
@@ -43,10 +43,10 @@ class BoxGrid {
     std::uint32_t id, next;
   };
 
-  /// In units of the side, which never overflow, and larger by more than is lost in rounding.
+  /// In units of the side, which never overflow, and enlarged by more than the loss by rounding.
   Bounds32 Outwards(const objects::Box& box) const;
   static bool Touch(const Bounds32& a, const Bounds32& b) {
-    // Without branches: which axis decides cannot be foretold.
+    // Without branches, as the deciding axis is unpredictable.
     bool touch = true;
     for (int axis = 0; axis < 3; ++axis)
       touch &= (a.lower[axis] <= b.upper[axis]) & (a.upper[axis] >= b.lower[axis]);

@@ -12,7 +12,7 @@ HashGrid::HashGrid(std::size_t boxes) : heads_(std::bit_ceil(2 * boxes + 1), kNo
 }
 
 std::int64_t HashGrid::Cell(double coordinate) {
-  // Farther out all share a cell, and differences still fit.
+  // All cells beyond this share one, so that differences do not overflow.
   constexpr double kFar = 0x1p60;
   return static_cast<std::int64_t>(std::floor(std::clamp(coordinate, -kFar, kFar)));
 }

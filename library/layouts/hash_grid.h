@@ -1,4 +1,5 @@
-// A hashed grid for boxes of any size and position, to test a new box only with its neighbours.
+// A hashed grid for boxes of any size and position, so that a new box is tested only with its
+// neighbours.
 #pragma once
 
 #include <array>
@@ -10,22 +11,22 @@
 
 namespace cdb::layouts {
 
-/// A box is listed in one cell, that of its centre, of a lattice whose cells are as long as the box
-/// or up to twice as long; cells are found by a hash, so that neither room nor crowding matters.
-/// Boxes must come from large to small: then whoever comes looks at up to 27 cells of each level.
-/// Not for several threads.
+/// A box is stored in one cell, that of its centre, of a lattice with cells as long as the box or
+/// up to twice as long; cells are found by a hash, so that neither extent nor clustering matters.
+/// Boxes must be added from large to small; a query then visits up to 27 cells on each level. Not
+/// thread-safe.
 class HashGrid {
  public:
   explicit HashGrid(std::size_t boxes);
 
-  /// Of the lattice for boxes with this largest extent, > 0: higher for larger ones.
+  /// The level of the lattice for boxes with this largest extent, > 0; higher for larger ones.
   static int LevelOf(double extent) { return std::ilogb(extent) + 1; }
 
-  /// `level`: of the box, none higher than the one before.
+  /// `level`: that of the box, not higher than the previous one.
   void Add(std::uint32_t id, int level, const objects::Box& box);
 
-  /// Calls `meets(id)` for each box that touches `box`, and for some more, some of them more than
-  /// once, until one returns true; returns whether one did.
+  /// Calls `meets(id)` for each box that touches `box`, and for some others, possibly repeatedly,
+  /// until a call returns true; returns whether one did.
   template <typename Meets>
   bool AnyOf(const objects::Box& box, Meets meets) const {
     for (const int level : levels_) {
@@ -47,7 +48,7 @@ class HashGrid {
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
-  /// How far boxes reach beyond their centres, in cells, and room for rounding.
+  /// Reach of boxes beyond their centres, in cells, with a tolerance for rounding.
   static constexpr double kReach = 0.5 + 1e-6;
   struct Entry {
     std::uint32_t id, next;
@@ -56,7 +57,7 @@ class HashGrid {
   static std::int64_t Cell(double coordinate);
   std::size_t Bucket(int level, std::int64_t x, std::int64_t y, std::int64_t z) const;
 
-  std::vector<int> levels_;  ///< of the boxes so far
+  std::vector<int> levels_;  ///< of the boxes added so far
   std::vector<std::uint32_t> heads_;
   std::vector<Entry> entries_;
 };

@@ -1,4 +1,4 @@
-// Remembers which objects blocked a draw, and where.
+// Remembers which objects blocked earlier draws, by position.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,9 +14,9 @@ namespace cdb::layouts {
 
 inline constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 
-/// Who stood in the way where: remembered for each cell of a fine grid, so that most draws that
-/// miss meet one object alone. It may forget and err; it only says whom to ask first. Not for
-/// several threads.
+/// The last object that blocked a draw in each cell of a fine grid, so that most failed draws test
+/// only one object. It may forget or be wrong: it only determines which object is tested first. Not
+/// thread-safe.
 class Hints {
  public:
   Hints(double side, std::size_t objects) : half_side_(side / 2) {

@@ -25,14 +25,14 @@ Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
   return turn ? TurnAbout(*turn) : orientation.stream().Turn();
 }
 
-/// The body's own axes, when the object is turned so.
+/// The orientation of the body's axes after a rotation of the object by `turn`.
 Eigen::Quaterniond BodyTurn(const objects::Solid& solid, const Eigen::Quaterniond& turn) {
   if (solid.compound == nullptr) return turn;
   const Eigen::Matrix3d to_mesh = solid.compound->from_mesh().transpose();
   return turn * Eigen::Quaterniond(to_mesh);
 }
 
-/// Positions too: the layout only checks them.
+/// Also sets positions, which the layout only checks.
 void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
   const schema::Call* poses = analysis::PosesOf(group);
   if (poses == nullptr || objects.empty()) return;
@@ -53,7 +53,7 @@ void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
   }
 }
 
-/// The pose too: the one at the start.
+/// Also sets the pose, to that at the start.
 void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
   const schema::Call* call = analysis::PathOf(group);
   if (call == nullptr || objects.empty()) return;
@@ -68,7 +68,7 @@ void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
   }
 }
 
-/// What cannot be made is blamed on the type of the group.
+/// If it cannot be made, the error names the type of the group.
 objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& type,
                          const Vector3d& sides, const Vector3d& aspect, const std::string& group) {
   try {

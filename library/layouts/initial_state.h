@@ -1,5 +1,5 @@
-// The initial state of a scene: every object, drawn and placed. In double and from the plan alone,
-// so that it is the same for every precision, detector and machine.
+// The initial state of a scene: every object, drawn and placed. Computed in double from the plan
+// alone, so that it is the same for every precision, detector and machine.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,10 +17,10 @@ namespace cdb::layouts {
 struct ObjectState {
   std::size_t group = 0;  ///< index into Scene::groups
   objects::Solid solid;
-  objects::Pose pose;  ///< of the body's own axes, which for a compound are not its mesh's
+  objects::Pose pose;  ///< of the body's own axes; a compound's differ from those of its mesh
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
-  double mass = 1;  ///< 0 where the object is fixed or kinematic
+  double mass = 1;  ///< 0 if the object is fixed or kinematic
   double friction = 0;
   double rolling_friction = 0;
   double restitution = 0;
@@ -30,11 +30,11 @@ struct ObjectState {
   double contact_stiffness = std::numeric_limits<double>::infinity();  ///< infinite: rigid
   double contact_damping = 0;
   bool ccd = false;
-  /// It moves by its velocities, or its path, whatever it meets.
+  /// It follows its velocities or its path, whatever it touches.
   bool is_kinematic = false;
   std::shared_ptr<const Path> path = nullptr;  ///< of a kinematic object; null: none
 
-  /// Nothing that it meets moves it; a kinematic object moves all the same.
+  /// No contact moves it; a kinematic object still moves by itself.
   bool IsFixed() const { return mass == 0; }
 };
 
@@ -43,23 +43,23 @@ struct InitialState {
   std::vector<std::shared_ptr<const objects::ConvexDecomposition>>
       forms;  ///< of the compounds among them
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
-  double fill_fraction = 0;  ///< the objects' volume over the cube's
+  double fill_fraction = 0;  ///< volume of the objects divided by that of the cube
 };
 
-/// Draws and places. Throws SceneError where a distribution gives no usable value, an object does
-/// not fit into the cube, or no free place is found (layouts/placement.h).
+/// Draws and places. Throws SceneError if a distribution gives no usable value, an object does not
+/// fit into the cube, or no free position is found (library/layouts/placement.h).
 InitialState MakeInitialState(const plan::Scene& scene);
 
-/// The objects without a place, and the acceleration: the first half of MakeInitialState.
+/// The objects without positions, and the acceleration: the first half of MakeInitialState.
 InitialState DrawObjects(const plan::Scene& scene);
 
-/// Where a kinematic object is `time` s after the start: on its path, or as far as its velocities,
-/// which are constant, have taken it. Without columns of orientation, the object of a path turns by
-/// its angular velocity.
+/// The pose of a kinematic object `time` s after the start: on its path, or as given by its
+/// constant velocities. Without columns of orientation, the object of a path rotates by its angular
+/// velocity.
 objects::Pose PoseAt(const ObjectState& object, double time);
 
-/// `objects.orientation`, which turns the sides' axes: a turn about the vector's direction by its
-/// length, rad. std::sin and std::cos decide the last bit.
+/// `objects.orientation`, which rotates the axes of the sides: a rotation about the direction of
+/// the vector by its length, rad. The last bit depends on std::sin and std::cos.
 Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
 
 }  // namespace cdb::layouts

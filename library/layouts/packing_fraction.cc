@@ -18,7 +18,7 @@ PackingFraction::PackingFraction(const Bodies& bodies) : bodies_(bodies) {
     const bool stands = HasExactLayout(*range.group);
     for (std::size_t i = range.first; i < range.end; ++i) {
       const objects::Solid& solid = bodies.object(i).solid;
-      if (solid.IsSurface()) continue;  // it takes no room
+      if (solid.IsSurface()) continue;  // it has no volume
       const double part = stands ? PartInside(i) : 1;
       const double volume = part * solid.Volume(), box = part * bodies.Extents(i).prod();
       volume_ += volume;
@@ -52,7 +52,7 @@ void PackingFraction::RefuseWhatCannotFit() const {
 }
 
 void PackingFraction::RefuseLarge(std::size_t index) const {
-  // As the domain is computed that places are drawn from.
+  // Computed in the same way as the domain of drawn positions.
   const objects::Box& box = bodies_.bounds(index);
   for (int axis = 0; axis < 3; ++axis) {
     if (-bodies_.side() / 2 - box.lower[axis] < bodies_.side() / 2 - box.upper[axis]) continue;
@@ -82,7 +82,8 @@ void PackingFraction::RefuseGroup(const GroupRange& range) const {
 }
 
 std::string PackingFraction::Advice() const {
-  // Boxes filling a tenth of the cube leave room for chance, whatever the shapes.
+  // Boxes that fill a tenth of the cube leave enough space for random placement, whatever the
+  // shapes.
   return fmt::format(
       "make world.side larger ({:.4g} m would do) or the size or the quantity smaller",
       std::max(bodies_.side() * 1.1, std::cbrt(boxes_ * 10)));

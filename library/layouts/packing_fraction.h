@@ -8,20 +8,21 @@
 
 namespace cdb::layouts {
 
-/// Objects of exact layouts must stand already; they count with that part of them that is inside
-/// the cube, by their boxes. The bodies must outlive it. Not for several threads.
+/// Objects of exact layouts must already be placed; only the part of their boxes inside the cube
+/// counts. The bodies must outlive it. Not thread-safe.
 class PackingFraction {
  public:
   explicit PackingFraction(const Bodies& bodies);
 
-  /// m^3: the cube's, and of all objects: balls' own, and the boxes around the others.
+  /// m^3: the volume of the cube, and of all objects: of balls themselves, and of the boxes around
+  /// others.
   double Cube() const { return bodies_.side() * bodies_.side() * bodies_.side(); }
   double balls_and_boxes() const { return balls_and_boxes_; }
 
-  /// Throws SceneError where drawn layouts can never succeed: an object is larger than the cube,
-  /// all together are, or a group's equal objects need more than chance can fill.
+  /// Throws SceneError if drawn layouts can never succeed: an object is larger than the cube, all
+  /// objects together are, or the equal objects of a group exceed the limit of random placement.
   void RefuseWhatCannotFit() const;
-  /// `index` has found its place.
+  /// Counts object `index`, which has been placed.
   void CountPlaced(std::size_t index) { placed_volume_ += bodies_.object(index).solid.Volume(); }
 
   static constexpr std::string_view kGivenUp = "every place drawn was taken";
@@ -31,7 +32,7 @@ class PackingFraction {
  private:
   void RefuseLarge(std::size_t index) const;
   void RefuseGroup(const GroupRange& range) const;
-  /// Of its box.
+  /// The fraction of its box that is inside the cube.
   double PartInside(std::size_t index) const;
   std::string Advice() const;
 

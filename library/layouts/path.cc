@@ -15,7 +15,7 @@ bool Repeats(const schema::Call& call) {
   return std::get<schema::Word>(schema::ArgumentOf(call, "then")).text == "repeat";
 }
 
-/// The same place and turn; a quaternion and its negative are one turn.
+/// The same position and rotation; a quaternion and its negative are the same rotation.
 bool AreSamePose(const PoseRow& a, const PoseRow& b) {
   constexpr double kTurnRounding = 1e-9;
   return a.position == b.position && 1 - std::abs(a.orientation.dot(b.orientation)) < kTurnRounding;

@@ -1,5 +1,5 @@
-// How kinematic objects move: along a path from a file, `location path("lift.csv")`, or with
-// constant velocities. A function of time alone, so that it is the same in every time step.
+// Motion of kinematic objects: along a path from a file, `location path("lift.csv")`, or with
+// constant velocities. A function of time alone, so that it is the same with every time step.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,23 +10,23 @@
 
 namespace cdb::layouts {
 
-/// Poses at times. Between two of them positions are interpolated linearly and orientations by
-/// spherical linear interpolation, along the shorter way; before the first time the first pose
-/// holds, after the last one the last, or the path repeats. m, s; unit quaternions, the turn of
-/// `orientation`. Threads: any.
+/// Poses at times. Between them, positions are interpolated linearly and orientations by spherical
+/// linear interpolation, along the shorter arc. Before the first time the first pose applies; after
+/// the last time the last pose applies, or the path repeats. m, s; unit quaternions, the rotation
+/// of `orientation`. Threads: any.
 class Path {
  public:
-  /// `table` has a row at least, in the order of the times. Throws SceneError where the path
-  /// repeats and does not end where it begins.
+  /// `table` must have at least one row, with rows in ascending order of time. Throws SceneError if
+  /// the path repeats and does not end where it begins.
   Path(const schema::Call& call, const PoseTable& table);
 
   bool has_orientation() const { return has_orientation_; }
   Eigen::Vector3d PositionAt(double time) const;
-  /// The identity where the table has none.
+  /// The identity if the table has no orientations.
   Eigen::Quaterniond OrientationAt(double time) const;
 
  private:
-  /// Two rows, and how far from the first to the second.
+  /// Two rows, and the fraction of the distance from the first to the second.
   struct Between {
     const PoseRow *from, *to;
     double part;
@@ -37,9 +37,10 @@ class Path {
   bool has_orientation_ = false, repeats_ = false;
 };
 
-/// The path that a call of the plan names. Refuses another file than the one that was planned with.
+/// The path named in a call of the plan. Throws SceneError if the file differs from the one at
+/// planning.
 Path ReadPath(const schema::Call& call);
-/// The path in the compiler's terms: one object, whose velocity it gives.
+/// The facts about the path for the compiler: one object, with velocity.
 analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256);
 
 }  // namespace cdb::layouts

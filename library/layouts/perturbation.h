@@ -6,8 +6,8 @@
 
 namespace cdb::layouts {
 
-/// Moves every object that is not fixed by kNudge (compiler/reference.h) of its largest side, each
-/// in a direction of its own, drawn from the scene's stream `nudge`.
+/// Moves every object with mass by kPerturbation (compiler/analysis/reference.h) of its largest
+/// side, each in a separate direction drawn from the scene's stream `nudge`.
 void Perturb(const plan::Scene& scene, InitialState& state);
 
 }  // namespace cdb::layouts

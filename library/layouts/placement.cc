@@ -12,7 +12,7 @@
 namespace cdb::layouts {
 namespace {
 
-/// Places the groups with exact layouts. False where no others are left to be drawn.
+/// Places the groups with exact layouts. False if there are no groups to be drawn.
 bool PlaceStanding(const plan::Scene& scene, Bodies& bodies) {
   std::vector<std::uint32_t> standing;
   for (const GroupRange& range : bodies.groups()) {

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kColumns = 14;
 constexpr std::array<std::string_view, kColumns> kNames = {"x",  "y",  "z",  "qw", "qx", "qy", "qz",
                                                            "vx", "vy", "vz", "wx", "wy", "wz", "t"};
-/// The columns of a quantity, which are there together.
+/// The columns of a quantity, which must be present together.
 struct Quantity {
   std::size_t first, count;
   std::string_view names;
@@ -33,9 +33,9 @@ constexpr Quantity kOfPath[] = {kTime, kPosition, kOrientation};
 /// A kind of table.
 struct Layout {
   std::span<const Quantity> quantities;
-  std::string_view header;      ///< the shortest
+  std::string_view header;      ///< with only the required columns
   std::string_view columns;     ///< all, in words
-  std::string_view rows, none;  ///< what its lines are, and that there are none
+  std::string_view rows, none;  ///< noun for a line, and message if there are none
 };
 constexpr Layout kPoses = {kOfPoses, "x,y,z",
                            "the columns are x, y, z, and qw, qx, qy, qz, vx, vy, vz, wx, "
@@ -45,7 +45,7 @@ constexpr Layout kPath = {kOfPath, "t,x,y,z",
                           "the columns of a path are t, x, y, z, and qw, qx, qy, qz where they are "
                           "given, separated by commas",
                           "time", "it has no poses"};
-constexpr double kLargest = 1e15;  ///< farther numbers are no place and no speed
+constexpr double kLargest = 1e15;  ///< larger numbers are not valid
 
 class CsvReader {
  public:
@@ -217,7 +217,7 @@ std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, d
   const Eigen::Quaterniond turn(w, x, y, z);
   const double off = std::abs(turn.norm() - 1);
   if (!(off <= kOff)) return std::nullopt;
-  // What was normalized once must read back to the same bits.
+  // A quaternion normalized once must read back to the same bits.
   return off <= kExact ? turn : turn.normalized();
 }
 

@@ -37,7 +37,7 @@ struct Unreadable : SceneError {
                    "its name counts from the folder of the .cdb file");
 }
 
-/// The table, and the hash of what it is made of.
+/// The table, and the hash of its source: the CSV file, or the values read from HDF5.
 std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
   if (analysis::IsCsv(poses)) {
     std::string why;
@@ -54,7 +54,8 @@ std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
   return {std::move(table), std::move(sha256)};
 }
 
-/// Before each table: `b` or `o` for whose axes it has, and how long key and table are.
+/// The line before each table: `b` or `o` for body or object axes, and the lengths of key and
+/// table.
 std::string HeadOf(bool of_body, std::size_t key, std::size_t csv) {
   return fmt::format("{} {} {}\n", of_body ? 'b' : 'o', key, csv);
 }

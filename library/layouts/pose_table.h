@@ -1,10 +1,10 @@
 // Positions, orientations and velocities of a group's objects from a file: `location
 // poses("start.csv")`.
 //
-// A CSV file begins with a line of column names: x, y, z (m, the centre of mass), and where they
-// are given qw, qx, qy, qz (unit quaternion, the turn of `orientation`), vx, vy, vz (m/s) and wx,
-// wy, wz (rad/s). One line for each object; empty lines and lines that begin with # are skipped.
-// Errors: SceneError with the file, the line, the cause and the remedy. Threads: any, but for
+// A CSV file begins with a line of column names: x, y, z (m, the centre of mass) and, optionally,
+// qw, qx, qy, qz (unit quaternion, the rotation of `orientation`), vx, vy, vz (m/s) and wx, wy, wz
+// (rad/s). One line per object; empty lines and lines that begin with # are skipped. Errors:
+// SceneError with the file, the line, the cause and the remedy. Threads: any, except for
 // SetPoseReader. Source: RFC 4180, without quotes.
 #pragma once
 
@@ -20,7 +20,7 @@
 namespace cdb::layouts {
 
 struct PoseRow {
-  double time = 0;  ///< s; of a path
+  double time = 0;  ///< s; only in a path
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
@@ -29,37 +29,38 @@ struct PoseRow {
 
 struct PoseTable {
   bool has_orientation = false, has_linear_velocity = false, has_angular_velocity = false;
-  /// Orientations are of the bodies' own axes, as a recorded run has them, instead of the turn of
-  /// `orientation`; they differ for compounds.
+  /// Orientations are those of the bodies' own axes, as in a recorded run, instead of the rotation
+  /// of `orientation`; they differ for compounds.
   bool of_body = false;
   std::vector<PoseRow> rows;
 };
 
-/// `name` stands for the file.
+/// `name` is the name of the file, for messages.
 PoseTable ParsePoseCsv(std::string_view csv, std::string_view name);
-/// A path: the columns t (s, ascending), x, y, z, and qw, qx, qy, qz where they are given.
+/// A path: the columns t (s, ascending), x, y, z and, optionally, qw, qx, qy, qz.
 PoseTable ParsePathCsv(std::string_view csv, std::string_view name);
-/// Reads back to the same table, but for `of_body`.
+/// Reads back to the same table, except for `of_body`.
 std::string ToCsv(const PoseTable& table);
-/// The unit quaternion of four numbers that are one but for rounding; nullopt where they are none.
+/// The unit quaternion of four numbers, up to rounding; nullopt if they are not one.
 std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, double z);
 
-/// The table of a call of the plan. Refuses another file than the one that was planned with.
+/// The table named in a call of the plan. Throws SceneError if the file differs from the one at
+/// planning.
 PoseTable ReadPoseTable(const schema::Call& poses);
-/// The same in the compiler's terms, of a path too, which is one object's; the hash is not
-/// compared.
+/// The facts about it for the compiler; also for a path, which counts as one object. The hash is
+/// not compared.
 std::optional<analysis::PoseFacts> ReadPoseFacts(const schema::Call& poses,
                                                  analysis::PoseFault& why);
 
-/// How HDF5 files are read in this process; without one they are refused. Set it before anything is
-/// read.
+/// The function that reads HDF5 files in this process; without one they are rejected. Set it before
+/// reading anything.
 using ReadHdf5Poses = std::function<PoseTable(const schema::Call& poses)>;
 void SetPoseReader(ReadHdf5Poses reader);
 
-/// The tables of the scene that are in HDF5 files, as one text for a process that cannot read them;
-/// empty where there is none.
+/// The tables of the scene from HDF5 files, as one text for a process that cannot read these; empty
+/// if there are none.
 std::string PackPoses(const plan::Scene& scene);
-/// A table of that text.
+/// A table from that text.
 PoseTable UnpackPoses(std::string_view packed, const schema::Call& poses);
 
 }  // namespace cdb::layouts

@@ -23,14 +23,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A convex hull of points, by their numbers.
+/// A convex hull of points, by their indices.
 struct Faces {
-  std::vector<std::uint32_t> corners;  ///< rising
+  std::vector<std::uint32_t> corners;  ///< ascending
   std::vector<Triangle> triangles;
 };
 
-/// The corners of a face in order, or null. Qhull leaves its functions by longjmp, or by exit where
-/// nobody catches it; nothing here has a destructor that would be passed over.
+/// The corners of a face in order, or null. Qhull leaves its functions by longjmp, or by exit if
+/// nobody catches it; no object here has a destructor that would be skipped.
 setT* CornersOf(qhT* qh, facetT* facet) {
   if (setjmp(qh->errexit) != 0) {
     qh->NOerrexit = True;
@@ -42,7 +42,7 @@ setT* CornersOf(qhT* qh, facetT* facet) {
   return corners;
 }
 
-/// One run of Qhull. It reports to a stream, which is caught.
+/// One run of Qhull. Its report goes to a stream, which is captured.
 class Qhull {
  public:
   Qhull() : errors_(open_memstream(&text_, &size_)) {
@@ -59,12 +59,12 @@ class Qhull {
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
-  /// Nothing for flat points.
+  /// Nullopt for flat points.
   std::optional<Faces> Run(std::vector<coordT>& coordinates) {
     char command[] = "qhull";
     const int status = qh_new_qhull(&qh_, 3, static_cast<int>(coordinates.size() / 3),
                                     coordinates.data(), False, command, nullptr, errors_);
-    // A box without depth is wrong input to it, other flat sets are singular.
+    // For Qhull, a box without depth is invalid input, and other flat sets are singular.
     if (status == qh_ERRsingular || status == qh_ERRinput) return std::nullopt;
     if (status != qh_ERRnone) Fail();
     return Collect();
@@ -82,7 +82,7 @@ class Qhull {
     qhT* const qh = &qh_;  // the name that Qhull's macros use
     facetT* facet;
     FORALLfacets {
-      // In order round the face, clockwise from outside. There may be more than three where Qhull
+      // In order round the face, clockwise from outside. There may be more than three if Qhull
       // merged faces.
       setT* round = CornersOf(qh, facet);
       if (round == nullptr) Fail();
@@ -110,8 +110,8 @@ class Qhull {
 
 std::optional<Faces> FacesOf(std::span<const Vector3d> points) {
   if (points.size() < 4) return std::nullopt;
-  // Qhull's tolerances grow with the coordinates, so they are taken from the middle, in a unit in
-  // which the largest is 1.
+  // Qhull's tolerances grow with the coordinates, so these are relative to the middle, scaled to a
+  // maximum of 1.
   Eigen::AlignedBox3d box;
   for (const Vector3d& p : points) box.extend(p);
   const double unit = box.sizes().maxCoeff() / 2;
@@ -120,11 +120,11 @@ std::optional<Faces> FacesOf(std::span<const Vector3d> points) {
   coordinates.reserve(3 * points.size());
   for (const Vector3d& p : points)
     for (const double x : Vector3d((p - box.center()) / unit)) coordinates.push_back(x);
-  // A qhT is some kilobytes.
+  // On the heap, as a qhT takes several kilobytes.
   return std::make_unique<Qhull>()->Run(coordinates);
 }
 
-/// Four points that are far apart; fewer where all are flat.
+/// Four points that are far apart; fewer if all points are flat.
 std::vector<std::uint32_t> LargeTetrahedron(std::span<const Vector3d> points) {
   std::vector<std::uint32_t> corners;
   const auto add_farthest = [&](const auto& distance) {

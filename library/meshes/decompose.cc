@@ -22,13 +22,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// To be raised whenever the same mesh and options would give other pieces or figures.
+/// To be incremented whenever the same mesh and options would give different pieces or figures.
 constexpr int kAlgorithm = 1;
 
 double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
 
-/// Each triangle in four, as often as leaves about `faces` of them at most. HACD judges a piece by
-/// its vertices and the middles of its faces: of few large faces it makes a hollow shell.
+/// Splits each triangle into four, repeatedly, up to about `faces` triangles. HACD judges a piece
+/// by its vertices and the middles of its faces: with few large faces it makes a hollow shell.
 void Subdivide(Mesh& mesh, std::size_t faces) {
   while (4 * mesh.triangles.size() <= faces + faces / 4) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
@@ -47,12 +47,12 @@ void Subdivide(Mesh& mesh, std::size_t faces) {
   }
 }
 
-/// The triangles of a coarser mesh on the same vertices.
+/// The triangles of a coarser mesh with the same vertices.
 std::vector<Triangle> Simplified(const Mesh& mesh, std::size_t faces, std::string_view name) {
   if (mesh.triangles.size() <= faces) return mesh.triangles;
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
-  // meshoptimizer works in single precision: from the middle, in a unit of the longest side.
+  // meshoptimizer uses single precision: relative to the middle, in units of the longest side.
   std::vector<float> positions;
   for (const Vector3d& vertex : mesh.vertices)
     for (const double x : Vector3d((vertex - box.center()) / box.sizes().maxCoeff()))
@@ -60,11 +60,11 @@ std::vector<Triangle> Simplified(const Mesh& mesh, std::size_t faces, std::strin
   std::vector<unsigned> indices, coarse;
   for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
   coarse.resize(indices.size());
-  // However large the error: the number of faces decides.
+  // Only the number of faces limits the simplification, not the error.
   coarse.resize(meshopt_simplify(coarse.data(), indices.data(), indices.size(), positions.data(),
                                  mesh.vertices.size(), 3 * sizeof(float), 3 * faces, 1.0f, 0,
                                  nullptr));
-  // HACD's time grows with the square of the faces.
+  // The time of HACD grows with the square of the number of faces.
   if (coarse.size() / 3 > 2 * faces)
     throw library::SceneError(fmt::format(
         "{}: cannot be simplified below {} faces, and more than {} take too long to cut into "
@@ -76,12 +76,12 @@ std::vector<Triangle> Simplified(const Mesh& mesh, std::size_t faces, std::strin
   return triangles;
 }
 
-/// By piece, the vertices of its faces, rising.
+/// By piece, the vertices of its faces, in ascending order.
 std::vector<std::vector<std::uint32_t>> Clusters(const Mesh& mesh, double compacity,
                                                  const DecomposeOptions& options,
                                                  std::string_view name) {
   const std::vector<Triangle>& triangles = mesh.triangles;
-  // HACD moves the points, and takes those that no face has for part of the scale.
+  // HACD moves the points, and includes unused ones in its scale.
   std::vector<std::int64_t> number(mesh.vertices.size(), -1);
   std::vector<HACD::Vec3<HACD::Real>> points;
   std::vector<HACD::Vec3<long>> faces;
@@ -132,7 +132,7 @@ std::vector<Hull> Pieces(const Mesh& mesh, double volume, double compacity,
     std::vector<Vector3d> points;
     for (const std::uint32_t vertex : cluster) points.push_back(mesh.vertices[vertex]);
     const std::optional<Hull> hull = TryConvexHull(points);
-    if (!hull) continue;  // a flat patch, which has no volume
+    if (!hull) continue;  // a flat patch, without volume
     Hull fewer = WithFewerVertices(*hull, options.vertices_per_hull);
     if (VolumeOf(fewer) >= options.least_volume * volume) hulls.push_back(std::move(fewer));
   }
@@ -164,8 +164,8 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
     return Assessed({WithFewerVertices(whole, options.vertices_per_hull)}, mesh);
   Mesh even{mesh.vertices, Simplified(mesh, options.faces, name)};
   Subdivide(even, options.faces);
-  // A small change of anything moves HACD's pieces; where they happen to be bad, another weight of
-  // the pieces' roundness mostly makes them good.
+  // HACD's pieces change with any small change of the input; if they happen to be bad, another
+  // weight of the compacity usually gives good ones.
   Decomposition best;
   for (const double factor : {1.0, 0.1, 0.01}) {
     std::vector<Hull> hulls = Pieces(even, volume, factor * options.compacity, options, name);

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The apex of all tetrahedra. Close to the mesh, so that large terms do not cancel.
+/// The common apex of all tetrahedra. Close to the mesh, so that large terms do not cancel.
 Vector3d Apex(const Mesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
@@ -56,13 +56,13 @@ MassProperties MassPropertiesOf(const Mesh& mesh) {
 
 PrincipalAxes PrincipalAxesOf(const Matrix3d& inertia) {
   Matrix3d tensor = inertia;
-  // Rounding must not choose the axes of a solid that is round about one.
+  // Rounding must not choose the axes of a solid of revolution.
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       if (i != k && std::abs(tensor(i, k)) <= 1e-9 * inertia.trace()) tensor(i, k) = 0;
   if (tensor.isDiagonal(0)) return {tensor.diagonal(), Matrix3d::Identity()};
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(tensor);
-  // Which axis comes first is open, and which way each points: as close to the mesh's as can be.
+  // The order and the signs of the axes are free: choose those closest to the axes of the mesh.
   std::array<int, 3> order{0, 1, 2}, best = order;
   double closest = -1;
   do {

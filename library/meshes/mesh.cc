@@ -144,7 +144,7 @@ Mesh MergeEqualVertices(const Mesh& mesh) {
   std::vector<std::uint32_t> order(mesh.vertices.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), less);
-  // The first of the equal ones stands for all.
+  // The first of several equal vertices represents all.
   std::vector<std::uint32_t> first(order.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     first[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? first[order[i - 1]] : order[i];

@@ -1,8 +1,8 @@
 // Triangle meshes as read from files. topology.h checks whether a mesh bounds a solid.
 //
-// Lengths in the file's own unit. Faces are counter-clockwise as seen from outside.
+// Lengths in the unit of the file. Faces are counter-clockwise as seen from outside.
 // Errors: SceneError, with the file, the line or byte, the cause and the remedy.
-// Threads: any; no function here keeps anything.
+// Threads: any; the functions have no state.
 // Sources: OBJ, Wavefront's "Advanced Visualizer" appendix B1; PLY, Turk 1994; STL, 3D Systems
 // 1989; OFF, Geomview's manual.
 #pragma once
@@ -25,18 +25,18 @@ struct Mesh {
   bool operator==(const Mesh&) const = default;
 };
 
-/// Reads OBJ, PLY (ASCII and both binary), STL (ASCII and binary) or OFF, told apart by the name's
-/// extension. Polygons become fans about their first corner. Colours, normals and textures are not
-/// read; what would change the surface and is not understood is refused. STL knows no shared
-/// vertices, so equal ones are merged.
+/// Reads OBJ, PLY (ASCII and both binary forms), STL (ASCII and binary) or OFF, selected by the
+/// extension of the name. Polygons become fans about their first corner. Colours, normals and
+/// textures are ignored; unknown content that would change the surface is an error. STL has no
+/// shared vertices, so equal ones are merged.
 Mesh ReadMesh(const std::filesystem::path& file);
 /// The bytes of such a file.
 std::string ReadMeshFile(const std::filesystem::path& file);
-/// The same from memory; `name` stands for the file.
+/// The same from memory; `name` is the name of the file, for messages.
 Mesh ParseMesh(std::string_view bytes, std::string_view name);
 
-/// Makes one of vertices that are equal to the last bit. Triangles that lose a corner by it are
-/// dropped: their two remaining edges are opposite, so that what was closed stays closed.
+/// Merges vertices that are equal to the last bit. Triangles that lose a corner by that are
+/// dropped: their two remaining edges are opposite, so that a closed mesh stays closed.
 Mesh MergeEqualVertices(const Mesh& mesh);
 
 /// The corners of a triangle.
@@ -44,8 +44,8 @@ inline std::array<Eigen::Vector3d, 3> CornersOf(const Mesh& mesh, const Triangle
   return {mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]};
 }
 
-/// Larger files, numbers and meshes are refused: their volumes and moments would overflow, or they
-/// are not what they say.
+/// Larger files, numbers and meshes are rejected: their volumes and moments would overflow, or
+/// their contents are not what they claim.
 inline constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 inline constexpr std::size_t kMaxVertices = 10'000'000;
 inline constexpr std::size_t kMaxTriangles = 20'000'000;

@@ -17,7 +17,7 @@ Mesh ParseOff(std::string_view bytes, std::string_view name);
 Mesh ParsePly(std::string_view bytes, std::string_view name);
 Mesh ParseStl(std::string_view bytes, std::string_view name);
 
-/// Where in a file.
+/// A location in a file.
 struct Place {
   enum class Unit { kLine, kByte };
   Unit unit = Unit::kLine;
@@ -27,20 +27,20 @@ struct Place {
 /// Throws SceneError `name:12: what` or `name: byte 84: what`.
 [[noreturn]] void Refuse(std::string_view name, Place place, std::string_view what);
 
-/// Refuses what is not finite or larger than kLargestCoordinate.
+/// Rejects coordinates that are not finite or exceed kLargestCoordinate.
 void CheckCoordinates(const Eigen::Vector3d& vertex, std::string_view name, Place place);
-/// The number that `word` is; refuses what is none.
+/// Parses `word` as a number; rejects other text.
 double Number(std::string_view word, std::string_view name, Place place);
-/// The same for whole numbers.
+/// The same for integers.
 std::int64_t Integer(std::string_view word, std::string_view name, Place place);
 
-/// Adds a fan; refuses fewer than three corners, corners from `vertices` on, and too many
-/// triangles. `first`: what the format calls the first vertex.
+/// Adds a fan; rejects fewer than three corners, corners from `vertices` on, and too many
+/// triangles. `first`: the format's number of the first vertex.
 void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
                 std::string_view name, Place place, std::uint32_t first = 0);
 void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name, Place place);
 
-/// A text's lines, with any of the three ends of line.
+/// The lines of a text, with any of the three line ends.
 class Lines {
  public:
   explicit Lines(std::string_view text) : text_(text) {}
@@ -48,7 +48,7 @@ class Lines {
   bool Next();
   std::string_view line() const { return line_; }
   Place place() const { return {Place::Unit::kLine, number_}; }
-  /// Of the first byte that Next has not passed.
+  /// The offset of the first byte that Next has not passed.
   std::size_t offset() const { return offset_; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files are what fetch-models writes.
+// The files that fetch-models writes.
 constexpr Model kModels[] = {
     {"bunny", "bunny.off", "Stanford Computer Graphics Laboratory", false},
     {"armadillo", "armadillo.off", "Stanford Computer Graphics Laboratory", false},

@@ -7,13 +7,13 @@
 namespace cdb::meshes {
 namespace {
 
-// Names, groups, materials, normals, textures and display: none of them moves a face.
+// Names, groups, materials, normals, textures and display: none of them affects the faces.
 constexpr std::string_view kNoSurface[] = {
     "vt",     "vn",       "vp",     "g",      "o",        "s",         "mg",
     "usemtl", "mtllib",   "usemap", "maplib", "l",        "p",         "bevel",
     "lod",    "c_interp", "ctech",  "stech",  "d_interp", "trace_obj", "shadow_obj"};
 
-/// Joins the lines that a backslash continues.
+/// Reads a line, and joins the lines that a backslash continues.
 bool NextLine(Lines& lines, std::string& text, Place& place) {
   if (!lines.Next()) return false;
   place = lines.place();
@@ -27,7 +27,7 @@ bool NextLine(Lines& lines, std::string& text, Place& place) {
 }
 
 /// The vertex of `vertex/texture/normal`, counted from 0; the last two parts may be missing.
-/// `vertices`: the number of those before this line.
+/// `vertices`: the number of vertices before this line.
 std::uint32_t ReadCorner(std::string_view word, std::size_t vertices, std::string_view name,
                          Place place) {
   std::string_view rest = word;
@@ -54,7 +54,7 @@ std::uint32_t ReadCorner(std::string_view word, std::size_t vertices, std::strin
 }  // namespace
 
 Mesh ParseObj(std::string_view bytes, std::string_view name) {
-  // A face may come before its vertices, so all of them are kept until the number is known.
+  // A face may precede its vertices, so faces are kept until the number of vertices is known.
   struct Face {
     std::size_t begin;  ///< of its corners
     Place place;
@@ -69,7 +69,7 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
     SplitWords(text, words);
     if (words.empty()) continue;
     if (words[0] == "v") {
-      // Beyond the third: a weight or a colour.
+      // More than three: a weight or a colour.
       if (words.size() < 4) Refuse(name, place, "a vertex needs 3 coordinates");
       AddVertex({Number(words[1], name, place), Number(words[2], name, place),
                  Number(words[3], name, place)},

@@ -5,7 +5,7 @@
 namespace cdb::meshes {
 namespace {
 
-/// Lines that hold something.
+/// Reads lines that are not empty.
 class OffReader {
  public:
   OffReader(std::string_view bytes, std::string_view name) : lines_(bytes), name_(name) {}
@@ -29,18 +29,18 @@ class OffReader {
   std::vector<std::string_view> words_;
 };
 
-/// OFF with the prefixes for what a vertex carries besides: textures, colour, normal.
+/// True for OFF with the prefixes for additional vertex data: textures, colour, normal.
 bool IsHeader(std::string_view word) {
   for (const std::string_view prefix : {"ST", "C", "N"})
     if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
   return word == "OFF";
 }
 
-/// `what` are counted by the word.
+/// Reads the number of `what`.
 std::uint64_t ReadCount(std::string_view word, std::string_view what, std::string_view bytes,
                         std::string_view name, Place place) {
   const std::int64_t count = Integer(word, name, place);
-  // Each has a line of its own of two bytes or more.
+  // Each takes a separate line of at least two bytes.
   if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
     Refuse(name, place,
            fmt::format("says {} {}, which cannot be in {} bytes", count, what, bytes.size()));
@@ -78,12 +78,12 @@ void ReadVertex(std::string_view name, OffReader& reader, Mesh& mesh) {
             mesh, name, reader.place());
 }
 
-/// Of a face, into `corners`.
+/// Reads the corners of a face into `corners`.
 void ReadCorners(std::uint64_t vertices, std::string_view name, OffReader& reader,
                  std::vector<std::uint32_t>& corners) {
   const auto& words = reader.words();
   const std::int64_t count = Integer(words[0], name, reader.place());
-  // What comes after the corners is the face's colour.
+  // The colour of the face follows the corners.
   if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
     Refuse(name, reader.place(),
            fmt::format("says {} corners and has {}", count, words.size() - 1));

@@ -22,7 +22,7 @@ struct Crossing {
   double at;           ///< along the ray
 };
 
-/// Rays along one axis, through the middles of a grid's cells in the plane of the other two.
+/// Rays along one axis, through the middles of the cells of a grid in the plane of the other two.
 class Rays {
  public:
   explicit Rays(const Eigen::AlignedBox3d& box) {
@@ -33,7 +33,7 @@ class Rays {
 
   double CellArea() const { return step_.prod(); }
 
-  /// All crossings with the mesh, in no order.
+  /// All crossings with the mesh, unordered.
   void Cast(const Mesh& mesh, std::uint8_t solid, std::vector<Crossing>& crossings) const {
     std::vector<int> balance(std::size_t{kRays} * kRays, 0);
     const std::size_t begin = crossings.size();
@@ -50,8 +50,8 @@ class Rays {
           balance[ray] += crossing->turns;
         }
     }
-    // A ray goes out as often as in, unless it hit an edge so closely that rounding decided; such
-    // a ray is moved a little, as often as it takes.
+    // A ray leaves as often as it enters, unless it hit an edge so closely that rounding decided;
+    // such a ray is displaced slightly until it does.
     for (std::uint32_t ray = 0; ray < balance.size(); ++ray)
       if (balance[ray] != 0) CastAside(mesh, solid, ray, begin, crossings);
   }
@@ -63,15 +63,15 @@ class Rays {
     return low_ + step_.cwiseProduct(Vector2d(u + 0.5, v + 0.5));
   }
 
-  /// The first cell whose ray may be beyond `coordinate`; one too many does no harm.
+  /// The first cell whose ray may be beyond `coordinate`; one too many is harmless.
   int CellFrom(double coordinate, int axis, bool is_end) const {
     const double cell = (coordinate - low_[axis]) / step_[axis] - 0.5;
     return static_cast<int>(
         std::clamp(is_end ? std::floor(cell) + 2 : std::floor(cell) - 1, 0.0, double{kRays}));
   }
 
-  /// Which side of the line through two vertices the ray is on, the same to the last bit, with the
-  /// other sign, whichever of them comes first; never 0.
+  /// The side of the line through two vertices on which the ray is: exactly the negative value if
+  /// the vertices are exchanged; never 0.
   double Side(const Mesh& mesh, std::uint32_t from, std::uint32_t to, const Vector2d& ray) const {
     const Vector2d low = Flat(mesh.vertices[std::min(from, to)]) - ray;
     const Vector2d high = Flat(mesh.vertices[std::max(from, to)]) - ray;
@@ -94,7 +94,7 @@ class Rays {
       sum += opposite[i];
       at += opposite[i] * mesh.vertices[t[i]][along_];
     }
-    // Counter-clockwise as seen from the ray's far end: the outside is there.
+    // Counter-clockwise as seen from the far end of the ray, which is outside.
     return Hit{static_cast<std::int8_t>(is_left ? -1 : 1), at / sum};
   }
 

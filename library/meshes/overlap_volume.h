@@ -1,10 +1,10 @@
 // The volume of the intersection of two solids.
 //
-// Measured along a square grid of rays, kRays in each direction, over the box around both: along a
-// ray the lengths inside are exact, across them the midpoint rule is of second order. A solid is
-// where the surface winds round a point once or more, so that parts of a mesh that overlap one
-// another count once. Lengths in the meshes' unit, u; volumes u^3.
-// Errors: none; both meshes are closed. Threads: any. Deterministic.
+// Measured along a square grid of rays, kRays in each direction, over the box around both: the
+// lengths inside along a ray are exact; across the rays, the midpoint rule is of second order. A
+// point is inside a solid if the winding number of the surface is at least 1, so that overlapping
+// parts of a mesh count once. Lengths in the unit of the meshes, u; volumes u^3.
+// Errors: none; both meshes must be closed. Threads: any. Deterministic.
 #pragma once
 
 #include "library/meshes/mesh.h"
@@ -12,9 +12,9 @@
 namespace cdb::meshes {
 
 struct OverlapVolume {
-  double first = 0, second = 0;  ///< of each by itself
+  double first = 0, second = 0;  ///< of each separately
   double common = 0;
-  /// Of what is in one or the other; 1 where they are the same.
+  /// 1 if the solids are equal.
   double IntersectionOverUnion() const { return common / (first + second - common); }
 };
 

@@ -46,7 +46,7 @@ bool IsFloat(Type type) { return type == Type::kFloat32 || type == Type::kFloat6
 struct Property {
   std::string_view name;
   Type type;
-  std::optional<Type> count;  ///< of a list: the type of its length
+  std::optional<Type> count;  ///< for a list: the type of its length
 };
 
 struct Element {
@@ -56,14 +56,14 @@ struct Element {
   Place place;
 };
 
-/// The values after the header. All types fit in a double exactly.
+/// The values after the header. All types fit exactly into a double.
 class Values {
  public:
   virtual ~Values() = default;
   virtual double Next(Type type) = 0;
   virtual Place place() = 0;
   virtual std::size_t BytesLeft() = 0;
-  /// Bytes that a value takes at least.
+  /// The minimum number of bytes of a value.
   virtual std::size_t LeastBytes(Type type) const = 0;
   virtual bool IsAtEnd() = 0;
 };
@@ -77,13 +77,13 @@ class TextValues : public Values {
     if (IsAtEnd()) Refuse(name_, place(), "the file ends before all that its header says");
     return Number(words_[at_++], name_, place());
   }
-  /// Of the next value, which may be lines further on.
+  /// The location of the next value, which may be some lines below.
   Place place() override {
     IsAtEnd();
     return {Place::Unit::kLine, header_lines_ + lines_.place().number};
   }
   std::size_t BytesLeft() override { return size_ - lines_.offset() + lines_.line().size() + 1; }
-  std::size_t LeastBytes(Type) const override { return 2; }  // a digit and what parts it
+  std::size_t LeastBytes(Type) const override { return 2; }  // a digit and a separator
   bool IsAtEnd() override {
     while (at_ == words_.size()) {
       if (!lines_.Next()) return true;
@@ -217,14 +217,14 @@ class PlyParser {
     Refuse(name_, place, fmt::format("`{}` is not a type of a property", word));
   }
 
-  /// Refuses a count that cannot be in the rest of the file, before anything is made for it.
+  /// Rejects a count that exceeds the rest of the file, before memory is allocated for it.
   void CheckCount(const Element& element) {
     std::uint64_t least = 0;
     for (const Property& property : element.properties)
       least += values_->LeastBytes(property.count.value_or(property.type));
     if (element.count > 0 && least == 0)
       Refuse(name_, element.place, fmt::format("`{}` has no properties", element.name));
-    // The last value of a text needs nothing after it.
+    // The last value of a text needs no separator.
     if (element.count > 0 && element.count > (values_->BytesLeft() + 1) / least)
       Refuse(name_, element.place,
              fmt::format("says {} of `{}`, which cannot be in the {} bytes left; the file is cut "
@@ -256,7 +256,7 @@ class PlyParser {
 
   void ReadVertices(const Element& element) {
     CheckCount(element);
-    std::vector<int> axis_of;  // by property; below 0: not a coordinate
+    std::vector<int> axis_of;  // by property; negative: not a coordinate
     std::array<int, 3> times{};
     for (const Property& property : element.properties) {
       const bool is_axis = !property.count && property.name.size() == 1 &&

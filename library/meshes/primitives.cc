@@ -56,8 +56,8 @@ Mesh TorusMesh(double major, double minor, std::size_t around, std::size_t acros
 Mesh TetrahedronMesh(double edge) {
   if (!(edge > 0 && edge <= kLargestCoordinate))
     throw library::SceneError(fmt::format("tetrahedron: its edge {} must be above 0", edge));
-  const double below = edge / std::sqrt(24.0);  // of the base under the centre
-  const double out = edge / std::sqrt(3.0);     // from the base's middle to its corners
+  const double below = edge / std::sqrt(24.0);  // from the centre down to the base
+  const double out = edge / std::sqrt(3.0);     // from the middle of the base to its corners
   Mesh mesh;
   mesh.vertices = {{0, 3 * below, 0},
                    {out, -below, 0},

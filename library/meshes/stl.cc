@@ -37,7 +37,7 @@ Mesh ParseBinary(std::string_view bytes, std::string_view name) {
   return mesh;
 }
 
-/// The words of the text form, which come in a fixed order.
+/// The words of the text form, which have a fixed order.
 class StlText {
  public:
   StlText(std::string_view bytes, std::string_view name) : lines_(bytes), name_(name) {}
@@ -46,7 +46,7 @@ class StlText {
   std::string_view Peek() {
     while (at_ == words_.size()) {
       if (!lines_.Next()) return {};
-      // A `#` is no comment here, but nothing after it would be understood either.
+      // A `#` does not begin a comment here, but text after it would be invalid anyway.
       SplitWords(lines_.line(), words_);
       at_ = 0;
     }
@@ -70,7 +70,7 @@ class StlText {
     ++at_;
     return word;
   }
-  /// The name of a solid may be any words, or none.
+  /// The name of a solid can be any words, or missing.
   void SkipLine() { at_ = words_.size(); }
   Place place() const { return lines_.place(); }
 
@@ -89,7 +89,7 @@ Mesh ParseText(std::string_view bytes, std::string_view name) {
     text.SkipLine();
     while (text.Take("facet")) {
       text.Expect("normal");
-      // Often zero or not a number; the order of the corners says where outside is.
+      // Often zero or NaN; the order of the corners determines the outside.
       for (int i = 0; i < 3; ++i) text.TakeAny("a normal");
       text.Expect("outer");
       text.Expect("loop");
@@ -113,7 +113,7 @@ Mesh ParseText(std::string_view bytes, std::string_view name) {
 }  // namespace
 
 Mesh ParseStl(std::string_view bytes, std::string_view name) {
-  // Binary files may start with `solid` too; only their length tells.
+  // Binary files may begin with `solid` too; only their length distinguishes them.
   if (bytes.size() >= kHead + 4 &&
       bytes.size() == kHead + 4 + std::uint64_t{kTriangle} * Word(bytes, kHead))
     return ParseBinary(bytes, name);

@@ -100,7 +100,7 @@ void TurnRound(Mesh& mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-/// Each part by itself must have a volume, or be a cavity in one that has.
+/// Checks that each part has a volume, or is a cavity in one that has.
 void CheckParts(const Mesh& mesh, std::string_view name) {
   const std::vector<std::uint32_t> part_of = PartsOf(mesh);
   std::vector<Mesh> parts(1 + *std::max_element(part_of.begin(), part_of.end()));
@@ -166,7 +166,7 @@ Mesh Watertight(Mesh mesh, std::string_view name) {
   if (faults.open > 0) {
     Mesh merged = MergeEqualVertices(mesh);
     const EdgeFaults after = FaultsOf(merged);
-    // Merging may also join what only touches; it must do nothing but good.
+    // Merging may also join parts that only touch, so it is used only if it does no harm.
     if (after.open < faults.open && after.crowded == 0 && after.against == 0) {
       mesh = std::move(merged);
       faults = after;
@@ -192,7 +192,7 @@ Mesh Watertight(Mesh mesh, std::string_view name) {
   }
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
-  // Rounding leaves some volume to what has none.
+  // Rounding leaves some volume in a mesh that has none.
   if (!(volume > 1e-12 * std::pow(box.diagonal().norm(), 3)))
     Refuse(name, "has no volume; a flat or folded surface is no solid");
   CheckParts(mesh, name);
@@ -206,7 +206,7 @@ Mesh CloseHoles(const Mesh& open, std::string_view name) {
   for (std::size_t begin = 0, end; begin < edges.size(); begin = end) {
     for (end = begin; end < edges.size() && edges[end].SameAs(edges[begin]);) ++end;
     if (end - begin != 1) continue;
-    // The cap has the edge the other way.
+    // The cap has this edge in the opposite direction.
     const std::uint32_t from = edges[begin].rises ? edges[begin].high : edges[begin].low;
     const std::uint32_t to = edges[begin].rises ? edges[begin].low : edges[begin].high;
     if (next[from] != kNone)

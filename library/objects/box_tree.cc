@@ -20,7 +20,7 @@ std::uint32_t BoxTree::Build(std::uint32_t first, std::uint32_t end) {
   int axis = 0;
   nodes_[index].box.sizes().maxCoeff(&axis);
   const std::uint32_t middle = first + (end - first) / 2;
-  // Equal middles are told apart by their place, so that the order is always the same.
+  // Equal middles are ordered by their index, so that the order is always the same.
   std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + end,
                    [&](std::uint32_t a, std::uint32_t b) {
                      const double of_a = boxes_[a].center()[axis], of_b = boxes_[b].center()[axis];

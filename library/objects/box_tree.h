@@ -1,9 +1,9 @@
-// A bounding volume hierarchy over boxes that stay where they are.
+// A bounding volume hierarchy over static boxes.
 //
-// Built once by splitting at the median of the longest axis; a query visits the boxes that meet
-// another one, in an order that only depends on the boxes. O(n log^2 n) to build, O(log n) for each
-// box that is found. Threads: any, once built. Source: Ericson, Real-Time Collision Detection,
-// 2005, section 6.2.
+// Built once by splitting at the median of the longest axis. A query visits the boxes that overlap
+// another one, in an order that depends only on the boxes. O(n log^2 n) to build, O(log n) for each
+// box found. Threads: any, once built. Source: Ericson, Real-Time Collision Detection, 2005,
+// section 6.2.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,7 +17,7 @@ class BoxTree {
   explicit BoxTree(std::vector<Eigen::AlignedBox3d> boxes);
 
   std::size_t size() const { return boxes_.size(); }
-  /// Calls `visit(index)` for boxes that meet or touch `box`, until it returns true; returns
+  /// Calls `visit(index)` for boxes that overlap or touch `box`, until it returns true; returns
   /// whether it did.
   template <typename Visit>
   bool AnyOf(const Eigen::AlignedBox3d& box, Visit visit) const {
@@ -26,8 +26,8 @@ class BoxTree {
 
  private:
   static constexpr std::uint32_t kLeafSize = 4;
-  /// A leaf holds order_[first] to before order_[end]; an inner node's children are the next node
-  /// and `second`.
+  /// A leaf contains order_ in [first, end); the children of an inner node are the next node and
+  /// `second`.
   struct Node {
     Eigen::AlignedBox3d box;
     std::uint32_t first, end, second;

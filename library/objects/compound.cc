@@ -18,7 +18,7 @@ AlignedBox3d BoxOf(std::span<const Vector3d> points) {
   return box;
 }
 
-/// The hull in the coordinates in which `cube` is the cube of side 1 about the origin.
+/// The hull in coordinates that map `cube` to the cube of side 1 about the origin.
 ConvexPiece PieceOf(const meshes::Hull& hull, const AlignedBox3d& cube) {
   const meshes::Mesh surface = meshes::SurfaceOf(hull);
   ConvexPiece piece;
@@ -93,7 +93,7 @@ double Compound::InnerRadiusOf(const ConvexPiece& piece) const {
     };
     const Vector3d a = corner(0);
     const Vector3d normal = (corner(1) - a).cross(corner(2) - a);
-    // A sliver's normal is rounding.
+    // The normal of a sliver is only rounding.
     if (normal.norm() <= 1e-12 * sides_.squaredNorm()) continue;
     radius = std::min(radius, normal.normalized().dot(a));
   }
@@ -106,7 +106,7 @@ Vector3d Compound::PieceCentre(std::size_t piece) const {
 
 Vector3d Compound::Support(std::size_t piece, const Vector3d& direction) const {
   const ConvexPiece& it = form_->pieces[piece];
-  // In the form's own coordinates, so that the vertices stay as they are.
+  // In the coordinates of the form, so that the vertices need no conversion.
   const Vector3d along = (from_mesh_.transpose() * direction).cwiseProduct(sides_);
   const Vector3d* farthest = &it.vertices.front();
   double most = -std::numeric_limits<double>::infinity();
@@ -125,7 +125,8 @@ Vector3d Compound::Support(const Vector3d& direction) const {
   const double rounding = 1e-12 * along.lpNorm<1>();
   Vector3d farthest = Support(0, direction);
   for (std::size_t i = 1; i < form_->pieces.size(); ++i) {
-    // Most pieces need no look at their vertices: not even their boxes reach so far.
+    // Most pieces are skipped without looking at their vertices, as not even their boxes reach so
+    // far.
     const ConvexPiece& piece = form_->pieces[i];
     const double reach =
         along.dot(piece.centre - form_->centre) + along.cwiseAbs().dot(piece.half) + rounding;

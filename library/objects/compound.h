@@ -1,7 +1,7 @@
 // Compounds: solids made of convex pieces of a mesh, and surfaces, whose pieces are its triangles.
 //
-// A form is what all solids of one mesh share, whatever their size; a compound is a form with its
-// three sides. Lengths in m. Threads: any, once made.
+// A form holds the data that all solids of one mesh share, whatever their size; a compound is a
+// form with its three sides. Lengths in m. Threads: any, once made.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@
 
 namespace cdb::objects {
 
-/// Vertices are relative to the centre of the piece's own box.
+/// Vertices are relative to the centre of the piece's box.
 struct ConvexPiece {
   Eigen::Vector3d centre, half;  ///< of the box
   std::vector<Eigen::Vector3d> vertices;
@@ -24,26 +24,27 @@ struct ConvexPiece {
   bool operator==(const ConvexPiece&) const = default;
 };
 
-/// A mesh and its pieces, each stretched so that the box around it is the cube of side 1 about the
-/// origin. Pieces and mesh differ by a little, so a compound has just the sides that it is asked
-/// for.
+/// A mesh and its pieces, each scaled so that the box around it is the cube of side 1 about the
+/// origin. Pieces and mesh differ slightly; scaled in this way, a compound has exactly the
+/// requested sides.
 struct ConvexDecomposition {
-  std::string name;             ///< as a scenario writes it: `bunny`, `mesh("rock.obj")`
+  std::string name;             ///< as written in a scenario: `bunny`, `mesh("rock.obj")`
   Eigen::Vector3d proportions;  ///< sides of the mesh's own box, the longest 1
   std::vector<ConvexPiece> pieces;
-  double volume = 0;                                         ///< of the mesh; of the cube
+  double volume = 0;                                         ///< of the mesh; in the cube
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0;  ///< of the pieces: library/meshes/decompose.h
-  /// Of a surface (library/objects/surface.h): its triangles' boxes. Null for solids.
+  /// For a surface (library/objects/surface.h): a tree of the boxes of its triangles. Null for
+  /// solids.
   std::shared_ptr<const BoxTree> tree = nullptr;
   bool IsSurface() const { return tree != nullptr; }
-  /// Of a surface that is a height field: its grid. Null for others.
+  /// For a height field: its grid. Null for others.
   std::shared_ptr<const meshes::HeightGrid> heights = nullptr;
   bool operator==(const ConvexDecomposition&) const = default;
 };
 
-/// `properties` are those of `mesh`, in its own axes and unit.
+/// `properties` are those of `mesh`, in its axes and unit.
 ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh,
                                       const meshes::MassProperties& properties,
                                       const meshes::Decomposition& pieces);
@@ -58,15 +59,15 @@ class Compound {
   const Eigen::Vector3d& sides() const { return sides_; }
   double Volume() const { return volume_; }
   const Eigen::Vector3d& InertiaPerMass() const { return inertia_; }
-  /// Takes a vector of the mesh's axes, those that the sides are along, to the body's.
+  /// The rotation from the axes of the mesh, along which the sides are, to those of the body.
   const Eigen::Matrix3d& from_mesh() const { return from_mesh_; }
-  /// The middle of a piece's box.
+  /// The centre of the box of a piece.
   Eigen::Vector3d PieceCentre(std::size_t piece) const;
-  /// One of its vertices.
+  /// A vertex of a piece.
   Eigen::Vector3d Corner(std::size_t piece, std::size_t vertex) const {
     return ToBody(form_->pieces[piece].centre + form_->pieces[piece].vertices[vertex]);
   }
-  /// Of a surface: calls `visit(piece)` for triangles whose boxes meet `box`, until it returns
+  /// For a surface: calls `visit(piece)` for triangles whose boxes overlap `box`, until it returns
   /// true; returns whether it did.
   template <typename Visit>
   bool AnyPieceIn(const Eigen::AlignedBox3d& box, Visit visit) const {
@@ -75,14 +76,15 @@ class Compound {
   }
   /// The farthest point of the piece along `direction`.
   Eigen::Vector3d Support(std::size_t piece, const Eigen::Vector3d& direction) const;
-  /// The farthest of all pieces.
+  /// The farthest point of all pieces.
   Eigen::Vector3d Support(const Eigen::Vector3d& direction) const;
-  /// Of a ball about the origin that is inside one piece; 0 where the origin is in none.
+  /// Radius of a ball about the origin that is inside one piece; 0 if the origin is in none.
   double inner_radius() const { return inner_radius_; }
-  /// Of the smallest ball about the origin that holds all.
+  /// Radius of the smallest ball about the origin that contains the compound.
   double outer_radius() const { return outer_radius_; }
-  /// Of all pieces, along the mesh's axes; of a surface, which is thin everywhere, of its longest
-  /// side, so that what touches it is the smaller one.
+  /// The smallest half extent of all pieces along the axes of the mesh; for a surface, which is
+  /// thin everywhere, that of its longest side, so that the other object of a contact is the
+  /// smaller one.
   double least_half_extent() const { return least_half_extent_; }
 
  private:

@@ -13,11 +13,11 @@ namespace cdb::objects {
 namespace {
 
 constexpr std::string_view kKind = "form";
-/// To be raised with what changes a form and is not in DecomposerVersion: how files are read and
-/// closed, mass properties, the torus, and how forms are kept.
+/// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
+/// and closing of files, mass properties, the torus, and the storage format.
 constexpr int kVersion = 1;
 
-/// Appends what it is shown.
+/// Appends the values passed to it.
 class Writer {
  public:
   void Word(std::uint64_t word) {
@@ -35,7 +35,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Fills in what Writer was shown.
+/// Restores the values that Writer stored.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -43,7 +43,7 @@ class Reader {
   void Real(double& real) { real = std::bit_cast<double>(Next()); }
   template <typename T>
   void Size(std::vector<T>& items) {
-    // What is read is what was written; the bound guards against our own mistakes.
+    // The data are those written; the limit guards against our own errors.
     const std::uint64_t size = Next();
     is_good_ = is_good_ && size <= bytes_.size();
     items.resize(is_good_ ? size : 0);
@@ -65,7 +65,7 @@ class Reader {
   bool is_good_ = true;
 };
 
-/// All of a form but its name, in the order in which it is kept.
+/// Visits everything in a form except its name, in storage order.
 void Visit(auto& archive, ConvexDecomposition& form) {
   const auto reals = [&](auto& matrix) {
     for (double& real : matrix.reshaped()) archive.Real(real);

@@ -1,8 +1,8 @@
 // Caches convex decompositions by all of their inputs.
 //
-// A form takes up to seconds to compute and a few kilobytes to keep; found again, it is the same to
-// the last bit. One process computes it while others that need it wait. Errors: those of `make`.
-// Where forms cannot be kept, nothing comes of it. Threads: any.
+// A form takes up to seconds to compute and a few kilobytes to store; a cached form is identical to
+// the last bit. One process computes it while others that need it wait. Errors: those of `make`; a
+// form that cannot be stored is not an error. Threads: any.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@
 
 namespace cdb::objects {
 
-/// What `make` gives, or what it gave in an earlier call that left it in `folder`; it has this
-/// `name` either way. `source`: what `make` depends on besides the code, as the hash of a file.
+/// The result of `make`, or of an earlier call stored in `folder`, always with this `name`.
+/// `source`: the inputs of `make` besides the code, such as the hash of a file.
 ConvexDecomposition DecomposeOnce(std::string name, std::string_view source,
                                   const std::function<ConvexDecomposition()>& make,
                                   const std::filesystem::path& folder = library::CacheFolder());
 
-/// 64 hex digits: of the source, of DecomposerVersion and of the code here.
+/// 64 hex digits, a hash of the source, of DecomposerVersion and of the version of the code here.
 std::string DecompositionKey(std::string_view source);
 
 }  // namespace cdb::objects

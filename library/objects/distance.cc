@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of sizes and distance.
+/// As a fraction of sizes and distance.
 constexpr double kExact = 1e-13;
 
 }  // namespace
@@ -31,7 +31,7 @@ std::optional<double> Approach(const Solid& a, const Pose& pose_a, const Solid& 
   const SolidPair pair(a, pose_a.orientation, b, pose_b.orientation);
   const double afar = a.OuterRadius() + b.OuterRadius() + distance;
   const double exact = kExact * (pair.size() + distance);
-  // Where any two pieces are as near; what is nearer to a need not be looked at.
+  // The distance at which some two pieces are this close; nearer ones need no test.
   std::optional<double> first;
   pair.AnyPieces([&](std::size_t piece_a, std::size_t piece_b) {
     for (double at = afar; at > first.value_or(0);) {

@@ -1,9 +1,9 @@
-// Distance of two solids, and how close one can come to the other along a direction. In double, by
-// the GJK algorithm for each pair of convex pieces.
+// The distance of two solids, and the position at which one that moves along a direction reaches
+// the other. In double, by the GJK algorithm for each pair of convex pieces.
 //
-// Rounding: a gap below about 1e-14 of the solids' sizes and their offset counts as none. Threads:
-// any. Source: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robotics and Automation 4
-// (1988); balls by their centres.
+// Rounding: a gap below about 1e-14 of the sizes of the solids and their offset counts as none.
+// Threads: any. Source: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE J. Robotics and
+// Automation 4 (1988); balls by their centres.
 #pragma once
 
 #include <optional>
@@ -12,15 +12,15 @@
 
 namespace cdb::objects {
 
-/// m; 0 where they touch or overlap, which is just where Overlap says so. Exact to 1e-12 of sizes
-/// and distance.
+/// m; 0 if they touch or overlap, exactly when Overlap returns true. Exact to 1e-12 of sizes and
+/// distance.
 double Distance(const Solid& a, const Pose& pose_a, const Solid& b, const Pose& pose_b);
 
-/// How far from a's centre of mass b's is where b, coming from afar against `direction` (unit, from
-/// a to b) without turning, is first `distance` m away from a. Empty where it passes by. Never
-/// nearer than asked, and exact to 1e-12 of sizes and distance, by steps that no convex solid can
-/// use up: each is the distance that is left over its rate of change, which only grows outwards.
-/// The poses' positions are not looked at.
+/// The distance of b's centre of mass from a's when b, coming from afar against `direction` (unit,
+/// from a to b) without rotation, first is `distance` m away from a. Empty if it passes by. Never
+/// closer than requested, and exact to 1e-12 of sizes and distance. Each step is the remaining
+/// distance divided by its rate of change, which only grows outwards, so that a step never
+/// overshoots a convex solid. The positions in the poses are ignored.
 std::optional<double> Approach(const Solid& a, const Pose& pose_a, const Solid& b,
                                const Pose& pose_b, const Eigen::Vector3d& direction,
                                double distance);

@@ -9,10 +9,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Sine of the angle up to which two ways out are taken for one.
+/// Sine of the angle up to which two directions of separation count as one.
 constexpr double kSameWay = 1e-3;
-/// Edges whose sine is below this are parallel, and the faces' axes say it all. Their product has
-/// lost half of its digits.
+/// Edges whose sine is below this are parallel, and the axes of the faces suffice. Their product
+/// has lost half of its digits.
 constexpr double kParallel = 1e-8;
 
 struct WayOut {
@@ -24,7 +24,7 @@ bool IsSameWay(const Vector3d& a, const Vector3d& b) {
   return a.dot(b) > 0 && a.cross(b).norm() < kSameWay;
 }
 
-/// The shortest of all.
+/// The shortest of these separations.
 Penetration Shortest(const std::vector<WayOut>& ways) {
   const WayOut& best = *std::ranges::min_element(ways, {}, &WayOut::depth);
   Penetration result{best.depth, best.normal};
@@ -37,12 +37,12 @@ Penetration Shortest(const std::vector<WayOut>& ways) {
 Penetration OfBalls(double radius_a, const Vector3d& a, double radius_b, const Vector3d& b) {
   const Vector3d between = a - b;
   const double reach = radius_a + radius_b, distance = between.norm();
-  // All ways out are as long.
+  // All directions are equally long.
   if (distance == 0) return {reach, Vector3d::UnitY(), reach};
   return {reach - distance, between / distance};
 }
 
-/// The ball is the first.
+/// `a` is the ball: the normal points to it.
 Penetration OfBallAndCuboid(double radius, const Vector3d& ball, const Solid& cuboid,
                             const Pose& pose) {
   const Matrix3d axes = pose.orientation.toRotationMatrix();

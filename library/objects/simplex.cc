@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Of some parts of a simplex the one that comes nearest.
+/// The nearest of several parts of a simplex.
 struct Best {
   Simplex part;
   Vector3d nearest = Vector3d::Zero();
@@ -38,12 +38,12 @@ Vector3d NearestOnSegment(Simplex& simplex) {
     return b;
   }
   const Vector3d point = a + ab * (t / length);
-  // Again, for what rounding left along the segment: a short vector needs its direction too.
+  // Repeated, to remove rounding errors along the segment: a short vector needs its direction too.
   return point - ab * (point.dot(ab) / length);
 }
 
-/// Of a triangle, as long as twice its area. From the two shorter edges, as the longer ones of a
-/// needle would cancel.
+/// The normal of a triangle, of length twice the area. From the two shorter edges, as the longer
+/// ones of a needle would cancel.
 Vector3d NormalOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const Vector3d ab = b - a, bc = c - b, ca = a - c;
   const double ab2 = ab.squaredNorm(), bc2 = bc.squaredNorm(), ca2 = ca.squaredNorm();
@@ -75,12 +75,12 @@ Vector3d NearestOnTriangle(Simplex& simplex, double noise) {
 }
 
 Vector3d NearestOnTetrahedron(Simplex& simplex, double noise) {
-  // Each turns the same way, seen from the corner that it leaves out.
+  // All have the same orientation, as seen from the corner that each leaves out.
   static constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   const auto points = simplex.points;
   const Vector3d& d = points[3];
   const Vector3d first = NormalOf(points[0], points[1], points[2]);
-  // One sign for all faces: those of a flat tetrahedron, taken one by one, may contradict.
+  // One sign for all faces: the individual signs of a flat tetrahedron may contradict one another.
   const double volume = first.dot(d - points[0]);
   double largest = first.squaredNorm();
   std::array<double, 4> heights;

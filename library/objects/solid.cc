@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The point of the ellipse in the x-z plane with these half axes farthest along (x, z).
+/// The point farthest along (x, z) of the ellipse in the x-z plane with these half axes.
 Vector3d EllipsePoint(double half_x, double half_z, const Vector3d& direction) {
   const double x = half_x * direction.x();
   const double z = half_z * direction.z();
@@ -20,7 +20,7 @@ Vector3d EllipsePoint(double half_x, double half_z, const Vector3d& direction) {
   return {half_x * x / length, 0, half_z * z / length};
 }
 
-/// Of the tetrahedron's corners in the cube of side 2, the farthest along `direction`.
+/// The corner farthest along `direction` of the tetrahedron in the cube of side 2.
 Vector3d FarthestCorner(const Vector3d& direction) {
   Vector3d farthest = Vector3d::Ones();
   for (int axis = 0; axis < 3; ++axis) {
@@ -59,7 +59,7 @@ double Solid::Volume() const {
     case Shape::kCone:
       return box * std::numbers::pi / 12;
     case Shape::kCapsule: {
-      const double straight = StraightHalf() / sides.y() * 2;  // of the height
+      const double straight = StraightHalf() / sides.y() * 2;  // as a fraction of the height
       return box * std::numbers::pi * (straight / 4 + (1 - straight) / 6);
     }
     case Shape::kTetrahedron:
@@ -72,20 +72,20 @@ double Solid::Volume() const {
 
 Vector3d Solid::InertiaPerMass() const {
   // Second moments along each axis, the integral of x^2 over the volume; a moment of inertia is the
-  // sum of the other two axes'.
+  // sum of those along the other two axes.
   const Vector3d square = sides.cwiseAbs2();
   Vector3d moment = Vector3d::Zero();
   switch (shape) {
     case Shape::kEllipsoid:
-    case Shape::kTetrahedron:  // the sum of the squared corners over 20
+    case Shape::kTetrahedron:  // the sum of the squared corners divided by 20
       moment = square / 20;
       break;
     case Shape::kCuboid:
       moment = square / 12;
       break;
     case Shape::kCapsule: {
-      // Per area of the middle's cross-section: the straight part, and both caps, whose centres of
-      // mass are 3/8 of their height above the straight part's ends.
+      // Per area of the middle cross-section: the straight part, and both caps, whose centres of
+      // mass are 3/8 of their height above the ends of the straight part.
       const double straight = StraightHalf(), cap = sides.y() / 2 - straight;
       const double middle = 2 * straight, caps = 4 * cap / 3;
       const double along = middle * straight * straight / 3 +
@@ -98,7 +98,7 @@ Vector3d Solid::InertiaPerMass() const {
       moment = {square.x() / 16, square.y() / 12, square.z() / 16};
       break;
     case Shape::kCone:
-      // 3/20 r^2 across; 3/80 h^2 along the axis about the centre of mass.
+      // 3/20 r^2 across; 3/80 h^2 along the axis, about the centre of mass.
       moment = {square.x() * 3 / 80, square.y() * 3 / 80, square.z() * 3 / 80};
       break;
     case Shape::kCompound:
@@ -167,7 +167,7 @@ double Solid::OuterRadius() const {
     case Shape::kCone:
       return std::max(0.75 * sides.y(), std::hypot(across, sides.y() / 4));
     case Shape::kCapsule: {
-      // Of (across sin t, straight + cap cos t), where the tip is not the farthest.
+      // The support of (across sin t, straight + cap cos t), if the tip is not the farthest point.
       const double straight = StraightHalf(), cap = half.y() - straight;
       const double cosine = cap * straight / (across * across - cap * cap);
       if (!(across > cap) || cosine >= 1) return half.y();

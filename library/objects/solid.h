@@ -1,8 +1,8 @@
 // Solids, the shapes of objects: closed forms and compounds of convex pieces, in double, without
 // any physics engine.
 //
-// A body's origin is its centre of mass and its axes are the principal ones, so that the inertia is
-// diagonal. Lengths in m.
+// The origin of a body is its centre of mass and its axes are the principal ones, so that the
+// inertia is diagonal. Lengths in m.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,16 +15,16 @@
 namespace cdb::objects {
 
 enum class Shape {
-  kEllipsoid,  ///< a sphere where the sides are equal
+  kEllipsoid,  ///< a sphere if the sides are equal
   kCuboid,
   kCylinder,     ///< stands along y on an ellipse
-  kCone,         ///< stands along y on an ellipse, the tip up
-  kCapsule,      ///< stands along y: a cylinder between the halves of an ellipsoid
-  kTetrahedron,  ///< on every other corner of its box; regular where the sides are equal
-  kCompound,     ///< of a mesh (library/objects/solid_maker.h)
+  kCone,         ///< stands along y on an ellipse, tip up
+  kCapsule,      ///< stands along y: a cylinder between two halves of an ellipsoid
+  kTetrahedron,  ///< at every other corner of its box; regular if the sides are equal
+  kCompound,     ///< of a mesh (library/objects/solid_factory.h)
 };
 
-/// Of a type that has a closed form; any other is our own bug.
+/// For a type with a closed form; any other is an internal error.
 Shape ShapeOf(std::string_view object_type);
 
 struct Box {
@@ -33,44 +33,44 @@ struct Box {
 
 struct Solid {
   Shape shape = Shape::kEllipsoid;
-  /// Full extents along x, y, z; a compound's along the axes of its mesh, which need not be the
-  /// body's.
+  /// Full extents along x, y, z; for a compound along the axes of its mesh, which may differ from
+  /// those of the body.
   Eigen::Vector3d sides = Eigen::Vector3d::Ones();
-  std::shared_ptr<const Compound> compound = nullptr;  ///< null but for kCompound
+  std::shared_ptr<const Compound> compound = nullptr;  ///< null except for kCompound
 
-  /// Equal solids of one SolidMaker.
+  /// Compares by value; compounds are equal only if one SolidFactory made both.
   bool operator==(const Solid&) const = default;
 
   Eigen::Vector3d HalfExtents() const { return sides / 2; }
-  /// Half height of a capsule's straight part; its caps are as high as they are wide, so that it is
-  /// an ellipsoid (and this 0) where it is no higher than wide.
+  /// Half height of the straight part of a capsule; its caps are as high as they are wide. If the
+  /// capsule is no higher than wide, it is an ellipsoid and this is 0.
   double StraightHalf() const;
-  /// y of the box's centre above the centre of mass: a cone's centre of mass lies a quarter of its
-  /// height above the base; 0 for the other closed forms.
+  /// Height of the box's centre above the centre of mass along y: the centre of mass of a cone is a
+  /// quarter of its height above the base; 0 for the other closed forms.
   double BoxCentre() const { return shape == Shape::kCone ? sides.y() / 4 : 0; }
   /// m^3.
   double Volume() const;
   /// Principal moments of the homogeneous solid about its centre of mass for a mass of 1 kg, m^2.
   Eigen::Vector3d InertiaPerMass() const;
-  /// The point of the solid farthest along `direction`, which need not be a unit vector. Any
-  /// farthest point where there are several.
+  /// The point of the solid farthest along `direction`, which need not be a unit vector. If there
+  /// are several, any of them.
   Eigen::Vector3d Support(const Eigen::Vector3d& direction) const;
-  /// The convex pieces that it is the union of: 1 but for compounds.
+  /// The number of convex pieces whose union it is: 1 except for compounds.
   std::size_t PieceCount() const { return compound ? compound->form().pieces.size() : 1; }
-  /// As Support, of one piece.
+  /// As Support, for one piece.
   Eigen::Vector3d PieceSupport(std::size_t piece, const Eigen::Vector3d& direction) const {
     return compound ? compound->Support(piece, direction) : Support(direction);
   }
   /// Radius of the largest ball about the centre of mass inside the solid (for an elliptic cone, of
-  /// the circular one in it; for a compound, inside one piece: 0 where the centre is in none).
+  /// the circular one in it; for a compound, inside one piece: 0 if the centre is in none).
   double InnerRadius() const;
-  /// Radius of the smallest ball about the centre of mass that holds the solid.
+  /// Radius of the smallest ball about the centre of mass that contains the solid.
   double OuterRadius() const;
-  /// m: the least of what the convex pieces extend to each side of their middle.
+  /// m: the smallest half extent of the convex pieces.
   double LeastHalfExtent() const {
     return compound ? compound->least_half_extent() : HalfExtents().minCoeff();
   }
-  /// The triangles of a mesh, without an inside.
+  /// True for the triangles of a mesh, without an inside.
   bool IsSurface() const { return compound != nullptr && compound->form().IsSurface(); }
   bool IsBall() const {
     return shape == Shape::kEllipsoid && sides.x() == sides.y() && sides.y() == sides.z();
@@ -82,7 +82,7 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< unit
 };
 
-/// The tightest box with the world's axes around the solid, its centre of mass at the origin.
+/// The smallest box in world axes around the solid, with the centre of mass at the origin.
 Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation);
 
 }  // namespace cdb::objects

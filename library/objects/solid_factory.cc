@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 namespace fs = std::filesystem;
 
-/// The torus, when it keeps its proportions: radii of the ring and of the tube, and its pieces.
+/// The torus at its own proportions: radii of the ring and of the tube, and its pieces.
 constexpr double kTorusMajor = 3, kTorusMinor = 1;
 constexpr std::size_t kTorusSegments = 16;
 
@@ -34,7 +34,7 @@ ConvexDecomposition TorusForm() {
       fmt::format("torus {} {} {} {} {}", kTorusMajor, kTorusMinor, kTorusSegments,
                   meshes::kTorusCorners, meshes::kTorusFineness);
   return DecomposeOnce("torus", source, [&] {
-    // Corners in multiples of four lie on the axes, so that the mesh is as large as the torus.
+    // With multiples of four, corners lie on the axes, so that the mesh is as large as the torus.
     const meshes::Mesh mesh =
         meshes::TorusMesh(kTorusMajor, kTorusMinor, kTorusSegments, meshes::kTorusCorners);
     return MakeDecomposition("torus", mesh, properties,
@@ -47,7 +47,7 @@ ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh
                            meshes::Decompose(mesh, name));
 }
 
-/// `made`: how the form is made of the file. Its extension says how it is read.
+/// `made`: the method of making the form. The extension of the file determines its format.
 std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_view made) {
   return fmt::format("{} {} {}", made, file.extension().string(), sha256);
 }
@@ -94,7 +94,7 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   });
 }
 
-/// Null for what has a closed form.
+/// Null for a type with a closed form.
 std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type))
     return std::make_shared<const ConvexDecomposition>(FormOfFile(*call));

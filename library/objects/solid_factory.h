@@ -1,7 +1,7 @@
 // Makes solids from the words of a scenario: closed forms by name, compounds from models and files.
 //
-// Errors: SceneError where a model or a file is missing, is no solid or is not the file that was
-// planned with. Threads: one at a time for each maker. A mesh takes seconds the first time on a
+// Errors: SceneError if a model or a file is missing, is not a solid or differs from the file at
+// planning. Threads: one at a time for each factory. A mesh takes seconds the first time on a
 // machine (decomposition_cache.h).
 #pragma once
 
@@ -17,14 +17,14 @@
 
 namespace cdb::objects {
 
-/// Equal compounds are shared by all that one maker makes.
+/// Equal compounds of one factory are shared.
 class SolidFactory {
  public:
-  /// `type`: a constant value of `objects.type`, a word or a call. `size`: as drawn for each side,
-  /// m; `aspect` as the scenario gives it. A solid's sides are size times aspect. At 1 : 1 : 1 a
-  /// mesh keeps its own proportions, its longest side the size.
+  /// `type`: a constant value of `objects.type`, a word or a call. `size`: drawn for each side, m;
+  /// `aspect` as in the scenario. The sides of a solid are size times aspect. At 1 : 1 : 1 a mesh
+  /// keeps its own proportions, with its longest side equal to the size.
   Solid Make(const schema::Value& type, const Eigen::Vector3d& size, const Eigen::Vector3d& aspect);
-  /// Of all compounds that were made, in the order of their names.
+  /// The forms of all compounds made, in the order of their names.
   std::vector<std::shared_ptr<const ConvexDecomposition>> Forms() const;
 
  private:
@@ -34,8 +34,8 @@ class SolidFactory {
   std::map<CompoundKey, std::shared_ptr<const Compound>> compounds_;
 };
 
-/// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, a line
-/// for each form.
+/// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, one
+/// line per form.
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms);
 
 }  // namespace cdb::objects

@@ -10,14 +10,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// `support` is the farthest point of b - a along a direction, `towards` any point in the middle of
-/// it, `size` the sum of both solids'. For kWhetherApart the distance is only a bound from above.
+/// `support` gives the farthest point of b - a along a direction, `towards` is any point in the
+/// middle of b - a, `size` the sum of the sizes of both solids. For kWhetherApart the distance is
+/// only an upper bound.
 template <typename Support, typename Goal>
 Gap ConvexGap(const Support& support, const Vector3d& towards, double size, Goal goal) {
   const double scale = size + towards.norm();
-  // A gap below this is rounding's.
+  // A smaller gap is due to rounding.
   const double noise = 1e-14 * scale;
-  // What one operation may lose. Where both bounds are as near, they are one.
+  // The rounding error of one operation. Bounds closer than this are equal.
   const double rounding = std::numeric_limits<double>::epsilon() * scale;
   Simplex simplex;
   simplex.points[simplex.size++] = support(-towards);
@@ -31,7 +32,8 @@ Gap ConvexGap(const Support& support, const Vector3d& towards, double size, Goal
     const bool is_nearer = upper < best.distance;
     if (is_nearer) best = {upper, nearest / upper};
     const Vector3d point = support(-nearest);
-    // Every point of b - a has a component along `nearest` as large: a plane between them.
+    // Every point of b - a has at least this component along `nearest`: there is a plane between
+    // them.
     const double lower = nearest.dot(point) / upper;
     is_apart = is_apart || lower > noise;
     if (is_apart && (goal == Goal::kWhetherApart || !is_nearer || upper - lower <= rounding)) break;
@@ -81,7 +83,7 @@ bool SolidPair::SurfaceOverlaps(const Vector3d& offset) const {
   const Eigen::Matrix3d &turn = is_a ? turn_a_ : turn_b_, &other_turn = is_a ? turn_b_ : turn_a_;
   const Vector3d place = turn.transpose() * (is_a ? offset : Vector3d(-offset));
   const Box box = Bounds(other, Eigen::Quaterniond(Eigen::Matrix3d(turn.transpose() * other_turn)));
-  // Room for the rounding of the turn.
+  // Tolerance for the rounding of the rotation.
   const Vector3d room = Vector3d::Constant(1e-12 * size_);
   return surface.compound->AnyPieceIn(
       {place + box.lower - room, place + box.upper + room}, [&](std::size_t triangle) {
@@ -94,7 +96,7 @@ bool SolidPair::SurfaceOverlaps(const Vector3d& offset) const {
 }
 
 bool SolidPair::Overlap(const Vector3d& offset) const {
-  // Two surfaces have nothing that could be inside the other.
+  // Neither of two surfaces has an inside that could contain the other.
   if (a_.IsSurface() && b_.IsSurface()) return false;
   if (a_.IsSurface() || b_.IsSurface()) return SurfaceOverlaps(offset);
   if (a_.PieceCount() == 1 && b_.PieceCount() == 1) return PiecesOverlap(0, 0, offset);

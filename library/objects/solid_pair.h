@@ -8,8 +8,8 @@
 namespace cdb::objects {
 
 struct Gap {
-  double distance = 0;  ///< m; 0 where they touch or overlap
-  /// Unit, from the first piece's nearest point to the second's; zero where they touch.
+  double distance = 0;  ///< m; 0 if they touch or overlap
+  /// Unit, from the nearest point of the first piece to that of the second; zero if they touch.
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
 };
 
@@ -19,11 +19,11 @@ class SolidPair {
   SolidPair(const Solid& a, const Eigen::Quaterniond& turn_a, const Solid& b,
             const Eigen::Quaterniond& turn_b);
 
-  /// m: of what rounding is counted in.
+  /// m: the scale of rounding.
   double size() const { return size_; }
-  /// Whether they overlap or touch, b's centre of mass `offset` from a's.
+  /// Whether they overlap or touch with b's centre of mass at `offset` from a's.
   bool Overlap(const Eigen::Vector3d& offset) const;
-  /// Calls `visit(piece_a, piece_b)` until one returns true; returns whether one did.
+  /// Calls `visit(piece_a, piece_b)` until a call returns true; returns whether one did.
   template <typename Visit>
   bool AnyPieces(Visit visit) const {
     for (std::size_t i = 0; i < a_.PieceCount(); ++i)
@@ -31,16 +31,16 @@ class SolidPair {
         if (visit(i, j)) return true;
     return false;
   }
-  /// Of a pair of pieces.
+  /// Whether a pair of pieces overlaps or touches.
   bool PiecesOverlap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
   Gap PieceGap(std::size_t piece_a, std::size_t piece_b, const Eigen::Vector3d& offset) const;
 
  private:
-  /// One of the two is a surface.
+  /// For a pair of which one is a surface.
   bool SurfaceOverlaps(const Eigen::Vector3d& offset) const;
   enum class Goal { kWhetherApart, kDistance };
   bool AreBalls() const { return a_.IsBall() && b_.IsBall(); }
-  /// Of convex parts, each told by its support.
+  /// The gap of convex parts, each given by its support function.
   template <typename PartOfA, typename PartOfB>
   Gap GapOf(const PartOfA& part_a, const PartOfB& part_b, const Eigen::Vector3d& offset,
             Goal goal) const;

@@ -19,12 +19,12 @@ Vector3d AreaOf(const Corners& corners) {
   return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
 }
 
-/// On which side of the triangle's plane; the plane itself is above.
+/// The side of the triangle's plane; the plane itself counts as above.
 bool IsAbove(const Corners& corners, const Vector3d& normal, const Vector3d& point) {
   return normal.dot(point - corners[0]) >= 0;
 }
 
-/// The line goes through the triangle, its edges included.
+/// True if the line passes through the triangle, including its edges.
 bool GoesThrough(const Corners& corners, const Vector3d& from, const Vector3d& way) {
   int positive = 0, negative = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -38,14 +38,14 @@ bool GoesThrough(const Corners& corners, const Vector3d& from, const Vector3d& w
 }  // namespace
 
 ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
-  constexpr double kNoArea = 1e-12;  // of the square of the longest side
+  constexpr double kNoArea = 1e-12;  // as a fraction of the square of the longest side
   AlignedBox3d box;
   for (const meshes::Triangle& triangle : mesh.triangles)
     for (const Vector3d& corner : meshes::CornersOf(mesh, triangle)) box.extend(corner);
   const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
   ConvexDecomposition form;
   form.name = std::move(name);
-  // A flat mesh has no extent along an axis, and is the same at any.
+  // A flat mesh has no extent along one axis, so that any scale along it will do.
   const Vector3d sides = (box.sizes().array() > 0).select(box.sizes(), longest);
   form.proportions = sides / longest;
   std::vector<AlignedBox3d> boxes;

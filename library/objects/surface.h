@@ -1,7 +1,7 @@
 // Surfaces: the triangles of a mesh as they are, open or closed, without an inside.
 //
-// A surface is a form whose pieces are the triangles, flat, with a tree to find those near a box.
-// It has no volume and no mass; its origin is the middle of its box, its axes those of the mesh.
+// A surface is a form whose pieces are the flat triangles, with a tree to find those near a box. It
+// has no volume and no mass; its origin is the middle of its box, its axes those of the mesh.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,15 +12,15 @@
 
 namespace cdb::objects {
 
-/// More are refused: Bullet numbers no more.
+/// More are rejected: Bullet cannot number them.
 inline constexpr std::size_t kMaxSurfaceTriangles = 2'000'000;
 
-/// Triangles without area are dropped. Throws SceneError, that begins with `name`, where none is
-/// left or there are too many.
+/// Triangles without area are dropped. Throws SceneError that begins with `name` if none is left or
+/// there are too many.
 ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh);
 
-/// Whether the straight path between two points, in the surface's axes, crosses it. Of two paths
-/// that meet on it, one does.
+/// Whether the straight path between two points, in the axes of the surface, crosses it. Of two
+/// paths that share an end point on the surface, exactly one does.
 bool Crosses(const Compound& surface, const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace cdb::objects

@@ -13,10 +13,10 @@
 namespace cdb::bullet {
 namespace {
 
-/// Bullet has no infinity: this is the side of its planes' boxes.
+/// Bullet has no infinity: this is the extent of the boxes of its planes.
 constexpr btScalar kFar = BT_LARGE_FLOAT;
 
-/// To the next number of Bullet's precision on the side of `to`.
+/// Rounds to the next number of Bullet's precision in the direction of `to`.
 btScalar Rounded(double x, btScalar to) {
   const auto rounded = static_cast<btScalar>(std::clamp(x, -double{kFar}, double{kFar}));
   const bool is_inside =
@@ -30,14 +30,14 @@ btVector3 Upper(const Vec3& v) {
   return {Rounded(v.x, kFar), Rounded(v.y, kFar), Rounded(v.z, kFar)};
 }
 
-/// btSimpleBroadphase takes a proxy without an object for one that is free.
+/// btSimpleBroadphase treats a proxy without an object as a free one.
 void* ObjectOf(Id body) { return reinterpret_cast<void*>(std::uintptr_t{body} + 1); }
 Id IdOf(const btBroadphaseProxy* proxy) {
   return static_cast<Id>(reinterpret_cast<std::uintptr_t>(proxy->m_clientObject) - 1);
 }
 
-/// Bullet's pairs, and beside them the same as a flat list in the same order: reading the bodies
-/// through the proxies each cycle would cost more than some broad phases do.
+/// Bullet's pairs, and the same pairs as a flat list in the same order: reading the bodies through
+/// the proxies each cycle would cost more than some broad phases.
 class ListedPairs final : public btHashedOverlappingPairCache {
  public:
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
@@ -50,7 +50,7 @@ class ListedPairs final : public btHashedOverlappingPairCache {
                               btDispatcher* dispatcher) override {
     const btBroadphasePair* pair = findPair(a, b);
     if (pair == nullptr) return nullptr;
-    // Bullet too puts the last pair where one leaves.
+    // Bullet also moves the last pair to the position of a removed one.
     list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())] = list_.back();
     list_.pop_back();
     return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
@@ -61,13 +61,13 @@ class ListedPairs final : public btHashedOverlappingPairCache {
   std::vector<Pair> list_;
 };
 
-/// Where sweep and prune counts its steps from: the finite boxes, with room to move in.
+/// The range that sweep and prune divides into steps: the finite boxes, with room to move.
 struct Bounds {
   btVector3 lower{0, 0, 0}, upper{0, 0, 0};
 };
 
 Bounds BoundsOf(const Scene& scene) {
-  constexpr double kRoom = 0.5;  // of the extent, to each side
+  constexpr double kRoom = 0.5;  // as a fraction of the extent, on each side
   const auto along = [&](double Vec3::*axis) {
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (const Box& box : scene.boxes) {
@@ -82,11 +82,11 @@ Bounds BoundsOf(const Scene& scene) {
   return {Lower({x.first, y.first, z.first}), Upper({x.second, y.second, z.second})};
 }
 
-/// What all four have in common: a box is given to Bullet where it has changed.
+/// The common part of all four: a box is passed to Bullet only if it has changed.
 class BulletBroadPhase : public Detector {
  public:
   ~BulletBroadPhase() override {
-    // Bullet looks through all pairs for each proxy that goes: none may be left then.
+    // Bullet searches all pairs for each proxy that is destroyed, so remove the pairs first.
     while (pairs_.getNumOverlappingPairs() > 0) {
       const btBroadphasePair& last =
           pairs_.getOverlappingPairArray()[pairs_.getNumOverlappingPairs() - 1];
@@ -101,7 +101,7 @@ class BulletBroadPhase : public Detector {
     proxies_.resize(scene.size);
     std::vector<Id> order(scene.size);
     std::iota(order.begin(), order.end(), Id{0});
-    // Boxes that come in order along a line would make a tree that is a list.
+    // Boxes in order along a line would degenerate the tree to a list.
     std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
     for (const Id body : order) {
       const Box& box = boxes_[body];
@@ -132,14 +132,14 @@ class BulletBroadPhase : public Detector {
     info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize = 1;
     return info;
   }()};
-  btCollisionDispatcher dispatcher_{&configuration_};  ///< never called; Bullet wants one
+  btCollisionDispatcher dispatcher_{&configuration_};  ///< never called, but required by Bullet
   ListedPairs pairs_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::vector<btBroadphaseProxy*> proxies_;
-  std::vector<Box> boxes_;  ///< as Bullet has them
+  std::vector<Box> boxes_;  ///< as last passed to Bullet
 };
 
-/// All of them write past their arrays when a body comes too many.
+/// The capacity: all of them write past their arrays if it is exceeded.
 int Room(const Scene& scene) { return std::max(static_cast<int>(scene.size), 1); }
 
 class Simple final : public BulletBroadPhase {
@@ -154,7 +154,7 @@ class Sap final : public BulletBroadPhase {
   std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
                                               btOverlappingPairCache& pairs) override {
     const Bounds bounds = BoundsOf(scene);
-    constexpr bool kWithoutRaycastTree = true;  // it has nothing to do with pairs
+    constexpr bool kWithoutRaycastTree = true;  // it is not needed for pairs
     return std::make_unique<Sweep>(bounds.lower, bounds.upper, static_cast<Handle>(Room(scene)),
                                    &pairs, kWithoutRaycastTree);
   }

@@ -15,7 +15,7 @@ bool IsBall(const Shape& shape) {
          shape.half.y == shape.half.z;
 }
 
-/// Takes down what an algorithm finds instead of keeping it.
+/// Records the contacts that an algorithm finds, instead of keeping them in a manifold.
 class Listener final : public btManifoldResult {
  public:
   Listener(const btCollisionObjectWrapper& a, const btCollisionObjectWrapper& b, const Pair& pair,
@@ -41,7 +41,7 @@ class BulletContacts final : public Detector {
         shapes_.push_back(std::make_unique<btSphereShape>(static_cast<btScalar>(shape.half.x)));
       } else if (shape.kind == ShapeKind::kBox) {
         shapes_.push_back(std::make_unique<btBoxShape>(ToBullet(shape.half)));
-        // A margin takes part in how half extents are rounded.
+        // The margin affects the rounding of half extents.
         shapes_.back()->setMargin(static_cast<btScalar>(
             std::min(0.04, std::min({shape.half.x, shape.half.y, shape.half.z}) / 10)));
       } else {

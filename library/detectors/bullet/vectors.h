@@ -1,4 +1,4 @@
-// Vectors of the detector interface and of Bullet.
+// Conversion of vectors between the detector interface and Bullet.
 #pragma once
 
 #include <LinearMath/btVector3.h>
@@ -7,7 +7,7 @@
 
 namespace cdb::bullet {
 
-/// Rounds where Bullet is in single precision.
+/// Rounds if Bullet is in single precision.
 inline btVector3 ToBullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
 }

@@ -28,8 +28,9 @@ Vector3d OnEllipsoid(const Vector3d& half, const Vector3d& direction) {
   return half.cwiseProduct(scaled) / length;
 }
 
-/// What a piece turns to a direction, seen along it: the corners of a polygon in order, which may
-/// be all in one line or place. Farthest points in directions a little to each side.
+/// The feature of a piece that faces a direction, seen along it: the corners of a polygon in order,
+/// all of which may be on one line or at one point. They are the farthest points in directions
+/// tilted a little to each side.
 constexpr int kCorners = 8;
 constexpr double kTilt = 1e-3;  // rad: a face so little askew counts as facing
 using Outline = std::array<Vector2d, kCorners>;
@@ -38,7 +39,7 @@ Outline OutlineOf(const PlacedPiece& piece, const Vector3d& towards, const Vecto
                   const Vector3d& v) {
   Outline outline;
   for (int i = 0; i < kCorners; ++i) {
-    // Off the axes, lest a box's face be ambiguous.
+    // Off the axes, so that a face of a box is not ambiguous.
     const double angle = (i + 0.3) * 2 * std::numbers::pi / kCorners;
     const Vector3d point =
         piece.Support(towards + kTilt * (std::cos(angle) * u + std::sin(angle) * v));
@@ -47,7 +48,7 @@ Outline OutlineOf(const PlacedPiece& piece, const Vector3d& towards, const Vecto
   return outline;
 }
 
-/// The point of the polygon that is nearest.
+/// The nearest point of the polygon.
 Vector2d Nearest(const Outline& outline, const Vector2d& point) {
   Vector2d best = outline[0];
   double least = std::numeric_limits<double>::infinity();
@@ -56,7 +57,7 @@ Vector2d Nearest(const Outline& outline, const Vector2d& point) {
     const Vector2d from = outline[i], side = outline[(i + 1) % kCorners] - from;
     const Vector2d to = point - from;
     const double square = side.squaredNorm();
-    if (square > 0) {  // several directions may meet one corner
+    if (square > 0) {  // several directions may share one corner
       has_side = true;
       is_inside = is_inside && side.x() * to.y() - side.y() * to.x() > 0;
     }
@@ -147,7 +148,7 @@ PlacedPiece::PlacedPiece(const Scene& scene, Id body, std::size_t of)
 Vector3d MeetingPoint(const PlacedPiece& a, const PlacedPiece& b, const Vector3d& normal) {
   const Vector3d u = normal.unitOrthogonal(), v = normal.cross(u);
   const Outline of_a = OutlineOf(a, -normal, u, v), of_b = OutlineOf(b, normal, u, v);
-  // From the middle of one to and fro: into what they share, or to where they are nearest.
+  // Alternating projections from the middle of one: to the common part, or to the nearest points.
   Vector2d point = Vector2d::Zero();
   for (const Vector2d& corner : of_a) point += corner / kCorners;
   constexpr int kRounds = 8;

@@ -29,7 +29,7 @@ Eigen::Vector3d PieceCentre(const Shape& shape, std::size_t piece);
 /// capsule is no taller than wide, it is an ellipsoid and this is 0.
 double StraightHalf(const Shape& shape);
 
-/// A piece in the world.
+/// A piece in world coordinates.
 struct PlacedPiece {
   const Shape* shape;
   std::size_t piece;

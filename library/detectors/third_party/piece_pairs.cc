@@ -24,7 +24,7 @@ void PiecePairs::Prepare(const Scene& scene) {
 }
 
 PiecePairs::FormId PiecePairs::FormOf(const Shape& shape) {
-  // Scenes have few shapes, or all of them are different: the last ones are tried first.
+  // Scenes have few shapes, or only different ones, so the most recent ones are tried first.
   constexpr std::size_t kTried = 64;
   const std::size_t first = forms_.size() > kTried ? forms_.size() - kTried : 0;
   for (FormId form = forms_.size(); form-- > first;)

@@ -14,11 +14,12 @@ namespace cdb::third_party {
 /// m: bodies within this distance get a contact (detector.h).
 inline constexpr double kNear = 0.02;
 
-/// Threads: one, as every detector.
+/// Threads: one, as for every detector.
 class PiecePairs : public Detector {
  public:
   void Prepare(const Scene& scene) final;
-  /// Refuses planes, surfaces, and every pair of a scene without shapes, which Bullet then handles.
+  /// False for planes, surfaces, and every pair of a scene without shapes; Bullet then handles
+  /// them.
   bool Handles(const Scene& scene, Id a, Id b) const final;
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) final;
@@ -35,7 +36,7 @@ class PiecePairs : public Detector {
   virtual bool Takes(const Shape& shape) const {
     return shape.kind != ShapeKind::kPlane && shape.kind != ShapeKind::kSurface;
   }
-  /// Called once for each form, in order from 0.
+  /// Called once for each form, numbered from 0.
   virtual void AddForm(const Shape& /*shape*/) {}
   /// Appends the contacts of two pieces.
   virtual void Touch(const Scene& scene, const Place& a, const Place& b,
@@ -63,7 +64,7 @@ class PiecePairs : public Detector {
     double radius;
   };
   FormId FormOf(const Shape& shape);
-  /// The pieces of the body that are near the box.
+  /// Gathers the pieces of the body that are near the box.
   void Gather(const Scene& scene, Id body, const Box& box, std::vector<PlacedBall>& near) const;
 
   std::vector<ConvexDecomposition> forms_;

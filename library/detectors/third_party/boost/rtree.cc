@@ -1,4 +1,4 @@
-// Boost.Geometry's R-tree, packed anew every cycle, and asked once for every body.
+// Boost.Geometry's R-tree, packed anew every cycle and queried once for every body.
 //
 // Source: S. Leutenegger et al., STR: a simple and efficient algorithm for R-tree packing, 1997.
 #include <boost/geometry.hpp>

@@ -1,8 +1,8 @@
-// libccd's two ways to tell how deep two convex pieces are in each other: GJK with an expanding
+// libccd's two algorithms for the penetration depth of two convex pieces: GJK with an expanding
 // polytope, and MPR (Minkowski portal refinement).
 //
-// libccd is silent about pieces that are apart: they are given a thin skin, which is taken off what
-// it answers. A skin adds its thickness to the depth and leaves the normal as it is.
+// libccd reports nothing for separate pieces, so they get a thin skin, which is subtracted from the
+// result. A skin adds its thickness to the depth and keeps the normal.
 // Source: D. Fiser, libccd 2.1; G. Snethen, XenoCollide, 2008.
 #include <ccd/ccd.h>
 
@@ -18,9 +18,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// libccd's tests against 0 are absolute. With balls 1 m wide its GJK is right; 20 m wide, it takes
-/// every third shallow overlap for a mere touch; 10 cm wide, it does not come back. So it counts in
-/// widths of the smaller piece, from that piece's place.
+/// libccd's tests against 0 are absolute. With balls 1 m wide its GJK is right; 20 m wide, it
+/// reports every third shallow overlap as a mere touch; 10 cm wide, it does not return. So lengths
+/// are in units of the width of the smaller piece, relative to its position.
 struct Frame {
   Vector3d origin;
   double unit;  ///< m
@@ -39,8 +39,8 @@ struct Skinned {
 Vector3d FromCcd(const ccd_vec3_t& v) { return {v.v[0], v.v[1], v.v[2]}; }
 void ToCcd(const Vector3d& from, ccd_vec3_t* to) { ccdVec3Set(to, from.x(), from.y(), from.z()); }
 
-/// Its polytope grows without a bound where rounding hides that it is done; from then on no point
-/// is farther than another, which ends it with the best so far.
+/// The polytope grows without bound if rounding hides convergence. Beyond this number of calls, no
+/// point is farther than another, which ends the search with the best result so far.
 constexpr int kMostQuestions = 2000;
 
 void Support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* farthest) {
@@ -79,7 +79,7 @@ class ConvexPairs final : public PiecePairs {
     const Frame frame = {.origin = (is_a_less ? of_a : of_b).Centre(), .unit = 2 * size};
     const Skinned first = {of_a, skin, &frame}, second = {of_b, skin, &frame};
     ccd_real_t depth = 0;
-    ccd_vec3_t out, at;  // `out`: which way the second has to move
+    ccd_vec3_t out, at;  // `out`: the direction in which the second has to move
     if (penetration_(&first, &second, &ccd_, &depth, &out, &at) != 0) return;
     const Vector3d normal = -FromCcd(out);
     const double distance = 2 * skin - depth * frame.unit;
@@ -87,12 +87,12 @@ class ConvexPairs final : public PiecePairs {
       Add(a, b, frame.Out(FromCcd(at)), normal,
           AreApart(of_a, of_b, frame) ? std::max(distance, 0.0) : distance, contacts);
     } else {
-      // Where GJK says that they meet is a mean of its polytope's corners.
+      // The position that GJK reports is a mean of the corners of its polytope.
       Add(a, b, MeetingPoint(of_a, of_b, normal), normal, distance, contacts);
     }
   }
 
-  /// Without the skin. MPR's depth is not the least one, and may be more than the skin's.
+  /// Without the skin. The depth of MPR is not minimal, and may exceed that of the skin.
   bool AreApart(const PlacedPiece& a, const PlacedPiece& b, const Frame& frame) const {
     frame.questions = 0;
     const Skinned first = {a, 0, &frame}, second = {b, 0, &frame};

@@ -12,10 +12,10 @@
 namespace cdb::third_party {
 namespace {
 
-/// Below so many boxes CGAL tests them one by one.
+/// With fewer boxes, CGAL tests them one by one.
 constexpr std::ptrdiff_t kCutoff = 400;
 
-/// What CGAL::Box_intersection_d::Box_traits_d asks of a box.
+/// The requirements of CGAL::Box_intersection_d::Box_traits_d on a box.
 struct Element {
   using NT = double;
   using ID = Id;

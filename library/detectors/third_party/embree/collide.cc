@@ -1,7 +1,7 @@
-// Embree's rtcCollide: a tree of boxes, built anew every cycle and crossed with itself.
+// Embree's rtcCollide: a tree of boxes, built anew every cycle and intersected with itself.
 //
-// Embree counts in float: boxes are rounded outwards for it, and what it finds is tested again as
-// it came, as Embree's manual asks of the callback.
+// Embree uses float: boxes are rounded outwards for it, and its results are tested again with the
+// original boxes, as Embree's manual requires of the callback.
 // Source: Embree 3.13 and 4.3, doc/src/api (rtcCollide).
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -53,7 +53,7 @@ class Collide final : public kernels::FiniteBoxes {
 
  private:
   void Build(const Scene&, std::span<const Id> bodies) override {
-    // Embree wants the geometry in its scene before its number of boxes changes.
+    // Embree requires the geometry to be in its scene before the number of boxes changes.
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_LOW);
@@ -87,12 +87,13 @@ class Collide final : public kernels::FiniteBoxes {
     bounds.upper_z = Above(upper.z);
   }
 
-  /// Comes from several threads at once where Embree has several.
+  /// Called from several threads at once if Embree uses several.
   static void Keep(void* data, RTCCollision* collisions, unsigned count) {
     auto* self = static_cast<Collide*>(data);
     const std::lock_guard lock(self->mutex_);
     for (const RTCCollision& found : std::span(collisions, count)) {
-      // A scene crossed with itself tells every pair from both sides, and each body with itself.
+      // A scene intersected with itself reports every pair from both sides, and each body with
+      // itself.
       if (found.primID0 >= found.primID1) continue;
       const Id a = self->bodies()[found.primID0], b = self->bodies()[found.primID1];
       if (Overlap(self->current_->boxes[a], self->current_->boxes[b]))

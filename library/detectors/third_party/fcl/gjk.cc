@@ -1,4 +1,4 @@
-// FCL's narrow phase on convex shapes: closed forms where it has them (balls, boxes), else GJK with
+// FCL's narrow phase on convex shapes: closed forms if available (balls, boxes), otherwise GJK with
 // an expanding polytope.
 //
 // Source: J. Pan, S. Chitta & D. Manocha, FCL, 2012; G. van den Bergen, Proximity queries and
@@ -27,7 +27,7 @@ namespace {
 using Eigen::Vector3d;
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
-/// A geometry and where it stands in the body's frame.
+/// A geometry and its pose in the body's frame.
 struct Part {
   Geometry geometry;
   fcl::Transform3d at = fcl::Transform3d::Identity();
@@ -43,7 +43,7 @@ Geometry ConvexOf(const Hull& hull) {
   return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(hull.faces.size()), faces);
 }
 
-/// FCL's stand along z.
+/// FCL's shapes stand along z.
 Part Upright(Geometry geometry, double middle) {
   Part part{.geometry = std::move(geometry)};
   part.at.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -129,11 +129,11 @@ class Gjk final : public PiecePairs {
       const Vector3d on_a = apart.nearest_points[0], on_b = apart.nearest_points[1];
       Add(a, b, (on_a + on_b) / 2, (on_a - on_b).stableNormalized(), apart.min_distance, contacts);
     } catch (const std::exception&) {
-      // Its GJK gives up on some poses, and says so in this way: the pair goes without a contact.
+      // FCL's GJK fails for some poses and reports it by an exception: the pair gets no contact.
     }
   }
 
-  /// FCL's place is in line with it, but anywhere between the two surfaces.
+  /// FCL's contact point is on the line of the contact, but anywhere between the two surfaces.
   static Vector3d Halfway(const Scene& scene, const Place& a, const Place& b,
                           const fcl::Contactd& contact) {
     const PlacedPiece of_a(scene, a.body, a.piece), of_b(scene, b.body, b.piece);

@@ -1,7 +1,7 @@
-// FCL's broad-phase managers, with objects that are boxes and nothing else.
+// FCL's broad-phase managers, with objects that are only boxes.
 //
-// SaPCollisionManager is not among them: over 30 cycles of 5000 dense boxes it lost a pair, and on
-// 20,000 about one point it crashed, on others did not come back (FCL 0.7).
+// SaPCollisionManager is not included: over 30 cycles of 5000 dense boxes it lost a pair; with
+// 20,000 boxes around one point it crashed, with others it did not return (FCL 0.7).
 // Source: J. Pan, S. Chitta & D. Manocha, FCL: A general purpose library for collision and
 // proximity queries, 2012.
 #include "library/detectors/third_party/fcl/managers.h"
@@ -32,7 +32,8 @@ Bounds BoundsOf(const Box& box) {
   return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
 }
 
-/// An object whose box is as told; FCL would make one from the shape's and the pose, which rounds.
+/// An object with a given box; FCL would compute one from the box of the shape and the pose, with
+/// rounding.
 class BoxObject final : public Object {
  public:
   BoxObject(const std::shared_ptr<fcl::CollisionGeometryd>& shape, Id body)
@@ -50,7 +51,7 @@ class FclBoxes : public kernels::FiniteBoxes {
 
  protected:
   virtual std::unique_ptr<Manager> Make(const std::vector<Object*>& objects) = 0;
-  /// After the objects' boxes have moved.
+  /// Called after the boxes of the objects have moved.
   virtual void Update(Manager& manager, const std::vector<Object*>&) { manager.update(); }
 
   void Renew() {
@@ -88,7 +89,7 @@ class FclBoxes : public kernels::FiniteBoxes {
   std::unique_ptr<Manager> manager_;
 };
 
-/// One that is told nothing of the scene.
+/// A manager that needs no data from the scene.
 template <typename T>
 class Plain final : public FclBoxes {
   std::unique_ptr<Manager> Make(const std::vector<Object*>&) override {
@@ -96,9 +97,9 @@ class Plain final : public FclBoxes {
   }
 };
 
-/// Where its tree is far from balanced, as bodies are in a few clusters, update() renumbers the
-/// leaves and lists the pairs of other bodies from then on (FCL 0.7): it balances by small steps
-/// only.
+/// If its tree is far from balanced, as with bodies in a few clusters, update() renumbers the
+/// leaves and lists the pairs of other bodies from then on (FCL 0.7); so it may balance only in
+/// small steps.
 class TreeArray final : public FclBoxes {
   std::unique_ptr<Manager> Make(const std::vector<Object*>&) override {
     auto manager = std::make_unique<fcl::DynamicAABBTreeCollisionManager_Array<double>>();
@@ -107,8 +108,8 @@ class TreeArray final : public FclBoxes {
   }
 };
 
-/// Its update() makes new intervals and forgets the old ones (192 bytes a body and cycle): it is
-/// filled anew instead, at the same cost.
+/// Its update() makes new intervals and leaks the old ones (192 bytes per body and cycle), so it is
+/// refilled instead, at the same cost.
 class IntervalTree final : public FclBoxes {
   std::unique_ptr<Manager> Make(const std::vector<Object*>&) override {
     return std::make_unique<fcl::IntervalTreeCollisionManagerd>();
@@ -120,8 +121,8 @@ class IntervalTree final : public FclBoxes {
   }
 };
 
-/// Wants the cell's size and the world's limits, beyond which it tests nothing: they are drawn
-/// around the bodies with room to move, and anew when one leaves them.
+/// Needs a cell size and the limits of the world, beyond which it tests nothing: the limits are set
+/// around the bodies with room to move, and again when a body leaves them.
 class SpatialHash final : public FclBoxes {
  public:
   SpatialHash() : FclBoxes(0x1p26) {}
@@ -138,8 +139,8 @@ class SpatialHash final : public FclBoxes {
       sum += side;
       longest = std::max(longest, side);
     }
-    // A body fills the cells that it touches: large ones must not fill too many, nor may the
-    // numbers of cells overflow.
+    // A body occupies all cells that it touches: large bodies must not occupy too many, and cell
+    // numbers must not overflow.
     const double extent = (all.max_ - all.min_).maxCoeff();
     const double cell = std::max({sum / static_cast<double>(objects.size()), longest / kMostCells,
                                   extent / kMostCellsAcross, 1e-3});

@@ -1,9 +1,9 @@
 // FCL's narrow phases on triangles: trees of boxes, of oriented boxes, of rectangle-swept spheres
-// and of k-DOPs, which find the triangles that cross.
+// and of k-DOPs, which find intersecting triangles.
 //
-// What FCL says of two triangles, how deep and which way, holds for the two alone. Of the normals
-// of all triangles that cross, the one is taken along which the pieces overlap the least. Source:
-// S. Gottschalk et al., OBBTree, 1996; E. Larsen et al., Fast proximity queries with swept sphere
+// FCL's depth and normal of two triangles hold for these two alone. Among the normals of all
+// intersecting triangles, the one along which the pieces overlap least is used. Source: S.
+// Gottschalk et al., OBBTree, 1996; E. Larsen et al., Fast proximity queries with swept sphere
 // volumes, 1999; J. Klosowski et al., Efficient collision detection using bounding volume
 // hierarchies of k-DOPs, 1998.
 #include <fcl/geometry/bvh/BVH_model.h>
@@ -36,7 +36,7 @@ struct Mesh {
     const fcl::Triangle& corners = triangles[triangle];
     return vertices[corners[(side + 1) % 3]] - vertices[corners[side]];
   }
-  /// Out of the piece.
+  /// Points out of the piece.
   Vector3d Normal(std::size_t triangle) const { return Side(triangle, 0).cross(Side(triangle, 1)); }
 };
 
@@ -47,8 +47,8 @@ Mesh MeshOf(const Hull& hull) {
   return mesh;
 }
 
-/// A shape that is round about y as its outline, from the lower end to the upper: how wide, of the
-/// half extents, and how high.
+/// A shape that is round about y, by its outline from the lower end to the upper: width, in half
+/// extents, and height.
 struct Ring {
   double width, y;
 };
@@ -76,7 +76,7 @@ Mesh RoundMesh(const Shape& shape) {
   const auto triangle = [&](std::size_t a, std::size_t b, std::size_t c) {
     mesh.triangles.emplace_back(a, b, c);
   };
-  std::size_t before = 0;  // the first of the ring below, or the lower end
+  std::size_t before = 0;  // index of the first corner of the ring below, or the lower end
   for (const Ring& ring : OutlineOf(shape)) {
     const std::size_t first = mesh.vertices.size();
     const std::size_t sides = ring.width > 0 ? kSides : 1;
@@ -104,7 +104,7 @@ Mesh RoundMesh(const Shape& shape) {
 
 Mesh BoxMesh(const Vec3& half) {
   Mesh mesh;
-  // Corner i is on the upper side of x where bit 0 is set, of y where bit 1, of z where bit 2.
+  // Corner i is on the upper side of x if bit 0 is set, of y if bit 1, of z if bit 2.
   for (const int corner : {0, 1, 2, 3, 4, 5, 6, 7})
     mesh.vertices.emplace_back((corner & 1) != 0 ? half.x : -half.x,
                                (corner & 2) != 0 ? half.y : -half.y,
@@ -119,10 +119,11 @@ Mesh MeshOf(const Shape& shape, std::size_t piece) {
   return shape.kind == ShapeKind::kBox ? BoxMesh(shape.half) : RoundMesh(shape);
 }
 
-/// More crossings tell little more.
+/// More intersections add little.
 constexpr std::size_t kMostCrossings = 200;
 
-/// `Volume`: what the tree is of. `tells_distance`: FCL can say how far two such trees are apart.
+/// `Volume`: the bounding volume of the tree. `tells_distance`: FCL can compute the distance of two
+/// such trees.
 template <typename Volume, bool tells_distance>
 class Trees final : public PiecePairs {
   using Model = fcl::BVHModel<Volume>;
@@ -152,7 +153,7 @@ class Trees final : public PiecePairs {
     return pose;
   }
 
-  /// How far the pieces reach into each other along `normal` (unit, from b to a).
+  /// The depth of the overlap of the pieces along `normal` (unit, from b to a).
   static double Overlap(const PlacedPiece& a, const PlacedPiece& b, const Vector3d& normal) {
     return normal.dot(b.Support(normal) - a.Support(-normal));
   }
@@ -168,7 +169,7 @@ class Trees final : public PiecePairs {
     Vector3d normal = Vector3d::Zero();
     const auto consider = [&](const Vector3d& way) {
       const Vector3d candidate = way.stableNormalized();
-      if (candidate.isZero()) return;  // no area, or parallel sides
+      if (candidate.isZero()) return;  // degenerate, or parallel sides
       const double overlap = Overlap(of_a, of_b, candidate);
       if (overlap >= least) return;
       least = overlap;
@@ -188,11 +189,11 @@ class Trees final : public PiecePairs {
     }
     if constexpr (tells_distance) {
       if (result.numContacts() == 0) {
-        // Meshes of round shapes lie inside them.
+        // Meshes of round shapes lie inside the shapes.
         const double bound = kNear + 0.01 * (BallOf(a).radius + BallOf(b).radius);
         normal = WayBetween(*first.model, at_a, *second.model, at_b, bound);
         if (normal.isZero()) return;
-        // Nor is the way between those quite the shortest.
+        // The line between the nearest points of the meshes is not exactly the shortest either.
         least = std::min(Overlap(of_a, of_b, normal), 0.0);
       }
     }
@@ -200,8 +201,8 @@ class Trees final : public PiecePairs {
       Add(a, b, MeetingPoint(of_a, of_b, normal), normal, -least, contacts);
   }
 
-  /// The triangles that cross. FCL's own function copies both trees of all kinds but oriented boxes
-  /// and refits the copies, for each pair; swept spheres need not be copied either.
+  /// Finds the intersecting triangles. For each pair, FCL's own function copies and refits both
+  /// trees, except trees of oriented boxes; swept spheres do not need to be copied either.
   static void Cross(const Model& first, const fcl::Transform3d& at_first, const Model& second,
                     const fcl::Transform3d& at_second, fcl::CollisionResultd& result) {
     const fcl::CollisionRequestd request(kMostCrossings, false);
@@ -214,8 +215,8 @@ class Trees final : public PiecePairs {
     }
   }
 
-  /// From the second to the first where they are nearest, 0 where they are farther apart than
-  /// `bound`: FCL looks for what is nearer than it knows already.
+  /// The unit vector from the second to the first at the nearest points; 0 if they are farther
+  /// apart than `bound`, which FCL uses as the initial minimum.
   static Vector3d WayBetween(const Model& first, const fcl::Transform3d& at_first,
                              const Model& second, const fcl::Transform3d& at_second, double bound) {
     const fcl::DistanceRequestd request(true);

@@ -1,6 +1,6 @@
-// ODE's collision spaces, with geometries that are boxes and nothing else.
+// ODE's collision spaces, with geometries that are only boxes.
 //
-// Source: R. Smith, Open Dynamics Engine 0.16, ode/src/collision_space.cpp and its kin.
+// Source: R. Smith, Open Dynamics Engine 0.16, ode/src/collision_space.cpp and related files.
 #include <ode/ode.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace cdb::third_party {
 namespace {
 
-/// What a geometry of ours remembers: where its box stands.
+/// The data of one of our geometries: the location of its box.
 struct Place {
   const Box* box;
 };
@@ -27,7 +27,7 @@ void GetBox(dGeomID geom, dReal bounds[6]) {
   std::ranges::copy(values, bounds);
 }
 
-/// ODE allows four classes of geometries in a process, hence one for all.
+/// ODE allows four user classes of geometries per process, so all spaces share one.
 int BoxClass() {
   static const int box_class = [] {
     if (!dCheckConfiguration("ODE_double_precision"))
@@ -45,7 +45,7 @@ bool IsSame(const Box& a, const Box& b) {
          a.upper.x == b.upper.x && a.upper.y == b.upper.y && a.upper.z == b.upper.z;
 }
 
-/// The smallest box around all, and the mean of the longest sides.
+/// The smallest box around all boxes, and the mean of their longest sides.
 struct Extent {
   Vec3 middle = {}, half = {};
   double mean_side = 0;
@@ -86,7 +86,7 @@ class Space : public kernels::FiniteBoxes {
     const int box_class = BoxClass();
     dAllocateODEDataForThread(dAllocateMaskAll);
     space_ = Make(scene, bodies);
-    dSpaceSetCleanup(space_, 1);  // the geometries go with it
+    dSpaceSetCleanup(space_, 1);  // destroys the geometries too
     boxes_.resize(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       boxes_[i] = scene.boxes[bodies[i]];
@@ -103,7 +103,7 @@ class Space : public kernels::FiniteBoxes {
       const Box& box = scene.boxes[bodies()[i]];
       if (IsSame(box, boxes_[i])) continue;
       boxes_[i] = box;
-      // Where to does not matter: it says that the box is another.
+      // The position does not matter; setting it marks the box as changed.
       dGeomSetPosition(geoms_[i], box.lower.x, box.lower.y, box.lower.z);
     }
     dSpaceCollide(space_, &pairs, [](void* data, dGeomID a, dGeomID b) {
@@ -126,7 +126,7 @@ class Space : public kernels::FiniteBoxes {
   std::vector<dGeomID> geoms_;
 };
 
-/// Cells of the hash are 2^k m; ODE counts them in int, hence how far they reach.
+/// The cells of the hash are 2^k m; ODE numbers them in int, which limits their range.
 constexpr int kLeastLevel = -3, kMostLevel = 30;
 
 class HashSpace final : public Space {
@@ -148,7 +148,8 @@ class SapSpace final : public Space {
 };
 
 class QuadtreeSpace final : public Space {
-  /// As deep as leaves about the bodies' size, or one body a leaf, whichever comes first.
+  /// Deep enough for leaves of about the size of the bodies, or one body per leaf, whichever is
+  /// less.
   dSpaceID Make(const Scene& scene, std::span<const Id> bodies) override {
     const Extent extent = ExtentOf(scene, bodies);
     const double side = 2 * std::max(extent.half.x, extent.half.y);
