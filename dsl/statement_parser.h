@@ -24,8 +24,8 @@ class StatementParser {
   void ParseItems(File& file);
 
  private:
-  /// A statement outside a benchmark is reported, one of a row of them, and dropped. True if the
-  /// end of the statement has been read as well.
+  /// Reports a statement outside a benchmark, once for consecutive ones, and drops it. True if the
+  /// end of the statement has been read too.
   bool DropOutsideBenchmark(const Token& token, bool& is_reported);
   Use ParseUse();
   /// For `let a, b = zip(…)` the first let; the others are then in `more_lets_`.

@@ -43,8 +43,8 @@ bool NeedsReference(const plan::Scene& scene);
 /// are recorded. Scenes that differ only in replaced settings share one reference.
 plan::Scene ReferenceOf(const plan::Scene& scene);
 
-/// The reference with every object's start moved by kNudge of its size: how far the two part shows
-/// how long the reference is sure of itself.
+/// The reference run from a perturbed start: every object with mass is moved by kPerturbation of
+/// its size. The distance between the two shows how long the reference can be trusted.
 plan::Scene PerturbedOf(plan::Scene reference);
 inline constexpr double kPerturbation = 1e-9;
 

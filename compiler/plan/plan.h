@@ -30,8 +30,8 @@ struct Group {
   bool operator==(const Group&) const = default;
 };
 
-/// What a run is for. Only measured runs stand on the grid; the others say what is true
-/// (compiler/reference.h).
+/// The purpose of a run. Only measured runs are on the grid; the others provide the ground truth
+/// (compiler/analysis/reference.h).
 enum class Role { kMeasured, kReference, kPerturbed };
 
 /// In plans: `measured`, `reference`, `twin`.
