@@ -42,23 +42,30 @@ class ListedPairs final : public btHashedOverlappingPairCache {
  public:
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
     btBroadphasePair* pair = btHashedOverlappingPairCache::addOverlappingPair(a, b);
-    if (static_cast<std::size_t>(getNumOverlappingPairs()) > list_.size())
+    if (static_cast<std::size_t>(getNumOverlappingPairs()) > list_.size()) {
       list_.push_back({std::min(IdOf(a), IdOf(b)), std::max(IdOf(a), IdOf(b))});
+      touched_.push_back(list_.back());
+    }
     return pair;
   }
   void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
                               btDispatcher* dispatcher) override {
     const btBroadphasePair* pair = findPair(a, b);
     if (pair == nullptr) return nullptr;
+    Pair& place = list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())];
+    touched_.push_back(place);
     // Bullet too puts the last pair where one leaves.
-    list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())] = list_.back();
+    place = list_.back();
     list_.pop_back();
     return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
   }
   const std::vector<Pair>& list() const { return list_; }
+  /// Pairs that were added or removed since Forget, some of them both.
+  const std::vector<Pair>& touched() const { return touched_; }
+  void Forget() { touched_.clear(); }
 
  private:
-  std::vector<Pair> list_;
+  std::vector<Pair> list_, touched_;
 };
 
 /// Where sweep and prune counts its steps from: the finite boxes, with room to move in.
@@ -97,6 +104,7 @@ class BulletBroadPhase : public Detector {
 
   void Prepare(const Scene& scene) override {
     broad_phase_ = Make(scene, pairs_);
+    is_listed_ = false;
     boxes_.assign(scene.boxes.begin(), scene.boxes.end());
     proxies_.resize(scene.size);
     std::vector<Id> order(scene.size);
@@ -113,6 +121,26 @@ class BulletBroadPhase : public Detector {
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    Update(scene);
+    pairs = pairs_.list();
+    pairs_.Forget();
+    is_listed_ = true;
+  }
+
+  bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
+    if (!is_listed_) return Detector::FindChanges(scene, came, went);
+    Update(scene);
+    for (const Pair& pair : pairs_.touched())
+      (pairs_.findPair(proxies_[pair.a], proxies_[pair.b]) != nullptr ? came : went)
+          .push_back(pair);
+    pairs_.Forget();
+    return true;
+  }
+
+ private:
+  virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
+                                                      btOverlappingPairCache& pairs) = 0;
+  void Update(const Scene& scene) {
     for (Id body = 0; body < scene.size; ++body) {
       const Box& box = scene.boxes[body];
       if (std::memcmp(&box, &boxes_[body], sizeof box) == 0) continue;
@@ -120,12 +148,7 @@ class BulletBroadPhase : public Detector {
       broad_phase_->setAabb(proxies_[body], Lower(box.lower), Upper(box.upper), &dispatcher_);
     }
     broad_phase_->calculateOverlappingPairs(&dispatcher_);
-    pairs = pairs_.list();
   }
-
- private:
-  virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
-                                                      btOverlappingPairCache& pairs) = 0;
 
   btDefaultCollisionConfiguration configuration_{[] {
     btDefaultCollisionConstructionInfo info;
@@ -137,6 +160,7 @@ class BulletBroadPhase : public Detector {
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::vector<btBroadphaseProxy*> proxies_;
   std::vector<Box> boxes_;  ///< as Bullet has them
+  bool is_listed_ = false;  ///< all pairs were, since Prepare
 };
 
 /// All of them write past their arrays when a body comes too many.

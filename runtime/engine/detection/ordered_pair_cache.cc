@@ -73,6 +73,14 @@ void OrderedPairCache::Remove(std::span<const Pair> pairs, btDispatcher* dispatc
   }
 }
 
+std::vector<Pair> OrderedPairCache::List() const {
+  std::vector<Pair> list;
+  list.reserve(static_cast<std::size_t>(pairs_.size()));
+  for (int i = 0; i < pairs_.size(); ++i)
+    list.push_back({IdOf(pairs_[i].m_pProxy0), IdOf(pairs_[i].m_pProxy1)});
+  return list;
+}
+
 void OrderedPairCache::RemoveAt(std::size_t slot, btDispatcher* dispatcher) {
   is_sorted_ = false;
   const std::uint32_t place = slots_[slot].place;

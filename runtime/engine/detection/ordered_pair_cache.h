@@ -26,6 +26,8 @@ class OrderedPairCache final : public btOverlappingPairCache {
   void Remove(std::span<const Pair> pairs, btDispatcher* dispatcher);
   bool Has(std::uint32_t a, std::uint32_t b) const { return slots_[Find(KeyOf(a, b))].key != 0; }
 
+  std::vector<Pair> List() const;
+
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override;
   void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
                               btDispatcher* dispatcher) override;

@@ -96,6 +96,31 @@ bool PairChanges::Update(const Scene& scene, std::vector<Pair>& found,
   return !came_.empty() || !went_.empty();
 }
 
+bool PairChanges::Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went,
+                       const std::function<bool(const Pair&)>& is_kept) {
+  PutInShape(scene, came);
+  PutInShape(scene, went);
+  is_list_known_ = false;
+  const auto settle = [](std::vector<Pair>& pairs, const auto& is_no_change) {
+    std::erase_if(pairs, is_no_change);
+    std::ranges::sort(pairs);
+    const auto repeated = std::ranges::unique(pairs);
+    pairs.erase(repeated.begin(), repeated.end());
+  };
+  settle(came,
+         [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b) || is_kept(pair); });
+  settle(went, [&](const Pair& pair) { return !is_kept(pair); });
+  came_.swap(came);
+  went_.swap(went);
+  return !came_.empty() || !went_.empty();
+}
+
+void PairChanges::SetList(std::vector<Pair> pairs) {
+  listed_ = std::move(pairs);
+  is_list_known_ = true;
+  is_sorted_known_ = false;
+}
+
 /// Puts what is not common to both lists, in the same order, into moved_in_ and moved_out_. False
 /// if that is too much.
 bool PairChanges::CollectMoved(const std::vector<Pair>& found) {
