@@ -7,7 +7,6 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <random>
 
 namespace cdb::bullet {
@@ -105,17 +104,15 @@ class BulletBroadPhase : public Detector {
   void Prepare(const Scene& scene) override {
     broad_phase_ = Make(scene, pairs_);
     is_listed_ = false;
-    boxes_.assign(scene.boxes.begin(), scene.boxes.end());
+    bodies_.resize(scene.size);
     proxies_.resize(scene.size);
-    std::vector<Id> order(scene.size);
-    std::iota(order.begin(), order.end(), Id{0});
+    for (Id body = 0; body < scene.size; ++body) bodies_[body] = {scene.boxes[body], nullptr, body};
     // Boxes that come in order along a line would make a tree that is a list.
-    std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
-    for (const Id body : order) {
-      const Box& box = boxes_[body];
-      const Filter& filter = scene.filters[body];
-      proxies_[body] = broad_phase_->createProxy(
-          Lower(box.lower), Upper(box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body),
+    std::shuffle(bodies_.begin(), bodies_.end(), std::mt19937_64(1));
+    for (Body& body : bodies_) {
+      const Filter& filter = scene.filters[body.id];
+      proxies_[body.id] = body.proxy = broad_phase_->createProxy(
+          Lower(body.box.lower), Upper(body.box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body.id),
           static_cast<int>(filter.group), static_cast<int>(filter.mask), &dispatcher_);
     }
   }
@@ -138,14 +135,25 @@ class BulletBroadPhase : public Detector {
   }
 
  private:
+  struct Body {
+    Box box;  ///< as Bullet has it
+    btBroadphaseProxy* proxy;
+    Id id;
+  };
+
   virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
                                                       btOverlappingPairCache& pairs) = 0;
   void Update(const Scene& scene) {
-    for (Id body = 0; body < scene.size; ++body) {
-      const Box& box = scene.boxes[body];
-      if (std::memcmp(&box, &boxes_[body], sizeof box) == 0) continue;
-      boxes_[body] = box;
-      broad_phase_->setAabb(proxies_[body], Lower(box.lower), Upper(box.upper), &dispatcher_);
+    constexpr std::size_t kAhead = 8;  // bodies whose boxes are fetched
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+#if defined(__GNUC__)
+      if (i + kAhead < bodies_.size()) __builtin_prefetch(&scene.boxes[bodies_[i + kAhead].id]);
+#endif
+      Body& body = bodies_[i];
+      const Box& box = scene.boxes[body.id];
+      if (std::memcmp(&box, &body.box, sizeof box) == 0) continue;
+      body.box = box;
+      broad_phase_->setAabb(body.proxy, Lower(box.lower), Upper(box.upper), &dispatcher_);
     }
     broad_phase_->calculateOverlappingPairs(&dispatcher_);
   }
@@ -158,9 +166,9 @@ class BulletBroadPhase : public Detector {
   btCollisionDispatcher dispatcher_{&configuration_};  ///< never called; Bullet wants one
   ListedPairs pairs_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
-  std::vector<btBroadphaseProxy*> proxies_;
-  std::vector<Box> boxes_;  ///< as Bullet has them
-  bool is_listed_ = false;  ///< all pairs were, since Prepare
+  std::vector<Body> bodies_;                 ///< in the order in which Bullet has them in memory
+  std::vector<btBroadphaseProxy*> proxies_;  ///< by id
+  bool is_listed_ = false;                   ///< all pairs were, since Prepare
 };
 
 /// All of them write past their arrays when a body comes too many.

@@ -87,14 +87,15 @@ void AdapterBroadPhase::aabbTest(const btVector3& lower, const btVector3& upper,
 bool AdapterBroadPhase::FindChanges(const Scene& scene) {
   found_.clear();
   lost_.clear();
+  const auto is_kept = [this](const Pair& pair) { return cache_.Has(pair); };
   if (keeps_list_) {
     detector_.detector->FindPairs(scene, found_);
     list_ = found_;
   } else if (detector_.detector->FindChanges(scene, found_, lost_)) {
-    return changes_.Take(scene, found_, lost_);
+    return changes_.Take(scene, found_, lost_, is_kept);
   }
   if (!changes_.knows_list()) changes_.SetList(cache_.List());
-  return changes_.Update(scene, found_, [this](const Pair& pair) { return cache_.Has(pair); });
+  return changes_.Update(scene, found_, is_kept);
 }
 
 void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {

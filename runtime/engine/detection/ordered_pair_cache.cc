@@ -236,12 +236,24 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
                                                   const btDispatcherInfo& info) {
   if (!info.m_deterministicOverlappingPairs)
     return processAllOverlappingPairs(callback, dispatcher);
-  for (auto row = rows_.rbegin(); row != rows_.rend(); ++row)
-    for (std::uint32_t i = row->begin + row->size; i > row->begin; --i) {
-      btBroadphasePair& pair = pairs_[static_cast<int>(entries_[i - 1].place)];
-      const bool is_removed = callback->processOverlap(pair);
+  const auto entries = [this](std::size_t row) {
+    return std::span(entries_).subspan(rows_[row].begin, rows_[row].size);
+  };
+  const auto pair_at = [this](const Entry& entry) -> btBroadphasePair& {
+    return pairs_[static_cast<int>(entry.place)];
+  };
+  // Rows are short: the next but one is fetched, and what Bullet keeps of the next.
+  for (std::size_t row = rows_.size(); row-- > 0;) {
+    if (row > 1)
+      for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry));
+    if (row > 0)
+      for (const Entry& entry : entries(row - 1)) Prefetch(pair_at(entry).m_algorithm);
+    const std::span<Entry> own = entries(row);
+    for (auto entry = own.rbegin(); entry != own.rend(); ++entry) {
+      const bool is_removed = callback->processOverlap(pair_at(*entry));
       CDB_CHECK(!is_removed);  // nobody who asks for this order removes
     }
+  }
 }
 
 }  // namespace cdb::detection

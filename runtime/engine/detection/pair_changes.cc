@@ -96,11 +96,14 @@ bool PairChanges::Update(const Scene& scene, std::vector<Pair>& found,
   return !came_.empty() || !went_.empty();
 }
 
-bool PairChanges::Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) {
+bool PairChanges::Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went,
+                       const std::function<bool(const Pair&)>& is_kept) {
   PutInShape(scene, came);
   PutInShape(scene, went);
   is_list_known_ = false;
   std::erase_if(came, [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); });
+  // As many come as go, unless a detector lists most that are kept: they need not be sorted.
+  if (came.size() > 2 * went.size() + kFewMoved) std::erase_if(came, is_kept);
   for (std::vector<Pair>* pairs : {&came, &went}) {
     Sort(scene, *pairs);
     const auto repeated = std::ranges::unique(*pairs);

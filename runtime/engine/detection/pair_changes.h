@@ -24,7 +24,8 @@ class PairChanges {
 
   /// The same for changes that a detector lists (Detector::FindChanges): as `came` may have pairs
   /// that are kept, and `went` others, so may those below. The list is unknown afterwards.
-  bool Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went);
+  bool Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went,
+            const std::function<bool(const Pair&)>& is_kept);
   /// Required before Update if not: the pairs that are kept.
   bool knows_list() const { return is_list_known_; }
   void SetList(std::vector<Pair> pairs);

@@ -38,7 +38,7 @@ class Kept {
     return Apply(changes_.Update(scene, found, is_kept_));
   }
   void Take(const Scene& scene, std::vector<Pair> came, std::vector<Pair> went) {
-    changes_.Take(scene, came, went);
+    changes_.Take(scene, came, went, is_kept_);
     for (const Pair& pair : changes_.went()) pairs_.erase(pair);
     pairs_.insert(changes_.came().begin(), changes_.came().end());
   }
