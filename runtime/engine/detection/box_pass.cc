@@ -18,7 +18,7 @@ namespace {
 /// Bullet's limit of the square of a box's diagonal, m^2; sides of a box that is surely within.
 constexpr btScalar kMostDiagonal2 = btScalar(1e12), kSafeSide = btScalar(5e5);
 /// Bodies ahead of the one at work whose poses are fetched.
-constexpr std::size_t kAhead = 6;
+constexpr std::size_t kAhead = 20;
 
 /// The local boxes of shapes that keep them to themselves.
 class PieceBox : public btPolyhedralConvexAabbCachingShape {
