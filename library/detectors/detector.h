@@ -139,6 +139,17 @@ class Detector {
   /// on entry. Pairs that Scene::MayCollide refuses may be listed; they are dropped.
   virtual void FindPairs(const Scene&, std::vector<Pair>& /*pairs*/) {}
 
+  /// The same for callers that keep the pairs from cycle to cycle, such as Bullet's pair cache; for
+  /// detectors that know the changes. Returns false if `came` has all pairs, as by FindPairs, and
+  /// true if it has those that overlap and did not in the last call of either function; then `went`
+  /// has those that did and do not. `came` may have more pairs that overlap, and `went` more that
+  /// do not. Both are empty on entry.
+  virtual bool FindChanges(const Scene& scene, std::vector<Pair>& came,
+                           std::vector<Pair>& /*went*/) {
+    FindPairs(scene, came);
+    return false;
+  }
+
   /// Whether this narrow phase handles the pair. Called once for each new pair; Bullet's narrow
   /// phase handles the others; leave a kSurface to it.
   virtual bool Handles(const Scene&, Id /*a*/, Id /*b*/) const { return true; }
@@ -154,7 +165,7 @@ class Detector {
 // A shared library of detectors.
 
 /// Incremented with every change of the declarations in this file.
-inline constexpr std::uint32_t kDetectorAbi = 3;
+inline constexpr std::uint32_t kDetectorAbi = 4;
 
 enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs

@@ -36,20 +36,33 @@ class Auto final : public Detector {
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    if (scene.size <= kFew) return sweep_.FindPairs(scene, pairs);
+    InUse(scene).FindPairs(scene, pairs);
+    Learn(scene);
+  }
+  // Whoever takes over from another knows no last call and lists all pairs.
+  bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
+    const bool are_changes = InUse(scene).FindChanges(scene, came, went);
+    Learn(scene);
+    return are_changes;
+  }
+
+ private:
+  Detector& InUse(const Scene& scene) {
+    if (scene.size <= kFew) return sweep_;
+    return left_ > 0 ? *other_ : skin_;
+  }
+  /// From the call that has just ended.
+  void Learn(const Scene& scene) {
+    if (scene.size <= kFew) return;
     if (left_ > 0) {
-      other_->FindPairs(scene, pairs);
       if (--left_ == 0) skin_.Forget();
       return;
     }
-    skin_.FindPairs(scene, pairs);
     ++trial_;
     const bool is_hopeless = trial_ >= kShortTrial && (skin_.MeanOccupancy() > 16 * kCrowded ||
                                                        skin_.Cost() > 3 * skin_.GridCost());
     if (is_hopeless || trial_ >= kTrial) Judge(scene);
   }
-
- private:
   void Judge(const Scene& scene) {
     trial_ = 0;
     if (to_skip_ > 0) {

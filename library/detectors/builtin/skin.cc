@@ -46,6 +46,11 @@ constexpr unsigned kSeen = 1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+bool Overlap(const kernels::FatBox& fat, const Box& box) {
+  return fat.lower[0] <= box.upper.x && box.lower.x <= fat.upper[0] &&
+         fat.lower[1] <= box.upper.y && box.lower.y <= fat.upper[1] &&
+         fat.lower[2] <= box.upper.z && box.lower.z <= fat.upper[2];
+}
 bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
   for (int axis = 0; axis < 3; ++axis)
     if (!(a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis])) return false;
@@ -107,17 +112,19 @@ Skin::Skin(const Options& options, const kernels::Kernels& kernels)
       parts_(options.threads),
       list_(std::make_unique<SkinList>(kernels)),
       builder_(kernels, parts_),
-      untracked_grid_(kernels) {}
+      untracked_grid_(kernels),
+      changes_(parts_) {}
 
 void Skin::Prepare(const Scene& scene) {
   bodies_.Learn(scene);
-  is_built_ = sleeps_ = false;
+  Forget();
   list_->Reserve(scene, bodies_.movers());
   builder_.Prepare(scene, bodies_.movers());
-  last_cost_ = last_tried_ = 0;
+  last_tried_ = 0;
 }
 
-void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
+/// Makes the list fit the boxes; false if the pairs are those of the last call.
+bool Skin::Follow(const Scene& scene) {
   if (scene.size != list_->past.boxes.size()) Prepare(scene);
   bodies_.MeasureRoom(scene);
   work_ = 0;
@@ -125,31 +132,53 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   const bool still_sleeps = StillSleeps(scene);
   if (is_built_) {
     ++age_;
-    if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) {
-      parts_.AppendTo(pairs);
-      return;
-    }
+    if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) return false;
     BuildAhead(scene);
     if (!TrackEscaped(scene)) MakeList(scene);
+    FollowWalls(scene);
   } else {
     MakeList(scene);
   }
-  if (!AreSame(bodies_.room(), room_)) FindNearWalls();
-  const std::span<const Pair> all = list_->candidates.pairs();
   const double cost = kCheckCost * static_cast<double>(bodies_.movers()) +
-                      kTestCost * static_cast<double>(all.size());
+                      kTestCost * static_cast<double>(list_->candidates.size());
   cost_ += cost;
   work_ += cost;
   pairs_are_of_past_ = age_ == 0 && IsUnchanged(scene);
-  parts_.Run(all.size() / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-    const std::size_t begin = all.size() * part / parts, end = all.size() * (part + 1) / parts;
-    kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
-  });
-  if (untracked_ > 0) AppendUntracked(scene, untracked_, parts_.last());
-  bodies_.MeetBounds(scene, near_walls_, parts_.last());
-  bodies_.MeetOthers(scene, kernels_, parts_.last());
   last_room_ = bodies_.room();
+  return true;
+}
+
+void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
+  if (Follow(scene) || !parts_are_pairs_) {
+    const std::span<const Pair> all = list_->candidates.pairs();
+    const std::size_t size = all.size();
+    parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+      const std::size_t begin = size * part / parts, end = size * (part + 1) / parts;
+      kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
+    });
+    AppendRest(scene, parts_.last());
+    found_ = parts_.size();
+    parts_are_pairs_ = true;
+  }
+  changes_.Forget();
   parts_.AppendTo(pairs);
+}
+
+bool Skin::FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) {
+  if (!Follow(scene) && changes_.knows_last()) return true;
+  parts_are_pairs_ = false;
+  rest_.Clear();
+  AppendRest(scene, rest_);
+  const bool are_changes =
+      changes_.Find(scene, kernels_, list_->candidates.pairs(), rest_.pairs(), came, went);
+  found_ = changes_.size();
+  return are_changes;
+}
+
+/// Pairs that are no candidates. Those of walls are mostly the same in each cycle: they come first.
+void Skin::AppendRest(const Scene& scene, kernels::PairBuffer& pairs) {
+  bodies_.MeetOthers(scene, kernels_, pairs);
+  if (untracked_ > 0) AppendUntracked(scene, pairs);
 }
 
 /// In how many cycles this list will be over, by its age or as boxes escape.
@@ -276,8 +305,8 @@ bool Skin::Regrow(const Scene& scene, Id id) {
     return false;
   }
   ++regrowths_[id];
-  if (LiesInside(old, room_) && !LiesInside(*larger, room_)) near_walls_.push_back(id);
   fat[id] = *larger;
+  AddWallsOf(scene, id, &old);
   // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
   for (const auto& [self, other] : near)
     if (!Overlap(old, fat[other]) && scene.MayCollide(id, other))
@@ -298,29 +327,28 @@ std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
 
 // What untracked bodies have to add are pairs whose fat boxes do not overlap. Other untracked
 // bodies are met apart: they are not where their fat boxes are.
-void Skin::AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs) {
+void Skin::AppendUntracked(const Scene& scene, kernels::PairBuffer& pairs) {
   const std::vector<kernels::FatBox>& fat = list_->fat;
-  const auto put = [&](Id a, Id b) {
-    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat[a], fat[b]) &&
+  const std::span<const Id> untracked = std::span(escaped_).first(untracked_);
+  const auto put = [&](Id a, Id b, const auto& other_fat) {
+    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat[a], other_fat) &&
         scene.MayCollide(a, b))
       pairs.Add(Ordered(a, b));
   };
   untracked_boxes_.clear();
-  for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 1;
-  for (std::size_t i = 0; i < count; ++i)  // of the others it is known whether they are near
-    if (LiesInside(fat[escaped_[i]], room_))
-      bodies_.MeetBounds(scene, std::span(escaped_).subspan(i, 1), pairs);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Box& box = scene.boxes[escaped_[i]];
+  for (const Id id : untracked) is_untracked_[id] = 1;
+  for (const Id id : untracked) {
+    const Box& box = scene.boxes[id];
     untracked_boxes_.push_back(box);
-    for (const auto& [self, other] : Near(kernels::Around(box, kernels_), escaped_[i]))
-      if (!is_untracked_[other]) put(self, other);
+    for (const Id wall : bodies_.bounds()) put(id, wall, scene.boxes[wall]);
+    for (const auto& [self, other] : Near(kernels::Around(box, kernels_), id))
+      if (!is_untracked_[other]) put(self, other, fat[other]);
   }
-  for (std::size_t i = 0; i < count; ++i) is_untracked_[escaped_[i]] = 0;
+  for (const Id id : untracked) is_untracked_[id] = 0;
   raw_.Clear();
-  untracked_grid_.Build(untracked_boxes_.data(), count);
+  untracked_grid_.Build(untracked_boxes_.data(), untracked_);
   untracked_grid_.QueryPart(0, 1, raw_.sink());
-  for (const Pair& pair : raw_.pairs()) put(escaped_[pair.a], escaped_[pair.b]);
+  for (const auto& [a, b] : raw_.pairs()) put(untracked[a], untracked[b], fat[untracked[b]]);
 }
 
 /// A whole list in this cycle.
@@ -336,9 +364,11 @@ void Skin::MakeList(const Scene& scene) {
 void Skin::UseNewList(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   if (is_built_ && age_ > 0) last_cost_ = cost_ / age_;
+  changes_.Replace(list_->candidates.pairs());
   builder_.Take(list_);
   std::copy(scene.boxes.begin() + static_cast<std::ptrdiff_t>(movers), scene.boxes.end(),
             list_->past.boxes.begin() + static_cast<std::ptrdiff_t>(movers));
+  AddWalls(scene);
   made_ = list_->candidates.size();
   age_ = 0;
   is_built_ = true;
@@ -347,7 +377,6 @@ void Skin::UseNewList(const Scene& scene) {
   escaped_.resize(movers);
   regrowths_.assign(movers, 0);
   is_untracked_.assign(movers, 0);
-  FindNearWalls();
   cost_ = making_cost_ =
       (kListCost + kOccupancyCost *
                        (list_->grid.MeanOccupancy() + static_cast<double>(list_->grid.TooLong()))) *
@@ -355,12 +384,38 @@ void Skin::UseNewList(const Scene& scene) {
       kListedCost * static_cast<double>(made_);
 }
 
-void Skin::FindNearWalls() {
-  room_ = bodies_.room();
-  near_walls_.clear();
-  if (!bodies_.has_bounds()) return;
-  for (Id id = 0; id < bodies_.movers(); ++id)
-    if (!LiesInside(list_->fat[id], room_)) near_walls_.push_back(id);
+/// Replaces the candidates with walls if these have moved.
+void Skin::FollowWalls(const Scene& scene) {
+  const std::size_t movers = bodies_.movers();
+  const std::span<const Box> walls = scene.boxes.subspan(movers);
+  const std::span<Box> past = std::span(list_->past.boxes).subspan(movers);
+  if (walls.empty() || std::memcmp(walls.data(), past.data(), walls.size_bytes()) == 0) return;
+  std::ranges::copy(walls, past.begin());
+  kernels::PairBuffer& candidates = list_->candidates;
+  changes_.Replace(candidates.pairs());
+  const auto rest = std::ranges::remove_if(candidates.pairs(),
+                                           [&](const Pair& pair) { return pair.b >= movers; });
+  candidates.Cut(candidates.size() - rest.size());
+  AddWalls(scene);
+  made_ = std::min(made_, candidates.size());
+}
+
+void Skin::AddWalls(const Scene& scene) {
+  if (bodies_.bounds().empty()) return;
+  for (Id id = 0; id < bodies_.movers(); ++id) AddWallsOf(scene, id, nullptr);
+}
+
+/// Adds the walls that bound the room and overlap the body's fat box, but not those that overlap
+/// `known`.
+void Skin::AddWallsOf(const Scene& scene, Id id, const kernels::FatBox* known) {
+  const kernels::FatBox& fat = list_->fat[id];
+  if (LiesInside(fat, bodies_.room())) return;
+  for (const Id wall : bodies_.bounds()) {
+    const Box& box = scene.boxes[wall];
+    if (Overlap(fat, box) && (known == nullptr || !Overlap(*known, box)) &&
+        scene.MayCollide(id, wall))
+      list_->candidates.Add({id, wall});
+  }
 }
 
 double Skin::Cost() const {
@@ -372,7 +427,7 @@ double Skin::GridCost() const {
   const kernels::BoxGrid& grid = list_->grid;
   const double occupancy = grid.MeanOccupancy() + static_cast<double>(grid.TooLong());
   return kGridCost + kOccupancyCost * occupancy +
-         kListedCost * static_cast<double>(parts_.size()) / static_cast<double>(bodies_.movers());
+         kListedCost * static_cast<double>(found_) / static_cast<double>(bodies_.movers());
 }
 
 // A longer list costs less to make a cycle and more to test.

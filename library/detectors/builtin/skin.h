@@ -5,8 +5,9 @@
 // only the candidates are tested, in double. The few escaped boxes get larger fat boxes, whose
 // pairs are looked up in the grid and added to the candidates; those that escape again are
 // untracked and looked up in every cycle. Once this has cost as much as a new list, the list is
-// rebuilt. If no box has changed since the list was made, or all bodies sleep, the pairs are the
-// same as before.
+// rebuilt. The walls that bound the room are candidates of the bodies whose fat boxes reach them.
+// If no box has changed since the list was made, or all bodies sleep, the pairs are the same as
+// before.
 //
 // The lifetime of a list is learnt: other lifetimes are tried and the better one is kept, judged by
 // the number of tests, not by time, so that the same motion yields the same list in the same order.
@@ -18,7 +19,7 @@
 // at once.
 //
 // Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 380 bytes
-// a body and 16 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
+// a body and 17 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
 // use Options::threads; the pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
@@ -27,6 +28,7 @@
 #include <span>
 #include <vector>
 
+#include "library/detectors/builtin/skin_changes.h"
 #include "library/detectors/builtin/skin_list.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels/bodies.h"
@@ -42,6 +44,7 @@ class Skin final : public Detector {
 
   void Prepare(const Scene& scene) override;
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
+  bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override;
 
   /// Cost of a body per cycle of the last list, including building it, or of this list so far if
   /// that is less; GridCost: its cost with `grid`. In nanoseconds of a typical machine.
@@ -57,9 +60,12 @@ class Skin final : public Detector {
     is_built_ = sleeps_ = false;
     last_cost_ = 0;
     builder_.Cancel();
+    changes_.Forget();
   }
 
  private:
+  bool Follow(const Scene& scene);
+  void AppendRest(const Scene& scene, kernels::PairBuffer& pairs);
   void MakeList(const Scene& scene);
   void BuildAhead(const Scene& scene);
   std::size_t FindEscaped(const Scene& scene);
@@ -67,10 +73,12 @@ class Skin final : public Detector {
   void LearnCost(double life);
   void UseNewList(const Scene& scene);
   double CyclesLeft() const;
-  void FindNearWalls();
+  void FollowWalls(const Scene& scene);
+  void AddWalls(const Scene& scene);
+  void AddWallsOf(const Scene& scene, Id id, const kernels::FatBox* known);
   bool Regrow(const Scene& scene, Id id);
   std::size_t RegrowEscaped(const Scene& scene, std::size_t count);
-  void AppendUntracked(const Scene& scene, std::size_t count, kernels::PairBuffer& pairs);
+  void AppendUntracked(const Scene& scene, kernels::PairBuffer& pairs);
   std::span<const Pair> Near(const kernels::FatBox& box, Id id);
   bool IsUnchanged(const Scene& scene) const;
   bool StillSleeps(const Scene& scene);
@@ -83,7 +91,8 @@ class Skin final : public Detector {
   kernels::BoxGrid untracked_grid_;
 
   bool is_built_ = false;
-  bool pairs_are_of_past_ = false;  ///< parts_ holds the pairs of the boxes in list_->past
+  bool pairs_are_of_past_ = false;  ///< the last call's pairs are those of the boxes in list_->past
+  bool parts_are_pairs_ = false;    ///< parts_ holds the last call's pairs
   bool sleeps_ = false;             ///< all movers were asleep in the last call
   Box last_room_ = {};              ///< in the last call
   std::uint32_t cycle_ = 0;
@@ -91,15 +100,14 @@ class Skin final : public Detector {
   double building_share_ = 0;  ///< of the work of a cycle, that building the next list may add
   std::uint32_t begin_ = 0;    ///< the cycle from which the next one is to be used
 
-  Box room_ = {};               ///< between the walls, when near_walls_ were found
-  std::vector<Id> near_walls_;  ///< movers whose fat boxes do not lie inside it
-
   std::size_t made_ = 0;  ///< candidates when the list was made
   std::vector<Id> escaped_;
   std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
   std::vector<Box> untracked_boxes_;
   std::size_t untracked_ = 0;  ///< of the last cycle
-  kernels::PairBuffer raw_;
+  kernels::PairBuffer raw_, rest_;
+  SkinChanges changes_;
+  std::size_t found_ = 0;  ///< pairs of the last cycle
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
   bool gets_longer_ = true;           ///< the lifetime, by this factor

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <random>
 
 namespace cdb::bullet {
@@ -42,23 +41,30 @@ class ListedPairs final : public btHashedOverlappingPairCache {
  public:
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override {
     btBroadphasePair* pair = btHashedOverlappingPairCache::addOverlappingPair(a, b);
-    if (static_cast<std::size_t>(getNumOverlappingPairs()) > list_.size())
+    if (static_cast<std::size_t>(getNumOverlappingPairs()) > list_.size()) {
       list_.push_back({std::min(IdOf(a), IdOf(b)), std::max(IdOf(a), IdOf(b))});
+      touched_.push_back(list_.back());
+    }
     return pair;
   }
   void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
                               btDispatcher* dispatcher) override {
     const btBroadphasePair* pair = findPair(a, b);
     if (pair == nullptr) return nullptr;
+    Pair& place = list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())];
+    touched_.push_back(place);
     // Bullet also moves the last pair to the position of a removed one.
-    list_[static_cast<std::size_t>(pair - getOverlappingPairArrayPtr())] = list_.back();
+    place = list_.back();
     list_.pop_back();
     return btHashedOverlappingPairCache::removeOverlappingPair(a, b, dispatcher);
   }
   const std::vector<Pair>& list() const { return list_; }
+  /// Pairs that were added or removed since Forget, some of them both.
+  const std::vector<Pair>& touched() const { return touched_; }
+  void Forget() { touched_.clear(); }
 
  private:
-  std::vector<Pair> list_;
+  std::vector<Pair> list_, touched_;
 };
 
 /// The range that sweep and prune divides into steps: the finite boxes, with room to move.
@@ -97,35 +103,60 @@ class BulletBroadPhase : public Detector {
 
   void Prepare(const Scene& scene) override {
     broad_phase_ = Make(scene, pairs_);
-    boxes_.assign(scene.boxes.begin(), scene.boxes.end());
+    is_listed_ = false;
+    bodies_.resize(scene.size);
     proxies_.resize(scene.size);
-    std::vector<Id> order(scene.size);
-    std::iota(order.begin(), order.end(), Id{0});
+    for (Id body = 0; body < scene.size; ++body) bodies_[body] = {scene.boxes[body], nullptr, body};
     // Boxes in order along a line would degenerate the tree to a list.
-    std::shuffle(order.begin(), order.end(), std::mt19937_64(1));
-    for (const Id body : order) {
-      const Box& box = boxes_[body];
-      const Filter& filter = scene.filters[body];
-      proxies_[body] = broad_phase_->createProxy(
-          Lower(box.lower), Upper(box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body),
+    std::shuffle(bodies_.begin(), bodies_.end(), std::mt19937_64(1));
+    for (Body& body : bodies_) {
+      const Filter& filter = scene.filters[body.id];
+      proxies_[body.id] = body.proxy = broad_phase_->createProxy(
+          Lower(body.box.lower), Upper(body.box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body.id),
           static_cast<int>(filter.group), static_cast<int>(filter.mask), &dispatcher_);
     }
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    for (Id body = 0; body < scene.size; ++body) {
-      const Box& box = scene.boxes[body];
-      if (std::memcmp(&box, &boxes_[body], sizeof box) == 0) continue;
-      boxes_[body] = box;
-      broad_phase_->setAabb(proxies_[body], Lower(box.lower), Upper(box.upper), &dispatcher_);
-    }
-    broad_phase_->calculateOverlappingPairs(&dispatcher_);
+    Update(scene);
     pairs = pairs_.list();
+    pairs_.Forget();
+    is_listed_ = true;
+  }
+
+  bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
+    if (!is_listed_) return Detector::FindChanges(scene, came, went);
+    Update(scene);
+    for (const Pair& pair : pairs_.touched())
+      (pairs_.findPair(proxies_[pair.a], proxies_[pair.b]) != nullptr ? came : went)
+          .push_back(pair);
+    pairs_.Forget();
+    return true;
   }
 
  private:
+  struct Body {
+    Box box;  ///< as Bullet has it
+    btBroadphaseProxy* proxy;
+    Id id;
+  };
+
   virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
                                                       btOverlappingPairCache& pairs) = 0;
+  void Update(const Scene& scene) {
+    constexpr std::size_t kAhead = 8;  // bodies whose boxes are fetched
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+#if defined(__GNUC__)
+      if (i + kAhead < bodies_.size()) __builtin_prefetch(&scene.boxes[bodies_[i + kAhead].id]);
+#endif
+      Body& body = bodies_[i];
+      const Box& box = scene.boxes[body.id];
+      if (std::memcmp(&box, &body.box, sizeof box) == 0) continue;
+      body.box = box;
+      broad_phase_->setAabb(body.proxy, Lower(box.lower), Upper(box.upper), &dispatcher_);
+    }
+    broad_phase_->calculateOverlappingPairs(&dispatcher_);
+  }
 
   btDefaultCollisionConfiguration configuration_{[] {
     btDefaultCollisionConstructionInfo info;
@@ -135,8 +166,9 @@ class BulletBroadPhase : public Detector {
   btCollisionDispatcher dispatcher_{&configuration_};  ///< never called, but required by Bullet
   ListedPairs pairs_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
-  std::vector<btBroadphaseProxy*> proxies_;
-  std::vector<Box> boxes_;  ///< as last passed to Bullet
+  std::vector<Body> bodies_;                 ///< in the order in which Bullet has them in memory
+  std::vector<btBroadphaseProxy*> proxies_;  ///< by id
+  bool is_listed_ = false;                   ///< all pairs were, since Prepare
 };
 
 /// The capacity: all of them write past their arrays if it is exceeded.

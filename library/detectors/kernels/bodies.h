@@ -40,7 +40,7 @@ class Bodies {
   /// that do not bound it are around it, or have no end.
   void MeasureRoom(const Scene& scene);
   const Box& room() const { return room_; }
-  bool has_bounds() const { return !bounds_.empty(); }
+  const std::vector<Id>& bounds() const { return bounds_; }  ///< walls that bound the room
   const std::vector<Id>& others() const { return others_; }  ///< walls that do not bound the room
   /// No body has moved if this holds twice running. False if this is not known.
   bool AllSleep(const Scene& scene) const;

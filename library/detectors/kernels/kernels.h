@@ -79,6 +79,10 @@ struct Kernels {
   std::size_t (*find_outside)(const Box* boxes, std::size_t count, const Box& room, Id* outside);
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
+  /// The pairs of which one and only one of these holds: their boxes overlap, in double; `met`.
+  /// Then `met` of each pair is whether they overlap.
+  void (*find_changed)(const Box* boxes, const Pair* pairs, std::uint8_t* met, std::size_t count,
+                       PairSink& sink);
   /// Pairs of the boxes 0 to count with `walls` bodies from `first_wall` that share a box, in
   /// double.
   void (*meet_wall)(const Box* boxes, std::size_t count, const Box& wall, Id first_wall,

@@ -285,19 +285,36 @@ std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id
   return found;
 }
 
-void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
+/// Puts the pairs for which `is_wanted(i)` holds: each is written, and kept if so, without a
+/// branch.
+template <typename Wanted>
+[[gnu::always_inline]] inline void PutWanted(const Pair* pairs, std::size_t count, PairSink& sink,
+                                             const Wanted& is_wanted) {
   constexpr std::size_t kBlock = 64;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t end = begin + kBlock < count ? begin + kBlock : count;
     while (static_cast<std::size_t>(sink.end - sink.at) < kBlock) sink.grow(sink);
     Pair* out = sink.at;
-    for (std::size_t i = begin; i < end; ++i) {  // written always, kept if they meet: no branch
-      const Pair pair = pairs[i];
-      *out = pair;
-      out += Meet(boxes[pair.a], boxes[pair.b]);
+    for (std::size_t i = begin; i < end; ++i) {
+      *out = pairs[i];
+      out += is_wanted(i);
     }
     sink.at = out;
   }
+}
+
+void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
+  PutWanted(pairs, count, sink,
+            [&](std::size_t i) { return Meet(boxes[pairs[i].a], boxes[pairs[i].b]); });
+}
+
+void FindChanged(const Box* boxes, const Pair* pairs, std::uint8_t* met, std::size_t count,
+                 PairSink& sink) {
+  PutWanted(pairs, count, sink, [&](std::size_t i) {
+    const std::uint8_t before = met[i];
+    met[i] = Meet(boxes[pairs[i].a], boxes[pairs[i].b]);
+    return before ^ met[i];
+  });
 }
 
 void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wall,
@@ -313,7 +330,8 @@ void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wal
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name, Narrow, Bin, Query, QueryOne, Sweep, FindEscaped, FindOutside, Filter, MeetWall};
+  return {name,        Narrow,      Bin,    Query,       QueryOne, Sweep,
+          FindEscaped, FindOutside, Filter, FindChanged, MeetWall};
 }
 
 }  // namespace

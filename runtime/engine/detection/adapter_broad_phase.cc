@@ -83,15 +83,25 @@ void AdapterBroadPhase::aabbTest(const btVector3& lower, const btVector3& upper,
       callback.process(&proxy);
 }
 
+/// False if there are none.
+bool AdapterBroadPhase::FindChanges(const Scene& scene) {
+  found_.clear();
+  lost_.clear();
+  const auto is_kept = [this](const Pair& pair) { return cache_.Has(pair); };
+  if (keeps_list_) {
+    detector_.detector->FindPairs(scene, found_);
+    list_ = found_;
+  } else if (detector_.detector->FindChanges(scene, found_, lost_)) {
+    return changes_.Take(scene, found_, lost_, is_kept);
+  }
+  if (!changes_.knows_list()) changes_.SetList(cache_.List());
+  return changes_.Update(scene, found_, is_kept);
+}
+
 void AdapterBroadPhase::calculateOverlappingPairs(btDispatcher* dispatcher) {
   view_.BeginCycle();
-  const Scene scene = view_.For(detector_.WantsPoses());
-  found_.clear();
-  const auto is_kept = [this](const Pair& pair) { return cache_.Has(pair.a, pair.b); };
   try {
-    detector_.detector->FindPairs(scene, found_);
-    if (keeps_list_) list_ = found_;
-    if (!changes_.Update(scene, found_, is_kept)) return;
+    if (!FindChanges(view_.For(detector_.WantsPoses()))) return;
   } catch (...) {
     Blame(detector_, "FindPairs", view_.cycle());
   }

@@ -12,8 +12,8 @@
 
 namespace cdb::detection {
 
-/// Passes the boxes to the detector, checks its pairs and applies the changes to the cache that
-/// Bullet reads.
+/// Passes the boxes to the detector, checks its pairs, or the changes that it lists, and applies
+/// the changes to the cache that Bullet reads.
 ///
 /// Throws library::SceneError, from within a step, if the detector throws, or lists an unknown body
 /// or a body with itself. A pair listed twice counts once. Ray casts, which `ccd` uses, test every
@@ -49,6 +49,7 @@ class AdapterBroadPhase final : public btBroadphaseInterface {
 
  private:
   Id IdOf(const btBroadphaseProxy* proxy) const { return static_cast<Id>(proxy - proxies_.data()); }
+  bool FindChanges(const Scene& scene);
 
   const NamedDetector detector_;
   SceneView& view_;
@@ -56,7 +57,7 @@ class AdapterBroadPhase final : public btBroadphaseInterface {
   Id added_ = 0;
   OrderedPairCache cache_;
   PairChanges changes_;
-  std::vector<Pair> found_, list_;
+  std::vector<Pair> found_, lost_, list_;
   bool keeps_list_ = false;
 };
 

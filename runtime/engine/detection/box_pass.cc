@@ -18,7 +18,7 @@ namespace {
 /// Bullet's limit of the square of a box's diagonal, m^2; sides of a box that is surely within.
 constexpr btScalar kMostDiagonal2 = btScalar(1e12), kSafeSide = btScalar(5e5);
 /// Bodies ahead of the one at work whose poses are fetched.
-constexpr std::size_t kAhead = 6;
+constexpr std::size_t kAhead = 20;
 
 /// The local boxes of shapes that keep them to themselves.
 class PieceBox : public btPolyhedralConvexAabbCachingShape {
@@ -38,11 +38,21 @@ class CompoundBox : public btCompoundShape {
 
 btVector3 Cube(btScalar side) { return {side, side, side}; }
 
-void Prefetch(const btRigidBody& body) {
+/// Where a body keeps whether it is asleep.
+class ActivationState : public btCollisionObject {
+ public:
+  static const int* Of(const btCollisionObject& body) {
+    return &(body.*(&ActivationState::m_activationState1));
+  }
+};
+
+/// Fetches what Update reads, as bodies are larger than the caches next to the processor.
+void Prefetch(const btRigidBody& body, bool needs_basis) {
 #if defined(__GNUC__)
-  const char* at = reinterpret_cast<const char*>(&body);
-  for (std::size_t line = 0; line <= sizeof(btCollisionObject); line += 64)
-    __builtin_prefetch(at + line);
+  if (needs_basis) __builtin_prefetch(&body.getWorldTransform());
+  __builtin_prefetch(&body.getWorldTransform().getOrigin());
+  __builtin_prefetch(&body.getInterpolationWorldTransform().getOrigin());
+  __builtin_prefetch(ActivationState::Of(body));
 #endif
 }
 
@@ -238,20 +248,21 @@ BoxPass::BoxPass(std::span<btRigidBody* const> bodies) {
     const auto [place, is_new] =
         places.try_emplace(shape, static_cast<std::uint32_t>(shapes_.size()));
     if (is_new) shapes_.push_back(Describe(*shape));
-    bodies_.push_back({body, place->second});
+    bodies_.push_back({body, place->second, shapes_[place->second].kind != Kind::kBall,
+                       body->isStaticObject(), body->isKinematicObject()});
   }
 }
 
 /// False where the box is beyond Bullet's limit.
-bool BoxPass::Write(const ShapeBox& shape, const btRigidBody& body, Box& box) {
-  Corners corners = Around(shape, body.getWorldTransform());
+bool BoxPass::Write(const ShapeBox& shape, const Body& at, Box& box) {
+  Corners corners = Around(shape, at.body->getWorldTransform());
   corners.Widen();
-  if (!body.isStaticOrKinematicObject()) {
-    Corners predicted = Around(shape, body.getInterpolationWorldTransform());
+  if (!at.is_static && !at.is_kinematic) {
+    Corners predicted = Around(shape, at.body->getInterpolationWorldTransform());
     predicted.Widen();
     corners.Join(predicted);
   }
-  if (!body.isStaticObject() && !corners.IsWithinLimit()) return false;
+  if (!at.is_static && !corners.IsWithinLimit()) return false;
   corners.Store(box);
   return true;
 }
@@ -259,16 +270,15 @@ bool BoxPass::Write(const ShapeBox& shape, const btRigidBody& body, Box& box) {
 void BoxPass::Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep) {
   const std::size_t size = bodies_.size();
   for (std::size_t i = 0; i < size; ++i) {
-    if (i + kAhead < size) Prefetch(*bodies_[i + kAhead].body);
+    if (i + kAhead < size) Prefetch(*bodies_[i + kAhead].body, bodies_[i + kAhead].needs_basis);
     const Body& at = bodies_[i];
-    btRigidBody& body = *at.body;
     // A kinematic body is moved by others, asleep or not.
     const bool sleeps =
-        body.getActivationState() == ISLAND_SLEEPING && !body.isStaticOrKinematicObject();
+        at.body->getActivationState() == ISLAND_SLEEPING && !at.is_static && !at.is_kinematic;
     const bool still_sleeps = sleeps && is_asleep[i] != 0;
-    is_asleep[i] = sleeps || body.isStaticObject();
-    if (still_sleeps || !(updates_all || body.isActive())) continue;
-    if (!Write(shapes_[at.shape], body, boxes[i])) body.setActivationState(DISABLE_SIMULATION);
+    is_asleep[i] = sleeps || at.is_static;
+    if (still_sleeps || !(updates_all || at.body->isActive())) continue;
+    if (!Write(shapes_[at.shape], at, boxes[i])) at.body->setActivationState(DISABLE_SIMULATION);
   }
 }
 

@@ -18,7 +18,8 @@ namespace cdb::detection {
 /// of their shape; all other shapes are asked. Not thread-safe.
 class BoxPass {
  public:
-  /// The bodies, their shapes and the sizes of those must outlive it and not change.
+  /// The bodies, their shapes and the sizes of those must outlive it and not change; nor may a body
+  /// become fixed or kinematic, or cease to be.
   explicit BoxPass(std::span<btRigidBody* const> bodies);
 
   /// Writes the boxes of active bodies, and, if `updates_all`, of the others. Skips those that were
@@ -47,13 +48,15 @@ class BoxPass {
   struct Body {
     btRigidBody* body;
     std::uint32_t shape;  ///< in shapes_
+    bool needs_basis;     ///< not only the place of its pose
+    bool is_static, is_kinematic;
   };
   struct Corners;
 
   static ShapeBox Describe(const btCollisionShape& shape);
   static Corners Around(const ShapeBox& shape, const btTransform& pose);
   static bool Agrees(const ShapeBox& shape);
-  static bool Write(const ShapeBox& shape, const btRigidBody& body, Box& box);
+  static bool Write(const ShapeBox& shape, const Body& at, Box& box);
 
   std::vector<ShapeBox> shapes_;  ///< each once
   std::vector<Body> bodies_;

@@ -1,87 +1,169 @@
 #include "runtime/engine/detection/ordered_pair_cache.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "dsl/text/check.h"
 
 namespace cdb::detection {
+namespace {
 
-std::size_t OrderedPairCache::Find(Key key) const {
-  const std::size_t last = slots_.size() - 1;
-  std::size_t slot = HomeOf(key);
-  while (slots_[slot].key != key && slots_[slot].key != 0) slot = (slot + 1) & last;
-  return slot;
-}
+/// Entries of a row up to which each is looked at.
+constexpr std::uint32_t kShortRow = 16;
 
-// Those that follow without a gap move up, unless they are at home.
-void OrderedPairCache::Free(std::size_t slot) {
-  const std::size_t last = slots_.size() - 1;
-  for (std::size_t next = (slot + 1) & last; slots_[next].key != 0; next = (next + 1) & last) {
-    const std::size_t home = HomeOf(slots_[next].key);
-    if (((next - home) & last) < ((next - slot) & last)) continue;
-    slots_[slot] = slots_[next];
-    slot = next;
-  }
-  slots_[slot].key = 0;
-}
-
-void OrderedPairCache::Grow() {
-  std::vector<Slot> old(2 * slots_.size());
-  old.swap(slots_);
-  --shift_;
-  for (const Slot& slot : old)
-    if (slot.key != 0) slots_[Find(slot.key)] = slot;
-}
-
-void OrderedPairCache::Append(Key key) {
-  is_sorted_ = false;
-  if (2 * (static_cast<std::size_t>(pairs_.size()) + 1) > slots_.size()) Grow();
-  slots_[Find(key)] = {key, static_cast<std::uint32_t>(pairs_.size())};
-  btBroadphasePair& pair = pairs_.expandNonInitializing();
-  new (&pair) btBroadphasePair(first_[key >> 32], first_[key & 0xFFFFFFFF]);
-  pair.m_internalTmpValue = 0;
-}
-
-void OrderedPairCache::Add(std::span<const Pair> pairs) {
-  for (const Pair& pair : pairs) Append(KeyOf(pair.a, pair.b));
-}
-
-// A pair that leaves is anywhere in memory, and so is what Bullet keeps of it: its slot is fetched
-// first, then the pair, then its algorithm.
-void OrderedPairCache::FetchAhead(std::span<const Pair> pairs, std::size_t at) const {
+void Prefetch([[maybe_unused]] const void* at) {
 #if defined(__GNUC__)
-  constexpr std::size_t kStep = 6;
-  const auto key = [&](std::size_t i) { return KeyOf(pairs[i].a, pairs[i].b); };
-  if (at + 3 * kStep < pairs.size()) __builtin_prefetch(&slots_[HomeOf(key(at + 3 * kStep))]);
-  const auto place = [&](std::size_t i) {
-    const Slot& slot = slots_[Find(key(i))];
-    return slot.key == 0 ? nullptr : &pairs_[static_cast<int>(slot.place)];
-  };
-  if (at + 2 * kStep < pairs.size())
-    if (const btBroadphasePair* pair = place(at + 2 * kStep)) __builtin_prefetch(pair);
-  if (at + kStep < pairs.size())
-    if (const btBroadphasePair* pair = place(at + kStep)) __builtin_prefetch(pair->m_algorithm);
+  __builtin_prefetch(at);
 #endif
 }
 
+/// The end of the pairs from `begin` on that have its first body.
+std::size_t RowEnd(std::span<const Pair> pairs, std::size_t begin) {
+  std::size_t end = begin + 1;
+  while (end < pairs.size() && pairs[end].a == pairs[begin].a) ++end;
+  return end;
+}
+
+}  // namespace
+
+std::uint32_t OrderedPairCache::Find(const Pair& pair) const {
+  const Row& row = rows_[pair.a];
+  const Entry* begin = entries_.data() + row.begin;
+  const Entry* end = begin + row.size;
+  const Entry* at = begin;
+  if (row.size > kShortRow)
+    at = std::lower_bound(begin, end, pair.b,
+                          [](const Entry& entry, Id second) { return entry.second < second; });
+  while (at != end && at->second < pair.b) ++at;
+  return at != end && at->second == pair.b ? static_cast<std::uint32_t>(at - entries_.data())
+                                           : kNone;
+}
+
+/// Leaves where a row has been to no one; TidyRows clears up.
+void OrderedPairCache::MakeRoom(Row& row, std::size_t count) {
+  const std::size_t needed = row.size + count;
+  if (needed <= row.capacity) return;
+  left_behind_ += row.capacity;
+  const std::size_t capacity = std::max<std::size_t>(needed + needed / 2, 4);
+  const auto begin = static_cast<std::uint32_t>(entries_.size());
+  entries_.resize(begin + capacity);
+  std::copy_n(entries_.begin() + row.begin, row.size, entries_.begin() + begin);
+  row = {begin, row.size, static_cast<std::uint32_t>(capacity)};
+}
+
+void OrderedPairCache::TidyRows() {
+  if (left_behind_ <= entries_.size() / 2) return;
+  std::vector<Entry> tidy;
+  tidy.reserve(entries_.size());
+  for (Row& row : rows_) {
+    const auto begin = static_cast<std::uint32_t>(tidy.size());
+    const auto first = entries_.begin() + row.begin;
+    tidy.insert(tidy.end(), first, first + row.size);
+    row.capacity = row.size + row.size / 2;
+    row.begin = begin;
+    tidy.resize(begin + row.capacity);
+  }
+  entries_.swap(tidy);
+  left_behind_ = 0;
+}
+
+/// Pairs of one first body.
+void OrderedPairCache::AddToRow(std::span<const Pair> pairs) {
+  Row& row = rows_[pairs.front().a];
+  fresh_.clear();
+  const Entry* at = entries_.data() + row.begin;
+  const Entry* end = at + row.size;
+  for (const Pair& pair : pairs) {
+    while (at != end && at->second < pair.b) ++at;
+    if (at == end || at->second != pair.b) fresh_.push_back(pair.b);
+  }
+  if (fresh_.empty()) return;
+  MakeRoom(row, fresh_.size());
+  auto place = static_cast<std::uint32_t>(pairs_.size());
+  for (const Id second : fresh_) {
+    btBroadphasePair& pair = pairs_.expandNonInitializing();
+    new (&pair) btBroadphasePair(first_[pairs.front().a], first_[second]);
+    pair.m_internalTmpValue = 0;
+  }
+  place += static_cast<std::uint32_t>(fresh_.size());
+  // From the end, where there is room.
+  Entry* first = entries_.data() + row.begin;
+  Entry* last = first + row.size;
+  Entry* to = last + fresh_.size();
+  for (auto second = fresh_.rbegin(); second != fresh_.rend(); ++second) {
+    while (last != first && (last - 1)->second > *second) *--to = *--last;
+    *--to = {*second, --place};
+  }
+  row.size += static_cast<std::uint32_t>(fresh_.size());
+}
+
+void OrderedPairCache::Add(std::span<const Pair> pairs) {
+  for (std::size_t begin = 0; begin < pairs.size();) {
+    const std::size_t end = RowEnd(pairs, begin);
+    AddToRow(pairs.subspan(begin, end - begin));
+    begin = end;
+  }
+  TidyRows();
+}
+
+// A pair that leaves is anywhere in memory, and so is what Bullet keeps of it: the pair is fetched
+// first, then its algorithm, then its manifolds.
+void OrderedPairCache::FetchAhead(std::size_t at, btDispatcher* dispatcher) {
+  constexpr std::size_t kStep = 5;
+  const auto pair = [&](std::size_t i) -> const btBroadphasePair* {
+    if (i >= leaving_.size() || leaving_[i] == kNone) return nullptr;
+    return &pairs_[static_cast<int>(entries_[leaving_[i]].place)];
+  };
+  if (const btBroadphasePair* later = pair(at + 3 * kStep)) Prefetch(later);
+  if (const btBroadphasePair* next = pair(at + 2 * kStep)) Prefetch(next->m_algorithm);
+  const btBroadphasePair* soon = pair(at + kStep);
+  if (soon == nullptr || soon->m_algorithm == nullptr || dispatcher == nullptr) return;
+  manifolds_.resizeNoInitialize(0);
+  soon->m_algorithm->getAllContactManifolds(manifolds_);
+  for (int i = 0; i < manifolds_.size(); ++i) {
+    Prefetch(manifolds_[i]);
+    Prefetch(&manifolds_[i]->m_index1a);
+  }
+  // The last one gets the index of one that is freed.
+  const int last = dispatcher->getNumManifolds() - static_cast<int>(kStep);
+  if (last >= 0) Prefetch(&dispatcher->getManifoldByIndexInternal(last)->m_index1a);
+}
+
 void OrderedPairCache::Remove(std::span<const Pair> pairs, btDispatcher* dispatcher) {
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    FetchAhead(pairs, i);
-    const std::size_t slot = Find(KeyOf(pairs[i].a, pairs[i].b));
-    if (slots_[slot].key != 0) RemoveAt(slot, dispatcher);
+  leaving_.clear();
+  for (const Pair& pair : pairs) leaving_.push_back(Find(pair));
+  for (std::size_t begin = 0; begin < pairs.size();) {
+    const std::size_t end = RowEnd(pairs, begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      FetchAhead(i, dispatcher);
+      if (leaving_[i] == kNone) continue;
+      RemoveAt(entries_[leaving_[i]].place, dispatcher);
+      entries_[leaving_[i]].place = kNone;
+    }
+    Row& row = rows_[pairs[begin].a];
+    const auto first = entries_.begin() + row.begin;
+    const auto rest = std::remove_if(first, first + row.size,
+                                     [](const Entry& entry) { return entry.place == kNone; });
+    row.size = static_cast<std::uint32_t>(rest - first);
+    begin = end;
   }
 }
 
-void OrderedPairCache::RemoveAt(std::size_t slot, btDispatcher* dispatcher) {
-  is_sorted_ = false;
-  const std::uint32_t place = slots_[slot].place;
+std::vector<Pair> OrderedPairCache::List() const {
+  std::vector<Pair> list;
+  list.reserve(static_cast<std::size_t>(pairs_.size()));
+  for (Id body = 0; body < rows_.size(); ++body)
+    for (std::uint32_t i = 0; i < rows_[body].size; ++i)
+      list.push_back({body, entries_[rows_[body].begin + i].second});
+  return list;
+}
+
+/// Its entry is the caller's.
+void OrderedPairCache::RemoveAt(std::uint32_t place, btDispatcher* dispatcher) {
   const int last = pairs_.size() - 1;
   cleanOverlappingPair(pairs_[static_cast<int>(place)], dispatcher);
-  Free(slot);
   if (static_cast<int>(place) != last) {
     const btBroadphasePair& moved = pairs_[last];
-    slots_[Find(KeyOf(moved.m_pProxy0, moved.m_pProxy1))].place = place;
+    entries_[Find(PairOf(moved.m_pProxy0, moved.m_pProxy1))].place = place;
     pairs_[static_cast<int>(place)] = moved;
   }
   pairs_.pop_back();
@@ -89,15 +171,15 @@ void OrderedPairCache::RemoveAt(std::size_t slot, btDispatcher* dispatcher) {
 
 btBroadphasePair* OrderedPairCache::addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) {
   if (!needsBroadphaseCollision(a, b)) return nullptr;
-  if (btBroadphasePair* pair = findPair(a, b)) return pair;
-  Append(KeyOf(a, b));
-  return &pairs_[pairs_.size() - 1];
+  const Pair pair = PairOf(a, b);
+  Add({&pair, 1});
+  return findPair(a, b);
 }
 
 void* OrderedPairCache::removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
                                               btDispatcher* dispatcher) {
-  const std::size_t slot = Find(KeyOf(a, b));
-  if (slots_[slot].key != 0) RemoveAt(slot, dispatcher);
+  const Pair pair = PairOf(a, b);
+  Remove({&pair, 1}, dispatcher);
   return nullptr;  // nobody stores anything with a pair
 }
 
@@ -106,7 +188,7 @@ void OrderedPairCache::removeOverlappingPairsContainingProxy(btBroadphaseProxy* 
   for (int i = 0; i < pairs_.size();) {
     const btBroadphasePair& pair = pairs_[i];
     if (pair.m_pProxy0 == proxy || pair.m_pProxy1 == proxy) {
-      RemoveAt(Find(KeyOf(pair.m_pProxy0, pair.m_pProxy1)), dispatcher);
+      removeOverlappingPair(pair.m_pProxy0, pair.m_pProxy1, dispatcher);
     } else {
       ++i;
     }
@@ -127,8 +209,8 @@ void OrderedPairCache::cleanProxyFromPairs(btBroadphaseProxy* proxy, btDispatche
 }
 
 btBroadphasePair* OrderedPairCache::findPair(btBroadphaseProxy* a, btBroadphaseProxy* b) {
-  const Slot& slot = slots_[Find(KeyOf(a, b))];
-  return slot.key == 0 ? nullptr : &pairs_[static_cast<int>(slot.place)];
+  const std::uint32_t entry = Find(PairOf(a, b));
+  return entry == kNone ? nullptr : &pairs_[static_cast<int>(entries_[entry].place)];
 }
 
 bool OrderedPairCache::needsBroadphaseCollision(btBroadphaseProxy* a, btBroadphaseProxy* b) const {
@@ -142,7 +224,7 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
   for (int i = 0; i < pairs_.size();) {
     btBroadphasePair& pair = pairs_[i];
     if (callback->processOverlap(pair)) {
-      RemoveAt(Find(KeyOf(pair.m_pProxy0, pair.m_pProxy1)), dispatcher);
+      removeOverlappingPair(pair.m_pProxy0, pair.m_pProxy1, dispatcher);
     } else {
       ++i;
     }
@@ -154,27 +236,24 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
                                                   const btDispatcherInfo& info) {
   if (!info.m_deterministicOverlappingPairs)
     return processAllOverlappingPairs(callback, dispatcher);
-  if (!is_sorted_) Sort();
-  for (auto place = order_.rbegin(); place != order_.rend(); ++place) {
-    const bool is_removed = callback->processOverlap(pairs_[static_cast<int>(place->at)]);
-    CDB_CHECK(!is_removed);  // nobody who asks for this order removes
+  const auto entries = [this](std::size_t row) {
+    return std::span(entries_).subspan(rows_[row].begin, rows_[row].size);
+  };
+  const auto pair_at = [this](const Entry& entry) -> btBroadphasePair& {
+    return pairs_[static_cast<int>(entry.place)];
+  };
+  // Rows are short: the next but one is fetched, and what Bullet keeps of the next.
+  for (std::size_t row = rows_.size(); row-- > 0;) {
+    if (row > 1)
+      for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry));
+    if (row > 0)
+      for (const Entry& entry : entries(row - 1)) Prefetch(pair_at(entry).m_algorithm);
+    const std::span<Entry> own = entries(row);
+    for (auto entry = own.rbegin(); entry != own.rend(); ++entry) {
+      const bool is_removed = callback->processOverlap(pair_at(*entry));
+      CDB_CHECK(!is_removed);  // nobody who asks for this order removes
+    }
   }
-}
-
-// By the first body with a count, as there are few pairs of each, and then by the second.
-void OrderedPairCache::Sort() {
-  std::ranges::fill(begins_, 0);
-  for (int i = 0; i < pairs_.size(); ++i) ++begins_[IdOf(pairs_[i].m_pProxy0) + 1];
-  for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
-  order_.resize(static_cast<std::size_t>(pairs_.size()));
-  for (int i = 0; i < pairs_.size(); ++i)
-    order_[begins_[IdOf(pairs_[i].m_pProxy0)]++] = {IdOf(pairs_[i].m_pProxy1),
-                                                    static_cast<std::uint32_t>(i)};
-  std::uint32_t begin = 0;
-  for (std::size_t i = 0; begin < order_.size(); begin = begins_[i++])
-    std::sort(order_.begin() + begin, order_.begin() + begins_[i],
-              [](const Place& a, const Place& b) { return a.second < b.second; });
-  is_sorted_ = true;
 }
 
 }  // namespace cdb::detection

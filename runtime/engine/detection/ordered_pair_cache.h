@@ -12,19 +12,21 @@
 namespace cdb::detection {
 
 /// Takes the place of Bullet's btHashedOverlappingPairCache, with the same pairs at the same places
-/// of the array: new ones last, and the last one where one leaves. Looks up pairs without reading
-/// their proxies, and processes them in the order of their bodies, if asked, without sorting all of
-/// them in every cycle. Not thread-safe.
+/// of the array: new ones last, and the last one where one leaves. Beside the array are rows: for
+/// each body the later bodies that it makes pairs with, in order, and their places. Pairs are
+/// looked up in them, without reading proxies, and processed in their order, if asked, without
+/// being sorted. Changes that come in order are applied row by row. Not thread-safe.
 class OrderedPairCache final : public btOverlappingPairCache {
  public:
   /// The proxies are an array of `size` elements, with ascending m_uniqueId from 1.
-  OrderedPairCache(btBroadphaseProxy* first, std::size_t size) : first_(first), begins_(size + 1) {}
+  OrderedPairCache(btBroadphaseProxy* first, std::size_t size) : first_(first), rows_(size) {}
 
-  /// Pairs, a < b, that are not there.
+  /// Pairs in order, a < b, each once. Passes over those that are there.
   void Add(std::span<const Pair> pairs);
-  /// Passes over those that are not there.
+  /// The same; passes over those that are not there.
   void Remove(std::span<const Pair> pairs, btDispatcher* dispatcher);
-  bool Has(std::uint32_t a, std::uint32_t b) const { return slots_[Find(KeyOf(a, b))].key != 0; }
+  bool Has(const Pair& pair) const { return Find(pair) != kNone; }
+  std::vector<Pair> List() const;
 
   btBroadphasePair* addOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b) override;
   void* removeOverlappingPair(btBroadphaseProxy* a, btBroadphaseProxy* b,
@@ -58,40 +60,38 @@ class OrderedPairCache final : public btOverlappingPairCache {
   void sortOverlappingPairs(btDispatcher* /*dispatcher*/) override {}
 
  private:
-  using Key = std::uint64_t;
-  struct Slot {
-    Key key = 0;  ///< of no pair
-    std::uint32_t place = 0;
-  };
-  struct Place {
+  static constexpr std::uint32_t kNone = ~0u;
+  struct Entry {
     std::uint32_t second;  ///< body of a pair
-    std::uint32_t at;      ///< in the array
+    std::uint32_t place;   ///< in the array
+  };
+  /// A range of entries_, with room for more.
+  struct Row {
+    std::uint32_t begin = 0, size = 0, capacity = 0;
   };
 
-  static Key KeyOf(std::uint32_t a, std::uint32_t b) { return Key{a} << 32 | b; }
-  Key KeyOf(const btBroadphaseProxy* a, const btBroadphaseProxy* b) const {
-    return a < b ? KeyOf(IdOf(a), IdOf(b)) : KeyOf(IdOf(b), IdOf(a));
-  }
   std::uint32_t IdOf(const btBroadphaseProxy* proxy) const {
     return static_cast<std::uint32_t>(proxy - first_);
   }
-  std::size_t HomeOf(Key key) const { return key * 0x9E3779B97F4A7C15u >> shift_; }
-  std::size_t Find(Key key) const;  ///< its slot, or the one for it
-  void Free(std::size_t slot);
-  void Append(Key key);
-  void FetchAhead(std::span<const Pair> pairs, std::size_t at) const;
-  void Grow();
-  void RemoveAt(std::size_t slot, btDispatcher* dispatcher);
-  void Sort();
+  Pair PairOf(const btBroadphaseProxy* a, const btBroadphaseProxy* b) const {
+    return a < b ? Pair{IdOf(a), IdOf(b)} : Pair{IdOf(b), IdOf(a)};
+  }
+  std::uint32_t Find(const Pair& pair) const;  ///< its entry, or kNone
+  void AddToRow(std::span<const Pair> pairs);
+  void MakeRoom(Row& row, std::size_t count);
+  void TidyRows();
+  void RemoveAt(std::uint32_t place, btDispatcher* dispatcher);
+  void FetchAhead(std::size_t at, btDispatcher* dispatcher);
 
   btBroadphaseProxy* first_;
   btBroadphasePairArray pairs_;
   btOverlapFilterCallback* filter_ = nullptr;
-  unsigned shift_ = 64 - 6;
-  std::vector<Slot> slots_ = std::vector<Slot>(64);  ///< twice the pairs or more, a power of two
-  bool is_sorted_ = false;
-  std::vector<Place> order_;
-  std::vector<std::uint32_t> begins_;  ///< of the pairs of a first body, while they are sorted
+  std::vector<Row> rows_;  ///< by first body
+  std::vector<Entry> entries_;
+  std::size_t left_behind_ = 0;         ///< entries that belong to no row
+  std::vector<Id> fresh_;               ///< of a call of AddToRow
+  std::vector<std::uint32_t> leaving_;  ///< entries, of a call of Remove
+  btManifoldArray manifolds_;           ///< of a call of FetchAhead
 };
 
 }  // namespace cdb::detection

@@ -96,6 +96,49 @@ bool PairChanges::Update(const Scene& scene, std::vector<Pair>& found,
   return !came_.empty() || !went_.empty();
 }
 
+bool PairChanges::Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went,
+                       const std::function<bool(const Pair&)>& is_kept) {
+  PutInShape(scene, came);
+  PutInShape(scene, went);
+  is_list_known_ = false;
+  std::erase_if(came, [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); });
+  // As many come as go, unless a detector lists most that are kept: they need not be sorted.
+  if (came.size() > 2 * went.size() + kFewMoved) std::erase_if(came, is_kept);
+  for (std::vector<Pair>* pairs : {&came, &went}) {
+    Sort(scene, *pairs);
+    const auto repeated = std::ranges::unique(*pairs);
+    pairs->erase(repeated.begin(), repeated.end());
+  }
+  came_.swap(came);
+  went_.swap(went);
+  return !came_.empty() || !went_.empty();
+}
+
+/// In order: many are counted by their first body, as there are few of each.
+void PairChanges::Sort(const Scene& scene, std::vector<Pair>& pairs) {
+  constexpr std::size_t kMany = 16;  // bodies for each pair
+  if (pairs.size() * kMany < scene.size) {
+    std::ranges::sort(pairs);
+    return;
+  }
+  ends_.assign(scene.size + 1, 0);
+  for (const Pair& pair : pairs) ++ends_[pair.a + 1];
+  for (std::size_t body = 1; body <= scene.size; ++body) ends_[body] += ends_[body - 1];
+  moved_in_.resize(pairs.size());
+  for (const Pair& pair : pairs) moved_in_[ends_[pair.a]++] = pair;
+  pairs.swap(moved_in_);
+  const auto first = pairs.begin();
+  for (std::size_t body = 0, begin = 0; body < scene.size; begin = ends_[body++])
+    if (ends_[body] > begin + 1)
+      std::sort(first + static_cast<std::ptrdiff_t>(begin), first + ends_[body]);
+}
+
+void PairChanges::SetList(std::vector<Pair> pairs) {
+  listed_ = std::move(pairs);
+  is_list_known_ = true;
+  is_sorted_known_ = false;
+}
+
 /// Puts what is not common to both lists, in the same order, into moved_in_ and moved_out_. False
 /// if that is too much.
 bool PairChanges::CollectMoved(const std::vector<Pair>& found) {

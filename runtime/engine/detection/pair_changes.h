@@ -22,7 +22,16 @@ class PairChanges {
   bool Update(const Scene& scene, std::vector<Pair>& found,
               const std::function<bool(const Pair&)>& is_kept);
 
-  /// Changes of the last Update: in order, a < b, each once, without pairs that may not collide.
+  /// The same for changes that a detector lists (Detector::FindChanges): as `came` may have pairs
+  /// that are kept, and `went` others, so may those below. The list is unknown afterwards.
+  bool Take(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went,
+            const std::function<bool(const Pair&)>& is_kept);
+  /// Required before Update if not: the pairs that are kept.
+  bool knows_list() const { return is_list_known_; }
+  void SetList(std::vector<Pair> pairs);
+
+  /// Changes of the last Update or Take: in order, a < b, each once, without pairs that may not
+  /// collide.
   std::span<const Pair> came() const { return came_; }
   std::span<const Pair> went() const { return went_; }
 
@@ -39,11 +48,13 @@ class PairChanges {
                       const std::function<bool(const Pair&)>& is_kept);
   bool CollectMoved(const std::vector<Pair>& found);
   void CompareByBody(const Scene& scene, std::vector<Pair>& found);
+  void Sort(const Scene& scene, std::vector<Pair>& pairs);
 
   std::vector<Pair> listed_;  ///< the last list, each pair once
   ByBody sorted_, sorting_;   ///< the same, if known
-  bool is_sorted_known_ = false;
+  bool is_list_known_ = true, is_sorted_known_ = false;
   std::vector<Pair> came_, went_, moved_in_, moved_out_;
+  std::vector<std::uint32_t> ends_;  ///< of the pairs of each body, of a call of Sort
 };
 
 }  // namespace cdb::detection

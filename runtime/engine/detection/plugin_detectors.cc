@@ -76,6 +76,12 @@ class WatchedDetector final : public Detector {
     detector_->FindPairs(scene, pairs);
     call.Check();
   }
+  bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
+    const WatchedCall call(measure::PluginCall::kFindPairs, index_);
+    const bool are_changes = detector_->FindChanges(scene, came, went);
+    call.Check();
+    return are_changes;
+  }
   bool Handles(const Scene& scene, Id a, Id b) const override {
     const WatchedCall call(measure::PluginCall::kHandles, index_);
     const bool handles = detector_->Handles(scene, a, b);

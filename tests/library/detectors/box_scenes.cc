@@ -1,5 +1,7 @@
 #include "tests/library/detectors/box_scenes.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -129,6 +131,30 @@ std::vector<Pair> Listed(Detector& detector, const Scene& scene) {
   std::vector<Pair> pairs;
   detector.FindPairs(scene, pairs);
   return pairs;
+}
+
+void KeptPairs::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
+  constexpr int kListed = 11;  // one call in so many
+  std::vector<Pair> came, went;
+  bool are_changes = false;
+  if (++calls_ % kListed == 0)
+    detector_->FindPairs(scene, came);
+  else
+    are_changes = detector_->FindChanges(scene, came, went);
+  const auto overlap = [&](const Pair& pair) {
+    return Overlap(scene.boxes[pair.a], scene.boxes[pair.b]);
+  };
+  if (!are_changes) {
+    EXPECT_TRUE(went.empty());
+    kept_.clear();
+  }
+  for (const Pair& pair : went) {
+    EXPECT_FALSE(overlap(pair));
+    kept_.erase(pair);
+  }
+  for (const Pair& pair : came) EXPECT_TRUE(overlap(pair));
+  kept_.insert(came.begin(), came.end());
+  pairs.assign(kept_.begin(), kept_.end());
 }
 
 std::vector<Pair> BruteForce(const Scene& scene) {

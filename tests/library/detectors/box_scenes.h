@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <random>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -76,6 +78,20 @@ inline Box Cube(double x, double y, double z, double half) {
 
 /// What the detector lists, as it lists it.
 std::vector<Pair> Listed(Detector& detector, const Scene& scene);
+
+/// Lists the pairs that a detector's changes come to, in order, and now and then those of its
+/// FindPairs. A change that cannot be one fails the test.
+class KeptPairs final : public Detector {
+ public:
+  explicit KeptPairs(std::unique_ptr<Detector> detector) : detector_(std::move(detector)) {}
+  void Prepare(const Scene& scene) override { detector_->Prepare(scene); }
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
+
+ private:
+  std::unique_ptr<Detector> detector_;
+  std::set<Pair> kept_;
+  int calls_ = 0;
+};
 
 /// Every pair tested: what exact_pairs.h has to find.
 std::vector<Pair> BruteForce(const Scene& scene);

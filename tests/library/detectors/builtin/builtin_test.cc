@@ -41,6 +41,10 @@ std::vector<Named> All(unsigned threads = 1) {
     const std::string with = std::string(", ") + kernels->name;
     all.push_back({"auto" + with, builtin::MakeAuto({.threads = threads}, *kernels)});
     all.push_back({"skin" + with, builtin::MakeSkin({.threads = threads}, *kernels)});
+    all.push_back({"changes of auto" + with,
+                   std::make_unique<KeptPairs>(builtin::MakeAuto({.threads = threads}, *kernels))});
+    all.push_back({"changes of skin" + with,
+                   std::make_unique<KeptPairs>(builtin::MakeSkin({.threads = threads}, *kernels))});
     all.push_back({"grid" + with, builtin::MakeGrid({.threads = threads}, *kernels)});
     all.push_back({"hierarchical_grid" + with,
                    builtin::MakeHierarchicalGrid({.threads = threads}, *kernels)});

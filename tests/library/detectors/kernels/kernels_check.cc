@@ -164,6 +164,17 @@ class Check {
     kernels_.filter(boxes_.data(), candidates.data(), candidates.size(), pairs_.sink());
     ExpectPairs(pairs_, expected, true, "filter");
     expected.clear();
+    std::vector<std::uint8_t> met(candidates.size()), meet(candidates.size());
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      met[i] = random_() % 2;
+      meet[i] = Overlap(boxes_[candidates[i].a], boxes_[candidates[i].b]);
+      if (met[i] != meet[i]) expected.push_back(candidates[i]);
+    }
+    kernels_.find_changed(boxes_.data(), candidates.data(), met.data(), candidates.size(),
+                          pairs_.sink());
+    ExpectPairs(pairs_, expected, true, "find_changed");
+    Expect(met == meet, "flags of find_changed");
+    expected.clear();
     const Box wall = {{-kInfinity, -2, -kInfinity}, {kInfinity, 1, kInfinity}};
     for (std::size_t i = 0; i < count; ++i)
       for (Id k = 0; Overlap(boxes_[i], wall) && k < 3; ++k)

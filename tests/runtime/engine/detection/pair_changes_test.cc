@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -33,18 +34,29 @@ class Bodies {
 class Kept {
  public:
   bool Update(const Scene& scene, std::vector<Pair> found) {
-    const bool has_changed =
-        changes_.Update(scene, found, [this](const Pair& pair) { return pairs_.count(pair) > 0; });
-    for (const Pair& pair : changes_.went()) EXPECT_EQ(pairs_.erase(pair), 1u);
-    for (const Pair& pair : changes_.came()) EXPECT_TRUE(pairs_.insert(pair).second);
-    return has_changed;
+    if (!changes_.knows_list()) changes_.SetList({pairs_.begin(), pairs_.end()});
+    return Apply(changes_.Update(scene, found, is_kept_));
+  }
+  void Take(const Scene& scene, std::vector<Pair> came, std::vector<Pair> went) {
+    changes_.Take(scene, came, went, is_kept_);
+    for (const Pair& pair : changes_.went()) pairs_.erase(pair);
+    pairs_.insert(changes_.came().begin(), changes_.came().end());
   }
   const std::set<Pair>& pairs() const { return pairs_; }
   const detection::PairChanges& changes() const { return changes_; }
 
  private:
+  bool Apply(bool has_changed) {
+    for (const Pair& pair : changes_.went()) EXPECT_EQ(pairs_.erase(pair), 1u);
+    for (const Pair& pair : changes_.came()) EXPECT_TRUE(pairs_.insert(pair).second);
+    return has_changed;
+  }
+
   detection::PairChanges changes_;
   std::set<Pair> pairs_;
+  const std::function<bool(const Pair&)> is_kept_ = [this](const Pair& pair) {
+    return pairs_.count(pair) > 0;
+  };
 };
 
 TEST(PairChanges, ComeToTheListWhateverItsOrder) {
@@ -123,6 +135,21 @@ TEST(PairChanges, TellWhatCameAndWhatWent) {
   EXPECT_EQ(kept.changes().came()[0], (Pair{4, 5}));
   ASSERT_EQ(kept.changes().went().size(), 1u);
   EXPECT_EQ(kept.changes().went()[0], (Pair{2, 3}));
+}
+
+TEST(PairChanges, OfADetectorThatListsThemAreInOrderAndEachOnce) {
+  const Bodies bodies(10);
+  Kept kept;
+  kept.Update(bodies.View(), {{0, 1}, {2, 3}});
+  // One is kept, one is twice there, and one may not collide; of the others one is not kept.
+  kept.Take(bodies.View(), {{1, 0}, {7, 6}, {6, 7}, {4, 5}, {8, 9}}, {{3, 2}, {5, 6}});
+  EXPECT_TRUE(std::ranges::equal(kept.changes().came(), std::vector<Pair>{{0, 1}, {4, 5}, {6, 7}}));
+  EXPECT_TRUE(std::ranges::equal(kept.changes().went(), std::vector<Pair>{{2, 3}, {5, 6}}));
+  EXPECT_EQ(kept.pairs(), (std::set<Pair>{{0, 1}, {4, 5}, {6, 7}}));
+  EXPECT_THROW(kept.Take(bodies.View(), {{2, 10}}, {}), std::invalid_argument);
+  EXPECT_THROW(kept.Take(bodies.View(), {}, {{4, 4}}), std::invalid_argument);
+  EXPECT_TRUE(kept.Update(bodies.View(), {{6, 7}, {1, 2}, {4, 5}}));
+  EXPECT_EQ(kept.pairs(), (std::set<Pair>{{1, 2}, {4, 5}, {6, 7}}));
 }
 
 TEST(PairChanges, RefusePairsThatMakeNoSenseAndKeepWhatTheyHad) {
