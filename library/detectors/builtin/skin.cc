@@ -177,9 +177,8 @@ void Skin::BuildAhead(const Scene& scene) {
     building_share_ = std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
                                  kBuildingShare, kMostBuildingShare);
     const double needed = std::ceil(builder_.WholeCost() / (building_share_ * usual));
-    if (list_->goes_on && !builder_.has_marks() &&
-        left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
-      work_ += builder_.Mark(scene, cycle_);
+    if (list_->goes_on && left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
+      work_ += builder_.Mark(scene, cycle_, building_share_ * usual);
     if (!list_->is_guess && left > needed) return;
     const double wait = std::max(std::min(left, needed), 0.);
     LearnCost(age_ + wait);

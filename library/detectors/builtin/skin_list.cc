@@ -80,9 +80,10 @@ void SkinListBuilder::Observe(const Scene& scene, std::uint32_t cycle, SkinList&
   guess.life = motion_.Observe(scene, movers_, guess.past, cycle);
 }
 
-double SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle) {
-  motion_.Mark(scene, 0, movers_, cycle);
-  return kMarkCost * static_cast<double>(movers_);
+double SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle, double budget) {
+  const std::size_t begin = motion_.marked(), step = StepOf(budget, kMarkCost, movers_ - begin);
+  if (step > 0) motion_.Mark(scene, begin, begin + step, cycle);
+  return kMarkCost * static_cast<double>(step);
 }
 
 double SkinListBuilder::CostLeft() const {
@@ -136,8 +137,8 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   parts_.ForEach(begin, end, PastBoxes::kBlock, [&](std::size_t from, std::size_t to) {
     if (last_ != nullptr && learnt_ <= from)
       motion_.LearnBodies(scene, from, to, last_->past, cycle);
-    motion_.Fatten(scene, from, to, span, next_->fat.data(), room);
-    next_->past.Take(scene, from, to, cycle);
+    motion_.Fatten(scene, from, to, span, next_->fat.data(), room, next_->past);
+    next_->past.SetCycle(from, to, cycle);
   });
   learnt_ = std::max(learnt_, end);
   budget -= kFattenCost * static_cast<double>(end - begin);

@@ -2,6 +2,7 @@
 // includes it once; no other file includes it.
 #pragma once
 
+#include "library/detectors/kernels/motion_impl.h"
 #include "library/detectors/kernels/simd.h"
 
 namespace cdb::kernels {
@@ -67,17 +68,6 @@ struct FourBoxes {
   first = __builtin_shufflevector(rounded(0), middle, 0, 1, 2, 3);
   last = __builtin_shufflevector(middle, rounded(4), 0, 1, 2, 3);
 #endif
-}
-
-[[gnu::always_inline]] inline void Transpose(Float4 (&rows)[4]) {
-  const Float4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
-  const Float4 b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
-  const Float4 c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
-  const Float4 d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
-  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  rows[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  rows[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
 }
 
 /// Rounds four boxes to the nearest floats and turns them from rows into columns, as the shuffles
@@ -313,7 +303,7 @@ void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wal
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name, Narrow, Bin, Query, QueryOne, Sweep, FindEscaped, FindOutside, Filter, MeetWall};
+  return {name, Narrow, Bin, Query, QueryOne, Sweep, Learn, Fatten, FindEscaped, FindOutside, Filter, MeetWall};
 }
 
 }  // namespace

@@ -193,6 +193,17 @@ inline Pair* Emit(Pair* out, unsigned mask, Id a, const Id* ids, bool anchored) 
   return out;
 }
 
+[[gnu::always_inline]] inline void Transpose(Float4 (&rows)[4]) {
+  const Float4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
+  const Float4 b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
+  const Float4 c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
+  const Float4 d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  rows[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
 /// Four doubles, or the masks of four, in one register or two.
 template <typename V>
 struct Four {
