@@ -15,9 +15,9 @@ constexpr double kMarginFactor = 1.6;
 constexpr double kHalfMarginFactor = 2.7;
 /// Candidates of a body that a first list may have, if boxes were spread evenly; or so many times
 /// the pairs.
-constexpr double kGuessedMost = 6, kGuessedFactor = 1.25;
+constexpr double kGuessedMost = 5, kGuessedFactor = 1.25;
 /// Of a mean side: a larger margin is for lists with nearly no candidates.
-constexpr double kUsualGuess = 0.5, kMostGuess = 4, kFewCandidates = 0.2;
+constexpr double kUsualGuess = 0.7, kMostGuess = 4, kFewCandidates = 0.2;
 
 Vec3 Shift(const Box& from, const Box& to) {
   return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,

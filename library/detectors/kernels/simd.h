@@ -108,15 +108,23 @@ inline std::uint32_t CellAt(float x, float origin, float inverse, float last) {
   return static_cast<std::uint32_t>(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
+/// The cells of a register of numbers.
+[[gnu::always_inline]] inline void CellsAt(Floats x, float origin, float inverse, float last,
+                                           Mask<Floats>& cells) {
+  Floats cell = (x - origin) * inverse;
+  const Floats most = Repeat<Floats>(last);
+  cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
+  cell = cell < most ? cell : most;
+  cells = __builtin_convertvector(cell, Mask<Floats>);
+}
+
 /// The cells of eight numbers less `less`.
 inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
                     std::uint32_t* cells) {
   for (std::size_t k = 0; k < kLanes; k += kFloats) {
-    Floats cell = (Load<Floats>(x + k) - less - origin) * inverse;
-    const Floats most = Repeat<Floats>(last);
-    cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
-    cell = cell < most ? cell : most;
-    Store(__builtin_convertvector(cell, Mask<Floats>), cells + k);
+    Mask<Floats> these;
+    CellsAt(Load<Floats>(x + k) - less, origin, inverse, last, these);
+    Store(these, cells + k);
   }
 }
 
@@ -277,8 +285,10 @@ inline bool Meet(const Box& a, const Box& b) {
   // The upper corners moved down to where the lower ones stand; the fourth is not looked at.
   const __m256d a_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(one + 2), 0b111001);
   const __m256d b_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(other + 2), 0b111001);
-  return (BitsOf(AtMost(Load<Doubles>(other), a_upper) & AtMost(Load<Doubles>(one), b_upper)) &
-          7) == 7;
+  // In this order the lower corners are operands in memory.
+  const __m256d in_a = _mm256_cmp_pd(a_upper, _mm256_loadu_pd(other), _CMP_GE_OQ);
+  const __m256d in_b = _mm256_cmp_pd(b_upper, _mm256_loadu_pd(one), _CMP_GE_OQ);
+  return _mm256_testc_pd(_mm256_and_pd(in_a, in_b), __m256d(Mask<Doubles>{-1, -1, -1, 0})) != 0;
 #else
   return WideProbe(a).Meets(b);
 #endif
