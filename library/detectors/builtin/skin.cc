@@ -19,7 +19,7 @@ constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedC
 /// What reading a box takes if no more is done in a cycle.
 constexpr double kReadCost = 1.4;
 /// Of a body, in a cycle of a first list.
-constexpr double kMostOfGuess = 2;
+constexpr double kMostOfGuess = 2.15;
 /// Of the work of a cycle, that building the next list may add to it without haste; and with haste,
 /// where it would take more than this share of a list's life.
 constexpr double kBuildingShare = 0.9, kMostBuildingShare = 1.45;
@@ -176,8 +176,10 @@ void Skin::BuildAhead(const Scene& scene) {
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
     const double life = kBuildingLife * (age_ + std::max(left, 0.));
-    building_share_ = std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
-                                 kBuildingShare, kMostBuildingShare);
+    building_share_ = list_->is_guess
+                          ? kBuildingShare
+                          : std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
+                                       kBuildingShare, kMostBuildingShare);
     const double needed = std::ceil(builder_.WholeCost() / (building_share_ * usual));
     if (list_->goes_on && left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
       work_ += builder_.Mark(scene, cycle_, building_share_ * usual);
