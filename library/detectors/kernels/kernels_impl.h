@@ -281,7 +281,7 @@ void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& si
     Pair* out = sink.at;
     for (std::size_t i = begin; i < end; ++i) {  // written always, kept if they meet: no branch
       const Pair pair = pairs[i];
-      std::memcpy(out, pairs + i, sizeof pair);
+      *out = pair;
       out += Meet(boxes[pair.a], boxes[pair.b]);
     }
     sink.at = out;

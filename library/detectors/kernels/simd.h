@@ -288,7 +288,7 @@ inline bool Meet(const Box& a, const Box& b) {
   // In this order the lower corners are operands in memory.
   const __m256d in_a = _mm256_cmp_pd(a_upper, _mm256_loadu_pd(other), _CMP_GE_OQ);
   const __m256d in_b = _mm256_cmp_pd(b_upper, _mm256_loadu_pd(one), _CMP_GE_OQ);
-  return _mm256_testc_pd(_mm256_and_pd(in_a, in_b), __m256d(Mask<Doubles>{-1, -1, -1, 0})) != 0;
+  return (_mm256_movemask_pd(_mm256_and_pd(in_a, in_b)) & 7) == 7;
 #else
   return WideProbe(a).Meets(b);
 #endif
