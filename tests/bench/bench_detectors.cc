@@ -17,8 +17,8 @@
 // grows: the exponents of processor time, instructions (see tests/bench/instructions.h; without
 // counters in the processor they need Valgrind, and -r 1) and the worst cycle. -p: with -t, the
 // processor time of the calling thread: its parts and all that only it does, which is the elapsed
-// time if every thread has an idle core. -i: counts instructions in place of time, where 1 ms stands
-// for a million of them.
+// time if every thread has an idle core. -i: counts instructions in place of time, where 1 ms
+// stands for a million of them.
 
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
