@@ -11,13 +11,14 @@
 //
 // Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-r REPEATS] [-s SCENE]... [-o
 // NAME]...
-//                        [-w] [-g] [-p] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
+//                        [-w] [-g] [-p] [-i] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
 // -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt. -g: without dbvt,
 // with few cycles, 1000 to 10^6 bodies unless N is given, and at the end how the cost of a cycle
 // grows: the exponents of processor time, instructions (see tests/bench/instructions.h; without
 // counters in the processor they need Valgrind, and -r 1) and the worst cycle. -p: with -t, the
 // processor time of the calling thread: its parts and all that only it does, which is the elapsed
-// time if every thread has an idle core.
+// time if every thread has an idle core. -i: counts instructions in place of time, where 1 ms
+// stands for a million of them.
 
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
@@ -139,7 +140,7 @@ struct Settings {
   Options options;
   std::size_t cycles = 0, block = 20, repeats = 3;
   std::vector<std::string> scenes, only, libraries;
-  bool walls = false, grows = false, times_caller = false;
+  bool walls = false, grows = false, times_caller = false, counts = false;
 };
 
 /// Bodies up to which the pairs are checked, which takes longer than all detectors together.
@@ -182,6 +183,7 @@ std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bo
 struct Timer {
   clockid_t clock;
   double own = ClockSeconds(clock);
+  bool counts_instructions = false;  ///< each is taken for a nanosecond
 };
 
 void RunRepeat(Competitor& competitor, std::size_t repeat, Scene scene,
@@ -199,8 +201,13 @@ void RunRepeat(Competitor& competitor, std::size_t repeat, Scene scene,
     const double begin = Seconds(timer.clock);
     if (is_first) detector.Prepare(scene);
     detector.FindPairs(scene, competitor.pairs);
-    const double took = std::max(Seconds(timer.clock) - begin - timer.own, 1e-9);
+    double took = std::max(Seconds(timer.clock) - begin - timer.own, 1e-9);
     if (counts) counter.Stop();
+    if (counts && timer.counts_instructions) {
+      const double taken = counter.Take();
+      competitor.instructions += taken;
+      took = 1e-9 * taken;
+    }
     if (is_first) {
       competitor.start = repeat == 0 ? took : std::min(competitor.start, took);
       continue;
@@ -284,7 +291,8 @@ struct GrowthPoint {
 void RunScene(const Settings& settings, std::string_view name, std::size_t objects,
               std::vector<GrowthPoint>& growth) {
   const bool is_elapsed = settings.options.threads > 1 && !settings.times_caller;
-  const Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
+  Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
+  timer.counts_instructions = settings.counts;
   InstructionCounter counter;
   // A box a frame is 48 bytes: no more than a block is kept.
   const std::size_t block = std::clamp<std::size_t>(4000000 / objects, 2, settings.block);
@@ -367,7 +375,7 @@ void PrintGrowth(const std::vector<GrowthPoint>& growth) {
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder;
-  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgp")) != -1;) {
+  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgpi")) != -1;) {
     switch (option) {
       case 't':
         settings.options.threads = static_cast<unsigned>(std::atoi(optarg));
@@ -396,6 +404,9 @@ int Main(int argc, char** argv) {
       case 'd':
         folder = optarg;
         break;
+      case 'i':
+        settings.counts = true;
+        break;
       case 'w':
         settings.walls = true;
         break;
@@ -403,6 +414,7 @@ int Main(int argc, char** argv) {
         return 2;
     }
   }
+  if (settings.counts) settings.repeats = 1;
   if (!folder.empty())
     for (const auto& entry : std::filesystem::directory_iterator(folder))
       if (entry.path().extension() == ".so") settings.libraries.push_back(entry.path());

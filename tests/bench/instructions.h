@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 
 #if __has_include(<valgrind/callgrind.h>)
 #include <valgrind/callgrind.h>
@@ -53,11 +54,11 @@ class InstructionCounter {
     sum_ += Read() - started_;
     CDB_CALLGRIND(TOGGLE_COLLECT);
   }
-  /// The instructions between Start and Stop since Begin; zero if nothing counts them.
-  double Finish() {
-    if (!RUNNING_ON_VALGRIND) return static_cast<double>(sum_);
+  /// The instructions between Start and Stop since Begin or the last call; zero if nothing counts
+  /// them.
+  double Take() {
+    if (!RUNNING_ON_VALGRIND) return static_cast<double>(std::exchange(sum_, 0));
     CDB_CALLGRIND(DUMP_STATS);
-    CDB_CALLGRIND(STOP_INSTRUMENTATION);
     const std::string dump =
         "callgrind.out." + std::to_string(getpid()) + "." + std::to_string(++dumps_);
     std::ifstream in(dump);
@@ -65,6 +66,12 @@ class InstructionCounter {
     for (std::string line; std::getline(in, line);)
       if (line.starts_with("totals: ")) total = std::stod(line.substr(8));
     std::filesystem::remove(dump);
+    return total;
+  }
+  /// The same, at the end.
+  double Finish() {
+    const double total = Take();
+    CDB_CALLGRIND(STOP_INSTRUMENTATION);
     return total;
   }
 

@@ -19,11 +19,13 @@ constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedC
 /// What reading a box takes if no more is done in a cycle.
 constexpr double kReadCost = 1.4;
 /// Of a body, in a cycle of a first list.
-constexpr double kMostOfGuess = 4.2;
+constexpr double kMostOfGuess = 2.15;
 /// Of the work of a cycle, that building the next list may add to it without haste; and with haste,
 /// where it would take more than this share of a list's life.
-constexpr double kBuildingShare = 1.15, kMostBuildingShare = 2.2;
-constexpr double kBuildingLife = 0.3;
+constexpr double kBuildingShare = 0.9, kMostBuildingShare = 1.45;
+constexpr double kBuildingLife = 0.4;
+/// Of the cycles for which a guess would do: if boxes keep their velocity, a list may last longer.
+constexpr double kCalmShare = 0.25;
 /// Of a list's cycles, before the next one is started: boxes are remembered then, so that those
 /// that turned round get the velocity that they have since.
 constexpr double kMarkedShare = 0.25;
@@ -203,15 +205,19 @@ void Skin::BuildAhead(const Scene& scene) {
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
     const double life = kBuildingLife * (age_ + std::max(left, 0.));
-    building_share_ = std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
-                                 kBuildingShare, kMostBuildingShare);
+    building_share_ = list_->is_guess
+                          ? kBuildingShare
+                          : std::clamp(builder_.WholeCost() / (usual * std::max(life, 1.)),
+                                       kBuildingShare, kMostBuildingShare);
     const double needed = std::ceil(builder_.WholeCost() / (building_share_ * usual));
-    if (list_->goes_on && !builder_.has_marks() &&
-        left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
-      work_ += builder_.Mark(scene, cycle_);
+    if (list_->goes_on && left <= needed + std::max(kMarkedShare * list_->horizon, 1.))
+      work_ += builder_.Mark(scene, cycle_, building_share_ * usual);
     if (!list_->is_guess && left > needed) return;
     const double wait = std::max(std::min(left, needed), 0.);
     LearnCost(age_ + wait);
+    // Short lists would leave too little time to build the next: longer, where boxes allow it.
+    const double least = builder_.WholeCost() / (kMostBuildingShare * kReadCost * movers);
+    if (list_->is_guess) horizon_ = std::max(horizon_, std::min(least, kCalmShare * list_->life));
     begin_ = cycle_ + static_cast<std::uint32_t>(wait);
     builder_.Start(scene, bodies_, {begin_, horizon_}, list_.get());
   }
@@ -221,7 +227,7 @@ void Skin::BuildAhead(const Scene& scene) {
   const double before = budget;
   const bool is_done = builder_.Advance(scene, bodies_, cycle_, budget);
   work_ += before - budget;
-  if (is_done && (cycle_ >= begin_ || left < 1)) UseNewList(scene);
+  if (is_done && (cycle_ >= begin_ || left < 1 || list_->is_guess)) UseNewList(scene);
 }
 
 /// Lists the bodies that have left their fat boxes, in order; each thread those of a part.

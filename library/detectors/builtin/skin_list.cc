@@ -9,20 +9,27 @@ namespace cdb::builtin {
 namespace {
 
 // In nanoseconds, measured once on one machine: of a mover; of a candidate.
-constexpr double kMarkCost = 3, kFattenCost = 22, kQueryCost = 45, kListedCost = 2;
+constexpr double kMarkCost = 3, kFattenCost = 14, kQueryCost = 24, kListedCost = 4;
+constexpr double kOccupancyCost = 0.25;  ///< of each box in the cell of one that is looked up
 /// Of the cycles until a list is used, which fat boxes leave out: who turns round meanwhile is not
 /// where it was to be.
 constexpr double kHeadStart = 1;
-constexpr double kLearnCost = 50;  ///< of a mover in the sample
-constexpr double kFirstCost = 90;
+constexpr double kLearnCost = 15;  ///< of a mover in the sample
+constexpr double kFirstCost = 60;
 /// The next list may cost more than the last.
-constexpr double kSurplus = 1.05;
+constexpr double kSurplus = 1.1;
 /// Movers that are looked up at once, at most; and between two looks at the budget.
 constexpr std::size_t kChunk = 4096, kSlice = 256;
+/// Movers whose cells are taken to hold as many boxes as that of the first, or an eighth of them if
+/// that holds more than kCrowded.
+constexpr std::size_t kGlance = 64;
+constexpr double kCrowded = 64;
 /// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
 constexpr std::size_t kMostCandidates = 24, kMostOfSlice = 8 * kMostCandidates * kSlice;
 /// Times the candidates that a first list is to have, above which its boxes get less fat.
-constexpr double kFarMore = 2;
+constexpr double kFarMore = 1.25;
+/// Of a mover, in the list after a guess.
+constexpr double kUsualCandidates = 4;
 /// Boxes get less fat in quarters, down to this.
 constexpr double kLeastShare = 1. / 256;
 
@@ -77,12 +84,13 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
 }
 
 void SkinListBuilder::Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess) {
-  guess.life = motion_.Observe(scene, movers_, guess.past, cycle);
+  guess.life = std::sqrt(share_) * motion_.Observe(scene, movers_, guess.past, cycle);
 }
 
-double SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle) {
-  motion_.Mark(scene, 0, movers_, cycle);
-  return kMarkCost * static_cast<double>(movers_);
+double SkinListBuilder::Mark(const Scene& scene, std::uint32_t cycle, double budget) {
+  const std::size_t begin = motion_.marked(), step = StepOf(budget, kMarkCost, movers_ - begin);
+  if (step > 0) motion_.Mark(scene, begin, begin + step, cycle);
+  return kMarkCost * static_cast<double>(step);
 }
 
 double SkinListBuilder::CostLeft() const {
@@ -129,15 +137,17 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   const double until_use = plan_.begin > cycle ? plan_.begin - cycle : 0;
   // Velocities are rounded: none should be at the end of its fat box in the last cycle.
   const double cycles = until_use + plan_.horizon + 0.5;
-  const double until_begin = last_ == nullptr ? 0 : std::max(kHeadStart * until_use - 1, 0.);
+  // A list after a guess is used as soon as it is done.
+  const double until_begin =
+      last_ == nullptr || last_->is_guess ? 0 : std::max(kHeadStart * until_use - 1, 0.);
   const std::uint32_t age =
       last_ != nullptr && begin < movers_ ? cycle - last_->past.CycleOf(begin) : 1;
   const SkinMotion::Span span = {until_begin, cycles, cycles / std::max(age, 1u), share_};
   parts_.ForEach(begin, end, PastBoxes::kBlock, [&](std::size_t from, std::size_t to) {
     if (last_ != nullptr && learnt_ <= from)
       motion_.LearnBodies(scene, from, to, last_->past, cycle);
-    motion_.Fatten(scene, from, to, span, next_->fat.data(), room);
-    next_->past.Take(scene, from, to, cycle);
+    motion_.Fatten(scene, from, to, span, next_->fat.data(), room, next_->past);
+    next_->past.SetCycle(from, to, cycle);
   });
   learnt_ = std::max(learnt_, end);
   budget -= kFattenCost * static_cast<double>(end - begin);
@@ -148,14 +158,25 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
 }
 
 void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, double& budget) {
-  const double each = kQueryCost + kListedCost * static_cast<double>(next_->candidates.size()) /
-                                       static_cast<double>(std::max<std::size_t>(cursor_, kSlice));
-  const std::size_t step = std::min({StepOf(budget, each, next_->grid.Size() - cursor_), kChunk});
+  const double seen = static_cast<double>(next_->candidates.size()) /
+                      static_cast<double>(std::max<std::size_t>(cursor_, 1));
+  const double last = last_ == nullptr ? 0
+                                       : static_cast<double>(last_->candidates.size()) /
+                                             static_cast<double>(std::max<std::size_t>(movers_, 1));
+  const double listed = kListedCost * std::max(seen, last);
+  const std::size_t left = std::min(next_->grid.Size() - cursor_, kChunk);
+  std::size_t step = 0;
+  double cost = 0;
+  while (step < left && cost + listed * static_cast<double>(step) <= budget) {
+    const auto occupancy = static_cast<double>(next_->grid.OccupancyAt(cursor_ + step));
+    const std::size_t size = std::min(left - step, occupancy < kCrowded ? kGlance : kGlance / 8);
+    cost += (kQueryCost + kOccupancyCost * occupancy) * static_cast<double>(size);
+    step += size;
+  }
   const std::size_t before = next_->candidates.size();
   if (!FindCandidates(scene, bodies, cursor_ + step)) return Shrink();
   cursor_ += step;
-  budget -= kQueryCost * static_cast<double>(step) +
-            kListedCost * static_cast<double>(next_->candidates.size() - before);
+  budget -= cost + kListedCost * static_cast<double>(next_->candidates.size() - before);
 }
 
 /// The candidates of the boxes from the cursor on; false if boxes are too fat.
@@ -186,6 +207,7 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
 
 void SkinListBuilder::Shrink() {
   share_ = share_ > kLeastShare ? share_ / 4 : 0;
+  spent_ = 0;  // what was done is to be done again
   next_->grid.Reshape();
   next_->candidates.Clear();
   cursor_ = 0;
@@ -195,9 +217,11 @@ void SkinListBuilder::Shrink() {
 void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
   share_ = std::max(share_, kLeastShare);
   next_->goes_on = motion_.goes_on();
-  whole_cost_ = kSurplus * spent_;
-  if (next_->is_guess)  // the next will not have as many candidates
-    whole_cost_ = std::min(whole_cost_, kFirstCost * static_cast<double>(movers_));
+  const auto listed = static_cast<double>(next_->candidates.size());
+  // After a guess, the next list will not have as many candidates.
+  const double fewer =
+      next_->is_guess ? std::max(listed - kUsualCandidates * static_cast<double>(movers_), 0.) : 0;
+  whole_cost_ = kSurplus * (spent_ - kListedCost * fewer);
   stage_ = Stage::kIdle;
   last_ = nullptr;
   motion_.ForgetMarks();

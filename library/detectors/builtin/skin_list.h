@@ -42,7 +42,7 @@ struct SkinList {
 class SkinListBuilder {
  public:
   SkinListBuilder(const kernels::Kernels& kernels, kernels::PairParts& parts)
-      : next_(std::make_unique<SkinList>(kernels)), parts_(parts) {}
+      : next_(std::make_unique<SkinList>(kernels)), parts_(parts), motion_(kernels) {}
 
   /// A budget that is never used up.
   static constexpr double kUnlimited = 1e15;
@@ -59,10 +59,9 @@ class SkinListBuilder {
   /// In a cycle after a first list was made: for how many cycles it will do.
   void Observe(const Scene& scene, std::uint32_t cycle, SkinList& guess);
   void Cancel() { stage_ = Stage::kIdle; }
-  /// Remembers where the boxes are, some cycles before Start, for the velocities of those that
-  /// turned round. Returns the cost.
-  double Mark(const Scene& scene, std::uint32_t cycle);
-  bool has_marks() const { return motion_.has_marks(); }
+  /// Remembers where some more of the boxes are, in the cycles before Start, for the velocities of
+  /// those that turned round. Returns the cost, which is about `budget` until all are done.
+  double Mark(const Scene& scene, std::uint32_t cycle, double budget);
   bool is_building() const { return stage_ != Stage::kIdle; }
   /// All boxes are enlarged: it can be finished in one cycle for less than a new list costs.
   bool is_half_done() const { return stage_ > Stage::kFatten; }

@@ -13,14 +13,11 @@ constexpr std::size_t kLeastSample = 64, kMostSample = 256;
 constexpr double kMarginFactor = 1.6;
 /// The same of all but a half.
 constexpr double kHalfMarginFactor = 2.7;
-/// Who deviated more than most gets so much of a margin of its own, up to a limit for those that
-/// bounced or were set elsewhere.
-constexpr double kOwnMarginFactor = 2;
 /// Candidates of a body that a first list may have, if boxes were spread evenly; or so many times
 /// the pairs.
-constexpr double kGuessedMost = 6, kGuessedFactor = 1.25;
+constexpr double kGuessedMost = 5, kGuessedFactor = 1.25;
 /// Of a mean side: a larger margin is for lists with nearly no candidates.
-constexpr double kUsualGuess = 0.5, kMostGuess = 4, kFewCandidates = 0.2;
+constexpr double kUsualGuess = 0.7, kMostGuess = 4, kFewCandidates = 0.2;
 
 Vec3 Shift(const Box& from, const Box& to) {
   return {(to.lower.x - from.lower.x + to.upper.x - from.upper.x) / 2,
@@ -37,10 +34,11 @@ Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
 }
 Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
 
-/// A float is off by less than the last term. Infinity stays what it is.
-float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
-float Above(double x) {
-  return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
+/// A way that a box may be enlarged by; infinite ones would make boxes of no numbers.
+constexpr double kMostWay = 1e300;
+
+Vec3 VelocityOf(const kernels::BodyMotion& motion) {
+  return {motion.velocity[0], motion.velocity[1], motion.velocity[2]};
 }
 
 std::size_t SampledBody(std::size_t k, std::size_t movers) {
@@ -76,10 +74,7 @@ Spread SpreadOf(const Scene& scene, std::size_t movers) {
 
 }  // namespace
 
-void PastBoxes::Take(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle) {
-  std::copy(scene.boxes.begin() + static_cast<std::ptrdiff_t>(begin),
-            scene.boxes.begin() + static_cast<std::ptrdiff_t>(end),
-            boxes.begin() + static_cast<std::ptrdiff_t>(begin));
+void PastBoxes::SetCycle(std::size_t begin, std::size_t end, std::uint32_t cycle) {
   for (std::size_t block = begin / kBlock; block * kBlock < end; ++block) cycles[block] = cycle;
 }
 
@@ -88,16 +83,16 @@ std::size_t SkinMotion::SampleSize(std::size_t movers) {
 }
 
 void SkinMotion::Prepare(std::size_t movers) {
-  goes_on_ = has_marks_ = false;
+  goes_on_ = false;
+  marked_ = 0;
   margin_ = most_margin_ = most_speed_ = 0;
-  velocities_.assign(movers, {0, 0, 0});
-  margins_.assign(movers, 0);
+  motions_.assign(movers, {});
   marks_.Resize(movers);
 }
 
 void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
-  std::ranges::fill(velocities_, Vec3{0, 0, 0});
-  goes_on_ = has_marks_ = false;
+  goes_on_ = false;
+  marked_ = 0;
   margin_ = 0;
   guessed_ = kGuessedMost;
   observed_.clear();
@@ -119,7 +114,7 @@ void SkinMotion::Guess(const Scene& scene, std::size_t movers) {
         margin_ = margin;
   }
   most_margin_ = margin_;
-  std::ranges::fill(margins_, margin_);
+  std::ranges::fill(motions_, kernels::BodyMotion{{0, 0, 0}, margin_});
 }
 
 double SkinMotion::Observe(const Scene& scene, std::size_t movers, const PastBoxes& past,
@@ -152,7 +147,7 @@ void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& 
     const Vec3 shift = Shift(past.boxes[i], scene.boxes[i]);
     const std::uint32_t observed = observed_in_ - past.CycleOf(i);
     const Vec3 velocity = observed_.empty() || observed == 0
-                              ? velocities_[i]
+                              ? VelocityOf(motions_[i])
                               : Scaled(Shift(past.boxes[i], observed_[k]), 1. / observed);
     const double stayed = Length(shift), went = Length(Rest(shift, velocity, cycles));
     if (!std::isfinite(stayed + went)) continue;
@@ -178,53 +173,46 @@ void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& 
 }
 
 void SkinMotion::Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle) {
-  marks_.Take(scene, begin, end, cycle);
-  has_marks_ = true;
+  std::copy(scene.boxes.begin() + static_cast<std::ptrdiff_t>(begin),
+            scene.boxes.begin() + static_cast<std::ptrdiff_t>(end),
+            marks_.boxes.begin() + static_cast<std::ptrdiff_t>(begin));
+  marks_.SetCycle(begin, end, cycle);
+  marked_ = end;
 }
 
 // Who was turned round goes on as it did at the end of the list. Of the others all cycles say more,
 // as boxes are rounded.
 void SkinMotion::LearnBodies(const Scene& scene, std::size_t begin, std::size_t end,
                              const PastBoxes& past, std::uint32_t cycle) {
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t i = begin; i < end; i += PastBoxes::kBlock) {
     const std::uint32_t age = cycle - past.CycleOf(i);
     if (age == 0) continue;  // nothing was seen
-    const std::uint32_t recent_age = has_marks_ ? cycle - marks_.CycleOf(i) : 0;
-    const Vec3 way = Shift(past.boxes[i], scene.boxes[i]);
-    const double deviation = Length(Rest(way, velocities_[i], goes_on_ ? age : 0));
-    const double own = kOwnMarginFactor * deviation;
-    // In this order what is not a number is left out.
-    margins_[i] = std::max(margin_, own < most_margin_ ? own : most_margin_);
-    const Vec3 velocity = recent_age > 0 && recent_age < age && deviation > margin_
-                              ? Scaled(Shift(marks_.boxes[i], scene.boxes[i]), 1. / recent_age)
-                              : Scaled(way, 1. / age);
-    velocities_[i] = std::isfinite(velocity.x + velocity.y + velocity.z) ? velocity : Vec3{0, 0, 0};
+    const std::uint32_t recent_age = i < marked_ ? cycle - marks_.CycleOf(i) : 0;
+    const bool was_marked = recent_age > 0 && recent_age < age;
+    kernels_.learn(scene.boxes.data() + i, past.boxes.data() + i, marks_.boxes.data() + i,
+                   std::min(PastBoxes::kBlock, end - i),
+                   {.predicted = goes_on_ ? static_cast<double>(age) : 0.,
+                    .per_age = 1. / age,
+                    .per_recent_age = was_marked ? 1. / recent_age : 0.,
+                    .margin = margin_,
+                    .most_margin = most_margin_},
+                   motions_.data() + i);
   }
 }
 
 // The grid takes fat boxes as the floats that they are, so it finds their pairs exactly.
 void SkinMotion::Fatten(const Scene& scene, std::size_t begin, std::size_t end, const Span& span,
-                        kernels::FatBox* fat, const kernels::Columns& columns) const {
+                        kernels::FatBox* fat, const kernels::Columns& columns,
+                        PastBoxes& past) const {
   const double share = goes_on_ ? span.share : 0;
-  const double from = share * span.from, to = share * span.to;
-  const double most_way = std::isfinite(most_speed_) ? most_speed_ * to : 0;
-  const double factor = (goes_on_ ? std::max(span.longer, 1.) : 1) * span.share;
-  const auto held = [&](double way) {
-    const double within = std::clamp(way, -most_way, most_way);
-    return std::isfinite(within) ? within : 0;
-  };
-  for (std::size_t i = begin; i < end; ++i) {
-    const Box& box = scene.boxes[i];
-    const double margin = factor * margins_[i];
-    const auto fatten = [&](std::size_t axis, double lower, double upper, double velocity) {
-      const double first = held(velocity * from), last = held(velocity * to);
-      fat[i].lower[axis] = columns.lower[axis][i] = Below(lower + std::min(first, last) - margin);
-      fat[i].upper[axis] = columns.upper[axis][i] = Above(upper + std::max(first, last) + margin);
-    };
-    fatten(0, box.lower.x, box.upper.x, velocities_[i].x);
-    fatten(1, box.lower.y, box.upper.y, velocities_[i].y);
-    fatten(2, box.lower.z, box.upper.z, velocities_[i].z);
-  }
+  const double to = share * span.to;
+  kernels_.fatten(
+      scene.boxes.data() + begin, motions_.data() + begin, end - begin,
+      {.from = share * span.from,
+       .to = to,
+       .most_way = std::isfinite(most_speed_) ? std::min(most_speed_ * to, kMostWay) : 0,
+       .margin = (goes_on_ ? std::max(span.longer, 1.) : 1) * span.share},
+      fat + begin, kernels::From(columns, begin), past.boxes.data() + begin);
 }
 
 }  // namespace cdb::builtin

@@ -8,6 +8,7 @@
 
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels/bodies.h"
+#include "library/detectors/kernels/box_grid.h"
 #include "library/detectors/kernels/kernels.h"
 
 namespace cdb::builtin {
@@ -22,8 +23,8 @@ struct PastBoxes {
     boxes.resize(size);
     cycles.resize(size / kBlock + 1);
   }
-  /// Movers `begin`, a multiple of kBlock, to `end` are as in `scene`.
-  void Take(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle);
+  /// Movers `begin`, a multiple of kBlock, to `end` are, or are to be, as in this cycle.
+  void SetCycle(std::size_t begin, std::size_t end, std::uint32_t cycle);
   std::uint32_t CycleOf(std::size_t mover) const { return cycles[mover / kBlock]; }
 };
 
@@ -32,6 +33,7 @@ struct PastBoxes {
 /// times in cycles. Errors: bad_alloc. Threads: Fatten may run on several at once.
 class SkinMotion {
  public:
+  explicit SkinMotion(const kernels::Kernels& kernels) : kernels_(kernels) {}
   /// The number of bodies that Observe and Learn look at.
   static std::size_t SampleSize(std::size_t movers);
   /// Forgets all.
@@ -50,28 +52,30 @@ class SkinMotion {
   void Learn(const Scene& scene, std::size_t movers, const PastBoxes& past, std::uint32_t cycle);
   /// Remembers where movers `begin` to `end` are, for the velocities of those that turned round.
   void Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle);
-  void ForgetMarks() { has_marks_ = false; }
-  bool has_marks() const { return has_marks_; }
+  void ForgetMarks() { marked_ = 0; }
+  /// The first movers, whose places are remembered.
+  std::size_t marked() const { return marked_; }
   /// Learns the velocities and margins of movers `begin` to `end`.
   void LearnBodies(const Scene& scene, std::size_t begin, std::size_t end, const PastBoxes& past,
                    std::uint32_t cycle);
-  /// Enlarges their boxes for the cycles `from` to `to` from now, by `share` of what is expected.
+  /// Enlarges their boxes for the cycles `from` to `to` from now, by `share` of what is expected,
+  /// and copies them to `past`.
   /// `longer`: the ratio of `to` to the cycles since the last list, as the errors of velocities add
   /// up.
   struct Span {
     double from, to, longer, share;
   };
   void Fatten(const Scene& scene, std::size_t begin, std::size_t end, const Span& span,
-              kernels::FatBox* fat, const kernels::Columns& columns) const;
+              kernels::FatBox* fat, const kernels::Columns& columns, PastBoxes& past) const;
 
  private:
+  const kernels::Kernels& kernels_;
   bool goes_on_ = false;
   double margin_ = 0;  ///< covers the remaining motion of most boxes
   double most_margin_ = 0, most_speed_ = 0;
   double guessed_ = 0;
-  std::vector<Vec3> velocities_;  ///< of movers, per cycle
-  std::vector<double> margins_;   ///< of movers
-  bool has_marks_ = false;
+  std::vector<kernels::BodyMotion> motions_;  ///< of movers
+  std::size_t marked_ = 0;
   PastBoxes marks_;
   std::vector<Box> observed_;  ///< a sample, in a cycle after the guess; empty if there was none
   std::uint32_t observed_in_ = 0;

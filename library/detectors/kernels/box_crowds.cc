@@ -17,6 +17,9 @@ constexpr std::size_t kMostShared = 1024;
 /// Of a crowd, that each of its boxes overlaps; more are not worth a grid.
 constexpr double kMostShare = 0.25;
 constexpr unsigned kDeepest = 8;
+/// To look outside of a crowd costs as much as so many boxes in a cell.
+constexpr std::size_t kOutside = 150;
+constexpr double kNestCost = 5;  ///< of a box, in the unit of Arrange
 
 }  // namespace
 
@@ -34,6 +37,7 @@ void BoxGrid::FindCrowds(std::size_t begin, std::size_t end) {
     Crowd& crowd = crowds_[crowd_count_++];
     crowd.cell = static_cast<std::uint32_t>(cell);
     crowd.size = starts_[cell + 2] - starts_[cell + 1];
+    crowd.is_nested = false;
     crowd.boxes.clear();
     std::ranges::fill(crowd.least, std::numeric_limits<float>::infinity());
     std::ranges::fill(crowd.most, -std::numeric_limits<float>::infinity());
@@ -101,7 +105,22 @@ void BoxGrid::MoveCrowds(std::size_t begin, std::size_t end) {
   }
 }
 
-void BoxGrid::Nest(Crowd& crowd) {
+/// False if the budget is used up before all crowds have grids.
+bool BoxGrid::NestCrowds(double& budget) {
+  for (; cursor_ < crowd_count_; ++cursor_) {
+    Crowd& crowd = crowds_[cursor_];
+    if (!crowd.is_nested) {
+      if (budget <= 0) return false;
+      StartNesting(crowd);
+      budget -= kNestCost * crowd.size;
+    }
+    if (!crowd.grid->Arrange(budget)) return false;
+  }
+  FinishCrowds();
+  return true;
+}
+
+void BoxGrid::StartNesting(Crowd& crowd) {
   if (crowd.grid == nullptr) {
     crowd.grid = std::make_unique<BoxGrid>(kernels_);
     crowd.grid->depth_ = depth_ + 1;
@@ -118,8 +137,7 @@ void BoxGrid::Nest(Crowd& crowd) {
     }
   grid.Reshape();
   grid.StartArranging(crowd.size);
-  double budget = std::numeric_limits<double>::infinity();
-  grid.Arrange(budget);
+  crowd.is_nested = true;
 }
 
 void BoxGrid::FinishCrowds() {
@@ -164,6 +182,21 @@ void BoxGrid::QueryOne(const FatBox& box, Id id, PairSink& sink, bool is_ordered
   kernels_.query_one(Rows(), shape_, box.lower, box.upper, id, is_ordered, sink);
   if (crowd_count_ == 0) return;
   ForEachCrowd(box, [&](const Crowd& crowd) { crowd.grid->QueryOne(box, id, sink, is_ordered); });
+}
+
+std::size_t BoxGrid::OccupancyAt(std::size_t place) const {
+  if (place >= count_) {
+    const std::span<const Crowd> crowds = Crowds();
+    auto at = std::ranges::upper_bound(crowds, place, {}, &Crowd::inside);
+    if (at == crowds.begin()) return 0;
+    --at;
+    const std::size_t inside = place - at->inside;
+    return inside < at->grid->Size() ? at->grid->OccupancyAt(inside) : kOutside;
+  }
+  if (place >= gridded_) return place;
+  const auto end = std::upper_bound(
+      starts_.begin(), starts_.begin() + static_cast<std::ptrdiff_t>(shape_.cells()) + 1, place);
+  return *end - *(end - 1);
 }
 
 /// Steps of Query after those of the boxes in cells.

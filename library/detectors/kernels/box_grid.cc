@@ -62,21 +62,25 @@ void BoxGrid::StartArranging(std::size_t count) {
 
 bool BoxGrid::Arrange(double& budget) {
   while (stage_ != Stage::kDone) {
-    const std::size_t size = SizeOf(stage_), left = size - std::min(cursor_, size);
-    if (left > 0 && budget <= 0) return false;
-    const double cost = CostOf(stage_), most = budget / cost;
-    std::size_t step = left;
-    const std::size_t least = stage_ == Stage::kNest ? 1 : kLeast;
-    if (most < static_cast<double>(left))
-      step = std::min(left, (static_cast<std::size_t>(std::max(most, 0.)) / least + 1) * least);
-    Execute(cursor_, cursor_ + step);
-    budget -= cost * static_cast<double>(step);
-    cursor_ += step;
-    if (cursor_ < size) continue;
+    if (!(stage_ == Stage::kNest ? NestCrowds(budget) : Advance(budget))) return false;
     stage_ = Next(stage_);
     cursor_ = 0;
   }
   return true;
+}
+
+/// False if the budget is used up before the stage is over.
+bool BoxGrid::Advance(double& budget) {
+  const std::size_t size = SizeOf(stage_), left = size - std::min(cursor_, size);
+  if (left > 0 && budget <= 0) return false;
+  const double cost = CostOf(stage_), most = budget / cost;
+  std::size_t step = left;
+  if (most < static_cast<double>(left))
+    step = std::min(left, (static_cast<std::size_t>(std::max(most, 0.)) / kLeast + 1) * kLeast);
+  Execute(cursor_, cursor_ + step);
+  budget -= cost * static_cast<double>(step);
+  cursor_ += step;
+  return cursor_ >= size;
 }
 
 std::size_t BoxGrid::SizeOf(Stage stage) const {
@@ -91,8 +95,6 @@ std::size_t BoxGrid::SizeOf(Stage stage) const {
       return std::size_t{shape_.cells()} + 3;
     case Stage::kFindCrowds:
       return shape_.cells();
-    case Stage::kNest:
-      return crowd_count_;
     default:
       return boxes_;
   }
@@ -102,21 +104,20 @@ std::size_t BoxGrid::SizeOf(Stage stage) const {
 double BoxGrid::CostOf(Stage stage) const {
   switch (stage) {
     case Stage::kSample:
-      return 6000;
+      return 2500;
     case Stage::kLimit:
       return 2000;
     case Stage::kLengths:
     case Stage::kReach:
-      return 2;
+      return 3;
+    case Stage::kBin:
+      return 1.5;
     case Stage::kClear:
       return 0.2;
     case Stage::kPlace:
     case Stage::kMeasureCrowds:
     case Stage::kMoveCrowds:
       return 5;
-    case Stage::kNest:
-      return 60 * static_cast<double>(boxes_ - count_) /
-             static_cast<double>(std::max<std::size_t>(crowd_count_, 1));
     default:
       return 1;
   }
@@ -181,9 +182,6 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
       if (end == boxes_) Finish(sums_.squares);
       return;
     case Stage::kNest:
-      for (std::size_t k = begin; k < end; ++k) Nest(crowds_[k]);
-      if (end == crowd_count_) FinishCrowds();
-      return;
     case Stage::kCheck:
     case Stage::kDone:
       return;

@@ -85,6 +85,8 @@ class BoxGrid {
   double MeanOccupancy() const { return mean_occupancy_; }
   /// The same, had no cell got a grid of its own.
   double Crowding() const { return crowding_; }
+  /// About the number of boxes that Query looks at for the box at this place of Size().
+  std::size_t OccupancyAt(std::size_t place) const;
   /// Number of oversized boxes, which are tested with all others.
   std::size_t TooLong() const { return count_ - gridded_; }
   /// Number of boxes, in cells and oversized; those of crowds count twice, as they are looked up
@@ -120,6 +122,7 @@ class BoxGrid {
   struct Crowd {
     std::uint32_t cell;
     std::uint32_t size;                ///< number of boxes
+    bool is_nested;                    ///< they are in `grid`, to be arranged
     float least[3], most[3];           ///< of the lower corners
     double extents[3];                 ///< sums
     std::size_t inside, outside;       ///< the first steps of Query
@@ -127,6 +130,7 @@ class BoxGrid {
     std::vector<std::uint32_t> boxes;  ///< ascending
   };
 
+  bool Advance(double& budget);
   Stage Next(Stage stage);
   bool NeedsShape(std::size_t too_long);
   std::size_t SizeOf(Stage stage) const;
@@ -151,7 +155,8 @@ class BoxGrid {
   void MeasureCrowds(std::size_t begin, std::size_t end);
   bool KeepCrowds();
   void MoveCrowds(std::size_t begin, std::size_t end);
-  void Nest(Crowd& crowd);
+  bool NestCrowds(double& budget);
+  void StartNesting(Crowd& crowd);
   void FinishCrowds();
   Crowd* CrowdAt(std::uint32_t cell);
   Crowd* CrowdOf(Id id);

@@ -63,10 +63,15 @@ GridShapeChooser::Region GridShapeChooser::RegionOf(std::size_t count) const {
   double dense_volume = 1;  // where the middle half of each axis lies, doubled
   for (std::size_t axis = 0; axis < 3; ++axis) {
     auto x = sample_.lower[axis];
-    std::sort(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n));
-    const double low = x[n / 16], high = x[n - 1 - n / 16], width = high - low;
-    region.from[axis] = std::max<double>(x[0], low - width);
-    region.spread[axis] = std::min<double>(x[n - 1], high + width) - region.from[axis];
+    const auto begin = x.begin(), end = begin + static_cast<std::ptrdiff_t>(n);
+    const auto few = static_cast<std::ptrdiff_t>(n / 16);
+    std::nth_element(begin, begin + few, end);
+    const double low = begin[few], least = *std::min_element(begin, begin + few + 1);
+    std::nth_element(begin + few, end - 1 - few, end);
+    const double high = end[-1 - few], most = *std::max_element(end - 1 - few, end);
+    const double width = high - low;
+    region.from[axis] = std::max(least, low - width);
+    region.spread[axis] = std::min(most, high + width) - region.from[axis];
     dense_volume *= std::max(width * 8 / 7, 1e-30);
   }
   region.total = static_cast<double>(count);

@@ -54,6 +54,24 @@ struct FatBox {
   float lower[3], upper[3];
 };
 
+/// How a body is expected to move: its velocity, per cycle, and a margin for the rest, in m.
+struct BodyMotion {
+  double velocity[3], margin;
+};
+
+/// How motions are learnt from where boxes were. Times in cycles; zero where nothing was seen.
+struct MotionTerms {
+  double predicted;                ///< cycles for which boxes kept their velocity
+  double per_age, per_recent_age;  ///< 1 / time since `past`, since `marks`
+  double margin, most_margin;      ///< of a body
+};
+
+/// How boxes are enlarged: for their ways from `from` to `to` cycles from now, each no longer than
+/// `most_way`, and by `margin` times the body's.
+struct FatteningTerms {
+  double from, to, most_way, margin;
+};
+
 struct Kernels {
   const char* name;
   /// Fills the columns; true if each number is a float, so that nothing was rounded.
@@ -72,6 +90,14 @@ struct Kernels {
   /// Pairs of the boxes `begin` to `end` with those that follow, sorted by columns.lower[0].
   void (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
                 std::size_t end, PairSink& sink);
+  /// Learns the motions of `count` bodies. A body that is further than the margin from where it was
+  /// to be has turned round: its velocity is that since `marks`, if they were seen.
+  void (*learn)(const Box* boxes, const Box* past, const Box* marks, std::size_t count,
+                const MotionTerms& terms, BodyMotion* motions);
+  /// Enlarges `count` boxes, rounded outwards, into `fat` and the columns, and copies them to
+  /// `past`.
+  void (*fatten)(const Box* boxes, const BodyMotion* motions, std::size_t count,
+                 const FatteningTerms& terms, FatBox* fat, const Columns& columns, Box* past);
   /// Lists the boxes that have left their fat boxes; `escaped` has room for all.
   std::size_t (*find_escaped)(const Box* boxes, const FatBox* fat, std::size_t count, Id* escaped);
   /// Lists the boxes that do not lie inside `room`, without touching its sides; `outside` has room

@@ -2,6 +2,7 @@
 // includes it once; no other file includes it.
 #pragma once
 
+#include "library/detectors/kernels/motion_impl.h"
 #include "library/detectors/kernels/simd.h"
 
 namespace cdb::kernels {
@@ -69,17 +70,6 @@ struct FourBoxes {
 #endif
 }
 
-[[gnu::always_inline]] inline void Transpose(Float4 (&rows)[4]) {
-  const Float4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
-  const Float4 b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
-  const Float4 c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
-  const Float4 d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
-  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  rows[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  rows[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
-
 /// Rounds four boxes to the nearest floats and turns them from rows into columns, as the shuffles
 /// are cheaper than single stores; true if nothing was rounded.
 [[gnu::always_inline]] inline bool LoadFour(const Box* boxes, FourBoxes& four) {
@@ -131,22 +121,20 @@ bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
 }
 
 void Bin(const Columns& columns, std::size_t count, const GridShape& shape, std::uint32_t* cells) {
-  const std::uint32_t too_long = shape.cells();
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    std::uint32_t cell[3][kLanes];
-    for (int axis = 0; axis < 3; ++axis)
-      CellsAt(columns.lower[axis] + i, 0, shape.origin[axis], shape.inverse[axis], shape.last[axis],
-              cell[axis]);
-    bool fits[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k)
-      fits[k] = (columns.upper[0][i + k] - columns.lower[0][i + k] <= shape.reach[0]) &
-                (columns.upper[1][i + k] - columns.lower[1][i + k] <= shape.reach[1]) &
-                (columns.upper[2][i + k] - columns.lower[2][i + k] <= shape.reach[2]);
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      const bool is_number = columns.lower[0][i + k] == columns.lower[0][i + k];
-      const std::uint32_t at = (cell[2][k] * shape.n[1] + cell[1][k]) * shape.n[0] + cell[0][k];
-      cells[i + k] = fits[k] ? at : too_long + !is_number;
+  using Ints = Mask<Floats>;
+  const auto too_long = static_cast<std::int32_t>(shape.cells());
+  const auto nx = static_cast<std::int32_t>(shape.n[0]), ny = static_cast<std::int32_t>(shape.n[1]);
+  for (std::size_t i = 0; i < count; i += kFloats) {
+    Ints cell[3], fits = ~Ints{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto lower = Load<Floats>(columns.lower[axis] + i);
+      CellsAt(lower, shape.origin[axis], shape.inverse[axis], shape.last[axis], cell[axis]);
+      fits &= Load<Floats>(columns.upper[axis] + i) - lower <= Repeat<Floats>(shape.reach[axis]);
     }
+    const auto x = Load<Floats>(columns.lower[0] + i);
+    const Ints at = (cell[2] * ny + cell[1]) * nx + cell[0];
+    const Ints beyond = too_long - Ints(x != x);  // one more where it is no number
+    Store((at & fits) | (beyond & ~fits), cells + i);
   }
 }
 
@@ -330,8 +318,8 @@ void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wal
 }
 
 constexpr Kernels MakeKernels(const char* name) {
-  return {name,        Narrow,      Bin,    Query,       QueryOne, Sweep,
-          FindEscaped, FindOutside, Filter, FindChanged, MeetWall};
+  return {name,   Narrow,      Bin,         Query,  QueryOne,    Sweep,   Learn,
+          Fatten, FindEscaped, FindOutside, Filter, FindChanged, MeetWall};
 }
 
 }  // namespace

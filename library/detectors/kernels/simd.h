@@ -108,15 +108,23 @@ inline std::uint32_t CellAt(float x, float origin, float inverse, float last) {
   return static_cast<std::uint32_t>(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
+/// The cells of a register of numbers.
+[[gnu::always_inline]] inline void CellsAt(Floats x, float origin, float inverse, float last,
+                                           Mask<Floats>& cells) {
+  Floats cell = (x - origin) * inverse;
+  const Floats most = Repeat<Floats>(last);
+  cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
+  cell = cell < most ? cell : most;
+  cells = __builtin_convertvector(cell, Mask<Floats>);
+}
+
 /// The cells of eight numbers less `less`.
 inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
                     std::uint32_t* cells) {
   for (std::size_t k = 0; k < kLanes; k += kFloats) {
-    Floats cell = (Load<Floats>(x + k) - less - origin) * inverse;
-    const Floats most = Repeat<Floats>(last);
-    cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
-    cell = cell < most ? cell : most;
-    Store(__builtin_convertvector(cell, Mask<Floats>), cells + k);
+    Mask<Floats> these;
+    CellsAt(Load<Floats>(x + k) - less, origin, inverse, last, these);
+    Store(these, cells + k);
   }
 }
 
@@ -193,6 +201,17 @@ inline Pair* Emit(Pair* out, unsigned mask, Id a, const Id* ids, bool anchored) 
   return out;
 }
 
+[[gnu::always_inline]] inline void Transpose(Float4 (&rows)[4]) {
+  const Float4 a = __builtin_shufflevector(rows[0], rows[1], 0, 4, 1, 5);
+  const Float4 b = __builtin_shufflevector(rows[0], rows[1], 2, 6, 3, 7);
+  const Float4 c = __builtin_shufflevector(rows[2], rows[3], 0, 4, 1, 5);
+  const Float4 d = __builtin_shufflevector(rows[2], rows[3], 2, 6, 3, 7);
+  rows[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+  rows[2] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+  rows[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+}
+
 /// Four doubles, or the masks of four, in one register or two.
 template <typename V>
 struct Four {
@@ -266,8 +285,10 @@ inline bool Meet(const Box& a, const Box& b) {
   // The upper corners moved down to where the lower ones stand; the fourth is not looked at.
   const __m256d a_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(one + 2), 0b111001);
   const __m256d b_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(other + 2), 0b111001);
-  return (BitsOf(AtMost(Load<Doubles>(other), a_upper) & AtMost(Load<Doubles>(one), b_upper)) &
-          7) == 7;
+  // In this order the lower corners are operands in memory.
+  const __m256d in_a = _mm256_cmp_pd(a_upper, _mm256_loadu_pd(other), _CMP_GE_OQ);
+  const __m256d in_b = _mm256_cmp_pd(b_upper, _mm256_loadu_pd(one), _CMP_GE_OQ);
+  return (_mm256_movemask_pd(_mm256_and_pd(in_a, in_b)) & 7) == 7;
 #else
   return WideProbe(a).Meets(b);
 #endif
