@@ -3,18 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <optional>
 #include <utility>
+
+#include "library/detectors/builtin/skin_costs.h"
 
 namespace cdb::builtin {
 namespace {
-
-// In nanoseconds, measured once on one machine; only their ratios matter.
-constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
-constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
-constexpr double kOccupancyCost = 0.1;             ///< of each other body in a cell, or too long
-constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
 /// What reading a box takes if no more is done in a cycle.
 constexpr double kReadCost = 1.4;
@@ -29,16 +23,8 @@ constexpr double kCalmShare = 0.25;
 /// Of a list's cycles, before the next one is started: boxes are remembered then, so that those
 /// that turned round get the velocity that they have since.
 constexpr double kMarkedShare = 0.25;
-/// Bodies from which several threads look for escaped ones sooner than one.
-constexpr std::size_t kWorthThreads = 16000;
 /// Escapes become more frequent as a list gets old.
-constexpr double kMoreStrays = 1.3;
-/// Escaped bodies that get larger boxes more often in one list are untracked.
-constexpr std::uint8_t kMostRegrowths = 2;
-/// Candidates that a larger box may have.
-constexpr std::size_t kMostNear = 24;
-/// Of a fat box's longest side: who is so far out of it was set elsewhere.
-constexpr double kFarAway = 0.5;
+constexpr double kMoreEscapes = 1.3;
 /// Factors by which a lifetime is tried that differs from the last one.
 constexpr double kLeastStep = 1.12, kMostStep = 1.5;
 /// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
@@ -46,66 +32,7 @@ constexpr unsigned kMaxAge = 256;
 /// A first list is looked at in this cycle of it, and replaced as soon as the next is built.
 constexpr unsigned kSeen = 1;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-bool Overlap(const kernels::FatBox& fat, const Box& box) {
-  return fat.lower[0] <= box.upper.x && box.lower.x <= fat.upper[0] &&
-         fat.lower[1] <= box.upper.y && box.lower.y <= fat.upper[1] &&
-         fat.lower[2] <= box.upper.z && box.lower.z <= fat.upper[2];
-}
-bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (!(a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis])) return false;
-  return true;
-}
-
-/// Without touching its sides.
-bool LiesInside(const kernels::FatBox& fat, const Box& room) {
-  const auto inside = [](float lower, float upper, double least, double most) {
-    return static_cast<double>(lower) > least && static_cast<double>(upper) < most;
-  };
-  return inside(fat.lower[0], fat.upper[0], room.lower.x, room.upper.x) &&
-         inside(fat.lower[1], fat.upper[1], room.lower.y, room.upper.y) &&
-         inside(fat.lower[2], fat.upper[2], room.lower.z, room.upper.z);
-}
 bool AreSame(const Box& a, const Box& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
-/// A float is off by less than the last term. Infinity stays what it is.
-float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
-float Above(double x) {
-  return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
-}
-
-Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
-
-double CostOfEscaped(std::size_t escaped, std::size_t untracked) {
-  return kRegrowCost * static_cast<double>(escaped - untracked) +
-         kUntrackedCost * static_cast<double>(untracked);
-}
-
-/// A fat box with room for one that left it, and for as much again. Nullopt where it left for good:
-/// it was set elsewhere, or is no number.
-std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box) {
-  const double lower[3] = {box.lower.x, box.lower.y, box.lower.z};
-  const double upper[3] = {box.upper.x, box.upper.y, box.upper.z};
-  double out = 0, slack = 0, side = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(lower[axis] <= upper[axis])) return std::nullopt;
-    const double low = fat.lower[axis], high = fat.upper[axis];
-    out = std::max({out, low - lower[axis], upper[axis] - high});
-    slack = std::max(slack, (high - low - (upper[axis] - lower[axis])) / 2);
-    side = std::max(side, high - low);
-  }
-  if (!(out <= kFarAway * side && side < kInfinity)) return std::nullopt;
-  const double margin = std::max(slack, 2 * out);
-  kernels::FatBox larger;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float low = Below(lower[axis] - margin), high = Above(upper[axis] + margin);
-    larger.lower[axis] = fat.lower[axis] <= low ? fat.lower[axis] : low;
-    larger.upper[axis] = fat.upper[axis] >= high ? fat.upper[axis] : high;
-  }
-  return larger;
-}
 
 }  // namespace
 
@@ -189,8 +116,8 @@ double Skin::CyclesLeft() const {
   if (list_->goes_on) left = std::min(list_->end + 1 - cycle_, left);
   if (list_->is_guess) left = std::min(list_->life - age_, left);
   const double limit = kListCost * static_cast<double>(bodies_.movers());
-  if (last_stray_cost_ <= 0) return left;
-  return std::min(left, (limit - stray_cost_) / (kMoreStrays * last_stray_cost_));
+  if (last_escape_cost_ <= 0) return left;
+  return std::min(left, (limit - escape_cost_) / (kMoreEscapes * last_escape_cost_));
 }
 
 // As late as it can be done in time, as fat boxes have to last from when they are made.
@@ -200,7 +127,7 @@ void Skin::BuildAhead(const Scene& scene) {
   const double left = CyclesLeft();
   const double movers = static_cast<double>(bodies_.movers());
   double usual = kReadCost * movers + kTestCost * static_cast<double>(list_->candidates.size()) +
-                 last_stray_cost_;
+                 last_escape_cost_;
   // The lists after a guess may have far fewer candidates: cycles should not be long for those.
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
@@ -230,53 +157,6 @@ void Skin::BuildAhead(const Scene& scene) {
   if (is_done && (cycle_ >= begin_ || left < 1 || list_->is_guess)) UseNewList(scene);
 }
 
-/// Lists the bodies that have left their fat boxes, in order; each thread those of a part.
-std::size_t Skin::FindEscaped(const Scene& scene) {
-  const std::size_t movers = bodies_.movers();
-  const auto find = [&](std::size_t begin, std::size_t end) {
-    return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
-                                 escaped_.data() + begin);
-  };
-  if (movers < kWorthThreads || parts_.pool().size() == 1) return find(0, movers);
-  const unsigned parts = parts_.pool().size();
-  std::vector<std::size_t> found(parts);
-  const auto begin_of = [&](std::size_t part) { return movers * part / parts; };
-  parts_.pool().Run([&](unsigned part) { found[part] = find(begin_of(part), begin_of(part + 1)); });
-  std::size_t count = 0;
-  for (unsigned part = 0; part < parts; ++part)
-    for (std::size_t i = 0; i < found[part]; ++i)
-      escaped_[count++] = static_cast<Id>(escaped_[begin_of(part) + i] + begin_of(part));
-  return count;
-}
-
-/// Finds and follows the bodies that have left their fat boxes; false if a new list costs less.
-bool Skin::TrackEscaped(const Scene& scene) {
-  const std::size_t movers = bodies_.movers();
-  const double limit = kListCost * static_cast<double>(movers);
-  const auto is_too_much = [&](std::size_t escaped) {
-    return stray_cost_ + CostOfEscaped(escaped, std::min(escaped, untracked_)) > limit;
-  };
-  std::size_t escaped = FindEscaped(scene);
-  if (is_too_much(escaped)) {
-    if (!builder_.is_half_done()) return false;
-    double budget = SkinListBuilder::kUnlimited;
-    builder_.Advance(scene, bodies_, cycle_, budget);
-    work_ += SkinListBuilder::kUnlimited - budget;
-    UseNewList(scene);
-    escaped = FindEscaped(scene);
-    if (is_too_much(escaped)) return false;
-  }
-  untracked_ = RegrowEscaped(scene, escaped);
-  const double cost = CostOfEscaped(escaped, untracked_);
-  cost_ += cost;
-  work_ += cost;
-  const double stray = cost + kTestCost * static_cast<double>(list_->candidates.size() - made_);
-  stray_cost_ += stray;
-  // Those that turned round while the list was built are no sign of what is to come.
-  last_stray_cost_ = age_ > 0 ? stray : 0;
-  return true;
-}
-
 /// All movers have been asleep since the last call, so that its pairs are those of this one.
 bool Skin::StillSleeps(const Scene& scene) {
   const bool did_sleep = sleeps_;
@@ -288,73 +168,6 @@ bool Skin::IsUnchanged(const Scene& scene) const {
   const std::vector<Box>& past = list_->past.boxes;
   return past.empty() ||
          std::memcmp(scene.boxes.data(), past.data(), past.size() * sizeof(Box)) == 0;
-}
-
-/// Pairs (id, other) with all whose fat boxes overlap `box`, until the next call.
-std::span<const Pair> Skin::Near(const kernels::FatBox& box, Id id) {
-  raw_.Clear();
-  list_->grid.QueryOne(box, id, raw_.sink());
-  const std::span<Pair> found = raw_.pairs();
-  const auto rest = std::ranges::remove(found, id, &Pair::b);
-  return found.first(found.size() - rest.size());
-}
-
-/// False where it becomes untracked, as it left for good or would meet too many.
-bool Skin::Regrow(const Scene& scene, Id id) {
-  if (regrowths_[id] == kMostRegrowths) return false;
-  std::vector<kernels::FatBox>& fat = list_->fat;
-  const kernels::FatBox old = fat[id];
-  const auto larger = Larger(old, scene.boxes[id]);
-  const std::span<const Pair> near = larger ? Near(*larger, id) : std::span<const Pair>();
-  if (!larger || near.size() > kMostNear || !list_->grid.Grow(id, *larger)) {
-    regrowths_[id] = kMostRegrowths;
-    return false;
-  }
-  ++regrowths_[id];
-  fat[id] = *larger;
-  AddWallsOf(scene, id, &old);
-  // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
-  for (const auto& [self, other] : near)
-    if (!Overlap(old, fat[other]) && scene.MayCollide(id, other))
-      list_->candidates.Add(Ordered(id, other));
-  return true;
-}
-
-/// Gives escaped bodies larger fat boxes. Returns the number of untracked ones, with which
-/// `escaped_` then begins.
-std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
-  std::size_t untracked = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Id id = escaped_[i];
-    if (!Regrow(scene, id)) escaped_[untracked++] = id;
-  }
-  return untracked;
-}
-
-// What untracked bodies have to add are pairs whose fat boxes do not overlap. Other untracked
-// bodies are met apart: they are not where their fat boxes are.
-void Skin::AppendUntracked(const Scene& scene, kernels::PairBuffer& pairs) {
-  const std::vector<kernels::FatBox>& fat = list_->fat;
-  const std::span<const Id> untracked = std::span(escaped_).first(untracked_);
-  const auto put = [&](Id a, Id b, const auto& other_fat) {
-    if (Overlap(scene.boxes[a], scene.boxes[b]) && !Overlap(fat[a], other_fat) &&
-        scene.MayCollide(a, b))
-      pairs.Add(Ordered(a, b));
-  };
-  untracked_boxes_.clear();
-  for (const Id id : untracked) is_untracked_[id] = 1;
-  for (const Id id : untracked) {
-    const Box& box = scene.boxes[id];
-    untracked_boxes_.push_back(box);
-    for (const Id wall : bodies_.bounds()) put(id, wall, scene.boxes[wall]);
-    for (const auto& [self, other] : Near(kernels::Around(box, kernels_), id))
-      if (!is_untracked_[other]) put(self, other, fat[other]);
-  }
-  for (const Id id : untracked) is_untracked_[id] = 0;
-  raw_.Clear();
-  untracked_grid_.Build(untracked_boxes_.data(), untracked_);
-  untracked_grid_.QueryPart(0, 1, raw_.sink());
-  for (const auto& [a, b] : raw_.pairs()) put(untracked[a], untracked[b], fat[untracked[b]]);
 }
 
 /// A whole list in this cycle.
@@ -378,7 +191,7 @@ void Skin::UseNewList(const Scene& scene) {
   made_ = list_->candidates.size();
   age_ = 0;
   is_built_ = true;
-  stray_cost_ = last_stray_cost_ = 0;
+  escape_cost_ = last_escape_cost_ = 0;
   untracked_ = 0;
   escaped_.resize(movers);
   regrowths_.assign(movers, 0);
@@ -388,40 +201,6 @@ void Skin::UseNewList(const Scene& scene) {
                        (list_->grid.MeanOccupancy() + static_cast<double>(list_->grid.TooLong()))) *
           static_cast<double>(movers) +
       kListedCost * static_cast<double>(made_);
-}
-
-/// Replaces the candidates with walls if these have moved.
-void Skin::FollowWalls(const Scene& scene) {
-  const std::size_t movers = bodies_.movers();
-  const std::span<const Box> walls = scene.boxes.subspan(movers);
-  const std::span<Box> past = std::span(list_->past.boxes).subspan(movers);
-  if (walls.empty() || std::memcmp(walls.data(), past.data(), walls.size_bytes()) == 0) return;
-  std::ranges::copy(walls, past.begin());
-  kernels::PairBuffer& candidates = list_->candidates;
-  changes_.Replace(candidates.pairs());
-  const auto rest = std::ranges::remove_if(candidates.pairs(),
-                                           [&](const Pair& pair) { return pair.b >= movers; });
-  candidates.Cut(candidates.size() - rest.size());
-  AddWalls(scene);
-  made_ = std::min(made_, candidates.size());
-}
-
-void Skin::AddWalls(const Scene& scene) {
-  if (bodies_.bounds().empty()) return;
-  for (Id id = 0; id < bodies_.movers(); ++id) AddWallsOf(scene, id, nullptr);
-}
-
-/// Adds the walls that bound the room and overlap the body's fat box, but not those that overlap
-/// `known`.
-void Skin::AddWallsOf(const Scene& scene, Id id, const kernels::FatBox* known) {
-  const kernels::FatBox& fat = list_->fat[id];
-  if (LiesInside(fat, bodies_.room())) return;
-  for (const Id wall : bodies_.bounds()) {
-    const Box& box = scene.boxes[wall];
-    if (Overlap(fat, box) && (known == nullptr || !Overlap(*known, box)) &&
-        scene.MayCollide(id, wall))
-      list_->candidates.Add({id, wall});
-  }
 }
 
 double Skin::Cost() const {

@@ -111,11 +111,11 @@ class Skin final : public Detector {
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
   bool gets_longer_ = true;           ///< the lifetime, by this factor
-  double making_cost_ = 0, cost_ = 0, stray_cost_ = 0;  ///< of this list; all of it
-  double last_stray_cost_ = 0;                          ///< of the last cycle
-  double last_cost_ = 0;                                ///< of a cycle of the last list
-  double last_tried_ = 0;                               ///< the same, with another horizon
-  double work_ = 0;                                     ///< of the last cycle
+  double making_cost_ = 0, cost_ = 0, escape_cost_ = 0;  ///< of this list; all of it
+  double last_escape_cost_ = 0;                          ///< of the last cycle
+  double last_cost_ = 0;                                 ///< of a cycle of the last list
+  double last_tried_ = 0;                                ///< the same, with another horizon
+  double work_ = 0;                                      ///< of the last cycle
 };
 
 std::unique_ptr<Detector> MakeSkin(const Options& options,
