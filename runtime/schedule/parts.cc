@@ -116,7 +116,9 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
                               static_cast<double>(std::max<std::uint64_t>(runs, 1));
   demand.time *= left;
   demand.disk *= left;
-  CheckFits(plan.benchmark, demand, options.folder);
+  // Where some are found elsewhere or not wanted yet, each part is held against what is free when
+  // it begins: all that `repeats` allows may be many times what is run.
+  if (!options.find_elsewhere) CheckFits(plan.benchmark, demand, options.folder);
   const bool heeds_marks = !options.is_repeated && !options.find_elsewhere && marked > 0 &&
                            CountShards(options.folder) >= marked;
   ExecuteOptions one = options;

@@ -18,6 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Bytes of memory for each byte of a file that may be mostly its plan: yaml-cpp takes 42 for a
+/// byte of the text, and the plan itself as many again.
+constexpr std::uint64_t kPlanMemory = 80;
+
 /// Reads the shard of a measured run, or of a reference, which has no series.
 void ReadShard(const hdf5::File& file, const std::string& name) {
   FileExtents extents;
@@ -49,7 +53,9 @@ bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
     if (reads_values) hdf5::CheckGlobalHeaps(path);
     read(reads_values);
   };
-  const std::string why = files::RunLimited(prove, files::LimitsForFile(error ? 0 : bytes));
+  files::WorkLimits limits = files::LimitsForFile(error ? 0 : bytes);
+  if (of == ProofOf::kEveryValue && !error) limits.memory_bytes += kPlanMemory * bytes;
+  const std::string why = files::RunLimited(prove, limits);
   if (why.empty()) return seal == files::SealState::kGood;
   if (why.starts_with(path.string() + ": ")) throw files::StoreError(why);
   throw files::StoreError(
