@@ -10,7 +10,7 @@
 namespace cdb::builtin {
 namespace {
 
-/// What reading a box takes if no more is done in a cycle.
+/// Cost of reading a box, in a cycle that does nothing else.
 constexpr double kReadCost = 1.4;
 /// Of a body, in a cycle of a first list.
 constexpr double kMostOfGuess = 2.15;
@@ -23,13 +23,13 @@ constexpr double kCalmShare = 0.25;
 /// Of a list's cycles, before the next one is started: boxes are remembered then, so that those
 /// that turned round get the velocity that they have since.
 constexpr double kMarkedShare = 0.25;
-/// Escapes become more frequent as a list gets old.
+/// Escapes become more frequent as a list ages.
 constexpr double kMoreEscapes = 1.3;
-/// Factors by which a lifetime is tried that differs from the last one.
+/// Factors between the present lifetime and the next one that is tried.
 constexpr double kLeastStep = 1.12, kMostStep = 1.5;
-/// A list is made anew after so many cycles at the latest: what came to rest gets thin again.
+/// Greatest age of a list in cycles, after which the fat boxes of bodies at rest shrink again.
 constexpr unsigned kMaxAge = 256;
-/// A first list is looked at in this cycle of it, and replaced as soon as the next is built.
+/// The cycle in which a first list is judged; it is replaced as soon as the next one is built.
 constexpr unsigned kSeen = 1;
 
 bool AreSame(const Box& a, const Box& b) { return std::memcmp(&a, &b, sizeof a) == 0; }

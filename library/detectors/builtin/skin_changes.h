@@ -1,4 +1,4 @@
-// Which pairs `skin` listed last, so that it can list only the changes.
+// The pairs that `skin` listed last, so that it can list only the changes.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace cdb::builtin {
 
-/// A flag for each candidate: whether its boxes overlapped in the last call. Cost: that of testing
-/// the candidates, and of the changes. Errors: bad_alloc. Threads: one caller; tests use those of
-/// `parts`.
+/// Keeps a flag for each candidate: its boxes overlapped in the last call. Cost: testing the
+/// candidates, plus the number of changes. Errors: bad_alloc. Threads: one caller; the tests use
+/// the threads of `parts`.
 class SkinChanges {
  public:
   explicit SkinChanges(kernels::PairParts& parts) : parts_(parts) {}
 
   /// The next call lists all pairs.
   void Forget();
-  /// To be called before these candidates are replaced or reordered.
+  /// Call before the candidates are replaced or reordered.
   void Replace(std::span<const Pair> candidates);
-  /// What Detector::FindChanges does. Candidates may have been added at the end since the last
-  /// call; `rest` are the other pairs that overlap.
+  /// Lists the changes as Detector::FindChanges does. Candidates may have been added at the end
+  /// since the last call; `rest` are the other pairs that overlap.
   bool Find(const Scene& scene, const kernels::Kernels& kernels, std::span<const Pair> candidates,
             std::span<const Pair> rest, std::vector<Pair>& came, std::vector<Pair>& went);
-  /// The last call was of Find, and not Forget.
+  /// Find has been called since the last Forget.
   bool knows_last() const { return knows_last_; }
   /// Number of pairs in the last call of Find.
   std::size_t size() const { return met_count_ + rest_.size(); }

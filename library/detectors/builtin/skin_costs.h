@@ -11,7 +11,7 @@ inline constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list:
 inline constexpr double kOccupancyCost = 0.1;  ///< of each other body in a cell, or too long
 inline constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
-/// `escaped` bodies, `untracked` of them untracked.
+/// Cost of a cycle for `escaped` bodies, of which `untracked` are looked up in every cycle.
 inline double CostOfEscaped(std::size_t escaped, std::size_t untracked) {
   return kRegrowCost * static_cast<double>(escaped - untracked) +
          kUntrackedCost * static_cast<double>(untracked);

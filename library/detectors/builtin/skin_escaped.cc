@@ -14,13 +14,13 @@
 namespace cdb::builtin {
 namespace {
 
-/// Bodies from which several threads look for escaped ones sooner than one.
+/// The number of bodies from which several threads find escaped ones faster than one.
 constexpr std::size_t kWorthThreads = 16000;
-/// Escaped bodies that get larger boxes more often in one list are untracked.
+/// The most times that a body gets a larger fat box in one list; after that it is untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
-/// Candidates that a larger box may have.
+/// The most candidates that a larger fat box may have.
 constexpr std::size_t kMostNear = 24;
-/// Of a fat box's longest side: who is so far out of it was set elsewhere.
+/// As a fraction of a fat box's longest side: a body further outside was moved elsewhere.
 constexpr double kFarAway = 0.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -53,8 +53,8 @@ float Above(double x) {
 
 Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// A fat box with room for one that left it, and for as much again. Nullopt where it left for good:
-/// it was set elsewhere, or is no number.
+/// The fat box enlarged around a box that left it, with the same room again. Nullopt if the body
+/// was moved elsewhere or its box is NaN.
 std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box) {
   const double lower[3] = {box.lower.x, box.lower.y, box.lower.z};
   const double upper[3] = {box.upper.x, box.upper.y, box.upper.z};

@@ -7,7 +7,7 @@
 namespace cdb::detection {
 namespace {
 
-/// Entries of a row up to which each is looked at.
+/// The longest row that is searched linearly.
 constexpr std::uint32_t kShortRow = 16;
 
 void Prefetch([[maybe_unused]] const void* at) {
@@ -38,7 +38,7 @@ std::uint32_t OrderedPairCache::Find(const Pair& pair) const {
                                            : kNone;
 }
 
-/// Leaves where a row has been to no one; TidyRows clears up.
+/// Moves the row to a larger place. The old one is left unused until TidyRows.
 void OrderedPairCache::MakeRoom(Row& row, std::size_t count) {
   const std::size_t needed = row.size + count;
   if (needed <= row.capacity) return;
@@ -66,7 +66,7 @@ void OrderedPairCache::TidyRows() {
   left_behind_ = 0;
 }
 
-/// Pairs of one first body.
+/// Adds pairs that have the same first body.
 void OrderedPairCache::AddToRow(std::span<const Pair> pairs) {
   Row& row = rows_[pairs.front().a];
   fresh_.clear();
@@ -85,7 +85,7 @@ void OrderedPairCache::AddToRow(std::span<const Pair> pairs) {
     pair.m_internalTmpValue = 0;
   }
   place += static_cast<std::uint32_t>(fresh_.size());
-  // From the end, where there is room.
+  // Merged from the end, where there is room.
   Entry* first = entries_.data() + row.begin;
   Entry* last = first + row.size;
   Entry* to = last + fresh_.size();
@@ -105,8 +105,8 @@ void OrderedPairCache::Add(std::span<const Pair> pairs) {
   TidyRows();
 }
 
-// A pair that leaves is anywhere in memory, and so is what Bullet keeps of it: the pair is fetched
-// first, then its algorithm, then its manifolds.
+// A pair that leaves, its algorithm and its manifolds are scattered in memory. They are fetched in
+// this order, ahead of their removal.
 void OrderedPairCache::FetchAhead(std::size_t at, btDispatcher* dispatcher) {
   constexpr std::size_t kStep = 5;
   const auto pair = [&](std::size_t i) -> const btBroadphasePair* {
@@ -123,7 +123,7 @@ void OrderedPairCache::FetchAhead(std::size_t at, btDispatcher* dispatcher) {
     Prefetch(manifolds_[i]);
     Prefetch(&manifolds_[i]->m_index1a);
   }
-  // The last one gets the index of one that is freed.
+  // Bullet gives the last manifold the index of the freed one.
   const int last = dispatcher->getNumManifolds() - static_cast<int>(kStep);
   if (last >= 0) Prefetch(&dispatcher->getManifoldByIndexInternal(last)->m_index1a);
 }
@@ -157,7 +157,7 @@ std::vector<Pair> OrderedPairCache::List() const {
   return list;
 }
 
-/// Its entry is the caller's.
+/// The caller removes the entry of the pair.
 void OrderedPairCache::RemoveAt(std::uint32_t place, btDispatcher* dispatcher) {
   const int last = pairs_.size() - 1;
   cleanOverlappingPair(pairs_[static_cast<int>(place)], dispatcher);
@@ -242,7 +242,7 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
   const auto pair_at = [this](const Entry& entry) -> btBroadphasePair& {
     return pairs_[static_cast<int>(entry.place)];
   };
-  // Rows are short: the next but one is fetched, and what Bullet keeps of the next.
+  // Rows are short, so fetch the pairs two rows ahead and their algorithms one row ahead.
   for (std::size_t row = rows_.size(); row-- > 0;) {
     if (row > 1)
       for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry));
@@ -251,7 +251,7 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
     const std::span<Entry> own = entries(row);
     for (auto entry = own.rbegin(); entry != own.rend(); ++entry) {
       const bool is_removed = callback->processOverlap(pair_at(*entry));
-      CDB_CHECK(!is_removed);  // nobody who asks for this order removes
+      CDB_CHECK(!is_removed);  // no callback in this order removes pairs
     }
   }
 }
