@@ -71,24 +71,6 @@ void CheckNumberValues(const RunNumber& number, std::span<const double> values,
       RefuseValue(number.name, value, fmt::format("and has values from {} to {}", low, high));
 }
 
-/// Calls `visit(start, count)` for every chunk.
-void ForEachChunk(const hdf5::Shape& shape, const hdf5::Shape& chunk,
-                  const std::function<void(const hdf5::Shape&, const hdf5::Shape&)>& visit) {
-  hdf5::Shape start(shape.size(), 0), count(shape.size());
-  for (;;) {
-    for (std::size_t d = 0; d < shape.size(); ++d)
-      count[d] = std::min(chunk[d], shape[d] - start[d]);
-    visit(start, count);
-    std::size_t d = shape.size();
-    while (d > 0) {
-      start[d - 1] += chunk[d - 1];
-      if (start[d - 1] < shape[d - 1]) break;
-      start[--d] = 0;
-    }
-    if (d == 0) return;
-  }
-}
-
 using VisitPiece = std::function<void(const std::string&, std::span<const double>)>;
 
 void ReadArray(const std::string& path, const hdf5::Dataset& dataset, const VisitPiece& visit) {
@@ -96,12 +78,10 @@ void ReadArray(const std::string& path, const hdf5::Dataset& dataset, const Visi
     dataset.ReadText();
     return;
   }
-  const hdf5::Shape chunk = dataset.ChunkShape();
-  if (chunk.empty() || hdf5::Product(dataset.shape()) == 0) return visit(path, dataset.Read());
-  ForEachChunk(dataset.shape(), chunk, [&](const hdf5::Shape& start, const hdf5::Shape& count) {
-    // Chunks that were never written hold fill values, and a small file can claim any number of
-    // them.
-    if (dataset.HasChunk(start)) visit(path, dataset.Read(start, count));
+  if (dataset.ChunkShape().empty() || hdf5::Product(dataset.shape()) == 0)
+    return visit(path, dataset.Read());
+  dataset.ForEachStoredChunk([&](const hdf5::Shape& start, const hdf5::Shape& count) {
+    visit(path, dataset.Read(start, count));
   });
 }
 

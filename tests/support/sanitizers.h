@@ -19,6 +19,8 @@ inline constexpr bool kThreadSanitizer = true;
 inline constexpr bool kThreadSanitizer = false;
 #endif
 
+inline constexpr bool kAnySanitizer = kAddressSanitizer || kThreadSanitizer;
+
 /// The number of random cases to try: a sanitizer checks the memory accesses and the arithmetic of
 /// each, and slows it down 30 times; the plain build tries all.
 constexpr int Cases(int all) { return kAddressSanitizer ? (all + 9) / 10 : all; }

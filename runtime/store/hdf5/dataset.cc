@@ -175,10 +175,46 @@ void Dataset::Write(const Shape& start, const Shape& count, const std::byte* dat
         "write an array");
 }
 
-bool Dataset::HasChunk(const Shape& start) const {
-  hsize_t bytes = 0;
-  // Fails if there is no such chunk.
-  return H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) >= 0 && bytes > 0;
+void Dataset::ForEachStoredChunk(const VisitPart& visit) const {
+  const Shape chunk = ChunkShape();
+  const auto visit_at = [&](const Shape& start) {
+    Shape count(start.size());
+    for (std::size_t d = 0; d < start.size(); ++d) {
+      if (start[d] >= shape_[d]) throw Error("a chunk is outside of its array");
+      count[d] = std::min(chunk[d], shape_[d] - start[d]);
+    }
+    visit(start, count);
+  };
+  Shape chunks(chunk.size());
+  for (std::size_t d = 0; d < chunk.size(); ++d) chunks[d] = (shape_[d] + chunk[d] - 1) / chunk[d];
+  const std::size_t places = Product(chunks);
+  if (places == 0) return;
+  const Id space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
+  hsize_t stored = 0;
+  Check(H5Dget_num_chunks(id_.get(), space.get(), &stored), "count the chunks");
+  // HDF5 finds the chunk of an index in time linear in the index, and that of a place in less.
+  if (stored * stored <= places) {
+    for (hsize_t i = 0; i < stored; ++i) {
+      std::vector<hsize_t> start(chunk.size());
+      unsigned mask = 0;
+      haddr_t address = HADDR_UNDEF;
+      hsize_t bytes = 0;
+      Check(H5Dget_chunk_info(id_.get(), space.get(), i, start.data(), &mask, &address, &bytes),
+            "find a chunk");
+      if (bytes > 0) visit_at(Shape(start.begin(), start.end()));
+    }
+    return;
+  }
+  for (std::size_t place = 0; place < places; ++place) {
+    Shape start(chunk.size());
+    std::size_t rest = place;
+    for (std::size_t d = chunk.size(); d-- > 0; rest /= chunks[d])
+      start[d] = rest % chunks[d] * chunk[d];
+    hsize_t bytes = 0;
+    // Fails if there is no such chunk.
+    if (H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) >= 0 && bytes > 0)
+      visit_at(start);
+  }
 }
 
 bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {

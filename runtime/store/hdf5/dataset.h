@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,8 +59,10 @@ class Dataset : public Object {
   void Write(const Shape& start, const Shape& count, const std::byte* data,
              const Shape& data_shape);
 
-  /// True if the file holds the chunk whose first element is `start`.
-  bool HasChunk(const Shape& start) const;
+  /// Of an array in chunks. Chunks that were never written hold fill values, and a small file can
+  /// claim any number of them.
+  using VisitPart = std::function<void(const Shape& start, const Shape& count)>;
+  void ForEachStoredChunk(const VisitPart& visit) const;
   /// `start` is the chunk's first element. False if the file holds no such chunk.
   bool ReadChunk(const Shape& start, RawChunk& chunk) const;
   void WriteChunk(const Shape& start, std::uint32_t filter_mask, std::span<const std::byte> bytes);

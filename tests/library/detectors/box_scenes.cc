@@ -133,6 +133,12 @@ std::vector<Pair> Listed(Detector& detector, const Scene& scene) {
   return pairs;
 }
 
+std::vector<Pair> SortedPairs(Detector& detector, const Scene& scene) {
+  std::vector<Pair> pairs = Listed(detector, scene);
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
 void KeptPairs::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
   constexpr int kListed = 11;  // one call in so many
   std::vector<Pair> came, went;

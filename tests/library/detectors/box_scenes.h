@@ -78,6 +78,7 @@ inline Box Cube(double x, double y, double z, double half) {
 
 /// What the detector lists, as it lists it.
 std::vector<Pair> Listed(Detector& detector, const Scene& scene);
+std::vector<Pair> SortedPairs(Detector& detector, const Scene& scene);
 
 /// Lists the pairs that a detector's changes come to, in order, and now and then those of its
 /// FindPairs. A change that cannot be one fails the test.

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,20 +25,45 @@ namespace {
 using compare::ChangeVerdict;
 using compare::CompareOptions;
 
+/// Results in files a.h5, b.h5, ….
+class ComparedFiles {
+ public:
+  explicit ComparedFiles(const std::vector<ComparedResult>& results) {
+    for (const ComparedResult& result : results) {
+      const auto letter = static_cast<char>('a' + paths_.size());
+      paths_.push_back(folder_ / (std::string(1, letter) + ".h5"));
+      WriteCompared(result, paths_.back());
+    }
+  }
+  const std::vector<std::filesystem::path>& paths() const { return paths_; }
+
+ private:
+  const TemporaryFolder folder_;
+  std::vector<std::filesystem::path> paths_;
+};
+
+/// The detector sap is slower by 5 % in the second file. Written for the first test that needs it.
+std::shared_ptr<const ComparedFiles> SlowerSap() {
+  static const auto files = std::make_shared<const ComparedFiles>(std::vector<ComparedResult>{
+      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}});
+  return files;
+}
+
 /// A command's worth of files, judged.
 class Compared {
  public:
-  explicit Compared(const std::vector<ComparedResult>& results, CompareOptions options = {})
-      : options_(std::move(options)) {
+  explicit Compared(std::shared_ptr<const ComparedFiles> written, CompareOptions options = {},
+                    bool is_reversed = false)
+      : written_(std::move(written)), options_(std::move(options)) {
     std::vector<std::unique_ptr<compare::ComparedFile>> files;
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      const std::string name = std::string(1, static_cast<char>('a' + i)) + ".h5";
-      WriteCompared(results[i], folder_ / name);
-      files.push_back(std::make_unique<compare::ComparedFile>(folder_ / name, name));
-    }
+    for (const std::filesystem::path& path : written_->paths())
+      files.push_back(std::make_unique<compare::ComparedFile>(path, path.filename().string()));
+    if (is_reversed) std::ranges::reverse(files);
     histories_.push_back(compare::MakeHistory(std::move(files), options_));
     compare::JudgeHistories(histories_, options_);
   }
+  explicit Compared(const std::vector<ComparedResult>& results, CompareOptions options = {})
+      : Compared(std::make_shared<const ComparedFiles>(results), std::move(options)) {}
   const std::vector<compare::BenchmarkHistory>& histories() const { return histories_; }
   const compare::Comparison& comparison() const { return histories_[0].steps[0]; }
   const CompareOptions& options() const { return options_; }
@@ -51,7 +78,7 @@ class Compared {
   }
 
  private:
-  const TemporaryFolder folder_;
+  const std::shared_ptr<const ComparedFiles> written_;
   const CompareOptions options_;
   std::vector<compare::BenchmarkHistory> histories_;
 };
@@ -81,8 +108,7 @@ std::string RefusalOf(const std::vector<ComparedResult>& results, CompareOptions
 }
 
 TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
-  const Compared compared(
-      {{ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}});
+  const Compared compared(SlowerSap());
   EXPECT_EQ(compared.Group("sap").absolute.verdict, ChangeVerdict::kSlower);
   EXPECT_NEAR(compared.Group("sap").absolute.tested.ratio, 1.05, 0.01);
   EXPECT_NEAR(compared.Group("sap").relative.tested.ratio, 1.05, 0.01);
@@ -102,22 +128,21 @@ TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
 }
 
 TEST(Compare, FailsWhereTheWholeIntervalIsAbove) {
-  const std::vector<ComparedResult> results = {
-      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}};
-  EXPECT_TRUE(Compared(results, {.margin = 0.03}).IsWorse());
-  ExpectSays(Compared(results, {.margin = 0.03}).Text(),
-             "WORSE by more than 3 %, exit status 4: sap broad; sap ");
-  EXPECT_FALSE(Compared({results[1], results[0]}, {.margin = 0.03}).IsWorse());
-  ExpectSays(Compared({results[1], results[0]}).Text(), "FASTER: sap: broad -4.");
+  const Compared slower(SlowerSap(), {.margin = 0.03});
+  EXPECT_TRUE(slower.IsWorse());
+  ExpectSays(slower.Text(), "WORSE by more than 3 %, exit status 4: sap broad; sap ");
+  const Compared faster(SlowerSap(), {.margin = 0.03}, true);
+  EXPECT_FALSE(faster.IsWorse());
+  ExpectSays(faster.Text(), "FASTER: sap: broad -4.");
 }
 
 TEST(Compare, NamesWhatAllHaveInCommon) {
   const auto machine = [](const plan::Run& run, ComparedRun& made) {
     made.factor = run.at[0] == 3 ? 1.10 * 1.05 : 1.05;
   };
-  const std::vector<ComparedResult> results = {
-      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = machine, .seed = 2}};
-  const Compared compared(results);
+  const auto files = std::make_shared<const ComparedFiles>(std::vector<ComparedResult>{
+      {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = machine, .seed = 2}});
+  const Compared compared(files);
   EXPECT_TRUE(compared.comparison().times.HasCommonShift());
   EXPECT_EQ(compared.Group("simple").absolute.verdict, ChangeVerdict::kSlower);
   EXPECT_EQ(compared.Group("simple").relative.verdict, ChangeVerdict::kSame);
@@ -125,7 +150,7 @@ TEST(Compare, NamesWhatAllHaveInCommon) {
   const std::string text = compared.Text();
   ExpectSays(text, "EVERYTHING is slower: the median step over all groups is +5.");
   ExpectSays(text, "the machine, or code that all have in common; cdb's own overhead");
-  const std::string relative = Compared(results, {.is_relative = true}).Text();
+  const std::string relative = Compared(files, {.is_relative = true}).Text();
   ExpectSays(relative, "SLOWER: grid: broad +");
   ExpectSaysNot(relative, "SLOWER: simple");
   EXPECT_NE(RefusalOf({{ComparedPlan(6, {"10"}, {"sap"})}, {ComparedPlan(6, {"10"}, {"sap"})}},
@@ -312,9 +337,7 @@ TEST(Compare, SaysFirstWhatDiffers) {
 }
 
 TEST(Compare, PrintsMarkdownAndJson) {
-  const Compared compared(
-      {{ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}},
-      {.phase = measure::Phase::kStep});
+  const Compared compared(SlowerSap(), {.phase = measure::Phase::kStep});
   const std::string markdown = compare::MarkdownText(compared.document());
   EXPECT_NE(markdown.find("\n- SLOWER: sap: step +"), std::string::npos) << markdown;
   EXPECT_NE(markdown.find("\n| detector | points | phase | a.h5 | b.h5 | ratio | 95 % interval | "

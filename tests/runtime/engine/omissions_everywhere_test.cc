@@ -102,7 +102,7 @@ std::optional<plan::Scene> WithoutWallPairs(plan::Scene scene, const layouts::In
 TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   // Single and double precision take turns. States are compared in the ordinary build; what the
   // sanitizers look for is the same in fewer runs.
-  constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 1 : 10;
+  constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 1 : 6;
   Tally tally;
   std::size_t plans = 0, turn = 0;
   std::set<std::string> tried;  // scenarios share runs, and scaled down more are equal

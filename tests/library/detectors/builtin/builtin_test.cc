@@ -56,8 +56,7 @@ std::vector<Named> All(unsigned threads = 1) {
 void ExpectExact(std::vector<Named>& all, const Scene& scene, const std::string& where) {
   const std::vector<Pair> exact = detectors::ExactPairs(scene);
   for (Named& named : all) {
-    std::vector<Pair> pairs = Listed(*named.detector, scene);
-    std::ranges::sort(pairs);
+    const std::vector<Pair> pairs = SortedPairs(*named.detector, scene);
     if (pairs == exact) continue;
     for (const Pair& pair : pairs) EXPECT_LT(pair.a, pair.b);
     const detectors::PairFaults faults = detectors::ComparePairs(scene, pairs);
@@ -130,7 +129,7 @@ TEST(BuiltinDetectors, AreExactWhereWallsMoveOrStandAmongTheBodies) {
 }
 
 TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
-  constexpr int kCycles = kThreadSanitizer ? 4 : 20;
+  constexpr int kCycles = kAnySanitizer ? 4 : 20;
   for (const std::string_view name : kBoxScenes) {
     BoxScene moving(name, 3000, true, 7);
     std::vector<Named> first = All(1), second = All(1), two = All(2), three = All(3);
@@ -312,7 +311,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
 
 TEST(BuiltinDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
-  constexpr int kRounds = kThreadSanitizer ? 9 : 36;
+  constexpr int kRounds = kAnySanitizer ? 9 : 36;
   constexpr int kFewestThreads = kThreadSanitizer ? 2 : 1;  // one thread alone races with none
   for (int round = 0; round < kRounds; ++round) {
     Boxes boxes;

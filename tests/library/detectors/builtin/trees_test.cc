@@ -15,12 +15,6 @@ namespace {
 
 using Make = Detector* (*)(const Options&);
 
-std::vector<Pair> Found(Detector& detector, const Scene& scene) {
-  std::vector<Pair> pairs = Listed(detector, scene);
-  std::ranges::sort(pairs);
-  return pairs;
-}
-
 class Trees : public testing::TestWithParam<Make> {};
 
 TEST_P(Trees, FindJustThePairsOfEveryScene) {
@@ -30,7 +24,7 @@ TEST_P(Trees, FindJustThePairsOfEveryScene) {
       const std::unique_ptr<Detector> detector(GetParam()({}));
       detector->Prepare(moving.View());
       for (int cycle = 0; cycle < 10; ++cycle, moving.Move())
-        ASSERT_EQ(Found(*detector, moving.View()), BruteForce(moving.View()))
+        ASSERT_EQ(SortedPairs(*detector, moving.View()), BruteForce(moving.View()))
             << name << " cycle " << cycle;
     }
   }
@@ -53,7 +47,7 @@ TEST_P(Trees, FindJustThePairsOfBoxesOfAnyKind) {
     const Scene scene = bodies.View();
     const std::unique_ptr<Detector> detector(GetParam()({}));
     detector->Prepare(scene);
-    ASSERT_EQ(Found(*detector, scene), BruteForce(scene)) << "round " << round;
+    ASSERT_EQ(SortedPairs(*detector, scene), BruteForce(scene)) << "round " << round;
   }
 }
 
