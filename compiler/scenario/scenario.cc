@@ -61,30 +61,33 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
   for (const auto& file : files_)
     if (file->path == path) return file.get();
 
+  ScenarioFile& file = *files_.emplace_back(std::make_unique<ScenarioFile>());
+  file.path = path;
   std::string why;
   std::optional<std::string> text = read_(path, why);
+  // A missing main file has its location on the command line; an empty text stands for it.
+  const auto source = std::make_shared<const text::Source>(path, text ? std::move(*text) : "");
   if (!text) {
-    // A missing main file has its location on the command line; an empty text stands for it.
-    const auto nowhere = std::make_shared<const text::Source>(path, "");
-    text::Span span = {nowhere.get(), 0, 0};
-    if (use != nullptr) span = use->path_span;
-    auto file = std::make_unique<ScenarioFile>();
-    file->path = path;
-    file->tree.source = nowhere;
-    files_.push_back(std::move(file));
+    file.tree.source = source;
+    const text::Span span = use != nullptr ? use->path_span : text::Span{source.get(), 0, 0};
     diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why));
     is_complete_ = false;
     return nullptr;
   }
-  files_.push_back(std::make_unique<ScenarioFile>());
-  ScenarioFile& file = *files_.back();
-  file.path = path;
-  file.tree = dsl::Parse(std::make_shared<const text::Source>(path, std::move(*text)), diagnostics);
+  file.tree = dsl::Parse(source, diagnostics);
   is_complete_ = is_complete_ && file.tree.damage == dsl::Damage::kNone;
   ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) { file.lets.emplace(let.name.text, &let); });
   ForEachItem<dsl::Benchmark>(file, [&](const dsl::Benchmark& benchmark) {
     file.benchmarks.emplace(benchmark.name.text, &benchmark);
   });
+  LoadUsed(file, diagnostics);
+  ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) {
+    let_order_.emplace(&let, static_cast<int>(let_order_.size()));
+  });
+  return &file;
+}
+
+void Scenario::LoadUsed(ScenarioFile& file, dsl::Diagnostics& diagnostics) {
   loading_.push_back(&file);
   ForEachItem<dsl::Use>(file, [&](const dsl::Use& wanted) {
     if (wanted.path_span.source == nullptr) return;  // not a path; reported by the parser
@@ -94,17 +97,13 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
       return;
     }
     if (wanted.detector) {
-      LoadPlugin(Find(wanted.path, path, ""), &wanted, diagnostics);
+      LoadPlugin(Find(wanted.path, file.path, ""), &wanted, diagnostics);
     } else if (const ScenarioFile* used =
-                   Load(Find(wanted.path, path, ".cdb"), &wanted, diagnostics)) {
+                   Load(Find(wanted.path, file.path, ".cdb"), &wanted, diagnostics)) {
       file.uses.push_back(used);
     }
   });
   loading_.pop_back();
-  ForEachItem<dsl::Let>(file, [&](const dsl::Let& let) {
-    let_order_.emplace(&let, static_cast<int>(let_order_.size()));
-  });
-  return &file;
 }
 
 std::string Scenario::Find(const std::string& wanted, const std::string& path,

@@ -109,6 +109,8 @@ class Scenario {
  private:
   const ScenarioFile* Load(const std::string& path, const dsl::Use* use,
                            dsl::Diagnostics& diagnostics);
+  /// Loads what `file` uses: files, and plug-ins.
+  void LoadUsed(ScenarioFile& file, dsl::Diagnostics& diagnostics);
   /// Finds `wanted` of the file `path`: beside it, else in the library of scenarios; with
   /// `extension`.
   std::string Find(const std::string& wanted, const std::string& path,

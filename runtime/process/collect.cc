@@ -14,6 +14,7 @@
 
 #include "compiler/schema/value.h"
 #include "dsl/text/utf8.h"
+#include "runtime/measure/bytes_text.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/process.h"
 
@@ -100,14 +101,6 @@ bool HasExited(const ProcessEnd& end) {
 
 bool HasMemoryLimit(const plan::Run& run) { return run.scene.world.WordOr("memory").empty(); }
 
-/// `2 GB`, `524.3 MB`.
-std::string BytesText(double bytes) {
-  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB"};
-  std::size_t unit = 0;
-  for (; bytes >= 1000 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
-  return fmt::format("{:.4g} {}", bytes, kUnits[unit]);
-}
-
 /// A failed allocation alone is not enough: the run may have recovered and failed for another
 /// reason.
 bool EndedOutOfMemory(const measure::RecordingHeader& header, measure::WorkerOutcome outcome) {
@@ -135,7 +128,7 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
     result.message = fmt::format(
         "ended at its memory limit of {} after {} of {} cycles{}{}; raise `memory`, or take fewer "
         "objects",
-        BytesText(run.scene.world.Real("memory")), result.n_cycles, cycles,
+        measure::BytesText(run.scene.world.Real("memory")), result.n_cycles, cycles,
         where.empty() ? "" : ", in ", where);
   } else if (has_exited && outcome == measure::WorkerOutcome::kFailed) {
     result.status = store::Status::kFailed;
@@ -162,8 +155,8 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
                     : "the worker ended without all of its contacts";
     result.message = CrashText(end, trouble, where);
     if (HasMemoryLimit(run))
-      result.message +=
-          fmt::format("; its memory was limited to {}", BytesText(run.scene.world.Real("memory")));
+      result.message += fmt::format("; its memory was limited to {}",
+                                    measure::BytesText(run.scene.world.Real("memory")));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "compiler/analysis/trace.h"
 #include "library/meshes/models.h"
 #include "library/scene_error.h"
+#include "runtime/measure/bytes_text.h"
 #include "runtime/measure/recorded_series.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
@@ -64,8 +65,6 @@ double GroupLimit() {
   double bytes = 0;
   return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
 }
-
-std::string BytesText(double bytes) { return fmt::format("{:.3g} GB", bytes / 1e9); }
 
 /// Throws SceneError for a model that is not on this machine. `checked`: words already looked up.
 void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
@@ -138,13 +137,13 @@ std::string WhyTooLarge(const Demand& demand, const Capacity& capacity) {
     return fmt::format(
         "one run records up to {}, its {:.4g} objects take {} or more, and there are {} of memory; "
         "take fewer cycles or objects, or record less",
-        BytesText(demand.recorded), demand.objects, BytesText(demand.scene),
-        BytesText(capacity.memory));
+        measure::BytesText(demand.recorded), demand.objects, measure::BytesText(demand.scene),
+        measure::BytesText(capacity.memory));
   if (demand.disk > capacity.disk)
     return fmt::format(
         "its results take {} of disk or more, and there are {}; record less, take fewer runs or "
         "cycles, or another disk by -o",
-        BytesText(demand.disk), BytesText(capacity.disk));
+        measure::BytesText(demand.disk), measure::BytesText(capacity.disk));
   if (demand.time > kMostSeconds)
     return fmt::format(
         "its runs take {:.3g} years or more, at {:g} ns for an object and cycle; take fewer runs, "

@@ -17,6 +17,7 @@
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/pile.h"
 #include "library/content_cache.h"
+#include "runtime/measure/bytes_text.h"
 #include "runtime/measure/recording.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
@@ -139,13 +140,6 @@ class TrialShards {
   const std::filesystem::path folder_ = fmt::format(".cdb-estimate-{}", getpid());
 };
 
-std::string Bytes(double bytes) {
-  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB"};
-  std::size_t unit = 0;
-  for (; bytes >= 1000 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
-  return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
-}
-
 std::string Duration(double seconds) {
   if (std::isinf(seconds)) return "unknown";
   if (seconds < 120) return fmt::format("{:.3g} s", seconds);
@@ -262,9 +256,9 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
                       Duration(time.high * share + settling),
                       jobs == 1 ? "one run" : fmt::format("{} runs", jobs));
   text += PilesText(estimate);
-  text += fmt::format("  result  {} ({} .. {}) before compression\n", Bytes(size.mean * runs),
-                      Bytes(size.low * runs),
-                      std::isinf(size.high) ? "unknown" : Bytes(size.high * runs));
+  text += fmt::format("  result  {} ({} .. {}) before compression\n",
+                      measure::BytesText(size.mean * runs), measure::BytesText(size.low * runs),
+                      std::isinf(size.high) ? "unknown" : measure::BytesText(size.high * runs));
   text += fmt::format(
       "  Sampled: {} of {} points, spread over the grid, for {} cycles each; one run takes {} .. "
       "{}.\n"

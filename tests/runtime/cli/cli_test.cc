@@ -325,8 +325,7 @@ TEST(Check, RefusesWhatThisMachineCannotRun) {
   for (const char* command : {"check", "run"}) {
     const Finished many = program.Run({command, "many.cdb"});
     EXPECT_EQ(many.status, 2) << many.err;
-    EXPECT_NE(many.err.find("its 2e+09 objects take 2e+03 GB or more"), std::string::npos)
-        << many.err;
+    EXPECT_NE(many.err.find("its 2e+09 objects take 2 TB or more"), std::string::npos) << many.err;
     EXPECT_EQ(program.Run({command, "long.cdb"}).status, 2);
   }
   EXPECT_FALSE(program.Exists("many.runs"));
@@ -475,6 +474,9 @@ TEST(Run, ALongSweepRunsInShardsAndIsMerged) {
   const Finished merged = program.Run({"merge", "-o", "out.h5", "many.runs"});
   EXPECT_EQ(merged.status, 0) << merged.err;
   EXPECT_NE(merged.err.find("20 of 110450 runs in 'out.h5'"), std::string::npos) << merged.err;
+  const Finished checked = program.Run({"check", "out.h5"});
+  EXPECT_NE(checked.out.find("incomplete: 20 of 110450 runs"), std::string::npos)
+      << checked.out << checked.err;
   // Comments decide nothing; another value makes another plan.
   program.Write("many.cdb", "# again\n" + text);
   EXPECT_EQ(program.Run({"run", "many.cdb", "-q", "--shard", "3/11045"}).status, 0);

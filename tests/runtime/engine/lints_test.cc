@@ -24,7 +24,7 @@ namespace {
 
 // Verdicts are compared in the ordinary build; what the sanitizers look for is the same in fewer.
 constexpr std::size_t kScenes = kAddressSanitizer ? 300 : 1700;
-constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 3 : 1000;
+constexpr std::size_t kMostSuiteRuns = kAddressSanitizer ? 3 : 1000;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kAgreement = 0.95;
 
@@ -101,7 +101,7 @@ TEST(Lints, PredictTheVerdictsOfTheStabilitySuite) {
   for (const auto& entry : std::filesystem::directory_iterator(library + "/stability")) {
     const auto compiled = compiler::Compile(entry.path(), compiler::ReadFromDisk, {library, {}});
     for (const plan::Plan& plan : compiled.plans) {
-      for (const plan::Run& run : plan.runs | std::views::take(kMostRunsOfAPlan)) {
+      for (const plan::Run& run : plan.runs | std::views::take(kMostSuiteRuns)) {
         plan::Scene scene = run.scene;
         SetWorld(scene, "precision", Word(world::EnginePrecision()));
         trial.Add(plan.benchmark, scene);

@@ -43,7 +43,7 @@ TEST(Bounds, AreRefusedWithTheNumbers) {
   demand.disk = 3e12;
   EXPECT_EQ(WhyTooLarge(demand, {.disk = 4e12}), "");
   EXPECT_EQ(WhyTooLarge(demand, {.disk = 1e12}),
-            "its results take 3e+03 GB of disk or more, and there are 1e+03 GB; record less, take "
+            "its results take 3 TB of disk or more, and there are 1 TB; record less, take "
             "fewer runs or cycles, or another disk by -o");
   demand.time = 3.15576e9;
   EXPECT_EQ(WhyTooLarge(demand, {}),

@@ -1,0 +1,20 @@
+// Amounts of memory and disk in messages.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <string>
+
+namespace cdb::measure {
+
+/// In three digits: `2 GB`, `524 MB`.
+inline std::string BytesText(double bytes) {
+  constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB"};
+  std::size_t unit = 0;
+  // What rounds to 1000 is one of the next unit.
+  for (; bytes >= 999.5 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
+  return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
+}
+
+}  // namespace cdb::measure
