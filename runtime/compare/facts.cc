@@ -89,8 +89,8 @@ FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
     if (of_a.rank == of_b.rank && of_a.first_bad_cycle == of_b.first_bad_cycle) continue;
     const bool is_worse = of_a.rank != of_b.rank ? of_b.rank > of_a.rank
                                                  : of_b.first_bad_cycle < of_a.first_bad_cycle;
-    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, terminal::kNone,
-                            terminal::kNone, EndingText(of_a), EndingText(of_b)});
+    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, statistics::kNone,
+                            statistics::kNone, EndingText(of_a), EndingText(of_b)});
   }
   return fact;
 }
@@ -146,7 +146,7 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
 
 /// The sum over the cycles that have a value; NaN if none has.
 double SumOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
-  double sum = terminal::kNone;
+  double sum = statistics::kNone;
   const std::vector<Cell> cells = CellsAt(of.file, at);
   if (cells.empty()) return sum;
   for (const double value : of.file.ReadSeries(series, cells[0]))
@@ -155,7 +155,7 @@ double SumOf(const ComparedFile& of, const char* series, const statistics::Point
 }
 
 double LargestOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
-  double most = terminal::kNone;
+  double most = statistics::kNone;
   for (const Cell& cell : CellsAt(of.file, at))
     for (const double value : of.file.ReadSeries(series, cell)) most = std::fmax(most, value);
   return most;
@@ -187,7 +187,7 @@ void AddErrorFacts(std::vector<NumberFact>& facts) {
     const auto read = [](const std::string& name) {
       return [name](const ComparedFile& of, const statistics::Point& at) {
         const std::vector<Cell> cells = CellsAt(of.file, at);
-        return cells.empty() || !of.file.Has(name) ? terminal::kNone
+        return cells.empty() || !of.file.Has(name) ? statistics::kNone
                                                    : of.file.ReadReal(name, cells[0]);
       };
     };

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/compare/match.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::compare {
 
@@ -29,7 +29,7 @@ enum class Direction { kBetter, kWorse, kOther };
 struct FactChange {
   std::size_t point;
   Direction direction;
-  double a = terminal::kNone, b = terminal::kNone;
+  double a = statistics::kNone, b = statistics::kNone;
   std::string text_a, text_b;  ///< with units
   /// The relative change of the values; infinite from 0, or if one is missing.
   double RelativeChange() const;

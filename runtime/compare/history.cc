@@ -54,7 +54,7 @@ std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark,
   std::vector<double> ratios = {1};
   for (std::size_t file = 1; file < benchmark.files.size(); ++file) {
     const TimeChange* change = FindChange(ToFirst(benchmark, file), group);
-    ratios.push_back(change == nullptr ? terminal::kNone : change->change.ratio());
+    ratios.push_back(change == nullptr ? statistics::kNone : change->change.ratio());
     row.push_back(FourDigits(ratios.back()));
   }
   row.push_back(Sparkline(ratios));
@@ -155,7 +155,7 @@ Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
 
 std::string Sparkline(const std::vector<double>& values) {
   static constexpr const char* kLevels[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  double least = terminal::kNone, most = terminal::kNone;
+  double least = statistics::kNone, most = statistics::kNone;
   for (const double value : values) {
     least = std::fmin(least, value);
     most = std::fmax(most, value);

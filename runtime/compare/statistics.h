@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "runtime/statistics/bootstrap.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::compare {
 
@@ -41,10 +41,10 @@ Change MedianOf(const std::vector<Change>& parts);
 Change RatioOf(const Change& above, const Change& below);
 
 struct TestedChange {
-  double ratio = terminal::kNone;
-  statistics::Interval interval = {terminal::kNone,
-                                   terminal::kNone};  ///< of 95 %; NaN where there is none
-  double p = terminal::kNone;                         ///< NaN without an interval
+  double ratio = statistics::kNone;
+  statistics::Interval interval = {statistics::kNone,
+                                   statistics::kNone};  ///< of 95 %; NaN where there is none
+  double p = statistics::kNone;                         ///< NaN without an interval
   bool IsTested() const { return !std::isnan(p); }
   /// The largest distance of the ratio from 1, in either direction: 0.02 for an interval of 0.99 ..
   /// 1.02.

@@ -119,8 +119,8 @@ class TimeComparer {
         }
         const Change mean = GeometricMeanOf(parts);
         group.phases.push_back({phase,
-                                terminal::GeometricMean(of_a),
-                                terminal::GeometricMean(of_b),
+                                statistics::GeometricMean(of_a),
+                                statistics::GeometricMean(of_b),
                                 mean,
                                 {test_.Of(mean)},
                                 {}});

@@ -11,7 +11,7 @@
 #include "runtime/report/conclusion_words.h"
 #include "runtime/statistics/cells.h"
 #include "runtime/statistics/detector_figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::conclusions {

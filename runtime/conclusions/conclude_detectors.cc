@@ -13,7 +13,7 @@
 #include "runtime/report/conclusion_words.h"
 #include "runtime/statistics/cells.h"
 #include "runtime/statistics/detector_figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::conclusions {
@@ -104,7 +104,7 @@ class DetectorConclusions {
       std::vector<double> bytes;
       for (const auto& cell : point.cells) bytes.push_back(file_.ReadReal("peak_rss", cell));
       if (bytes.size() == bootstrap.size()) return bootstrap.MeanEstimate(bytes);
-      return {terminal::Mean(bytes), std::vector(bootstrap.draws().size(), terminal::kNone),
+      return {statistics::Mean(bytes), std::vector(bootstrap.draws().size(), statistics::kNone),
               bytes.size()};
     };
     const auto ranking = RankValues(comparison_, figure, left_out_, bootstrap);
@@ -208,7 +208,7 @@ class DetectorConclusions {
     const auto growth = statistics::GrowthByRow(file_, parts_.points, {axis_}, parts_.times);
     if (!growth || !growth->is_matched) return;
     std::vector<std::pair<double, std::size_t>> exponents;
-    double least = terminal::kNone, most = terminal::kNone;
+    double least = statistics::kNone, most = statistics::kNone;
     for (const auto& [row, exponent] : growth->exponents) {
       if (std::isnan(exponent.p) || left_out_.contains(row[0])) continue;
       exponents.emplace_back(exponent.p, row[0]);

@@ -10,7 +10,7 @@
 #include "compiler/schema/metrics.h"
 #include "runtime/document/source.h"
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -98,11 +98,11 @@ class CsvTable {
     for (const char* series : {"pairs", "manifolds", "contacts", "missed_pairs"})
       if (file_.Has(series))
         AddNumber(series, [this, series](const statistics::MeasuredPoint& point) {
-          return terminal::Mean(file_.ReadSeries(series, point.cells[0]));
+          return statistics::Mean(file_.ReadSeries(series, point.cells[0]));
         });
     if (file_.Has("peak_rss"))
       AddNumber("peak_rss_bytes", [this](const statistics::MeasuredPoint& point) {
-        double most = terminal::kNone;
+        double most = statistics::kNone;
         for (const auto& cell : point.cells)
           most = std::fmax(most, file_.ReadReal("peak_rss", cell));
         return most;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -75,7 +75,7 @@ Json RepeatMeans(const store::ResultFile& file, const statistics::MeasuredPoint&
                  Phase phase) {
   Json means = Json::array();
   for (const store::ResultFile::Cell& cell : point.cells)
-    means.push_back(JsonNumber(terminal::Mean(file.ReadDuration(phase, cell)), kDigits));
+    means.push_back(JsonNumber(statistics::Mean(file.ReadDuration(phase, cell)), kDigits));
   return means;
 }
 

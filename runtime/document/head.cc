@@ -13,7 +13,7 @@
 #include "runtime/report/show_noise.h"
 #include "runtime/statistics/cells.h"
 #include "runtime/statistics/detector_figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -112,7 +112,7 @@ Json DocumentNoise(const DocumentSource& source) {
   const store::ResultFile& file = source.file();
   const std::vector<Cell>& cells = source.groups().good;
   std::size_t quiet = 0, noisy = 0;
-  double least = terminal::kNone, most = terminal::kNone;
+  double least = statistics::kNone, most = statistics::kNone;
   for (const Cell& cell : cells) {
     if (file.Has("noise")) {
       const auto noise = static_cast<machine::Noise>(file.ReadReal("noise", cell));

@@ -12,7 +12,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/document/time_steps.h"
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::document {
 namespace {
@@ -205,10 +205,10 @@ class PointColumns {
     for (const char* series : {"pairs", "manifolds", "contacts", "exact_pairs", "missed_pairs"})
       if (file_.Has(series))
         all["counts"][series] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
-          return terminal::Mean(file_.ReadSeries(series, point.cells[0]));
+          return statistics::Mean(file_.ReadSeries(series, point.cells[0]));
         });
     const auto most = [](const statistics::MeasuredPoint& point, auto read) {
-      double bytes = terminal::kNone;
+      double bytes = statistics::kNone;
       for (const Cell& cell : point.cells) bytes = std::fmax(bytes, read(cell));
       return bytes;
     };
@@ -220,7 +220,7 @@ class PointColumns {
       all["memory"]["heap"] = MeasuredColumn([&](const statistics::MeasuredPoint& point) {
         return most(point, [&](const Cell& cell) {
           const std::vector<double> heap = file_.ReadSeries("heap", cell);
-          return heap.empty() ? terminal::kNone : std::ranges::max(heap);
+          return heap.empty() ? statistics::kNone : std::ranges::max(heap);
         });
       });
   }

@@ -1,7 +1,7 @@
 #include "runtime/document/time_steps.h"
 
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::document {
 
@@ -16,7 +16,7 @@ TimeSteps::TimeSteps(const store::ResultFile& file)
 double TimeSteps::Of(const store::ResultFile::Cell& cell) const {
   if (is_stated_) return file_.ReadReal("accuracy/timestep", cell);
   const auto found = by_run_.find(file_.ReadText("run_id", cell));
-  return found == by_run_.end() ? terminal::kNone : found->second;
+  return found == by_run_.end() ? statistics::kNone : found->second;
 }
 
 }  // namespace cdb::document

@@ -8,7 +8,7 @@
 
 #include "runtime/report/row_table.h"
 #include "runtime/statistics/figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::report {
@@ -89,8 +89,8 @@ class PhaseTables {
   double MeanCount(const statistics::Row& row, const char* series) const {
     std::vector<double> means;
     for (const statistics::MeasuredPoint* point : row.points)
-      means.push_back(terminal::Mean(file_.ReadSeries(series, point->cells[0])));
-    return terminal::Mean(means);
+      means.push_back(statistics::Mean(file_.ReadSeries(series, point->cells[0])));
+    return statistics::Mean(means);
   }
 
   std::string Means() {
@@ -131,7 +131,7 @@ class PhaseTables {
     return Ranges([this](const statistics::Row& row, measure::Phase phase) -> statistics::Interval {
       std::vector<double> cycles;
       for (const statistics::MeasuredPoint* point : row.points)
-        terminal::Append(cycles, times_.Of(*point, phase).cycles);
+        statistics::Append(cycles, times_.Of(*point, phase).cycles);
       std::ranges::sort(cycles);
       return {statistics::Percentile(cycles, 0.05), statistics::Percentile(cycles, 0.95)};
     });

@@ -11,8 +11,8 @@
 #include "runtime/report/conclusion_words.h"
 #include "runtime/report/row_table.h"
 #include "runtime/statistics/cells.h"
+#include "runtime/statistics/numbers.h"
 #include "runtime/terminal/log_plot.h"
-#include "runtime/terminal/numbers.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::report {
@@ -52,7 +52,7 @@ std::string OverCycles(const store::ResultFile& file,
   for (std::size_t i = 0; i < file.axes().size(); ++i) all.push_back(i);
   for (std::size_t i = 0; i < std::min(points.size(), kMaxSparklines); ++i) {
     const std::vector<double>& cycles = times.Of(points[i], phase).cycles;
-    double least = terminal::kNone, most = terminal::kNone;
+    double least = statistics::kNone, most = statistics::kNone;
     for (const double ns : cycles) {
       least = std::fmin(least, ns);
       most = std::fmax(most, ns);
@@ -88,7 +88,7 @@ std::string OverAxis(const store::ResultFile& file,
   for (const auto& [key, values] : found) {
     const auto& [detector, value] = key;
     const double x = std::get<double>(file.axes()[axis].values[value]),
-                 y = terminal::GeometricMean(values);
+                 y = statistics::GeometricMean(values);
     if (!(x > 0) || !(y > 0)) continue;
     const char letter = detectors ? kLetters[detector % kLetters.size()] : 'o';
     if (detectors && detector != last)
@@ -108,7 +108,7 @@ std::string OverAxis(const store::ResultFile& file,
 
 std::string Sparkline(const std::vector<double>& values, std::size_t width) {
   const std::vector<double> bins = Bins(values, width);
-  double least = terminal::kNone, most = terminal::kNone;
+  double least = statistics::kNone, most = statistics::kNone;
   for (const double value : bins) {
     least = std::fmin(least, value);
     most = std::fmax(most, value);

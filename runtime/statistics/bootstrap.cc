@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "runtime/statistics/figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::statistics {
@@ -47,10 +47,10 @@ Estimate Combined(const std::vector<Estimate>& parts, Combine combine) {
 
 }  // namespace
 
-Estimate MeanOf(const std::vector<Estimate>& parts) { return Combined(parts, terminal::Mean); }
+Estimate MeanOf(const std::vector<Estimate>& parts) { return Combined(parts, Mean); }
 
 Estimate GeometricMeanOf(const std::vector<Estimate>& parts) {
-  return Combined(parts, terminal::GeometricMean);
+  return Combined(parts, GeometricMean);
 }
 
 Estimate MedianOf(const std::vector<Estimate>& parts) {
@@ -110,7 +110,7 @@ IntervalKind Bootstrap::kind() const {
 }
 
 Estimate Bootstrap::MeanEstimate(const std::vector<double>& values) const {
-  Estimate estimate = {terminal::Mean(values), {}, values.size()};
+  Estimate estimate = {Mean(values), {}, values.size()};
   for (const Draw& draw : draws_) {
     double sum = 0;
     for (std::size_t i = 0; i < values.size(); ++i) sum += draw.counts[i] * values[i];
@@ -120,11 +120,10 @@ Estimate Bootstrap::MeanEstimate(const std::vector<double>& values) const {
 }
 
 Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
-  if (kind() == IntervalKind::kAbsent || estimate.things < n_)
-    return {terminal::kNone, terminal::kNone};
+  if (kind() == IntervalKind::kAbsent || estimate.things < n_) return {kNone, kNone};
   std::vector<std::pair<double, double>> weighted;
   for (std::size_t i = 0; i < draws_.size(); ++i) {
-    if (!std::isfinite(estimate.drawn[i])) return {terminal::kNone, terminal::kNone};
+    if (!std::isfinite(estimate.drawn[i])) return {kNone, kNone};
     weighted.emplace_back(estimate.drawn[i], draws_[i].weight);
   }
   std::ranges::sort(weighted);
@@ -140,7 +139,7 @@ Interval Bootstrap::IntervalOf(const Estimate& estimate) const {
 }
 
 double Bootstrap::LogVariance(const Estimate& estimate) const {
-  if (kind() == IntervalKind::kAbsent || estimate.things < n_) return terminal::kNone;
+  if (kind() == IntervalKind::kAbsent || estimate.things < n_) return kNone;
   double mean = 0, square = 0;
   for (std::size_t i = 0; i < draws_.size(); ++i)
     mean += draws_[i].weight * std::log(estimate.drawn[i]);

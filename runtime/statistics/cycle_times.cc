@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "runtime/statistics/figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::statistics {
 namespace {
@@ -85,7 +85,7 @@ std::optional<std::pair<std::size_t, std::size_t>> MiddleOf(
 /// are none.
 double MedianOf(SortedCycle cycle, const std::vector<std::uint32_t>& counts) {
   const auto middle = MiddleOf(cycle, counts);
-  if (!middle) return terminal::kNone;
+  if (!middle) return kNone;
   const auto [low, high] = *middle;
   return low == high ? cycle[low].first : (cycle[low].first + cycle[high].first) / 2;
 }
@@ -96,7 +96,7 @@ double FastestOfChosen(SortedCycle cycle, const std::vector<std::uint32_t>& coun
                        std::size_t chosen) {
   std::size_t total = 0;
   for (const auto& [time, repeat] : cycle) total += counts[repeat];
-  if (total == 0) return terminal::kNone;
+  if (total == 0) return kNone;
   chosen = std::min(chosen, total);
   double mean = 0, above = 1;  // the fraction of the choices among the remaining values
   std::size_t left = total;
@@ -180,14 +180,14 @@ constexpr std::string_view kStatisticHeads[] = {
 /// longest repeat.
 double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
   if (cycles.empty() || std::ranges::any_of(cycles, [](double time) { return std::isnan(time); }))
-    return terminal::kNone;
+    return kNone;
   const auto percentile = [&cycles](double p) {
     std::ranges::sort(cycles);
     return Percentile(cycles, p);
   };
   switch (statistic) {
     case CycleStatistic::kMean:
-      return terminal::Mean(cycles);
+      return Mean(cycles);
     case CycleStatistic::kMedian:
       return percentile(0.5);
     case CycleStatistic::kP5:
@@ -207,11 +207,11 @@ double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
 Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap) {
   std::vector<double> longest;
   for (const std::vector<double>& repeat : repeats)
-    longest.push_back(repeat.empty() ? terminal::kNone : std::ranges::max(repeat));
-  Estimate worst = {terminal::kNone, {}};
+    longest.push_back(repeat.empty() ? kNone : std::ranges::max(repeat));
+  Estimate worst = {kNone, {}};
   for (const double time : longest) worst.value = std::fmax(worst.value, time);
   for (const Draw& draw : bootstrap.draws()) {
-    double most = terminal::kNone;
+    double most = kNone;
     for (std::size_t r = 0; r < longest.size(); ++r)
       if (draw.counts[r] > 0) most = std::fmax(most, longest[r]);
     worst.drawn.push_back(most);
@@ -236,7 +236,7 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
   };
   PhaseTimes times;
   times.cycles = over_cycles(std::vector<std::uint32_t>(repeats.size(), 1));
-  times.mean.value = terminal::Mean(times.cycles);
+  times.mean.value = Mean(times.cycles);
   times.mean.things = static_cast<std::size_t>(
       std::ranges::count_if(repeats, [](const auto& repeat) { return !repeat.empty(); }));
   const bool is_other = statistic != CycleStatistic::kMean;
@@ -249,7 +249,7 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
       continue;
     }
     const std::vector<double> drawn = over_cycles(draw.counts);
-    times.mean.drawn.push_back(terminal::Mean(drawn));
+    times.mean.drawn.push_back(Mean(drawn));
     if (is_other) times.other.drawn.push_back(StatisticOf(drawn, statistic));
   }
   if (statistic == CycleStatistic::kWorst) times.other = WorstOf(repeats, bootstrap);

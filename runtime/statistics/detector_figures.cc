@@ -8,7 +8,7 @@
 #include "compiler/yaml/brief_runs.h"
 #include "runtime/statistics/cells.h"
 #include "runtime/statistics/figures.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::statistics {
 namespace {
@@ -99,16 +99,14 @@ void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
 }  // namespace
 
 DetectorCosts CostsOf(const store::ResultFile& file, const Row& row, CycleTimes& times) {
-  DetectorCosts costs = {
-      {}, terminal::kNone, 0, terminal::kNone, terminal::kNone, terminal::kNone, terminal::kNone};
+  DetectorCosts costs = {{}, kNone, 0, kNone, kNone, kNone, kNone};
   std::vector<Estimate> means;
   std::vector<double> pairs;
   for (const MeasuredPoint* point : row.points) {
     const PhaseTimes& detect = times.Of(*point, measure::Phase::kDetect);
     means.push_back(times.FigureOf(*point, measure::Phase::kDetect));
     for (const double ns : detect.cycles) costs.worst = std::fmax(costs.worst, ns);
-    if (file.Has("pairs"))
-      pairs.push_back(terminal::Mean(file.ReadSeries("pairs", point->cells[0])));
+    if (file.Has("pairs")) pairs.push_back(Mean(file.ReadSeries("pairs", point->cells[0])));
     for (const Cell& cell : point->cells) {
       if (file.Has("exact_pairs")) {
         costs.missed = AddCounts(costs.missed, file.ReadSeries("missed_pairs", cell));
@@ -121,7 +119,7 @@ DetectorCosts CostsOf(const store::ResultFile& file, const Row& row, CycleTimes&
     }
   }
   costs.mean = MeanOf(means);
-  costs.pairs = terminal::Mean(pairs);
+  costs.pairs = Mean(pairs);
   return costs;
 }
 
@@ -141,13 +139,11 @@ std::optional<DetectorGrowth> GrowthByRow(const store::ResultFile& file,
     for (const auto& [count, values] : at.by_count) fitted.emplace_back(count, Median(values));
     auto& of_row = exponents[at.row];
     if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
-    auto& row =
-        growth.exponents.try_emplace(at.row, terminal::kNone, terminal::kNone, terminal::kNone)
-            .first->second;
+    auto& row = growth.exponents.try_emplace(at.row, kNone, kNone, kNone).first->second;
     row.least = std::fmin(row.least, fitted.front().first);
     row.most = std::fmax(row.most, fitted.back().first);
   }
-  for (const auto& [row, of_row] : exponents) growth.exponents[row].p = terminal::Mean(of_row);
+  for (const auto& [row, of_row] : exponents) growth.exponents[row].p = Mean(of_row);
   growth.is_mean = found.size() > exponents.size();
   for (const MeasuredPoint& point : points)
     for (const std::string& name : point.unlike)
@@ -160,13 +156,13 @@ double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
   std::vector<double> xs;
   std::vector<double> ys;
   for (const auto& [x, y] : points) {
-    if (!(x > 0) || !(y > 0)) return terminal::kNone;
+    if (!(x > 0) || !(y > 0)) return kNone;
     xs.push_back(std::log(x));
     ys.push_back(std::log(y));
   }
-  if (std::set<double>(xs.begin(), xs.end()).size() < kLeastPoints) return terminal::kNone;
-  const double middle_x = terminal::Mean(xs);
-  const double middle_y = terminal::Mean(ys);
+  if (std::set<double>(xs.begin(), xs.end()).size() < kLeastPoints) return kNone;
+  const double middle_x = Mean(xs);
+  const double middle_y = Mean(ys);
   double across = 0;
   double along = 0;
   for (std::size_t i = 0; i < xs.size(); ++i) {

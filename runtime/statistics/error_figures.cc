@@ -9,7 +9,7 @@
 
 #include "compiler/schema/metrics.h"
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::statistics {
 namespace {
@@ -123,7 +123,7 @@ class Collector {
     return file_.ReadReal(dataset_, point.cells[0]);
   }
   double ReadIfAny(const std::string& dataset, const MeasuredPoint& point) const {
-    return file_.Has(dataset) ? file_.ReadReal(dataset, point.cells[0]) : terminal::kNone;
+    return file_.Has(dataset) ? file_.ReadReal(dataset, point.cells[0]) : kNone;
   }
   Estimate TimeOf(const MeasuredPoint& point) {
     const double timestep = file_.ReadReal("accuracy/timestep", point.cells[0]);
@@ -141,7 +141,7 @@ class Collector {
       floors.push_back(ReadIfAny(dataset_ + "_floor", *point));
       made.horizon = std::fmin(made.horizon, ReadIfAny("accuracy/horizon", *point));
     }
-    for (const auto& [seed, errors] : by_seed) of_seeds.push_back(terminal::Mean(errors));
+    for (const auto& [seed, errors] : by_seed) of_seeds.push_back(Mean(errors));
     const Bootstrap over_seeds(of_seeds.size());
     const Estimate error = over_seeds.MeanEstimate(of_seeds);
     figures_.seed_count = std::max(figures_.seed_count, of_seeds.size());
@@ -150,7 +150,7 @@ class Collector {
     made.time_interval = times_.IntervalOf(made.ms_per_s);
     made.error = error.value;
     made.error_interval = over_seeds.IntervalOf(error);
-    made.floor = terminal::Mean(floors);
+    made.floor = Mean(floors);
     return made;
   }
 

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "runtime/statistics/cells.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::statistics {
 
 double Percentile(const std::vector<double>& sorted, double p) {
-  if (sorted.empty()) return terminal::kNone;
+  if (sorted.empty()) return kNone;
   const double place = p * static_cast<double>(sorted.size() - 1);
   const auto low = static_cast<std::size_t>(place);
   const std::size_t high = std::min(low + 1, sorted.size() - 1);

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "compiler/schema/catalogue.h"
-#include "runtime/terminal/numbers.h"
+#include "runtime/statistics/numbers.h"
 
 namespace cdb::statistics {
 namespace {
@@ -26,7 +26,7 @@ struct RunningMean {
     sum += value;
     ++count;
   }
-  double value() const { return count > 0 ? sum / count : terminal::kNone; }
+  double value() const { return count > 0 ? sum / count : kNone; }
 };
 
 struct Tally {

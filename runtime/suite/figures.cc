@@ -156,7 +156,7 @@ class SceneCollector {
         of.memory_bytes = std::fmax(of.memory_bytes, file_.ReadReal("peak_rss", cell));
     const std::string dataset = "accuracy/" + std::string(scene_.error);
     for (const Cell& cell : point.cells) {
-      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : terminal::kNone;
+      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : statistics::kNone;
       if (std::isnan(error)) SetFault(of, fmt::format("its error ({}) is not known", scene_.error));
       of.error = std::fmax(of.error, error);
     }

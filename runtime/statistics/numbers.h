@@ -1,4 +1,4 @@
-// Helpers for the numbers in reports.
+// Missing numbers, and means.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace cdb::terminal {
+namespace cdb::statistics {
 
 /// A missing number.
 inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -27,4 +27,4 @@ inline void Append(std::vector<double>& to, const std::vector<double>& values) {
   to.insert(to.end(), values.begin(), values.end());
 }
 
-}  // namespace cdb::terminal
+}  // namespace cdb::statistics
