@@ -1,6 +1,6 @@
 // Bundles a page into C++ source:  node build.mjs SOURCES NAME OUT.cc
-// Run where the libraries are installed. SOURCES/NAME/main.js and main.css become a template, with the licences of the
-// libraries that it contains and a Content-Security-Policy that allows this script only.
+// Run it in the folder with node_modules. SOURCES/NAME/main.js and main.css become a template, with the licences of the
+// bundled libraries and a Content-Security-Policy that allows only this script.
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { build } from 'esbuild';
@@ -16,14 +16,14 @@ async function bundle(entry) {
     format: 'iife',
     target: 'es2022',
     charset: 'utf8',
-    legalComments: 'none', // the whole licences are in the page
+    legalComments: 'none', // the page has the full licences
     metafile: true,
     write: false,
   });
   return { text: result.outputFiles[0].text.trim(), inputs: Object.keys(result.metafile.inputs) };
 }
 
-// The licence of each package that a bundle contains.
+// The licences of all packages in a bundle.
 function licences(inputs) {
   const packages = new Set();
   for (const input of inputs) {
@@ -42,7 +42,7 @@ function licences(inputs) {
 const escape = (text) => text.replace(/&/g, '&amp;').replace(/</g, '&lt;').replace(/>/g, '&gt;');
 
 const script = await bundle('main.js');
-// Nothing in the script may end its element.
+// The script must not contain text that ends its element.
 const safe = script.text.replace(/<\/script/gi, '<\\/script').replace(/<!--/g, '<\\!--');
 const style = (await bundle('main.css')).text;
 const hash = createHash('sha256').update(safe).digest('base64');
@@ -78,7 +78,7 @@ const after = `</script>
 </html>
 `;
 
-// A string literal is limited in some compilers, and neighbours are joined.
+// Some compilers limit the length of a string literal, so the text is split into adjacent literals.
 function literal(text) {
   const parts = text.match(/[\s\S]{1,8000}/gu) ?? [''];
   return parts.map((part) => `R"~page~(${part})~page~"`).join('\n');

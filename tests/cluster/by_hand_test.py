@@ -38,8 +38,8 @@ def main():
         binaries = folder / "bin"
         binaries.mkdir()
         (binaries / "cdb").symlink_to(cdb.path)
-        # ssh [OPTION…] HOST [--] COMMAND…: words are joined, and the far shell takes them apart. As sshd does, it sets SHELL,
-        # without which GNU parallel runs nothing and ends well (CI has none).
+        # ssh [OPTION…] HOST [--] COMMAND…: joins the words, and the remote shell splits them. It sets SHELL as sshd
+        # does; without it GNU parallel runs nothing and succeeds (CI does not set it).
         (binaries / "ssh").write_text('#!/bin/bash\nwhile [[ $1 == -* ]]; do shift; done\nshift\n[[ $1 == -- ]] && shift\n'
                                       'cd /; SHELL=/bin/bash exec bash -c "$*"\n', encoding="utf-8")
         (binaries / "ssh").chmod(0o755)

@@ -1,5 +1,6 @@
-// Preloaded into cdb: the folders of shards behave as on a network file system. There are no locks,
-// and what another process has renamed there is seen only after CDB_TEST_DELAY_MS.
+// Preloaded into cdb: makes the folders of shards behave as on a network file system. There are no
+// locks, and a file that another process has renamed there becomes visible only after
+// CDB_TEST_DELAY_MS.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -25,8 +26,8 @@ Function* Next(const char* name) {
 }
 
 std::mutex g_mutex;
-/// Names that this process gave, or has seen: a file that another puts in their place may be seen
-/// late, but the one before is.
+/// Names that this process has created or seen. If another process replaces such a file, the new
+/// one may become visible late, but the old one stays visible until then.
 std::set<std::string>& KnownNames() {
   static std::set<std::string> names;
   return names;
@@ -43,7 +44,7 @@ bool IsShardName(const char* path) {
   return name.size() >= kShortest && name.ends_with(".h5");
 }
 
-/// Another process made it, a moment ago.
+/// True if another process created the file a moment ago.
 bool IsHidden(int folder, const char* path) {
   if (path == nullptr || !IsShardName(path)) return false;
   const std::lock_guard lock(g_mutex);
@@ -72,7 +73,7 @@ bool Refuse(int folder, const char* path) {
 
 }  // namespace
 
-// In place of those of the C library.
+// These replace the functions of the C library.
 extern "C" {
 
 int flock(int, int) {

@@ -20,7 +20,7 @@ def main():
         pathlib.Path("net.cdb").write_text(scenario("net", RUNS // 2, cycles=20), encoding="utf-8")
         cdb.run("run", "-q", "net.cdb", "-o", "local.h5")
 
-        # Each part twice at the same time, as where a controller forgets that it has started one.
+        # Runs each part twice at the same time, as after a controller has forgotten that it started one.
         parts = [cdb.start("run", "-q", "net.cdb", "--shard", f"{k}/3", env=late) for k in (1, 2, 3, 1, 2, 3)]
         for part in parts:
             text, _ = part.communicate(timeout=PATIENCE)
@@ -28,7 +28,7 @@ def main():
         check(len(shards("net.runs")) == RUNS, "every run has a shard")
         check(not list(pathlib.Path("net.runs").glob("*.broken")), "no shard is broken")
 
-        # The last shards cannot be seen yet.
+        # The last shards are not visible yet.
         for shard in shards("net.runs")[:3]:
             shard.rename(shard.with_suffix(".moved"))
             shard.with_suffix(".moved").rename(shard)

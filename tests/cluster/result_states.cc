@@ -1,4 +1,5 @@
-// Prints what a sweep must come to wherever it is executed: id, status and final state of each run.
+// Prints the results of a sweep that must not depend on where it is executed: id, status and final
+// state of each run.
 //   result_states out.h5
 #include <fmt/format.h>
 

@@ -91,7 +91,7 @@ class Slurm:
             self._stop(name)
 
     def _start(self, *words):
-        # Daemons keep what they inherit open: nothing may wait for their end of a pipe.
+        # Daemons keep inherited files open: they must not get a pipe whose end somebody waits for.
         with open(self.folder / "log" / "start.log", "a", encoding="utf-8") as log:
             subprocess.run(words, stdin=subprocess.DEVNULL, stdout=log, stderr=log, check=True)
 

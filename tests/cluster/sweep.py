@@ -7,7 +7,7 @@ import sys
 import tempfile
 import time
 
-PATIENCE = 240  # s: for what should take a few; a busy machine is no failure
+PATIENCE = 240  # s, for steps that should take a few: a busy machine is not a failure
 
 
 def scenario(name, points, cycles=400):
@@ -21,7 +21,7 @@ def scenario(name, points, cycles=400):
 def work_folder():
     with tempfile.TemporaryDirectory(prefix="cdb-cluster-", ignore_cleanup_errors=True) as name:
         folder = pathlib.Path(name)
-        folder.chmod(0o755)  # munged asks for it
+        folder.chmod(0o755)  # required by munged
         os.chdir(folder)
         yield folder
 

@@ -1,4 +1,4 @@
-// Properties of every benchmark, tested on random ones.
+// Properties that every benchmark has, tested with random ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ TEST(Property, ALetIsTheSameAsItsValue) {
     for (std::size_t s = 0; s < scenario.settings.size(); ++s) {
       const std::string& setting = scenario.settings[s];
       const std::size_t space = setting.find(' ');
-      // A list has several values, which no let can hold; and in a let `sleeping` is the switch.
+      // A let cannot hold a list, and in a let `sleeping` means the switch.
       if (setting.starts_with("record") || setting.starts_with("omit") ||
           setting.starts_with("accuracy.metrics")) {
         inner += setting + "\n";
@@ -95,7 +95,7 @@ TEST(Property, ALetIsTheSameAsItsValue) {
   }
 }
 
-/// A setting with one fault in it.
+/// Adds a fault to a setting.
 std::string Planted(const std::string& setting, std::mt19937_64& random) {
   const std::size_t space = setting.find(' ');
   const std::string name = setting.substr(0, space), value = setting.substr(space + 1);

@@ -1,6 +1,6 @@
 // Each tests/golden/compiler/errors/NAME.cdb renders to NAME.txt, and each benchmark of
 // plans/NAME.cdb expands to NAME.BENCHMARK.txt, its plan without repetitions. With
-// CDB_UPDATE_GOLDEN=1 in the environment the expected files are written instead.
+// CDB_UPDATE_GOLDEN=1 in the environment, the expected files are rewritten instead.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ std::vector<fs::path> Inputs(const char* folder) {
   return inputs;
 }
 
-/// Compiles with names relative to the folder, so that goldens hold no path of a machine.
+/// Compiles with names relative to the folder, so that golden files contain no absolute paths.
 compiler::Compilation CompileHere(const fs::path& input) {
   const auto read = [&](const std::string& path, std::string& why) {
     return compiler::ReadFromDisk((input.parent_path() / path).string(), why);
@@ -59,8 +59,8 @@ void ExpectGolden(const fs::path& file, const std::string& text) {
   EXPECT_EQ(text, ReadFile(file)) << file;
 }
 
-/// A plan as YAML in which a run has only the lines that differ from the run before. A run with
-/// another number of lines stays whole, so that nothing is lost.
+/// A plan as YAML in which a run has only the lines that differ from the previous run. A run with a
+/// different number of lines is kept in full, so that nothing is lost.
 std::string WithoutRepetitions(const std::string& yaml) {
   std::string condensed, line;
   std::vector<std::string> before, run;

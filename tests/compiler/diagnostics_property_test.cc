@@ -1,4 +1,4 @@
-// Properties of the errors of any text, tested on mutants of the golden files.
+// Properties of the errors in any text, tested with mutants of the golden files.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<std::string> GoldenTexts() {
   return texts;
 }
 
-/// Two errors that share a character, or stand at the same place; nullptr where there are none.
+/// An error that shares a character or its position with another; nullptr if there is none.
 const dsl::Diagnostic* FirstOverlap(const dsl::Diagnostics& diagnostics) {
   const auto end_of = [](const dsl::Diagnostic& one) {
     return std::max(one.span.end, one.span.begin + 1);

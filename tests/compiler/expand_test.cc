@@ -134,7 +134,7 @@ TEST(Sweep, AnArgumentsAxisInALetOrUnderAName) {
             "r: 1 2");
   EXPECT_EQ(Axes(PlanOf("benchmark b { objects.location ring radius: sweep(1, 2) as wide }")),
             "wide: 1 2");
-  // A let of the same name is one in the argument, where the layout has no such word.
+  // In an argument, where `ring` is not a word, it refers to the let.
   const plan::Plan plan =
       PlanOf("let ring = sweep(1, 2)\nbenchmark b { objects.location ring(ring) }");
   EXPECT_EQ(Axes(plan), "ring: 1 2");
@@ -175,7 +175,7 @@ TEST(Word, MeansTheSameInALetOrAnyScope) {
   const std::string direct = id("benchmark b { objects.location grid }");
   EXPECT_EQ(direct, id("let where = grid\nbenchmark b { objects.location where }"));
   EXPECT_EQ(direct, id("let where = grid(spacing: fit)\nbenchmark b { objects.location where }"));
-  // A let may have the name of such a word: behind `location` it is the word.
+  // A let may have the name of such a word: after `location` it is the word.
   EXPECT_EQ(direct, id("let grid = 3\nbenchmark b { objects.location grid }"));
 }
 
@@ -355,7 +355,7 @@ TEST(Zip, MovesSweepsTogether) {
   EXPECT_EQ(Axes(second), "n: 1 2");
   ASSERT_EQ(second.runs.size(), 1u);
   EXPECT_EQ(second.runs[0].scene.world.Real("world.side"), 200);
-  // Where the first repeats a value, the axis says both.
+  // If the first sweep repeats a value, the axis shows both.
   EXPECT_EQ(PlanOf("let n, s = zip(sweep(1, 1), sweep(100, 200))\n" + uses).axes[0].values,
             (std::vector<plan::Coordinate>{"1, 100", "1, 200"}));
   const compiler::Compilation uneven =
@@ -367,7 +367,7 @@ TEST(Zip, MovesSweepsTogether) {
 TEST(Sweep, LogarithmicRangesOfCountsAreWhole) {
   EXPECT_EQ(Axes(PlanOf("benchmark b { objects.quantity sweep(10 .. 5000 count 6 log) }")),
             "quantity: 10 35 120 416 1443 5000");
-  // Those that are the same then are one.
+  // Rounded values that are equal are merged.
   EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(1 .. 8 count 7 log) }")),
             "cycles: 1 2 3 4 6 8");
   EXPECT_EQ(Axes(PlanOf("let r = 1 .. 10 count 3 log\n"
@@ -411,7 +411,7 @@ TEST(Omit, IsAnAxisOfWordsLikeAnyOther) {
             schema::Value(schema::WordList{"solver", "walls"}));
 }
 
-// `sleeping` is a component and a switch.
+// `sleeping` is both a component and a switch.
 TEST(Omit, ItsWordsComeBeforeTheNamesOfParameters) {
   const plan::Plan plan =
       PlanOf("benchmark b { sleeping off; omit sleeping, walls; skip when omit == sleeping }");
@@ -444,7 +444,7 @@ TEST(Omit, AListIsOneValueOfAnAxisOfCases) {
   EXPECT_EQ(plan.runs[1].at, (std::vector<std::size_t>{1, 2}));
 }
 
-// What no run needs may be listed where another run would need it.
+// A component that no run needs may be listed, even if a skipped run would need it.
 TEST(Omit, ASkippedPointMayNeedIt) {
   const std::string text =
       "benchmark b { acceleration sweep((0, 0, 0), (0, -9, 0)); omit sweep(none, gravity)\n";
@@ -528,8 +528,8 @@ TEST(Blocks, NameTheirAxes) {
   EXPECT_EQ(Axes(PlanOf("benchmark b { world { side sweep(100, 200) } }")), "side: 100 200");
 }
 
-// The language's own promise: `benchmark b { }` is a whole benchmark, and its first example has 75
-// runs.
+// The language reference promises that `benchmark b { }` is a complete benchmark, and that its
+// first example has 75 runs.
 TEST(Language, FirstExample) {
   const plan::Plan plan = PlanOf(
       "benchmark aspect \"figure 4\" {\n  objects {\n    quantity  sweep(1000 .. 5000 step 1000)\n"

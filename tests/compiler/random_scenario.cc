@@ -16,7 +16,7 @@
 namespace cdb::tests {
 namespace {
 
-/// What needs a package that was not there cannot be used.
+/// False if the detector needs a package that was missing when cdb was built.
 bool IsBuilt(std::string_view detector) {
   const schema::DetectorInfo* info = schema::FindDetector(detector);
   const schema::DetectorPart* part =
@@ -30,7 +30,7 @@ class Maker {
 
   RandomScenario Make() {
     for (const schema::Parameter& parameter : schema::Schema()) {
-      // The number of runs stays small. What is said of errors hangs together.
+      // Keeps the number of runs small. AddAccuracy sets the accuracy parameters together.
       if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
         continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
@@ -42,7 +42,7 @@ class Maker {
  private:
   std::uint64_t Below(std::uint64_t n) { return random_() % n; }
 
-  /// Errors at times that are whole numbers of the default's steps.
+  /// Records errors at multiples of the default time step.
   void AddAccuracy() {
     const bool has_timestep = std::ranges::any_of(
         scenario_.settings, [](const auto& setting) { return setting.starts_with("timestep "); });
@@ -64,7 +64,7 @@ class Maker {
     for (const std::string_view word : parameter.AllWords()) {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
-      // Neither schedules nor piles move what is kinematic.
+      // Kinematic objects cannot be in schedules or piles.
       if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);
     }
@@ -99,15 +99,15 @@ class Maker {
     return {};
   }
 
-  /// What links cannot hold is left alone: fixed objects, piles, and one without an anchor.
-  /// A trace leaves hardly anything else to set.
+  /// Excludes what links cannot have: fixed objects, piles, and a missing anchor. A trace would
+  /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
     if (parameter == "trace") return false;
     if (parameter == "links.type") return !Sets("mass") && !Sets("location");
     return parameter != "links.anchor" || !Sets("quantity");
   }
 
-  /// Those that may stand here. `at` and `pair` place so many objects and no others.
+  /// The parametrised words that are valid here. `at` and `pair` need a certain number of objects.
   std::vector<std::string_view> CallsOf(const schema::Parameter& parameter) const {
     std::vector<std::string_view> calls = parameter.AllCalls();
     if (is_in_any_ && !parameter.ChoosesCalls()) calls.clear();
@@ -115,12 +115,12 @@ class Maker {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kHeightsCall ||
-             call == analysis::kSurfaceWord;  // of what is fixed alone
+             call == analysis::kSurfaceWord;  // for fixed objects only
     });
     return calls;
   }
 
-  /// Some arguments by place, then some by name; what is left out has a default.
+  /// Gives some arguments by position, then some by name; the others have defaults.
   std::string CallText(const schema::ParametrisedWord& info) {
     std::string text;
     bool by_place = true;
@@ -135,14 +135,14 @@ class Maker {
       text += Drawn(argument);
     }
     if (text.empty()) return std::string(info.name);
-    // One argument by its name needs no brackets.
+    // A single named argument needs no brackets.
     const bool one_named = text.starts_with(std::string(info.arguments[0].name) + ":") &&
                            text.find(',') == std::string::npos;
     return one_named && Below(2) == 0 ? fmt::format("{} {}", info.name, text)
                                       : fmt::format("{}({})", info.name, text);
   }
 
-  /// No scene of those that are made here needs it: a list that names it is good.
+  /// True if no scene generated here needs the component, so that a list may name it.
   bool CanBeOmitted(std::string_view component) const {
     const auto sets = [&](std::string_view parameter) { return Sets(parameter); };
     // The defaults need these.
@@ -164,7 +164,7 @@ class Maker {
     });
   }
 
-  /// A word without its arguments; anything else as it is.
+  /// A word without its arguments; other text unchanged.
   static std::string_view Head(std::string_view value) {
     const std::size_t end = value.find_first_of("( ");
     return end == 0 ? value : value.substr(0, end);
@@ -184,7 +184,7 @@ class Maker {
       is_in_sweep_ = true;
       for (int i = 0; i < 3; ++i) {
         const std::string value = Constant(parameter);
-        // `ring` and ring(radius: fit) are one layout.
+        // `ring` and ring(radius: fit) are the same layout.
         const auto is_same = [&](const std::string& other) { return Head(other) == Head(value); };
         if (std::ranges::none_of(values, is_same)) values.push_back(value);
       }
@@ -203,7 +203,7 @@ class Maker {
       is_in_any_ = true;
       const std::string first = Constant(parameter), second = Constant(parameter);
       is_in_any_ = false;
-      // A number, say, has no weight.
+      // Numbers, for example, have no weight.
       const bool weighed = parameter.type == kWord || parameter.type == kSwitch;
       return weighed ? fmt::format("any({} {}, {})", first, 1 + Below(5), second)
                      : fmt::format("any({}, {})", first, second);

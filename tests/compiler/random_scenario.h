@@ -1,4 +1,4 @@
-// Random benchmarks made from the schema table, for property tests.
+// Random benchmarks generated from the schema table, for property tests.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace cdb::tests {
 
-/// A benchmark as lines of settings, with what it should come to.
+/// A benchmark as lines of settings, with its expected number of points.
 struct RandomScenario {
-  std::vector<std::string> settings;  ///< `objects.size sweep(…)`: any order means the same scenes
+  std::vector<std::string> settings;  ///< `objects.size sweep(…)`; their order does not matter
   std::size_t points = 1;             ///< product of the axes
   std::string Text() const;
 };
 
-/// The one file, beside the scenario, that its models come from.
+/// The only file, beside the scenario, that its models come from.
 inline constexpr const char* kModelFile = "rock.obj";
 
-/// Valid by construction: each parameter at most once, a constant, a distribution or a sweep within
-/// its domain.
+/// Generates a valid benchmark: each parameter at most once, as a constant, a distribution or a
+/// sweep within its domain.
 RandomScenario MakeRandomScenario(std::mt19937_64& random);
 
 }  // namespace cdb::tests

@@ -65,7 +65,7 @@ TRACED = """benchmark traced {
 }
 """
 ON_TRACE = 'benchmark on_trace { trace "damaged.h5"; detector sap }\n'
-# {whole} and {damaged} are files.
+# {whole} and {damaged} stand for files.
 COMMANDS = {
     "results": {
         "show": ["show", "{damaged}"],
@@ -318,18 +318,18 @@ def main():
     parser.add_argument("--only", type=int)
     parser.add_argument("--list", action="store_true")
     arguments = parser.parse_args()
-    has_limit = b"__asan" not in pathlib.Path(arguments.cdb).read_bytes()  # it reserves more than there is
+    has_limit = b"__asan" not in pathlib.Path(arguments.cdb).read_bytes()  # AddressSanitizer reserves more memory than there is
     counts, faults = collections.defaultdict(collections.Counter), []
     with tempfile.TemporaryDirectory() as place:
         place = pathlib.Path(place)
-        (place / "leaks").write_text("leak:libhdf5\n", encoding="utf-8")  # what it cannot read it does not always free
+        (place / "leaks").write_text("leak:libhdf5\n", encoding="utf-8")  # HDF5 does not always free memory after a failed read
         os.environ["LSAN_OPTIONS"] = f"suppressions={place}/leaks:print_suppressions=0"
         originals = make_originals(arguments.cdb, place)
         expected = {}
         for kind, files in originals.items():
             for original in files:
                 for name, (end, output) in try_file(arguments.cdb, kind, set_up(place, kind, original), has_limit).items():
-                    if end == "ended":  # not `show --error` without errors
+                    if end == "ended":  # excludes `show --error` without errors
                         expected[original, name] = output
         numbers = range(arguments.count) if arguments.only is None else [arguments.only]
         with concurrent.futures.ProcessPoolExecutor(arguments.jobs) as pool:

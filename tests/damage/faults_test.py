@@ -39,10 +39,10 @@ SCENARIO = """benchmark s {
   detector sweep(dbvt, sap)
 }
 """
-# The second of three runs fails each time.
+# The second of the three runs always fails.
 FAILS = "benchmark f { cycles 3; world.side 500; acceleration (0, sweep(0, -1e39, -1) as g, 0) }\n"
 TRACED = "benchmark t { cycles 3; world.side 200; objects { quantity 3; size 20 } }\n"
-# What is there before, the command, its result, and the folder of shards that it leaves when it ended well.
+# The files present before, the command, its result, and the folder of shards that it leaves after success.
 COMMANDS = {
     "run": ("new", ["run", "s.cdb", "-q", "-o", "out.h5"], None),
     "go on": ("half", ["run", "s.cdb", "-q", "-o", "out.h5"], None),
@@ -52,8 +52,8 @@ COMMANDS = {
     "merge --remove": ("all", ["merge", "-o", "out.h5", "out.runs", "--remove"], None),
     "trace": ("new", ["trace", "t.cdb", "-q", "-o", "out.h5"], None),
 }
-# Errors that a call may return on a healthy kernel with a bad disk, a full one, or too little of something. Not of close:
-# HDF5 crashes in its exit handler after it, when all is done.
+# Errors that a call may return on a healthy kernel with a bad or full disk, or with too little of some resource. Not
+# for close: HDF5 crashes in its exit handler after it, when everything is done.
 ERRORS = {
     "openat": ["EACCES", "EMFILE", "ENOSPC", "EIO"], "open": ["EACCES", "EMFILE"], "write": ["ENOSPC", "EIO", "EINTR"],
     "pwrite64": ["ENOSPC", "EIO", "EINTR"], "writev": ["ENOSPC", "EIO"], "read": ["EIO", "EINTR"], "pread64": ["EIO", "EINTR"],
@@ -144,7 +144,7 @@ class Cases:
             what, n = chance.choice([point for point in self.points[name] if point[0] not in ("exit_group", "execve")])
             return name, what, n, "signal=SIGKILL"
         kinds = sorted({what for what, _ in self.points[name] if what in ERRORS})
-        what = chance.choice(kinds)  # each as often, as most calls are reads
+        what = chance.choice(kinds)  # each kind equally often, because most calls are reads
         n = chance.choice([n for there, n in self.points[name] if there == what])
         return name, what, n, "error=" + chance.choice(ERRORS[what])
 
@@ -168,7 +168,7 @@ class Cases:
         except OSError as error:
             faults.append(("lost", f"a file is damaged: {error}"))
         out = folder / "out.h5"
-        has_ended = name == "merge --remove" and out.exists() and not (folder / "out.runs").exists()  # nothing to merge again
+        has_ended = name == "merge --remove" and out.exists() and not (folder / "out.runs").exists()  # nothing is left to merge
         again, said = (self.expected[name][0], "") if has_ended else call([self.cdb, *words], folder)
         if (again, outcome(out) if out.exists() else None) != self.expected[name]:
             faults.append(("different", f"exit status {again}: {said}"))

@@ -161,7 +161,7 @@ TEST(Render, LongLinesAreCutAroundTheFault) {
   EXPECT_LT(line.size(), 120u);
   EXPECT_TRUE(line.starts_with("  1 | …")) << line;
   EXPECT_TRUE(line.ends_with("…")) << line;
-  // The carets stand under the fault: the ellipsis is three bytes and one column.
+  // The carets are under the fault: the ellipsis is three bytes, but one column.
   const std::string carets = text.substr(text.find('\n') + 1);
   EXPECT_EQ(carets.find('^') + 2, line.find("XYZ"));
   EXPECT_NE(carets.find("^^^\n"), std::string::npos);

@@ -1,4 +1,4 @@
-// A syntax tree as text, for comparison, without source positions and brackets.
+// A syntax tree as text, without source positions and brackets, for comparison.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace cdb::tests {
 
-/// `(range 1 5 step 2)`, `(call any (* sphere 3) cone as z)`, one statement a line.
+/// For example `(range 1 5 step 2)`, `(call any (* sphere 3) cone as z)`; one statement per line.
 std::string Dump(const dsl::File& file);
 std::string Dump(const dsl::Expr& expr);
 std::string Dump(const dsl::Condition& condition);

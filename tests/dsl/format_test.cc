@@ -142,7 +142,7 @@ TEST(FormatProperty, RandomTreesStayTheSame) {
   }
 }
 
-// Every comment is still there, in its order.
+// Formatting keeps every comment, in order.
 TEST(FormatProperty, CommentsAreKept) {
   const auto comments = [](std::string_view text) {
     std::string all;
@@ -156,7 +156,7 @@ TEST(FormatProperty, CommentsAreKept) {
   };
   for (std::uint64_t seed = 0; seed < 500; ++seed) {
     const std::string text = RandomText(seed).File().text;
-    if (text.find("a # b") != std::string::npos) continue;  // a text, no comment
+    if (text.find("a # b") != std::string::npos) continue;  // a string, not a comment
     ASSERT_TRUE(comments(Formatted(text)) == comments(text)) << "seed " << seed;
   }
 }

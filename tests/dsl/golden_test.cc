@@ -1,5 +1,5 @@
-// Each tests/golden/dsl/NAME.cdb renders to NAME.txt. With CDB_UPDATE_GOLDEN=1 in the environment
-// the expected files are written instead.
+// Each tests/golden/dsl/NAME.cdb renders to NAME.txt. With CDB_UPDATE_GOLDEN=1 in the environment,
+// the expected files are rewritten instead.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ TEST(Golden, RenderedDiagnostics) {
   }
 }
 
-// Every kind has a golden file that bears its name.
+// Every kind of diagnostic has a golden file with its name.
 TEST(Golden, EveryKindIsShown) {
   std::set<std::string_view> ids;
   for (const dsl::DiagnosticKind* kind : kDiagnosticKinds) {

@@ -14,7 +14,7 @@
 namespace cdb::tests {
 namespace {
 
-// Measures what the tree says of itself, and that every span lies in the source.
+// Checks the heights that the tree stores, and that every span lies in the source.
 class Walker {
  public:
   explicit Walker(const text::Source& source) : source_(source) {}

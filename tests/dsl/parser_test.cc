@@ -25,14 +25,14 @@ struct Parsed {
   dsl::File file;
 };
 
-// The dump of a text that has to parse.
+// The dump of a text that must parse.
 std::string Tree(const std::string& text) {
   const Parsed parsed(text);
   EXPECT_FALSE(parsed.diagnostics.has_errors()) << dsl::Render(parsed.diagnostics);
   return Dump(parsed.file);
 }
 
-// Of one value.
+// The dump of one value.
 std::string Value(const std::string& text) {
   const std::string tree = Tree("let v = " + text + "\n");
   EXPECT_TRUE(tree.starts_with("let v ")) << tree;
@@ -136,7 +136,7 @@ TEST(Parser, Precedence) {
   EXPECT_EQ(Value("8 / 4 * 2"), "(* (/ 8 4) 2)");
   EXPECT_EQ(Value("2 ^ 3 ^ 4"), "(^ 2 (^ 3 4))");
   EXPECT_EQ(Value("2 * 3 ^ 4"), "(* 2 (^ 3 4))");
-  EXPECT_EQ(Value("-2 ^ 2"), "(^ (neg 2) 2)");  // as the grammar has it: power = unary ^ power
+  EXPECT_EQ(Value("-2 ^ 2"), "(^ (neg 2) 2)");  // by the grammar: power = unary ^ power
   EXPECT_EQ(Value("2 ^ -1"), "(^ 2 (neg 1))");
   EXPECT_EQ(Value("a--b"), "(- a (neg b))");
   EXPECT_EQ(Value("-(-5)"), "(neg (neg 5))");
@@ -177,7 +177,7 @@ TEST(Parser, CallsWithoutBrackets) {
   EXPECT_EQ(Value("any(hull file: \"a.obj\" 3, mesh(\"b.obj\") 2, sphere 3)"),
             "(call any (weigh (call hull file:\"a.obj\") 3) (weigh (call mesh \"b.obj\") 2) "
             "(weigh sphere 3))");
-  // What these were before they are still.
+  // Weights of plain words and ordinary calls are parsed as before.
   EXPECT_EQ(Value("any(sphere 3)"), "(call any (weigh sphere 3))");
   EXPECT_EQ(Value("1 : y : z"), "(ratio 1 y z)");
   EXPECT_EQ(Value("f(y : 1 : 1)"), "(call f (ratio y 1 1))");
@@ -228,7 +228,7 @@ TEST(Parser, ZipGivesSeveralLets) {
   EXPECT_EQ(Errors("let a, b = zip(1, 2)"), "one-value");
   EXPECT_EQ(Errors("let a, b = zip(sweep(1), sweep(2) as c)"), "one-value");
   EXPECT_EQ(Errors("let a, b = "), "missing-value");
-  // One statement, whether it can be read or not.
+  // It is one statement, whether it is valid or not.
   EXPECT_EQ(
       Tree("benchmark b { let a, b = zip(sweep(1), sweep(2)); size a }"),
       "benchmark b\n  let a (call sweep 1 zipped)\n  let b (call sweep 2 zipped)\n  set size a\n");
@@ -238,7 +238,7 @@ TEST(Parser, OnlyIsTheOppositeOfSkip) {
   EXPECT_EQ(Tree("benchmark b { only when a > 1 }"), "benchmark b\n  only (> a 1)\n");
   EXPECT_EQ(Errors("benchmark b { only if a > 1 }"), "missing-when");
   EXPECT_EQ(Errors("benchmark b { only }"), "missing-when");
-  // It is a word of statements, and free as a name.
+  // `only` is a keyword of statements, and can be used as a name.
   EXPECT_EQ(Errors("let only = 1\nbenchmark b { size only }"), "");
 }
 
@@ -289,7 +289,7 @@ TEST(Parser, UnclosedBlockPointsAtItsBrace) {
   ASSERT_EQ(parsed.diagnostics.error_count(), 1);
   const dsl::Diagnostic& diagnostic = parsed.diagnostics.all()[0];
   EXPECT_EQ(diagnostic.kind, &kUnclosedBlock);
-  // The indentation says which of the two it is.
+  // The indentation determines which of the two braces is unclosed.
   EXPECT_EQ(parsed.source->PositionAt(diagnostic.span.begin).line, 2);
   ASSERT_EQ(diagnostic.notes.size(), 1u);
   EXPECT_EQ(diagnostic.notes[0].span.begin, parsed.source->text().size());
@@ -301,7 +301,7 @@ std::string Repeat(const std::string& what, int times) {
   return text;
 }
 
-// Each way in which a text can nest, far past the limit: one error, and no stack is lost.
+// Every kind of nesting, far beyond the limit: one error, and no stack overflow.
 TEST(Parser, DepthIsBounded) {
   constexpr int kMany = 100000;
   const std::string texts[] = {
@@ -371,7 +371,7 @@ TEST(ParserProperty, MutatedFiles) {
   }
 }
 
-// Every prefix of a file with everything in it: what an editor sees while it is written.
+// Every prefix of a file that has everything in it: the texts that an editor sees during typing.
 TEST(ParserProperty, Prefixes) {
   const std::string text = RandomText(7).File().text + R"(
 benchmark b from a "t" { objects p { size normal(1, sd: 2), 1 : 2 : 3 }; skip when not (a == 1)

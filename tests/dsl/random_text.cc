@@ -7,7 +7,7 @@
 namespace cdb::tests {
 namespace {
 
-// Pieces joined without operator+ on temporaries, which GCC 12 warns about for no reason.
+// Joins pieces without operator+ on temporaries, for which GCC 12 gives a false warning.
 std::string Join(std::initializer_list<std::string_view> pieces) {
   std::string joined;
   for (const std::string_view piece : pieces) joined += piece;
@@ -26,7 +26,7 @@ std::string RandomText::Space() {
 // At least one space.
 std::string RandomText::Gap() { return OneIn(4) ? "\t  " : " "; }
 
-// Where a line may break inside brackets.
+// White space where a line may break inside brackets.
 std::string RandomText::Break() {
   if (!OneIn(8)) return Space();
   return OneIn(3) ? "  # within a list\n   " : OneIn(2) ? "\n\n\t" : "\r\n ";
@@ -65,7 +65,8 @@ std::string RandomText::Number() {
 std::string RandomText::Text(std::string* dump) {
   static constexpr std::string_view kTexts[] = {
       "", "plain", "a # b", "caf\u00e9", "{ ; } ,", "\\\"x\\\" \\\\", "two\\nlines\\tand a tab"};
-  // An empty title is no title to the tree, so the empty text is for values only.
+  // The tree does not distinguish an empty title from none, so the empty text is used for values
+  // only.
   const std::string text = Join({"\"", kTexts[1 + Below(std::size(kTexts) - 1)], "\""});
   *dump = text;
   return text;
@@ -108,7 +109,7 @@ RandomText::Piece RandomText::Call(int depth) {
   }
   if (OneIn(6)) {
     const std::string least = Number(), most = Number();
-    // Its upper limit would take a sum that goes on.
+    // The upper limit would include the rest of a sum.
     call.level = 0;
     call.text += Join({Gap(), "in", Gap(), least, Space(), "..", Space(), most});
     call.dump += Join({" in ", least, " ", most});
@@ -175,7 +176,7 @@ RandomText::Piece RandomText::Expr(int depth) {
   }
   const char op = "+-*/^"[Below(5)];
   const int level = op == '^' ? kPower : op == '*' || op == '/' ? kProduct : kSum;
-  // `^` leans right, the others left.
+  // `^` is right-associative, the others are left-associative.
   const Piece left = At(op == '^' ? kUnary : level, depth - 1);
   const Piece right = At(op == '^' ? kPower : level + 1, depth - 1);
   const std::string sign(1, op);
@@ -183,7 +184,7 @@ RandomText::Piece RandomText::Expr(int depth) {
           Join({"(", sign, " ", left.dump, " ", right.dump, ")"}), level};
 }
 
-// An expression that can stand where `level` is asked for, in brackets where it has to.
+// An expression that is valid where `level` is expected, with brackets if necessary.
 RandomText::Piece RandomText::At(int level, int depth) {
   Piece piece = Expr(depth);
   if (piece.level >= level) return piece;
@@ -250,7 +251,7 @@ RandomText::Piece RandomText::Operand(int depth) {
 
 RandomText::Piece RandomText::Condition(int depth) {
   if (depth > 0 && OneIn(5)) {
-    const Piece inner = Condition(depth - 1);  // `not` takes all of it
+    const Piece inner = Condition(depth - 1);  // `not` applies to the whole condition
     return {Join({"not", Gap(), inner.text}), Join({"(not ", inner.dump, ")"}), kPrimary};
   }
   Piece whole;
@@ -318,7 +319,7 @@ void RandomText::Statement(int level, int depth, Sample& out) {
     out.text += Join({path, Gap()});
     out.dump += Join({"set ", path});
     for (int i = Below(3); i >= 0; --i) {
-      // Where another value follows, `, a :` would be a second argument.
+      // If another value follows, `, a :` would be a second argument.
       const Piece value = i > 0 ? Value(3) : ValueOrBareCall(3);
       out.text += Join({value.text, i > 0 ? Space() : "", i > 0 ? "," : "", i > 0 ? Break() : ""});
       out.dump += Join({" ", value.dump});

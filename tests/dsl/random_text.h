@@ -1,4 +1,4 @@
-// Random texts of the language, valid and invalid, the same for a seed on every machine.
+// Random texts in the language, valid and invalid, reproducible from a seed on every machine.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@ class RandomText {
  public:
   explicit RandomText(std::uint64_t seed) : engine_(seed) {}
 
-  /// A valid file, spaced and commented at random, and the dump of its tree. The dump is made
-  /// beside the text, not by the parser.
+  /// A valid file with random white space and comments, and the dump of its tree, which is built
+  /// along with the text, not by the parser.
   struct Sample {
     std::string text;
     std::string dump;
   };
   Sample File();
 
-  /// Tokens that make no sense together.
+  /// Random tokens.
   std::string Soup();
-  /// The text with some bytes or words changed, moved, doubled or gone.
+  /// The text with some bytes or words changed, moved, duplicated or deleted.
   std::string Mutate(std::string text);
 
  private:
@@ -30,7 +30,7 @@ class RandomText {
   struct Piece {
     std::string text;
     std::string dump;
-    int level = kPrimary;  // how closely its outermost operator binds
+    int level = kPrimary;  // precedence of its outermost operator
   };
 
   int Below(int count) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(count)); }

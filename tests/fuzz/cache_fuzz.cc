@@ -1,5 +1,5 @@
-// Any bytes as an entry of the cache: a damaged entry counts as not there, and of contents with the
-// right digest come hulls whose faces are of their vertices, or the hulls are made anew.
+// Any bytes as an entry of the cache. A damaged entry is treated as missing. Contents with the
+// right digest give hulls whose faces refer to their vertices, or the hulls are computed again.
 #include <cstddef>
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
-// Compiles any text: no crash, every error has a position, and a text without errors makes a plan
-// that reads back from YAML.
+// Compiles any text: it does not crash, every error has a position, and a text without errors gives
+// a plan that can be read back from YAML.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cdb;
   const std::string text(reinterpret_cast<const char*>(data), size);
-  // The text stands for every file, so that `use` has something to find.
+  // The text is also the content of every other file, so that `use` finds something.
   const auto read = [&](const std::string&, std::string&) -> std::optional<std::string> {
     return text;
   };
@@ -30,7 +30,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   CDB_CHECK(result.plans.empty() || !result.diagnostics.has_errors());
   for (const cdb::plan::Plan& plan : result.plans) {
     CDB_CHECK(!plan.runs.empty());
-    // Large grids say no more than small ones, and take long.
+    // Large grids reveal no more than small ones, and take long.
     if (plan.runs.size() < 50)
       CDB_CHECK(cdb::yaml::FromYaml(cdb::yaml::ToYaml(plan), "plan") == plan);
   }

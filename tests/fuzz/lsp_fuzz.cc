@@ -1,5 +1,5 @@
-// Any lines as the messages of a client, and any bytes as their stream: no crash, and every answer
-// is JSON with an id.
+// Any lines as the messages of a client, and any bytes as their stream: it does not crash, and
+// every answer is JSON with an id.
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cdb;
   const std::string text(reinterpret_cast<const char*>(data), size);
   const auto compile = [](const std::string& path, const scenario::ReadFile& read) {
-    // Nothing on the disk has a meaning here.
+    // No file on the disk is used.
     const auto open_only = [&](const std::string& wanted,
                                std::string& why) -> std::optional<std::string> {
       if (wanted == path) return read(wanted, why);

@@ -1,4 +1,4 @@
-// Reads any text as a plan: an error, or a plan that is written as it was read.
+// Reads any text as a plan: the result is an error, or a plan that is written as it was read.
 #include <cstddef>
 #include <cstdint>
 #include <string>

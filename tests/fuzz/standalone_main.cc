@@ -1,5 +1,6 @@
-// Runs a fuzz target without a fuzzing engine: every file of a corpus, then mutations of them, the
-// same on every machine. Link it with any *_fuzz.cc; with clang, link libFuzzer instead.
+// Runs a fuzz target without a fuzzing engine: every file of a corpus, then mutations of them,
+// which are the same on every machine. Link it with any *_fuzz.cc; with clang, link libFuzzer
+// instead.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +32,7 @@ std::vector<std::string> ReadCorpus(const fs::path& folder) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) paths.push_back(entry.path());
-  // The order in which a folder is read differs between machines.
+  // The order of files in a folder differs between machines.
   std::sort(paths.begin(), paths.end());
   std::vector<std::string> corpus;
   for (const fs::path& path : paths) {
@@ -49,10 +50,10 @@ std::string Mutate(const std::vector<std::string>& corpus, Engine& engine) {
     const std::size_t at = below(input.size() + 1);
     const std::size_t length = 1 + below(24);
     switch (below(6)) {
-      case 0:  // take something out
+      case 0:  // remove a part
         input.erase(at, length);
         break;
-      case 1:  // put something in from another file
+      case 1:  // insert a part of another file
         input.insert(at, other, below(other.size() + 1), length);
         break;
       case 2:  // any byte
@@ -65,7 +66,7 @@ std::string Mutate(const std::vector<std::string>& corpus, Engine& engine) {
         input.resize(at);
         input.append(other, below(other.size() + 1), std::string::npos);
         break;
-      default: {  // say it many times
+      default: {  // repeat a part many times
         const std::string piece = input.substr(at, length);
         for (std::size_t times = below(200); times > 0 && input.size() < kLongest; --times)
           input.insert(at, piece);
@@ -94,7 +95,7 @@ int main(int argc, char** argv) {
     Engine engine(1);
     for (long i = 0; i < iterations; ++i) {
       const std::string input = Mutate(corpus, engine);
-      // Left behind by a crash, so that it can be run alone.
+      // The input is left behind by a crash, so that it can be run alone.
       if (const char* keep = std::getenv("CDB_FUZZ_KEEP"))
         std::ofstream(keep, std::ios::binary) << input;
       RunOne(input);

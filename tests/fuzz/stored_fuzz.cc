@@ -1,6 +1,7 @@
-// Results files, shards and traces with some of their bytes changed, and the right digest: an error
-// that names the file, or values that are possible. The input is the changes, as HDF5 files are too
-// long for a corpus: which file, then place (3 bytes), count (1 byte) and bytes of each.
+// Results files, shards and traces with some bytes changed, and the right digest: the result is an
+// error that names the file, or valid values. The input describes the changes, because HDF5 files
+// are too long for a corpus: which file, then position (3 bytes), count (1 byte) and bytes of each
+// change.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -20,7 +21,8 @@
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/files.h"
 
-// HDF5 loses some of what it refuses; what we forget to close, it closes itself.
+// HDF5 leaks some memory when it rejects a file; it closes objects that the caller forgets to
+// close.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 namespace {
@@ -52,7 +54,7 @@ struct Bases {
 
   const tests::TemporaryFolder folder;
   const plan::Plan plan = tests::MakePlan({tests::NumberAxis("n", {1, 2})}, 1, {.cycles = 6});
-  /// Its shards have no index, so that a merge reads them as HDF5.
+  /// The shards have no index, so that a merge reads them as HDF5.
   const plan::Plan contacts = tests::MakePlan(
       {}, 1, {.cycles = 3, .objects = 2, .record = {"timing", "counts", "contacts"}});
   std::vector<std::string> images;

@@ -31,7 +31,7 @@ TEST(Cache, IsTheUsersOwn) {
     EXPECT_EQ(PermsOf(cache / name), fs::perms::owner_read | fs::perms::owner_write) << name;
   EXPECT_EQ(library::FindCached(cache, "pile", kKey), "poses");
   EXPECT_EQ(library::CacheFault(cache), "");
-  // Where others may write, nothing is found and nothing kept, and that is said.
+  // If others may write to the folder, nothing is found or stored, and a warning is given.
   for (const fs::perms writers : {fs::perms::group_write, fs::perms::others_write}) {
     fs::permissions(cache, fs::perms::owner_all | writers);
     EXPECT_EQ(library::FindCached(cache, "pile", kKey), std::nullopt);
@@ -47,7 +47,7 @@ TEST(Cache, IsTheUsersOwn) {
   }
 }
 
-/// What anybody can make who knows how a file is laid out.
+/// An entry as anyone who knows the file format could forge it.
 std::string Forged(const std::string& kind, const std::string& key, const std::string& contents) {
   std::string bytes = "cdb " + kind + " 3\n" + key + contents;
   return bytes + plan::Sha256Hex(bytes);

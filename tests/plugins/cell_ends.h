@@ -1,4 +1,4 @@
-// How the runs of a sweep over one axis ended.
+// The outcomes of the runs of a sweep over one axis.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ struct CellEnd {
   std::string message, state_hash;
 };
 
-/// Of the run at each value of the only axis.
+/// The outcome of the run at each value of the only axis.
 inline std::map<std::string, CellEnd> Ends(const std::filesystem::path& file) {
   const store::ResultFile result(file);
   std::map<std::string, CellEnd> ends;

@@ -1,4 +1,4 @@
-// Hostile detectors: what the worker refuses them, and what they can still break.
+// Hostile detectors: what the worker denies them, and what they can still break.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
@@ -41,7 +41,7 @@ TEST(Confinement, RefusesWhatADetectorDoesNotNeed) {
   EXPECT_FALSE(program.Exists("escaped"));
 }
 
-/// Each attempt succeeds where nothing refuses it: the test above can fail.
+/// Each attempt succeeds without confinement, so that the test above can fail.
 TEST(Confinement, CanBeTurnedOff) {
   const Program program;
   for (const std::string& name : kRefused) {

@@ -1,4 +1,4 @@
-// A broad phase by brute force, for detectors that misbehave otherwise.
+// A brute-force broad phase, for detectors that misbehave in other ways.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace cdb {
 
-/// Of each library that includes it, as libraries are loaded side by side.
+/// Local to each library that includes it, because several libraries are loaded side by side.
 namespace {
 
 class EveryPair : public Detector {

@@ -1,4 +1,4 @@
-// Detectors that each fail in one way after their library is loaded.
+// Detectors that each fail in a different way after their library is loaded.
 #include <signal.h>
 #include <unistd.h>
 #ifdef __x86_64__
@@ -19,13 +19,13 @@ namespace {
 
 using namespace cdb;
 
-/// As the initializers of a library linked with -ffast-math do, and worse: all later arithmetic
-/// rounds up.
+/// Changes the floating-point environment, as the initializers of a library linked with -ffast-math
+/// do, and worse: all later arithmetic rounds upwards.
 const int kRoundsUpFromTheStart = std::fesetround(FE_UPWARD);
 
 [[noreturn]] void Throw() { throw std::runtime_error("out of luck"); }
 
-/// Every pair, and one contact for each; derived classes add their fault.
+/// Lists every pair, and one contact for each; derived classes add their fault.
 class Sound : public EveryPair {
  public:
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
@@ -100,7 +100,7 @@ struct SameBody : Sound {
   void FindPairs(const Scene&, std::vector<Pair>& pairs) override { pairs.push_back({1, 1}); }
 };
 
-/// The contacts, changed.
+/// Changes the contacts.
 template <typename Change>
 class Spoiled : public Sound {
  public:

@@ -1,5 +1,5 @@
-// Detectors that each try what a confined worker must refuse, and then do their work. One that is
-// not refused fails its run with the word `allowed`.
+// Detectors that each attempt something that a confined worker must deny, and then do their work.
+// If the attempt is not denied, the run fails with the word `allowed`.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/ptrace.h>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace cdb;
 
-/// True where it was not refused.
+/// Makes an attempt; true if it was not denied.
 using Attempt = bool (*)();
 
 template <Attempt kTry>
@@ -60,7 +60,7 @@ bool RaisesItsLimits() {
   return getrlimit(RLIMIT_NOFILE, &limit) != 0 || setrlimit(RLIMIT_NOFILE, &limit) == 0;
 }
 
-/// What must go on working.
+/// Operations that must still work.
 bool ThreadsAndReading() {
   std::vector<int> sums(4);
   std::vector<std::thread> threads;
@@ -76,7 +76,7 @@ bool ThreadsAndReading() {
   return line != "as it was";
 }
 
-/// The header of the next block of the heap is overwritten.
+/// Overwrites the header of the next block of the heap.
 class WritesPastItsPairs : public EveryPair {
  public:
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
@@ -91,7 +91,7 @@ class CrashesInItsDestructor : public EveryPair {
   ~CrashesInItsDestructor() override { raise(SIGSEGV); }
 };
 
-/// Until there is no more; what it has it does not touch.
+/// Allocates 64 GiB without touching them.
 class TakesMemory : public EveryPair {
  public:
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {

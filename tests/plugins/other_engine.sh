@@ -1,5 +1,6 @@
 #!/bin/bash
-# examples/ode_worker: its bounces lose less energy the smaller the time step is, and what it cannot do is refused by name.
+# examples/ode_worker: its bounces lose less energy with smaller time steps, and it names each feature that it does not
+# support.
 set -euo pipefail
 build=$1 source=$2
 folder=$(mktemp -d)

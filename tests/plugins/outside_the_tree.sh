@@ -1,5 +1,5 @@
 #!/bin/bash
-# examples/my_detector as its readers meet it: built elsewhere against an installed cdb, and run by it.
+# examples/my_detector as a user builds it: outside the source tree, against an installed cdb, and run by it.
 set -euo pipefail
 cmake=$1 build=$2 source=$3 compiler=$4
 folder=$(mktemp -d)
@@ -12,6 +12,6 @@ cd "$folder/mine"
 "$cmake" --build build >/dev/null
 
 "$folder/usr/bin/cdb" run compare.cdb
-# Exit status 3 where a cycle's pairs were not the exact ones.
+# Exit status 3 if the pairs of a cycle are not exact.
 "$folder/usr/bin/cdb" verify compare.cdb | tee verified
 grep -q sorted_along_x verified

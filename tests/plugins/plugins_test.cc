@@ -1,4 +1,4 @@
-// Detectors from a user's shared library: good ones run, and the others are refused with a reason.
+// Detectors from a user's shared library: valid ones run, and others are rejected with a reason.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::string PluginFile(const char* name) {
   return BuildFolder() / "tests/plugins" / (std::string(name) + ".so");
 }
 
-/// A crowd of balls that touch, with a statement about detectors.
+/// A cluster of touching balls, with a statement about detectors.
 std::string ContactCluster(const std::string& use, const std::string& statement) {
   return use + "benchmark b {\n  cycles 20\n  world.side 250\n  pair_order sorted\n  " + statement +
          "\n  objects { quantity 30; linear_velocity uniform(-100, 100) }\n}\n";
@@ -49,8 +49,8 @@ TEST(Plugins, RunBesideTheCatalogue) {
   EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "plan.h5"}).status, 0);
   const auto used = Ends(program.folder() / "used.h5");
   EXPECT_EQ(used.at("sound").state_hash.size(), 16u);
-  // Who tests every pair lists the same, whatever its library sets when it is loaded, and in sorted
-  // order they move alike to the bit.
+  // Detectors that test every pair list the same pairs, whatever their library sets when it is
+  // loaded. With sorted pairs, the motion is the same to the bit.
   EXPECT_EQ(used.at("sound").state_hash, used.at("simple").state_hash);
   for (const char* other : {"given.h5", "again.h5", "plan.h5"})
     EXPECT_EQ(Ends(program.folder() / other).at("sound").state_hash, used.at("sound").state_hash);
@@ -205,7 +205,7 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   fs::copy(PluginFile("faulty"), program.folder() / "mine.so");
   program.Write("b.cdb", ContactCluster("use detector \"mine.so\"\n", "detector sweep(sound)"));
   EXPECT_EQ(program.Run({"plan", "b.cdb", "-o", "plan.yaml"}).status, 0);
-  // Still a library that loads.
+  // The library can still be loaded.
   program.Write("mine.so", program.Read("mine.so") + "changed");
   EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "old.h5"}).status, 3);
   EXPECT_TRUE(Has(Ends(program.folder() / "old.h5").at("sound").message,
@@ -216,7 +216,7 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   EXPECT_TRUE(Has(mixed.err, "names its own")) << mixed.err;
 }
 
-/// A scenario is looked at without running its libraries, so that these faults show when it is run.
+/// Compiling a scenario does not execute its libraries, so these faults appear only when it runs.
 TEST(Plugins, RunNoCodeBeforeTheRun) {
   const Program program;
   for (const char* library : {"crashes", "hangs"}) {
@@ -243,7 +243,7 @@ TEST(Manifest, HoldsNamesPhasesAndLimits) {
   EXPECT_EQ(found.back().phases, "narrow");
 }
 
-/// What stands in the file is read with the same care as anything of a stranger's.
+/// The file's contents are checked as untrusted input.
 TEST(Manifest, SurvivesDamage) {
   const std::string bytes = ReadFile(PluginFile("other_abi"));
   const std::size_t sections = bytes.size() - std::min<std::size_t>(bytes.size(), 4096);

@@ -1,4 +1,4 @@
-// A library that is refused, for the reason that its build defines.
+// A library that is rejected for the reason defined by its build.
 #include <signal.h>
 #include <unistd.h>
 

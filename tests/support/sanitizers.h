@@ -21,7 +21,7 @@ inline constexpr bool kThreadSanitizer = false;
 
 inline constexpr bool kAnySanitizer = kAddressSanitizer || kThreadSanitizer;
 
-/// The number of random cases to try: a sanitizer checks the memory accesses and the arithmetic of
+/// The number of random cases to try. A sanitizer checks the memory accesses and arithmetic of
 /// each, and slows it down 30 times; the plain build tries all.
 constexpr int Cases(int all) { return kAddressSanitizer ? (all + 9) / 10 : all; }
 

@@ -9,16 +9,16 @@
 namespace cdb::builtin {
 namespace {
 
-/// So many bodies are sorted before a grid is made.
+/// Up to this number of bodies, sweep is used.
 constexpr std::size_t kFew = 24;
-/// Cycles of skin until it is judged, and where it seems hopeless; of another until skin is tried
-/// again, at first and at most.
+/// Cycles of skin before it is judged, and before it is judged if it seems hopeless; cycles of
+/// another detector before skin is tried again, at first and at most.
 constexpr unsigned kTrial = 24, kShortTrial = 6, kFirstPause = 64, kLastPause = 4096;
-/// Judgements that do not ask for sweep after one that showed no gain, at most.
+/// The most judgements in a row that leave sweep out after one in which it showed no gain.
 constexpr unsigned kMostSkipped = 64;
-/// Bodies in a cell from which a sweep may be better.
+/// Mean number of bodies in a cell above which sweep may be faster.
 constexpr double kCrowded = 64;
-/// In the nanoseconds of skin's costs: of a body, of a test.
+/// Cost of a body and of a test, in nanoseconds, as in skin's cost model.
 constexpr double kSweepCost = 10, kSweepTestCost = 1.2;
 
 class Auto final : public Detector {
@@ -39,7 +39,7 @@ class Auto final : public Detector {
     InUse(scene).FindPairs(scene, pairs);
     Learn(scene);
   }
-  // Whoever takes over from another knows no last call and lists all pairs.
+  // A detector that takes over from another does not know the last call and lists all pairs.
   bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
     const bool are_changes = InUse(scene).FindChanges(scene, came, went);
     Learn(scene);
@@ -51,7 +51,7 @@ class Auto final : public Detector {
     if (scene.size <= kFew) return sweep_;
     return left_ > 0 ? *other_ : skin_;
   }
-  /// From the call that has just ended.
+  /// Updates the decision after a call.
   void Learn(const Scene& scene) {
     if (scene.size <= kFew) return;
     if (left_ > 0) {
@@ -89,11 +89,11 @@ class Auto final : public Detector {
   Sweep sweep_;
   std::unique_ptr<Detector> grid_;
   Skin skin_;
-  unsigned trial_ = 0;         ///< cycles of skin
-  unsigned left_ = 0;          ///< cycles of `other_`
-  Detector* other_ = nullptr;  ///< instead of skin
+  unsigned trial_ = 0;         ///< cycles of skin since the last judgement
+  unsigned left_ = 0;          ///< cycles of `other_` that remain
+  Detector* other_ = nullptr;  ///< used instead of skin
   unsigned next_pause_ = kFirstPause;
-  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements that do not ask for sweep
+  unsigned to_skip_ = 0, next_skip_ = 1;  ///< judgements that leave sweep out
 };
 
 }  // namespace

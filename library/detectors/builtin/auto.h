@@ -1,4 +1,4 @@
-// `auto`: whichever of cdb's broad phases suits the scene as it moves.
+// `auto`: chooses among the built-in broad phases according to the motion of the scene.
 #pragma once
 
 #include <memory>

@@ -12,7 +12,7 @@
 namespace cdb::builtin {
 namespace {
 
-/// Finds nothing: what calling a detector costs.
+/// Finds no pairs: measures the cost of calling a detector.
 class Null final : public Detector {};
 
 using Maker = std::unique_ptr<Detector>(const Options& options, const kernels::Kernels& kernels);

@@ -1,4 +1,4 @@
-// `grid`: a uniform grid, built anew every cycle.
+// `grid`: a uniform grid, rebuilt every cycle.
 #pragma once
 
 #include <memory>

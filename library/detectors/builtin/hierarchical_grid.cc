@@ -11,13 +11,13 @@
 namespace cdb::builtin {
 namespace {
 
-/// Boxes smaller than 4^-10 m share the first level, those larger than 4^10 m the last.
+/// The first level holds boxes shorter than 4^-9 m, the last those of 4^10 m or longer.
 constexpr int kLevels = 21;
 
 int LevelOf(const Box& box) {
   const double longest =
       std::max({box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z});
-  if (!(longest > 0)) return 0;  // or not a number: which level does not matter
+  if (!(longest > 0)) return 0;  // or NaN: any level will do
   return static_cast<int>(std::clamp(std::floor(std::log2(longest) / 2) + kLevels / 2, 0.,
                                      static_cast<double>(kLevels - 1)));
 }
@@ -73,7 +73,7 @@ class Levels final : public Detector {
     std::vector<Box> boxes;
   };
 
-  /// From places in their levels to bodies.
+  /// Replaces indices within levels by body ids.
   static void Rename(std::span<Pair> pairs, const std::vector<Id>& first,
                      const std::vector<Id>& second) {
     for (Pair& pair : pairs) {

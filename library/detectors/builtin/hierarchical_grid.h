@@ -1,4 +1,4 @@
-// `hierarchical_grid`: a uniform grid for each size of box.
+// `hierarchical_grid`: a uniform grid for each range of box sizes.
 #pragma once
 
 #include <memory>

@@ -10,10 +10,10 @@ namespace cdb::builtin {
 namespace {
 
 constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-/// So few are tested with each other.
+/// Cells with at most this number of bodies are leaves.
 constexpr std::size_t kLeaf = 12;
 constexpr int kDeepest = 64;
-/// The cut is chosen from so many at most.
+/// Bodies from which the cut is chosen, at most.
 constexpr std::size_t kSample = 128;
 
 class KdTree final : public Detector {
@@ -31,11 +31,12 @@ class KdTree final : public Detector {
 
  private:
   struct Body {
-    Box box;  ///< a copy, so that those of a cell are read one after the other
+    Box box;  ///< a copy, so that the boxes of a cell are contiguous
     Id id;
   };
 
-  /// The bodies from `begin` to the end are those whose boxes reach into `cell`.
+  /// Lists the pairs in `cell`. The bodies from `begin` to the end are those whose boxes reach into
+  /// it.
   void Cut(std::size_t begin, const Box& cell, int depth) {
     const std::size_t end = bodies_.size();
     double Vec3::*axis = nullptr;
@@ -56,7 +57,8 @@ class KdTree final : public Detector {
     cut(half, [&](const Box& box) { return box.upper.*axis >= plane; });
   }
 
-  /// False where no cut leaves clearly fewer on each side and few on both.
+  /// Cuts at the median along the axis of greatest spread. False if that would leave 90 % of the
+  /// bodies or more on one side, or put half of them or more on both.
   bool ChooseCut(std::size_t begin, const Box& cell, double Vec3::*& best, double& plane) {
     const std::size_t all = bodies_.size() - begin, size = std::min(all, kSample);
     const auto corner_of = [&](std::size_t k, double Vec3::*axis) {
@@ -90,14 +92,15 @@ class KdTree final : public Detector {
     return left * 10 < all * 9 && right * 10 < all * 9 && 2 * (left + right) < 3 * all;
   }
 
-  /// A pair is of the one leaf that holds the lower corner of what its boxes share.
+  /// A pair belongs to the one leaf that contains the lower corner of the intersection of its
+  /// boxes.
   void TestAll(std::size_t begin, const Box& cell) {
     for (std::size_t i = begin; i < bodies_.size(); ++i) {
       for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
         const Body &a = bodies_[i], &b = bodies_[j];
         if (!Overlap(a.box, b.box) || !IsOf(cell, a.box, b.box)) continue;
         if (!scene_->MayCollide(a.id, b.id)) continue;
-        pairs_->push_back({a.id, b.id});  // bodies stay in order
+        pairs_->push_back({a.id, b.id});  // a.id < b.id, because cells keep the order of bodies
       }
     }
   }
@@ -113,7 +116,7 @@ class KdTree final : public Detector {
 
   const Scene* scene_ = nullptr;
   std::vector<Pair>* pairs_ = nullptr;
-  std::vector<Body> bodies_;  ///< a list for each cell from the root down
+  std::vector<Body> bodies_;  ///< one list for each cell on the path from the root
   std::vector<double> corners_;
 };
 

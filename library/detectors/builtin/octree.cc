@@ -12,7 +12,7 @@ namespace cdb::builtin {
 namespace {
 
 constexpr std::uint32_t kNone = ~0u;
-/// Cubes are halved so often at most; what is smaller still shares one.
+/// The deepest level; all smaller bodies share its cubes.
 constexpr int kMostLevels = 40;
 /// A cube is halved when it holds more bodies than this that fit into its halves.
 constexpr std::uint32_t kMostInLeaf = 8;
@@ -26,7 +26,7 @@ class Octree final : public kernels::FiniteBoxes {
     if (bodies().empty()) return;
     SetRoot(scene);
     Sort(scene);
-    // Each looks at those before it, then joins them.
+    // Each body is tested with those already inserted, and is then inserted itself.
     for (std::uint32_t body = 0; body < sorted_.size(); ++body) {
       const Body& own = sorted_[body];
       Search(own.box, [&](std::uint32_t other) {
@@ -38,15 +38,15 @@ class Octree final : public kernels::FiniteBoxes {
     }
   }
 
-  /// Along a curve that fills space, so that what is near is in the same part of memory.
+  /// Sorted along a space-filling curve, so that bodies close to each other are close in memory.
   struct Body {
-    std::uint64_t place;  ///< on the curve
+    std::uint64_t place;  ///< position on the curve
     Box box;
     Id id;
   };
   struct Node {
     Vec3 centre;
-    double half;  ///< of the cube; its bodies reach no farther than twice that from the centre
+    double half;  ///< half side; bodies extend no farther than twice this from the centre
     int level;
     bool is_leaf = true;
     std::uint32_t small = 0;  ///< bodies of a leaf that fit into its halves
@@ -77,7 +77,7 @@ class Octree final : public kernels::FiniteBoxes {
                       .level = 0});
   }
 
-  /// Morton's order: the bits of the three coordinates in turn.
+  /// Morton order: the bits of the three coordinates interleaved.
   void Sort(const Scene& scene) {
     constexpr int kBits = 21;
     const Node& root = nodes_[0];
@@ -115,7 +115,7 @@ class Octree final : public kernels::FiniteBoxes {
   }
 
   static bool Reaches(const Node& node, const Box& box) {
-    // A little more than twice: centres are rounded.
+    // Slightly more than twice, because centres are rounded.
     const double reach = node.half * (2 + 1e-9);
     const Vec3& c = node.centre;
     const auto slack = [](double x) { return std::fabs(x) * 1e-12; };
@@ -148,7 +148,8 @@ class Octree final : public kernels::FiniteBoxes {
     nodes_[node].small += Halves(nodes_[node], half);
   }
 
-  /// Moves the bodies that fit into the halves. One that gets all of them is split with the next.
+  /// Moves the bodies that fit into the halves to the children. A child that receives all of them
+  /// is split at the next insertion.
   void Split(std::uint32_t node) {
     nodes_[node].is_leaf = false;
     std::uint32_t body = std::exchange(nodes_[node].first, kNone);
@@ -161,7 +162,7 @@ class Octree final : public kernels::FiniteBoxes {
     }
   }
 
-  /// The child that holds this point, made if there is none.
+  /// The child that contains this point; created if missing.
   std::uint32_t Child(std::uint32_t at, const Vec3& point) {
     const Node parent = nodes_[at];
     const bool right = point.x > parent.centre.x, above = point.y > parent.centre.y,
@@ -181,7 +182,7 @@ class Octree final : public kernels::FiniteBoxes {
 
   std::vector<Node> nodes_;  ///< the root first
   std::vector<Body> sorted_;
-  std::vector<std::uint32_t> next_;   ///< of each in sorted_: the next in its node
+  std::vector<std::uint32_t> next_;   ///< for each body in sorted_, the next one in its node
   std::vector<std::uint32_t> stack_;  ///< of Search
 };
 

@@ -10,26 +10,28 @@
 namespace cdb::builtin {
 namespace {
 
-/// Cost of reading a box, in a cycle that does nothing else.
+/// Cost of reading a box in a cycle that does nothing else. In nanoseconds, as in skin_costs.h.
 constexpr double kReadCost = 1.4;
-/// Of a body, in a cycle of a first list.
+/// Upper bound for the usual cost of a body in a cycle of a first list. In nanoseconds.
 constexpr double kMostOfGuess = 2.15;
-/// Of the work of a cycle, that building the next list may add to it without haste; and with haste,
-/// where it would take more than this share of a list's life.
+/// Fraction of a cycle's usual work that building the next list may add: normally, and at most.
+/// More than the normal fraction is used only if building would otherwise take longer than
+/// kBuildingLife, a fraction of a list's lifetime.
 constexpr double kBuildingShare = 0.9, kMostBuildingShare = 1.45;
 constexpr double kBuildingLife = 0.4;
-/// Of the cycles for which a guess would do: if boxes keep their velocity, a list may last longer.
+/// Fraction of a guess's life up to which the lifetime of the next list may be raised. If boxes
+/// keep their velocity, a list may last longer.
 constexpr double kCalmShare = 0.25;
-/// Of a list's cycles, before the next one is started: boxes are remembered then, so that those
-/// that turned round get the velocity that they have since.
+/// Boxes are marked this fraction of a list's lifetime before the next list is started, so that
+/// those that turned round get the velocity that they have had since.
 constexpr double kMarkedShare = 0.25;
 /// Escapes become more frequent as a list ages.
 constexpr double kMoreEscapes = 1.3;
-/// Factors between the present lifetime and the next one that is tried.
+/// Smallest and largest factor between the present lifetime and the next one that is tried.
 constexpr double kLeastStep = 1.12, kMostStep = 1.5;
-/// Greatest age of a list in cycles, after which the fat boxes of bodies at rest shrink again.
+/// Greatest age of a list in cycles. A new list lets the fat boxes of bodies at rest shrink again.
 constexpr unsigned kMaxAge = 256;
-/// The cycle in which a first list is judged; it is replaced as soon as the next one is built.
+/// Age at which a first list is observed; it is replaced as soon as the next one is built.
 constexpr unsigned kSeen = 1;
 
 bool AreSame(const Box& a, const Box& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -52,7 +54,7 @@ void Skin::Prepare(const Scene& scene) {
   last_tried_ = 0;
 }
 
-/// Makes the list fit the boxes; false if the pairs are those of the last call.
+/// Updates the list to the boxes; false if the pairs are the same as in the last call.
 bool Skin::Follow(const Scene& scene) {
   if (scene.size != list_->past.boxes.size()) Prepare(scene);
   bodies_.MeasureRoom(scene);
@@ -104,13 +106,14 @@ bool Skin::FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<
   return are_changes;
 }
 
-/// Pairs that are no candidates. Those of walls are mostly the same in each cycle: they come first.
+/// Appends the pairs that are not candidates. Pairs of walls come first, because they are mostly
+/// the same in each cycle.
 void Skin::AppendRest(const Scene& scene, kernels::PairBuffer& pairs) {
   bodies_.MeetOthers(scene, kernels_, pairs);
   if (untracked_ > 0) AppendUntracked(scene, pairs);
 }
 
-/// In how many cycles this list will be over, by its age or as boxes escape.
+/// Number of cycles after which this list ends, because of its age or of escaped boxes.
 double Skin::CyclesLeft() const {
   double left = kMaxAge - static_cast<double>(age_);
   if (list_->goes_on) left = std::min(list_->end + 1 - cycle_, left);
@@ -120,7 +123,8 @@ double Skin::CyclesLeft() const {
   return std::min(left, (limit - escape_cost_) / (kMoreEscapes * last_escape_cost_));
 }
 
-// As late as it can be done in time, as fat boxes have to last from when they are made.
+// Builds the next list as late as possible, because its fat boxes must last from the cycle in which
+// they are made.
 void Skin::BuildAhead(const Scene& scene) {
   if (list_->is_guess && age_ < kSeen) return;
   if (list_->is_guess && age_ == kSeen) return builder_.Observe(scene, cycle_, *list_);
@@ -128,7 +132,7 @@ void Skin::BuildAhead(const Scene& scene) {
   const double movers = static_cast<double>(bodies_.movers());
   double usual = kReadCost * movers + kTestCost * static_cast<double>(list_->candidates.size()) +
                  last_escape_cost_;
-  // The lists after a guess may have far fewer candidates: cycles should not be long for those.
+  // The lists after a guess may have far fewer candidates: their cycles should not be long either.
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
   if (!builder_.is_building()) {
     const double life = kBuildingLife * (age_ + std::max(left, 0.));
@@ -142,7 +146,8 @@ void Skin::BuildAhead(const Scene& scene) {
     if (!list_->is_guess && left > needed) return;
     const double wait = std::max(std::min(left, needed), 0.);
     LearnCost(age_ + wait);
-    // Short lists would leave too little time to build the next: longer, where boxes allow it.
+    // Short-lived lists leave too little time to build the next one: extend them where boxes allow
+    // it.
     const double least = builder_.WholeCost() / (kMostBuildingShare * kReadCost * movers);
     if (list_->is_guess) horizon_ = std::max(horizon_, std::min(least, kCalmShare * list_->life));
     begin_ = cycle_ + static_cast<std::uint32_t>(wait);
@@ -157,7 +162,7 @@ void Skin::BuildAhead(const Scene& scene) {
   if (is_done && (cycle_ >= begin_ || left < 1 || list_->is_guess)) UseNewList(scene);
 }
 
-/// All movers have been asleep since the last call, so that its pairs are those of this one.
+/// True if all movers have been asleep since the last call, so that the pairs are still the same.
 bool Skin::StillSleeps(const Scene& scene) {
   const bool did_sleep = sleeps_;
   sleeps_ = bodies_.AllSleep(scene);
@@ -170,7 +175,7 @@ bool Skin::IsUnchanged(const Scene& scene) const {
          std::memcmp(scene.boxes.data(), past.data(), past.size() * sizeof(Box)) == 0;
 }
 
-/// A whole list in this cycle.
+/// Builds a whole list in this cycle.
 void Skin::MakeList(const Scene& scene) {
   if (is_built_) LearnCost(std::max(age_, 1u));
   builder_.Start(scene, bodies_, {cycle_, horizon_}, is_built_ ? list_.get() : nullptr);
@@ -215,18 +220,19 @@ double Skin::GridCost() const {
          kListedCost * static_cast<double>(found_) / static_cast<double>(bodies_.movers());
 }
 
-// A longer list costs less to make a cycle and more to test.
+// A list that lasts longer costs less per cycle to build, and more to test.
 void Skin::LearnCost(double life) {
   const double age = std::max(age_, 1u), movers = static_cast<double>(bodies_.movers());
   const double each = (cost_ - making_cost_) / age;
   const double cost = making_cost_ / life + each;
-  // What does not depend on how long a list lasts counts for nothing.
+  // Checking the boxes is left out, because its cost does not depend on the lifetime.
   const double tests = life * (each - kCheckCost * movers);
   if (!list_->goes_on) {
     last_tried_ = 0;
-    // Who has just begun to go on may do so for as long as this list lasted, if tests are few.
+    // If boxes keep their velocity from now on, the next list may last as long as this one,
+    // provided that tests are few.
     if (making_cost_ > 4 * tests || list_->is_guess) horizon_ = std::max(horizon_, life);
-  } else if (life < list_->horizon) {  // escaped bodies ended it
+  } else if (life < list_->horizon) {  // ended by escaped bodies
     horizon_ = std::max(life / 1.25, 1.);
     step_ = 1.2;
     gets_longer_ = true;

@@ -2,8 +2,8 @@
 //
 // Method: each box is enlarged by its expected displacement and a margin (fat box). The pairs of
 // fat boxes, found by a grid, are the candidates. As long as boxes stay inside their fat boxes,
-// only the candidates are tested, in double. The few escaped boxes get larger fat boxes, whose
-// pairs are looked up in the grid and added to the candidates; those that escape again are
+// only the candidates are tested, in double. The few boxes that escape get larger fat boxes, whose
+// pairs are looked up in the grid and added to the candidates; boxes that escape repeatedly are
 // untracked and looked up in every cycle. Once this has cost as much as a new list, the list is
 // rebuilt. The walls that bound the room are candidates of the bodies whose fat boxes reach them.
 // If no box has changed since the list was made, or all bodies sleep, the pairs are the same as
@@ -15,7 +15,7 @@
 // they turned round, at its end), or oscillate.
 //
 // A new list is built while the last one is in use, a part in each cycle, so that no cycle takes
-// much longer than the others (skin_list.h). If boxes move as nothing foretold, all of it is built
+// much longer than the others (skin_list.h). If boxes move in an unforeseen way, all of it is built
 // at once.
 //
 // Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 380 bytes
@@ -46,16 +46,17 @@ class Skin final : public Detector {
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
   bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override;
 
-  /// Cost of a body per cycle of the last list, including building it, or of this list so far if
-  /// that is less; GridCost: its cost with `grid`. In nanoseconds of a typical machine.
+  /// Cost() is the cost of a body per cycle over the last list, including building it, or over this
+  /// list so far if that is less. GridCost() is its cost with `grid`. Both in nanoseconds of a
+  /// typical machine.
   double Cost() const;
   double GridCost() const;
-  /// Work of the last cycle in the same unit, counted in boxes and pairs looked at.
+  /// Work of the last cycle in the same unit, counted in boxes and pairs that were read.
   double Work() const { return work_; }
   /// See BoxGrid.
   double MeanOccupancy() const { return list_->grid.MeanOccupancy(); }
   double Crowding() const { return list_->grid.Crowding(); }
-  /// Discards the list, because boxes have moved since the last call.
+  /// Discards the list; call it if boxes have moved since the last call.
   void Forget() {
     is_built_ = sleeps_ = false;
     last_cost_ = 0;
@@ -94,11 +95,11 @@ class Skin final : public Detector {
   bool pairs_are_of_past_ = false;  ///< the last call's pairs are those of the boxes in list_->past
   bool parts_are_pairs_ = false;    ///< parts_ holds the last call's pairs
   bool sleeps_ = false;             ///< all movers were asleep in the last call
-  Box last_room_ = {};              ///< in the last call
+  Box last_room_ = {};              ///< the room in the last call
   std::uint32_t cycle_ = 0;
   unsigned age_ = 0;           ///< cycles of this list
-  double building_share_ = 0;  ///< of the work of a cycle, that building the next list may add
-  std::uint32_t begin_ = 0;    ///< the cycle from which the next one is to be used
+  double building_share_ = 0;  ///< fraction of a cycle's work that building the next list may add
+  std::uint32_t begin_ = 0;    ///< the cycle from which the next list is to be used
 
   std::size_t made_ = 0;  ///< candidates when the list was made
   std::vector<Id> escaped_;
@@ -111,11 +112,11 @@ class Skin final : public Detector {
 
   double horizon_ = 12, step_ = 1.5;  ///< intended lifetime in cycles; the factor tried next
   bool gets_longer_ = true;           ///< the lifetime, by this factor
-  double making_cost_ = 0, cost_ = 0, escape_cost_ = 0;  ///< of this list; all of it
+  double making_cost_ = 0, cost_ = 0, escape_cost_ = 0;  ///< of this list: building; all; escapes
   double last_escape_cost_ = 0;                          ///< of the last cycle
-  double last_cost_ = 0;                                 ///< of a cycle of the last list
-  double last_tried_ = 0;                                ///< the same, with another horizon
-  double work_ = 0;                                      ///< of the last cycle
+  double last_cost_ = 0;                                 ///< mean of a cycle of the last list
+  double last_tried_ = 0;  ///< mean of a cycle with the lifetime tried before
+  double work_ = 0;        ///< of the last cycle
 };
 
 std::unique_ptr<Detector> MakeSkin(const Options& options,

@@ -12,22 +12,22 @@
 
 namespace cdb::builtin {
 
-/// Keeps a flag for each candidate: its boxes overlapped in the last call. Cost: testing the
-/// candidates, plus the number of changes. Errors: bad_alloc. Threads: one caller; the tests use
-/// the threads of `parts`.
+/// Keeps a flag for each candidate: whether its boxes overlapped in the last call. Cost: testing
+/// the candidates, plus the number of changes. Errors: bad_alloc. Threads: one caller; the tests
+/// use the threads of `parts`.
 class SkinChanges {
  public:
   explicit SkinChanges(kernels::PairParts& parts) : parts_(parts) {}
 
-  /// The next call lists all pairs.
+  /// Makes the next call of Find list all pairs.
   void Forget();
   /// Call before the candidates are replaced or reordered.
   void Replace(std::span<const Pair> candidates);
-  /// Lists the changes as Detector::FindChanges does. Candidates may have been added at the end
-  /// since the last call; `rest` are the other pairs that overlap.
+  /// Lists the changes as Detector::FindChanges does. Candidates may have been appended since the
+  /// last call; `rest` are the pairs of overlapping boxes that are not candidates.
   bool Find(const Scene& scene, const kernels::Kernels& kernels, std::span<const Pair> candidates,
             std::span<const Pair> rest, std::vector<Pair>& came, std::vector<Pair>& went);
-  /// Find has been called since the last Forget.
+  /// True if Find has been called since the last Forget.
   bool knows_last() const { return knows_last_; }
   /// Number of pairs in the last call of Find.
   std::size_t size() const { return met_count_ + rest_.size(); }
@@ -38,8 +38,8 @@ class SkinChanges {
 
   kernels::PairParts& parts_;
   bool knows_last_ = false;
-  bool has_flags_ = false;         ///< of the candidates in use
-  std::vector<std::uint8_t> met_;  ///< flags
+  bool has_flags_ = false;         ///< met_ has the flags of the candidates in use
+  std::vector<std::uint8_t> met_;  ///< a flag for each candidate
   std::size_t met_count_ = 0;
   std::vector<Pair> replaced_;  ///< candidates that overlapped when they were replaced
   std::vector<Pair> rest_;      ///< of the last call

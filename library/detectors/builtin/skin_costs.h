@@ -8,7 +8,7 @@ namespace cdb::builtin {
 // In nanoseconds, measured once on one machine; only their ratios matter.
 inline constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 inline constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
-inline constexpr double kOccupancyCost = 0.1;  ///< of each other body in a cell, or too long
+inline constexpr double kOccupancyCost = 0.1;  ///< of each other body in the cell, or oversized
 inline constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
 /// Cost of a cycle for `escaped` bodies, of which `untracked` are looked up in every cycle.

@@ -1,6 +1,6 @@
-// Escaped bodies of `skin`, whose boxes have left their fat boxes: found, given larger fat boxes,
-// or looked up in every cycle. Walls that bound the room are candidates of the fat boxes that reach
-// them.
+// Escaped bodies of `skin`: bodies whose boxes have left their fat boxes. They get larger fat
+// boxes, or are looked up in every cycle. Walls that bound the room are candidates of the bodies
+// whose fat boxes reach them.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,8 @@ constexpr std::size_t kWorthThreads = 16000;
 constexpr std::uint8_t kMostRegrowths = 2;
 /// The most candidates that a larger fat box may have.
 constexpr std::size_t kMostNear = 24;
-/// As a fraction of a fat box's longest side: a body further outside was moved elsewhere.
+/// A body that is further outside its fat box than this fraction of the box's longest side has been
+/// moved elsewhere.
 constexpr double kFarAway = 0.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -35,7 +36,7 @@ bool Overlap(const kernels::FatBox& a, const kernels::FatBox& b) {
   return true;
 }
 
-/// Without touching its sides.
+/// True if the fat box lies inside the room without touching its sides.
 bool LiesInside(const kernels::FatBox& fat, const Box& room) {
   const auto inside = [](float lower, float upper, double least, double most) {
     return static_cast<double>(lower) > least && static_cast<double>(upper) < most;
@@ -45,7 +46,7 @@ bool LiesInside(const kernels::FatBox& fat, const Box& room) {
          inside(fat.lower[2], fat.upper[2], room.lower.z, room.upper.z);
 }
 
-/// A float is off by less than the last term. Infinity stays what it is.
+/// The last term exceeds the rounding error of a normal float. Infinity is unchanged.
 float Below(double x) { return static_cast<float>(x < kInfinity ? x - std::fabs(x) * 0x1p-23 : x); }
 float Above(double x) {
   return static_cast<float>(x > -kInfinity ? x + std::fabs(x) * 0x1p-23 : x);
@@ -53,8 +54,8 @@ float Above(double x) {
 
 Pair Ordered(Id a, Id b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The fat box enlarged around a box that left it, with the same room again. Nullopt if the body
-/// was moved elsewhere or its box is NaN.
+/// The fat box enlarged to contain a box that left it, with the same margin again. Nullopt if the
+/// body was moved elsewhere or its box is NaN.
 std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box) {
   const double lower[3] = {box.lower.x, box.lower.y, box.lower.z};
   const double upper[3] = {box.upper.x, box.upper.y, box.upper.z};
@@ -79,7 +80,7 @@ std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box
 
 }  // namespace
 
-/// Lists the bodies that have left their fat boxes, in order; each thread those of a part.
+/// Lists the bodies that have left their fat boxes, in order. Each thread searches a part of them.
 std::size_t Skin::FindEscaped(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const auto find = [&](std::size_t begin, std::size_t end) {
@@ -98,7 +99,7 @@ std::size_t Skin::FindEscaped(const Scene& scene) {
   return count;
 }
 
-/// Finds and follows the bodies that have left their fat boxes; false if a new list costs less.
+/// Finds the bodies that have left their fat boxes and tracks them; false if a new list costs less.
 bool Skin::TrackEscaped(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const double limit = kListCost * static_cast<double>(movers);
@@ -122,12 +123,13 @@ bool Skin::TrackEscaped(const Scene& scene) {
   const double cost_of_escapes =
       cost + kTestCost * static_cast<double>(list_->candidates.size() - made_);
   escape_cost_ += cost_of_escapes;
-  // Those that turned round while the list was built are no sign of what is to come.
+  // Bodies that turned round while the list was built escape in its first cycle; they do not
+  // predict later escapes.
   last_escape_cost_ = age_ > 0 ? cost_of_escapes : 0;
   return true;
 }
 
-/// Pairs (id, other) with all whose fat boxes overlap `box`, until the next call.
+/// Pairs (id, other) of all other bodies whose fat boxes overlap `box`. Valid until the next call.
 std::span<const Pair> Skin::Near(const kernels::FatBox& box, Id id) {
   raw_.Clear();
   list_->grid.QueryOne(box, id, raw_.sink());
@@ -136,7 +138,8 @@ std::span<const Pair> Skin::Near(const kernels::FatBox& box, Id id) {
   return found.first(found.size() - rest.size());
 }
 
-/// False where it becomes untracked, as it left for good or would meet too many.
+/// Gives an escaped body a larger fat box. False if the body becomes untracked instead, because it
+/// was moved elsewhere, has escaped too often or would have too many candidates.
 bool Skin::Regrow(const Scene& scene, Id id) {
   if (regrowths_[id] == kMostRegrowths) return false;
   std::vector<kernels::FatBox>& fat = list_->fat;
@@ -150,15 +153,15 @@ bool Skin::Regrow(const Scene& scene, Id id) {
   ++regrowths_[id];
   fat[id] = *larger;
   AddWallsOf(scene, id, &old);
-  // Candidates are all pairs whose fat boxes overlap: those that overlap only now are to add.
+  // Pairs whose fat boxes overlapped before are candidates already.
   for (const auto& [self, other] : near)
     if (!Overlap(old, fat[other]) && scene.MayCollide(id, other))
       list_->candidates.Add(Ordered(id, other));
   return true;
 }
 
-/// Gives escaped bodies larger fat boxes. Returns the number of untracked ones, with which
-/// `escaped_` then begins.
+/// Gives escaped bodies larger fat boxes. Returns the number of untracked ones, which are moved to
+/// the front of `escaped_`.
 std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
   std::size_t untracked = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -168,8 +171,8 @@ std::size_t Skin::RegrowEscaped(const Scene& scene, std::size_t count) {
   return untracked;
 }
 
-// What untracked bodies have to add are pairs whose fat boxes do not overlap. Other untracked
-// bodies are met apart: they are not where their fat boxes are.
+// Untracked bodies contribute the pairs whose fat boxes do not overlap; the others are candidates.
+// Pairs of two untracked bodies are found separately, because neither is inside its fat box.
 void Skin::AppendUntracked(const Scene& scene, kernels::PairBuffer& pairs) {
   const std::vector<kernels::FatBox>& fat = list_->fat;
   const std::span<const Id> untracked = std::span(escaped_).first(untracked_);
@@ -194,7 +197,7 @@ void Skin::AppendUntracked(const Scene& scene, kernels::PairBuffer& pairs) {
   for (const auto& [a, b] : raw_.pairs()) put(untracked[a], untracked[b], fat[untracked[b]]);
 }
 
-/// Replaces the candidates with walls if these have moved.
+/// Recomputes the candidates that involve walls if the walls have moved.
 void Skin::FollowWalls(const Scene& scene) {
   const std::size_t movers = bodies_.movers();
   const std::span<const Box> walls = scene.boxes.subspan(movers);
@@ -215,8 +218,8 @@ void Skin::AddWalls(const Scene& scene) {
   for (Id id = 0; id < bodies_.movers(); ++id) AddWallsOf(scene, id, nullptr);
 }
 
-/// Adds the walls that bound the room and overlap the body's fat box, but not those that overlap
-/// `known`.
+/// Adds the pairs of a body and the walls that bound the room and overlap its fat box, except those
+/// that overlap `known`.
 void Skin::AddWallsOf(const Scene& scene, Id id, const kernels::FatBox* known) {
   const kernels::FatBox& fat = list_->fat[id];
   if (LiesInside(fat, bodies_.room())) return;

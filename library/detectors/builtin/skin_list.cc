@@ -11,26 +11,29 @@ namespace {
 // In nanoseconds, measured once on one machine: of a mover; of a candidate.
 constexpr double kMarkCost = 3, kFattenCost = 14, kQueryCost = 24, kListedCost = 4;
 constexpr double kOccupancyCost = 0.25;  ///< of each box in the cell of one that is looked up
-/// Of the cycles until a list is used, which fat boxes leave out: who turns round meanwhile is not
-/// where it was to be.
+/// Fraction of the cycles until a list is used that its fat boxes need not cover. A body that turns
+/// round in these cycles is not where it was predicted to be.
 constexpr double kHeadStart = 1;
 constexpr double kLearnCost = 15;  ///< of a mover in the sample
 constexpr double kFirstCost = 60;
-/// The next list may cost more than the last.
+/// Safety factor: the next list may cost more than the last.
 constexpr double kSurplus = 1.1;
-/// Movers that are looked up at once, at most; and between two looks at the budget.
+/// The most movers that are looked up in one step; the movers of a slice, after which a search
+/// checks for crowds.
 constexpr std::size_t kChunk = 4096, kSlice = 256;
-/// Movers whose cells are taken to hold as many boxes as that of the first, or an eighth of them if
-/// that holds more than kCrowded.
+/// The number of movers whose cells are assumed to hold as many boxes as that of the first; an
+/// eighth of it if that cell holds kCrowded or more.
 constexpr std::size_t kGlance = 64;
 constexpr double kCrowded = 64;
-/// Of a mover, above which boxes get less fat; of those of a slice, where it is a crowd.
+/// Candidates per mover above which fat boxes are made smaller; candidates of a slice above which
+/// the search stops at once.
 constexpr std::size_t kMostCandidates = 24, kMostOfSlice = 8 * kMostCandidates * kSlice;
-/// Times the candidates that a first list is to have, above which its boxes get less fat.
+/// If a first list has more candidates than intended by this factor, its fat boxes are made
+/// smaller.
 constexpr double kFarMore = 1.25;
-/// Of a mover, in the list after a guess.
+/// Typical number of candidates per mover in the list after a guess.
 constexpr double kUsualCandidates = 4;
-/// Boxes get less fat in quarters, down to this.
+/// The share of the expected motion is divided by four each time, down to this.
 constexpr double kLeastShare = 1. / 256;
 
 std::size_t StepOf(double budget, double cost, std::size_t left) {
@@ -69,7 +72,8 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
   next_->end = plan.begin + plan.horizon;
   next_->is_guess = last == nullptr;
   next_->life = kUnlimited;
-  // Bodies that jump about would get boxes as large as the scene: less, then.
+  // Recovers from a reduced share gradually: bodies that jump about would get boxes as large as the
+  // scene.
   share_ = std::min(4 * share_, 1.);
   cursor_ = learnt_ = 0;
   spent_ = 0;
@@ -135,7 +139,7 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   const std::size_t begin = cursor_, end = begin + StepOf(budget, kFattenCost, movers_ - begin);
   const kernels::Columns& room = next_->grid.Room(movers_);
   const double until_use = plan_.begin > cycle ? plan_.begin - cycle : 0;
-  // Velocities are rounded: none should be at the end of its fat box in the last cycle.
+  // Velocities are rounded: no body should reach the end of its fat box in the last cycle.
   const double cycles = until_use + plan_.horizon + 0.5;
   // A list after a guess is used as soon as it is done.
   const double until_begin =
@@ -179,7 +183,7 @@ void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, d
   budget -= cost + kListedCost * static_cast<double>(next_->candidates.size() - before);
 }
 
-/// The candidates of the boxes from the cursor on; false if boxes are too fat.
+/// Finds the candidates of the boxes from the cursor to `end`; false if boxes are too fat.
 bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& bodies,
                                      std::size_t end) {
   const std::size_t begin = cursor_;
@@ -197,7 +201,7 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
   });
   if (is_crowd) return false;
   parts_.AppendTo(next_->candidates);
-  // Boxes that are not spread evenly were guessed too fat.
+  // A guess assumes that boxes are spread evenly, and makes them too fat if they are not.
   const double most = next_->is_guess && share_ == 1
                           ? std::min<double>(kFarMore * motion_.guessed(), kMostCandidates)
                           : kMostCandidates;
@@ -207,7 +211,7 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
 
 void SkinListBuilder::Shrink() {
   share_ = share_ > kLeastShare ? share_ / 4 : 0;
-  spent_ = 0;  // what was done is to be done again
+  spent_ = 0;  // the work so far is discarded
   next_->grid.Reshape();
   next_->candidates.Clear();
   cursor_ = 0;
@@ -218,7 +222,7 @@ void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
   share_ = std::max(share_, kLeastShare);
   next_->goes_on = motion_.goes_on();
   const auto listed = static_cast<double>(next_->candidates.size());
-  // After a guess, the next list will not have as many candidates.
+  // The list after a guess will not have as many candidates.
   const double fewer =
       next_->is_guess ? std::max(listed - kUsualCandidates * static_cast<double>(movers_), 0.) : 0;
   whole_cost_ = kSurplus * (spent_ - kListedCost * fewer);

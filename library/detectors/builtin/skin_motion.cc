@@ -9,14 +9,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastSample = 64, kMostSample = 256;
-/// Deviations of all but a quarter, times this, hold nearly all of what jitters evenly.
+/// The 75th percentile of deviations times this covers nearly all bodies that jitter uniformly.
 constexpr double kMarginFactor = 1.6;
-/// The same of all but a half.
+/// The same for the median.
 constexpr double kHalfMarginFactor = 2.7;
-/// Candidates of a body that a first list may have, if boxes were spread evenly; or so many times
-/// the pairs.
+/// Candidates per body that a first list may have, if boxes were spread evenly; or, if more, this
+/// factor times the pairs.
 constexpr double kGuessedMost = 5, kGuessedFactor = 1.25;
-/// Of a mean side: a larger margin is for lists with nearly no candidates.
+/// Margins in mean sides: the largest usual one, and the largest one, which is tried if it leaves
+/// at most kFewCandidates per body.
 constexpr double kUsualGuess = 0.7, kMostGuess = 4, kFewCandidates = 0.2;
 
 Vec3 Shift(const Box& from, const Box& to) {
@@ -27,14 +28,14 @@ Vec3 Shift(const Box& from, const Box& to) {
 double Length(const Vec3& way) {
   return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
 }
-/// What is left of a shift after so many cycles of a velocity.
+/// The part of a displacement that is not explained by a constant velocity.
 Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
   return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
           shift.z - velocity.z * cycles};
 }
 Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
 
-/// A way that a box may be enlarged by; infinite ones would make boxes of no numbers.
+/// The largest displacement by which a box is enlarged, in m. Infinite ones would make NaN boxes.
 constexpr double kMostWay = 1e300;
 
 Vec3 VelocityOf(const kernels::BodyMotion& motion) {
@@ -135,7 +136,7 @@ double SkinMotion::Observe(const Scene& scene, std::size_t movers, const PastBox
   return *most > 0 ? margin_ / *most : kInfinity;
 }
 
-// Both ways to foresee where boxes go are judged by where some of them went.
+// Judges both motion models by the displacements of a sample.
 void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& past,
                        std::uint32_t cycle) {
   double resting[kMostSample], going[kMostSample], speed = 0;
@@ -165,9 +166,10 @@ void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& 
   goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2 || at(going, 0.5) < at(resting, 0.5) / 2;
   double* deviations = goes_on_ ? going : resting;
   margin_ = kMarginFactor * at(deviations, 0.75);
-  // In a long list many were turned round; they must not decide for the others.
+  // Many bodies turn round during a long list; they must not decide for the others.
   if (goes_on_) margin_ = std::min(margin_, kHalfMarginFactor * at(deviations, 0.5));
-  // Who goes on and yet deviated was turned round once; it will not be all the time.
+  // If boxes keep their velocity, a body that deviated has turned round once, and will not do so in
+  // every cycle.
   most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
   most_speed_ = 16 * speed / static_cast<double>(size);
 }
@@ -180,13 +182,13 @@ void SkinMotion::Mark(const Scene& scene, std::size_t begin, std::size_t end, st
   marked_ = end;
 }
 
-// Who was turned round goes on as it did at the end of the list. Of the others all cycles say more,
-// as boxes are rounded.
+// A body that turned round keeps the velocity that it had at the end of the list. For the others,
+// all cycles are used, because boxes are rounded and a longer time gives a smaller error.
 void SkinMotion::LearnBodies(const Scene& scene, std::size_t begin, std::size_t end,
                              const PastBoxes& past, std::uint32_t cycle) {
   for (std::size_t i = begin; i < end; i += PastBoxes::kBlock) {
     const std::uint32_t age = cycle - past.CycleOf(i);
-    if (age == 0) continue;  // nothing was seen
+    if (age == 0) continue;  // no time has passed
     const std::uint32_t recent_age = i < marked_ ? cycle - marks_.CycleOf(i) : 0;
     const bool was_marked = recent_age > 0 && recent_age < age;
     kernels_.learn(scene.boxes.data() + i, past.boxes.data() + i, marks_.boxes.data() + i,
@@ -200,7 +202,7 @@ void SkinMotion::LearnBodies(const Scene& scene, std::size_t begin, std::size_t 
   }
 }
 
-// The grid takes fat boxes as the floats that they are, so it finds their pairs exactly.
+// Fat boxes consist of floats, which the grid uses unchanged, so that it finds their pairs exactly.
 void SkinMotion::Fatten(const Scene& scene, std::size_t begin, std::size_t end, const Span& span,
                         kernels::FatBox* fat, const kernels::Columns& columns,
                         PastBoxes& past) const {

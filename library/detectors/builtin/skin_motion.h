@@ -1,5 +1,5 @@
-// How the boxes of `skin` move: learnt from where they went since the last list, and used to
-// enlarge them for the next one.
+// The motion of the boxes of `skin`: learnt from their displacements since the last list, and used
+// to enlarge them for the next one.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace cdb::builtin {
 
-/// The boxes of all bodies, each as it was in some cycle; that of a mover is known by its block.
+/// The boxes of all bodies, each recorded in some cycle. The cycle is stored per block of movers.
 struct PastBoxes {
   static constexpr std::size_t kBlock = 64;
   std::vector<Box> boxes;
@@ -23,7 +23,8 @@ struct PastBoxes {
     boxes.resize(size);
     cycles.resize(size / kBlock + 1);
   }
-  /// Movers `begin`, a multiple of kBlock, to `end` are, or are to be, as in this cycle.
+  /// Sets the cycle in which the boxes of movers `begin` to `end` are recorded; `begin` is a
+  /// multiple of kBlock.
   void SetCycle(std::size_t begin, std::size_t end, std::uint32_t cycle);
   std::uint32_t CycleOf(std::size_t mover) const { return cycles[mover / kBlock]; }
 };
@@ -34,34 +35,35 @@ struct PastBoxes {
 class SkinMotion {
  public:
   explicit SkinMotion(const kernels::Kernels& kernels) : kernels_(kernels) {}
-  /// The number of bodies that Observe and Learn look at.
+  /// Number of bodies that Observe and Learn sample.
   static std::size_t SampleSize(std::size_t movers);
-  /// Forgets all.
+  /// Discards everything that was learnt.
   void Prepare(std::size_t movers);
-  /// The boxes keep their velocity.
+  /// True if boxes are expected to keep their velocity.
   bool goes_on() const { return goes_on_; }
-  /// For a first list, when nothing is known: a margin as large as it can be with few candidates.
+  /// For a first list, when nothing is known about the motion: chooses the largest margin that
+  /// leaves few candidates.
   void Guess(const Scene& scene, std::size_t movers);
-  /// Candidates of a body that were wanted then, if boxes were spread evenly.
+  /// The number of candidates per body that Guess aimed at, if boxes were spread evenly.
   double guessed() const { return guessed_; }
-  /// One or more cycles after Guess: looks where a sample went. Returns for how many cycles from
-  /// the guess its margin is enough for nearly all.
+  /// One or more cycles after Guess: records the positions of a sample. Returns the number of
+  /// cycles from the guess for which its margin is enough for nearly all.
   double Observe(const Scene& scene, std::size_t movers, const PastBoxes& past,
                  std::uint32_t cycle);
-  /// Judges the models by a sample, which was in `past` when the last list was made.
+  /// Judges the models by the displacements of a sample since `past`, recorded for the last list.
   void Learn(const Scene& scene, std::size_t movers, const PastBoxes& past, std::uint32_t cycle);
-  /// Remembers where movers `begin` to `end` are, for the velocities of those that turned round.
+  /// Records the positions of movers `begin` to `end`, to measure the velocities of those that
+  /// turned round.
   void Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle);
   void ForgetMarks() { marked_ = 0; }
-  /// The first movers, whose places are remembered.
+  /// The number of movers whose positions are recorded, from the first on.
   std::size_t marked() const { return marked_; }
   /// Learns the velocities and margins of movers `begin` to `end`.
   void LearnBodies(const Scene& scene, std::size_t begin, std::size_t end, const PastBoxes& past,
                    std::uint32_t cycle);
-  /// Enlarges their boxes for the cycles `from` to `to` from now, by `share` of what is expected,
-  /// and copies them to `past`.
-  /// `longer`: the ratio of `to` to the cycles since the last list, as the errors of velocities add
-  /// up.
+  /// Enlarges their boxes for the cycles `from` to `to` from now, by `share` of the expected
+  /// motion, and copies them to `past`. `longer`: the ratio of `to` to the cycles since the last
+  /// list, because errors of velocities grow with time.
   struct Span {
     double from, to, longer, share;
   };
@@ -77,7 +79,7 @@ class SkinMotion {
   std::vector<kernels::BodyMotion> motions_;  ///< of movers
   std::size_t marked_ = 0;
   PastBoxes marks_;
-  std::vector<Box> observed_;  ///< a sample, in a cycle after the guess; empty if there was none
+  std::vector<Box> observed_;  ///< a sample, in a cycle after the guess; empty without a guess
   std::uint32_t observed_in_ = 0;
 };
 

@@ -8,7 +8,7 @@
 namespace cdb::builtin {
 namespace {
 
-/// Cycles that an axis is kept.
+/// Number of cycles for which an axis is kept.
 constexpr unsigned kAxisAge = 32;
 constexpr std::size_t kLeastSample = 64, kMostSample = 256;
 
@@ -48,7 +48,7 @@ double Sweep::ForeseenTests(const Scene& scene) {
     }
     std::ranges::sort(lower);
     std::ranges::sort(upper);
-    // Two overlap if the second begins before the first ends.
+    // Two intervals overlap if the second begins before the first ends.
     double overlaps = 0;
     for (std::size_t ended = 0, begun = 0; begun < lower.size(); ++begun) {
       while (ended < begun && upper[ended] < lower[begun]) ++ended;
@@ -74,7 +74,7 @@ void Sweep::Sort(std::size_t count) {
   }
   const float* lower = loose_.get().lower[axis_];
   const float* x = loose_.get().lower[0];
-  // Those that are not numbers come last, where nothing reaches them.
+  // Boxes with a NaN are sorted to the end, where no other box reaches them.
   for (Entry& entry : entries_)
     entry.lower =
         std::isnan(x[entry.id]) ? std::numeric_limits<float>::infinity() : lower[entry.id];
@@ -93,7 +93,8 @@ void Sweep::Sort(std::size_t count) {
   }
 }
 
-/// False if it would take longer than sorting anew, the order then being any.
+/// Insertion sort. False if it would take longer than sorting from scratch; the order is then
+/// unspecified.
 bool Sweep::Insert() {
   std::size_t budget = 32 * entries_.size() + 64;
   for (std::size_t i = 1; i < entries_.size(); ++i) {
@@ -107,7 +108,7 @@ bool Sweep::Insert() {
   return true;
 }
 
-/// Where the finite boxes are spread the widest for their size.
+/// The axis along which the finite boxes are spread the widest relative to their extents.
 int Sweep::BestAxis(std::size_t count) const {
   int best = 0;
   double best_crowding = std::numeric_limits<double>::infinity();

@@ -12,9 +12,9 @@
 
 namespace cdb::builtin {
 
-/// Exact pairs. Method: boxes are sorted by their lower end along the axis with the fewest overlaps
-/// (chosen every 32 cycles), by insertion from the order of the last cycle. Each is tested with
-/// those that begin before it ends, eight at once. Suits few bodies, bodies along a line, and
+/// Exact pairs. Method: boxes are sorted by their lower end along the axis with the fewest expected
+/// overlaps (chosen every 32 cycles), by insertion from the order of the last cycle. Each is tested
+/// with those that begin before it ends, eight at once. Suits few bodies, bodies along a line, and
 /// infinite boxes. Cost: bodies, plus exchanges since the last cycle, plus overlaps along the axis
 /// / 8. Memory: about 70 bytes a body. Errors: bad_alloc. Threads: only the caller's. Source:
 /// Cohen, Lin, Manocha & Ponamgi, I-COLLIDE, 1995.
@@ -25,7 +25,8 @@ class Sweep final : public Detector {
   void Prepare(const Scene& scene) override { bodies_.Learn(scene); }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override;
 
-  /// Tests per body that a cycle would take, of eight boxes each, foreseen from a sample.
+  /// Number of tests per body that a cycle would take, of eight boxes each, estimated from a
+  /// sample.
   double ForeseenTests(const Scene& scene);
 
  private:
@@ -45,7 +46,7 @@ class Sweep final : public Detector {
   std::vector<Id> ids_;
   kernels::PairBuffer found_;
   int axis_ = 0;
-  unsigned age_ = 0;  ///< cycles of this axis
+  unsigned age_ = 0;  ///< cycles since this axis was chosen
 };
 
 std::unique_ptr<Detector> MakeSweep(const Options& options,

@@ -18,8 +18,8 @@ bool AreSame(const Box& a, const Box& b) {
          a.upper.x == b.upper.x && a.upper.y == b.upper.y && a.upper.z == b.upper.z;
 }
 
-/// Moves a side of the room to where `wall` ends, or begins, as seen from `middle`; false if it
-/// does not lie on one side of it.
+/// Moves the side of the room that faces `wall`, as seen from `middle`, to the face of the wall;
+/// false if the wall contains `middle`.
 bool Bound(const Box& wall, const Vec3& middle, Box& room) {
   double farthest = 0;
   double Vec3::*side = nullptr;
@@ -37,7 +37,7 @@ bool Bound(const Box& wall, const Vec3& middle, Box& room) {
   return true;
 }
 
-/// Of those of a sample whose boxes are finite.
+/// The mean centre of the finite boxes in a sample.
 Vec3 MiddleOf(std::span<const Box> boxes) {
   constexpr std::size_t kSample = 64;
   Vec3 sum = {0, 0, 0};
@@ -102,7 +102,7 @@ void Bodies::MeetOthers(const Scene& scene, const Kernels& kernels, PairBuffer& 
   const std::size_t before = pairs.size();
   for (std::size_t at = 0; at < others_.size();) {
     const Id wall = others_[at];
-    // Planes may all have the box that is everywhere.
+    // Planes often share one box, infinite on all sides; such walls are tested together.
     std::size_t end = at + 1;
     while (end < others_.size() && others_[end] == wall + (end - at) &&
            AreSame(scene.boxes[others_[end]], scene.boxes[wall]) &&

@@ -12,8 +12,8 @@
 
 namespace cdb::kernels {
 
-/// The k-th body of a sample: evenly spread, but without a constant stride, which could coincide
-/// with a pattern of the ids.
+/// The k-th body of a sample. The sample is evenly spread, but without a constant stride, which
+/// could coincide with a pattern of the ids.
 inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
   const auto turn = static_cast<std::uint32_t>((k + 1) * 2654435769u);  // golden ratio
   return static_cast<std::size_t>(std::uint64_t{turn} * count >> 32);
@@ -24,7 +24,7 @@ inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
 /// would fill every cell. Threads: one at a time.
 class Bodies {
  public:
-  /// Reads the filters, which are valid until the number of bodies changes.
+  /// Reads the filters; valid until the number of bodies changes.
   void Learn(const Scene& scene);
   /// Does the same if the number of bodies has changed.
   void LearnOnce(const Scene& scene) {
@@ -36,13 +36,15 @@ class Bodies {
   /// is not well inside the room.
   void MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs);
 
-  /// The room between the walls: a box that lies inside it meets none of those that bound it. Walls
-  /// that do not bound it are around it, or have no end.
+  /// Measures the room between the walls: a box that lies inside it overlaps none of the walls that
+  /// bound it. The boxes of the other walls contain the middle of the movers, as those of oblique
+  /// planes do.
   void MeasureRoom(const Scene& scene);
   const Box& room() const { return room_; }
   const std::vector<Id>& bounds() const { return bounds_; }  ///< walls that bound the room
   const std::vector<Id>& others() const { return others_; }  ///< walls that do not bound the room
-  /// No body has moved if this holds twice running. False if this is not known.
+  /// True if all bodies sleep. If it is true in two calls in a row, no body has moved in between.
+  /// False if this is not known.
   bool AllSleep(const Scene& scene) const;
   /// Appends the pairs of these movers and the walls that bound the room.
   void MeetBounds(const Scene& scene, std::span<const Id> movers, PairBuffer& pairs) const;

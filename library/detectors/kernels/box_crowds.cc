@@ -1,6 +1,6 @@
-// Crowds of a grid: the boxes of a cell that holds far more than most, in a grid of their own,
-// which may have crowds again. A box of a crowd is looked up in that grid, and then outside: among
-// the boxes that are in no crowd, and in the crowds that follow its own.
+// Crowds of a grid: a cell that holds far more boxes than most gets a nested grid, which may have
+// crowds again. A box of a crowd is looked up in the nested grid, and then outside: among the boxes
+// that are in no crowd, and in the crowds that follow its own.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -10,14 +10,15 @@
 namespace cdb::kernels {
 namespace {
 
-/// Boxes in a cell from which it is a crowd, and that must share a cell on average: testing fewer,
-/// eight at once, costs less than another grid.
+/// A cell with more than kCrowd boxes is a crowd. Crowds are searched for only if, on average, a
+/// box shares its cell with more than kMostShared: testing fewer boxes, eight at once, costs less
+/// than a nested grid.
 constexpr std::uint32_t kCrowd = 512;
 constexpr std::size_t kMostShared = 1024;
-/// Of a crowd, that each of its boxes overlaps; more are not worth a grid.
+/// Fraction of a crowd that each of its boxes overlaps, above which a nested grid is not worth it.
 constexpr double kMostShare = 0.25;
 constexpr unsigned kDeepest = 8;
-/// To look outside of a crowd costs as much as so many boxes in a cell.
+/// The cost of looking a box up outside its crowd, as a number of boxes in a cell.
 constexpr std::size_t kOutside = 150;
 constexpr double kNestCost = 5;  ///< of a box, in the unit of Arrange
 
@@ -27,7 +28,7 @@ bool BoxGrid::IsCrowded(std::size_t squares) const {
   return depth_ < kDeepest && squares > kMostShared * boxes_;
 }
 
-/// In which of the cells from `begin` to `end`. Each has its first box at starts_[cell + 1].
+/// Lists the crowds among the cells `begin` to `end`. starts_[cell + 1] is a cell's first box.
 void BoxGrid::FindCrowds(std::size_t begin, std::size_t end) {
   is_split_ = true;
   if (begin == 0) crowding_ = static_cast<double>(sums_.squares) / static_cast<double>(boxes_);
@@ -70,8 +71,8 @@ void BoxGrid::MeasureCrowds(std::size_t begin, std::size_t end) {
   }
 }
 
-/// Drops the crowds whose boxes mostly overlap one another, for which a finer grid does nothing.
-/// False if no others are left.
+/// Drops the crowds whose boxes mostly overlap one another, which a finer grid does not separate.
+/// False if no crowds are left.
 bool BoxGrid::KeepCrowds() {
   const auto is_hopeless = [](const Crowd& crowd) {
     double share = 1;
@@ -90,7 +91,7 @@ bool BoxGrid::KeepCrowds() {
   return kept > 0;
 }
 
-/// Takes the boxes out of their cells.
+/// Moves the boxes of crowds from their cells to the crowds.
 void BoxGrid::MoveCrowds(std::size_t begin, std::size_t end) {
   if (begin == 0) crowd_of_.assign(boxes_, 0);
   const std::uint32_t cells = shape_.cells();
@@ -156,8 +157,8 @@ void BoxGrid::FinishCrowds() {
   mean_occupancy_ = occupancy / static_cast<double>(std::max<std::size_t>(boxes_, 1));
 }
 
-/// The crowds in whose cells there may be boxes that overlap this one. As kernels look for them:
-/// boxes that grew are still where they were sorted.
+/// Visits the crowds in whose cells there may be boxes that overlap this one. Searches the same
+/// cells as the kernel query_one: boxes that grew are still in the cell that they were sorted into.
 template <typename See>
 void BoxGrid::ForEachCrowd(const FatBox& box, const See& see) const {
   std::uint32_t from[3], to[3];
@@ -199,7 +200,7 @@ std::size_t BoxGrid::OccupancyAt(std::size_t place) const {
   return *end - *(end - 1);
 }
 
-/// Steps of Query after those of the boxes in cells.
+/// Executes the steps of Query that follow those of the boxes in cells.
 void BoxGrid::QueryCrowds(std::size_t begin, std::size_t end, PairSink& sink) const {
   const std::span<const Crowd> crowds = Crowds();
   const auto for_each = [&](std::size_t Crowd::*first, const auto& size_of, const auto& query) {

@@ -8,11 +8,12 @@ namespace cdb::kernels {
 namespace {
 
 constexpr unsigned kMaxAge = 16;
-/// Each is tested with all boxes; so many more than foreseen cost as much as a new shape.
+/// Oversized boxes in excess of those expected, above which new cells pay off: each oversized box
+/// is tested with all boxes.
 constexpr std::size_t kMoreTooLong = 32;
-/// Boxes from which several threads sort them sooner than one.
+/// Number of boxes from which several threads sort faster than one.
 constexpr std::size_t kWorthThreads = 10000;
-/// Elements of a stage that are done at once at least; a multiple of what kernels do at once.
+/// Smallest number of elements that a step processes; a multiple of the kernels' width.
 constexpr std::size_t kLeast = 64;
 
 }  // namespace
@@ -100,7 +101,7 @@ std::size_t BoxGrid::SizeOf(Stage stage) const {
   }
 }
 
-/// In nanoseconds, measured once on one machine.
+/// Cost of an element of a stage, in nanoseconds, measured once on one machine.
 double BoxGrid::CostOf(Stage stage) const {
   switch (stage) {
     case Stage::kSample:
@@ -123,7 +124,7 @@ double BoxGrid::CostOf(Stage stage) const {
   }
 }
 
-/// True if so many oversized boxes ask for other cells.
+/// True if this number of oversized boxes requires new cells.
 bool BoxGrid::NeedsShape(std::size_t too_long) {
   if (!is_new_ && too_long > foreseen_ + kMoreTooLong) {
     is_new_ = true;
@@ -164,7 +165,7 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
                 starts_.begin() + static_cast<std::ptrdiff_t>(end), 0);
       return;
     case Stage::kCount:
-      // After the cells, those too long, and those that are not numbers.
+      // The last two counts, after the cells, are of oversized boxes and of boxes with a NaN.
       for (std::size_t i = begin; i < end; ++i) ++starts_[cells_[i] + 1];
       return;
     case Stage::kSum:
@@ -192,7 +193,8 @@ void BoxGrid::Bin(std::size_t begin, std::size_t end) {
   kernels_.bin(From(loose_.get(), begin), end - begin, shape_, cells_.data() + begin);
 }
 
-// starts_[c + 1] becomes where the next box of c goes, and so, once all are there, its end.
+// starts_[c + 1] becomes the place of the next box of cell c; once all boxes are placed, it is the
+// end of the cell.
 void BoxGrid::Sum(std::size_t begin, std::size_t end, Sums& sums) {
   for (std::size_t c = begin; c < end; ++c) {
     const std::uint32_t count = starts_[c];
@@ -232,7 +234,7 @@ void BoxGrid::Query(std::size_t begin, std::size_t end, PairSink& sink) const {
   if (end > count_) QueryCrowds(std::max(begin, count_), end, sink);
 }
 
-/// As kernels have it.
+/// The same cell as the kernels compute.
 std::uint32_t BoxGrid::CellOf(float x, std::size_t axis) const {
   const float cell = (x - shape_.origin[axis]) * shape_.inverse[axis];
   return static_cast<std::uint32_t>(cell > 0 ? std::min(cell, shape_.last[axis]) : 0);
@@ -246,7 +248,7 @@ bool BoxGrid::Grow(Id id, const FatBox& box) {
     const auto at = std::ranges::lower_bound(crowd->boxes, id);
     crowd->grid->Grow(static_cast<Id>(at - crowd->boxes.begin()), box);
   } else {
-    // Within a cell ids ascend.
+    // Within a cell, ids are in ascending order.
     const auto first = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell]);
     const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(starts_[cell + 1]);
     const auto at =
@@ -256,7 +258,7 @@ bool BoxGrid::Grow(Id id, const FatBox& box) {
       sorted_.get().upper[axis][at] = box.upper[axis];
     }
   }
-  if (cell == cells) return true;  // oversized: always looked at
+  if (cell == cells) return true;  // oversized: tested in every query
   const std::uint32_t place[3] = {cell % shape_.n[0], cell / shape_.n[0] % shape_.n[1],
                                   cell / shape_.n[0] / shape_.n[1]};
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -4,8 +4,8 @@
 // memory, so that the candidates of a box are a few rows, each contiguous and tested eight boxes at
 // once. Oversized boxes, much longer than most, are kept in a separate list and tested with all
 // others. Origin, cell size and the limit for oversized boxes are chosen from the boxes, every
-// sixteenth build or when far more boxes than expected are oversized. Where boxes crowd in a few
-// cells, such as clusters far apart, each of these cells gets a grid of its own (box_crowds.cc).
+// sixteenth build or when far more boxes than expected are oversized. Where many boxes share a few
+// cells, as in clusters far apart, each of these cells gets a nested grid (box_crowds.cc).
 //
 // Cost: linear in boxes, plus boxes times oversized boxes / 8, plus the pairs. Memory: about 70
 // bytes a box, and 150 in a crowd.
@@ -53,48 +53,50 @@ class BoxGrid {
       : kernels_(kernels), chooser_(std::make_shared<GridShapeChooser>()) {}
 
   /// Boxes with a NaN are left out. True if every coordinate is representable as float: then the
-  /// pairs are exact; otherwise there may be a few false positives. On all threads of `pool`, if
-  /// any and if there are enough boxes; the result does not depend on them.
+  /// pairs are exact; otherwise there may be a few false positives. Uses all threads of `pool`, if
+  /// given and if there are enough boxes; the result does not depend on them.
   bool Build(const Box* boxes, std::size_t count, ThreadPool* pool = nullptr);
 
-  /// The same for boxes that the caller writes into the memory that Room returns, in steps of
-  /// bounded cost: StartArranging, then Arrange until it is true. `budget`, in nanoseconds of a
-  /// typical machine, is reduced by the cost; the grid cannot be queried before the end.
+  /// The same for boxes that the caller writes into the memory returned by Room, in steps of
+  /// bounded cost: call StartArranging, then Arrange until it returns true. `budget`, in
+  /// nanoseconds of a typical machine, is reduced by the cost; the grid must not be queried before
+  /// the end.
   void Reserve(std::size_t count);
   const Columns& Room(std::size_t count);
   void StartArranging(std::size_t count);
   bool Arrange(double& budget);
-  /// Takes the cells of another grid, whose boxes are similar, instead of choosing them anew.
+  /// Uses the cells of another grid, whose boxes are similar, instead of choosing them anew.
   void TakeShape(const BoxGrid& other);
   /// Makes the next build choose the cells again, because the boxes are unrelated to the last ones.
   void Reshape() { shaped_for_ = 0; }
 
-  /// The pairs of the boxes `begin` to `end` of Size() with those before or after them. The
-  /// concatenation of all ranges is the same list, whatever their number. Not after Grow.
+  /// The pairs found from the boxes `begin` to `end` of Size(). Each pair is found from one of its
+  /// two boxes; the concatenation of adjacent ranges is the same list however they are divided. Not
+  /// valid after Grow.
   void Query(std::size_t begin, std::size_t end, PairSink& sink) const;
   void QueryPart(unsigned part, unsigned parts, PairSink& sink) const {
     Query(Size() * part / parts, Size() * (part + 1) / parts, sink);
   }
   /// Pairs (id, other) of a box with all boxes of the grid; the lower id first if `is_ordered`.
   void QueryOne(const FatBox& box, Id id, PairSink& sink, bool is_ordered = false) const;
-  /// Replaces the box `id` by one that contains it, and leaves it in its place: QueryOne looks as
-  /// much farther as any box has grown. False if the box was left out.
+  /// Replaces the box `id` by one that contains it. The box keeps its cell, and QueryOne searches
+  /// further by as much as any box has grown. False if the box was left out.
   bool Grow(Id id, const FatBox& box);
 
   /// Mean number of boxes that share the cell of a box; small if the grid suits the boxes.
   double MeanOccupancy() const { return mean_occupancy_; }
-  /// The same, had no cell got a grid of its own.
+  /// The same without nested grids.
   double Crowding() const { return crowding_; }
-  /// About the number of boxes that Query looks at for the box at this place of Size().
+  /// Approximate number of boxes that Query tests with the box at this place of Size().
   std::size_t OccupancyAt(std::size_t place) const;
   /// Number of oversized boxes, which are tested with all others.
   std::size_t TooLong() const { return count_ - gridded_; }
-  /// Number of boxes, in cells and oversized; those of crowds count twice, as they are looked up
-  /// inside and outside of their cell.
+  /// Number of boxes, in cells and oversized. Boxes of crowds count twice, because they are looked
+  /// up inside and outside their cell.
   std::size_t Size() const { return count_ + crowd_steps_; }
 
  private:
-  /// Of Arrange, in this order; those before kBin only if the cells are chosen anew.
+  /// The stages of Arrange, in this order; those before kBin only if the cells are chosen anew.
   enum class Stage {
     kSample,
     kLengths,
@@ -108,7 +110,7 @@ class BoxGrid {
     kSum,
     kFindCrowds,
     kMeasureCrowds,
-    kMoveCrowds,  ///< then from kClear on
+    kMoveCrowds,  ///< continues with kClear
     kPlace,
     kNest,
     kDone
@@ -122,11 +124,11 @@ class BoxGrid {
   struct Crowd {
     std::uint32_t cell;
     std::uint32_t size;                ///< number of boxes
-    bool is_nested;                    ///< they are in `grid`, to be arranged
+    bool is_nested;                    ///< `grid` has the boxes, and is to be arranged
     float least[3], most[3];           ///< of the lower corners
     double extents[3];                 ///< sums
     std::size_t inside, outside;       ///< the first steps of Query
-    std::unique_ptr<BoxGrid> grid;     ///< whose boxes have the names of these
+    std::unique_ptr<BoxGrid> grid;     ///< the nested grid, with the ids of this one
     std::vector<std::uint32_t> boxes;  ///< ascending
   };
 
@@ -166,8 +168,8 @@ class BoxGrid {
 
   const Kernels& kernels_;
   GridShape shape_ = {};
-  std::shared_ptr<GridShapeChooser> chooser_;  ///< also that of the crowds' grids
-  SoaBoxes loose_, sorted_;                    ///< by id, by cell
+  std::shared_ptr<GridShapeChooser> chooser_;  ///< shared with the nested grids
+  SoaBoxes loose_, sorted_;                    ///< in order of ids, in order of cells
   std::vector<std::uint32_t> cells_, starts_;
   std::vector<Id> ids_;
   double mean_occupancy_ = 0, crowding_ = 0;
@@ -178,26 +180,28 @@ class BoxGrid {
 
   Stage stage_ = Stage::kDone;
   std::size_t boxes_ = 0;   ///< to be arranged
-  std::size_t cursor_ = 0;  ///< of the stage
+  std::size_t cursor_ = 0;  ///< progress within the stage
   bool is_new_ = false;     ///< the cells were chosen for these boxes
   Sums sums_;
 
-  /// Of several threads: each sorts the boxes of a range of cells, its bucket.
+  /// For several threads: each sorts the boxes of a range of cells, its bucket.
   struct Bucket {
     std::uint32_t first_cell, end_cell, first_box, end_box;
     std::size_t squares;
   };
   std::vector<Bucket> buckets_;
-  std::vector<std::uint32_t> coarse_;  ///< of each part of the boxes: how many are in which cells
+  /// For each part of the boxes, the number in each range of cells.
+  std::vector<std::uint32_t> coarse_;
   unsigned coarse_shift_ = 0;
-  std::vector<Id> order_;  ///< by bucket, in each by id
+  std::vector<Id> order_;  ///< ids by bucket, ascending in each
 
-  unsigned depth_ = 0;         ///< of the grids around this one
-  std::vector<Id> names_;      ///< ids of the boxes; empty if they are their places
-  std::vector<Crowd> crowds_;  ///< by cell; only the first are in use
+  unsigned depth_ = 0;         ///< number of grids that this one is nested in
+  std::vector<Id> names_;      ///< ids of the boxes; empty if they are the indices
+  std::vector<Crowd> crowds_;  ///< by cell; the first crowd_count_ are in use
   std::size_t crowd_count_ = 0, crowd_steps_ = 0;
-  bool is_split_ = false;                ///< crowds have been looked for
-  std::vector<std::uint32_t> crowd_of_;  ///< of each box, plus one; empty without crowds
+  bool is_split_ = false;  ///< crowds have been searched for
+  /// The index of each box's crowd plus one, or 0; empty without crowds.
+  std::vector<std::uint32_t> crowd_of_;
 };
 
 }  // namespace cdb::kernels

@@ -11,10 +11,10 @@
 namespace cdb::kernels {
 namespace {
 
-/// Ranges of cells between which buckets may end.
+/// Number of ranges of cells; buckets consist of whole ranges.
 constexpr std::uint32_t kRanges = 1024;
 
-/// The begin of a part of the boxes; a multiple of what kernels write at once.
+/// The first box of a part; a multiple of the kernels' width.
 std::size_t BeginOf(unsigned part, unsigned parts, std::size_t count) {
   constexpr std::size_t kBlock = 8;
   return part == parts ? count : count / kBlock * part / parts * kBlock;
@@ -48,7 +48,7 @@ bool BoxGrid::BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& po
   }
   std::size_t squares = 0;
   for (const Bucket& bucket : buckets_) squares += bucket.squares;
-  if (IsCrowded(squares)) {  // all on this thread
+  if (IsCrowded(squares)) {  // crowds are handled on this thread
     stage_ = Stage::kBin;
     double budget = std::numeric_limits<double>::infinity();
     Arrange(budget);
@@ -72,11 +72,11 @@ void BoxGrid::BinPart(unsigned part, unsigned parts) {
   for (std::size_t i = begin; i < end; ++i) ++counts[cells_[i] >> coarse_shift_];
 }
 
-/// Cuts the cells into buckets of as many boxes each, and moves the ids there.
+/// Divides the cells into buckets of about as many boxes each, and moves the ids there.
 void BoxGrid::SplitForThreads(ThreadPool& pool) {
   const unsigned parts = pool.size();
   std::vector<std::uint32_t> bucket_of(kRanges);
-  std::vector<std::uint32_t> places(std::size_t{parts} * parts, 0);  // of each part, in each bucket
+  std::vector<std::uint32_t> places(std::size_t{parts} * parts, 0);  // of each part in each bucket
   const std::uint32_t cells = shape_.cells() + 2;
   buckets_.assign(parts, {0, 0, 0, 0, 0});
   std::uint32_t seen = 0;

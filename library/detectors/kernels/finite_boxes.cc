@@ -3,7 +3,7 @@
 namespace cdb::kernels {
 namespace {
 
-/// False for what is not a number.
+/// False if a coordinate is NaN.
 bool IsWithin(const Box& box, double reach) {
   return box.lower.x >= -reach && box.lower.y >= -reach && box.lower.z >= -reach &&
          box.upper.x <= reach && box.upper.y <= reach && box.upper.z <= reach && Overlap(box, box);
@@ -43,7 +43,7 @@ void FiniteBoxes::ListOthers(const Scene& scene, std::vector<Pair>& pairs) const
     const Box& box = scene.boxes[other];
     if (!Overlap(box, box)) continue;
     for (Id body = 0; body < scene.size; ++body) {
-      // Two of the others meet here twice: once is enough.
+      // A pair of two others would be found twice; it is listed once.
       if (body == other || (!is_within_[body] && body < other)) continue;
       if (Overlap(box, scene.boxes[body]) && scene.MayCollide(other, body))
         pairs.push_back(Ordered(other, body));

@@ -1,8 +1,8 @@
-// The common part of third-party broad phases: a library gets the boxes that it can represent; the
-// others (infinite planes, bodies that left the world) are tested one by one.
+// The common part of `octree` and the third-party broad phases: the detector gets the boxes that it
+// can represent; the others (infinite planes, bodies that left the world) are tested one by one.
 //
 // Most libraries throw, overflow or return wrong pairs on infinite extents. As long as the same
-// bodies stay within reach, the library keeps its data structures.
+// bodies stay within reach, the detector keeps its data structures.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class FiniteBoxes : public Detector {
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) final;
 
  protected:
-  /// `reach`, in m: the distance from the origin up to which the library is correct. It does not
+  /// `reach`, in m: the distance from the origin up to which the detector is correct. It does not
   /// get bodies that extend beyond, or whose box has a NaN.
   explicit FiniteBoxes(double reach = 1e100) : reach_(reach) {}
 

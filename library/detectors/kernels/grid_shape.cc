@@ -15,8 +15,8 @@ namespace {
 constexpr double kScanCost = 5, kTestCost = 0.5;
 constexpr std::size_t kMinSample = 64;
 constexpr double kNoCost = std::numeric_limits<double>::infinity();
-/// Bins of lengths: one in a thousand boxes that is too long for the grid is missed by a sample,
-/// and costs as much as all the others.
+/// Bins of the histogram of lengths. It counts all boxes, because a sample misses an oversized box
+/// among a thousand, which costs as much as all the others.
 constexpr std::uint32_t kShift = 20, kBins = 1u << (31 - kShift);
 
 float LongestSide(const Columns& boxes, std::size_t i) {
@@ -54,13 +54,13 @@ void GridShapeChooser::TakeSample(std::size_t count) {
   }
 }
 
-/// Most of the boxes, and as much again on both sides, but no further than the last. The density
-/// is that of the middle of the boxes: a few that are far away must not make cells so large that
-/// all others share one.
+/// The region of the grid: the range of most boxes, extended by its width on both sides, but not
+/// beyond the outermost boxes. The density is that of most boxes: a few that are far away must not
+/// make cells so large that all others share one.
 GridShapeChooser::Region GridShapeChooser::RegionOf(std::size_t count) const {
   const std::size_t n = sample_.size;
   Region region;
-  double dense_volume = 1;  // where the middle half of each axis lies, doubled
+  double dense_volume = 1;  // the range of the middle 7/8 of the boxes along each axis, times 8/7
   for (std::size_t axis = 0; axis < 3; ++axis) {
     auto x = sample_.lower[axis];
     const auto begin = x.begin(), end = begin + static_cast<std::ptrdiff_t>(n);
@@ -86,7 +86,7 @@ void GridShapeChooser::CountLengths(std::size_t begin, std::size_t end) {
   }
 }
 
-/// `see(limit, beyond)`: how many boxes are longer, for each limit that makes a difference.
+/// Calls see(limit, beyond) for each limit that makes a difference; `beyond` boxes are longer.
 template <typename See>
 void GridShapeChooser::ForEachLimit(const See& see) const {
   std::size_t beyond = 0;
@@ -97,7 +97,7 @@ void GridShapeChooser::ForEachLimit(const See& see) const {
   }
 }
 
-// With each limit, the boxes within it cost the tests of a cell, those beyond it a scan of all
+// With each limit, boxes within it cost the tests in a cell, and boxes beyond it cost a scan of all
 // boxes.
 void GridShapeChooser::FixLimit() {
   if (sample_.size == 0) return;
@@ -134,8 +134,8 @@ GridShapeChooser::Vector GridShapeChooser::MeanExtent() const {
   return mean;
 }
 
-/// Cells as wide as `width` of the largest boxes: the rows that a query scans, and the boxes that
-/// it tests in them.
+/// Cells with sides of `width` times the largest extent. The cost of a query is that of the rows
+/// that it scans and of the boxes that it tests in them.
 GridShapeChooser::Cells GridShapeChooser::CellsOfWidth(double width) const {
   const Vector& spread = region_.spread;
   Cells cells = {{}, kNoCost};
@@ -148,7 +148,7 @@ GridShapeChooser::Cells GridShapeChooser::CellsOfWidth(double width) const {
     rows *= scanned;
     area *= std::min(scanned * sides[axis], spread[axis] + usual_);
   }
-  // Along x a row is cut as often as there are boxes to pay for it.
+  // Along x, cells are as short as about two cells per box permit.
   const double columns =
       (std::floor(spread[1] / sides[1]) + 1) * (std::floor(spread[2] / sides[2]) + 1);
   const double most = 2 * region_.total + 64;
@@ -174,14 +174,14 @@ GridShapeChooser::Vector GridShapeChooser::CheapestSides() const {
 
 GridShape GridShapeChooser::Shape() {
   GridShape shape = {};
-  if (sample_.size == 0) {  // no box that could be in a cell
+  if (sample_.size == 0) {  // no finite box
     for (std::size_t axis = 0; axis < 3; ++axis) {
       shape.reach[axis] = -1;
       shape.n[axis] = 1;
     }
     return shape;
   }
-  // The largest, with room to grow until the next shape.
+  // The largest extents, with room for boxes to grow until the next shape.
   for (float& extent : reach_) extent = extent * 1.25f + std::numeric_limits<float>::min();
   mean_ = MeanExtent();
   usual_ = *std::ranges::max_element(reach_);

@@ -24,13 +24,13 @@ class GridShapeChooser {
 
  private:
   using Vector = std::array<double, 3>;
-  /// The boxes from which the shape is chosen: a share of them, spread evenly over the ids.
+  /// The boxes from which the shape is chosen: a fraction of them, spread evenly over the ids.
   struct Sample {
     std::array<std::array<float, kMaxSample>, 3> lower, extent;
     std::array<float, kMaxSample> longest;
     std::size_t size = 0;
   };
-  /// Where the grid is, and how many boxes it holds.
+  /// The region of the grid, and the number of boxes in it.
   struct Region {
     Vector from, spread;
     double total;    ///< number of boxes
@@ -53,7 +53,7 @@ class GridShapeChooser {
   Columns boxes_ = {};
   Sample sample_;
   Region region_ = {};
-  std::vector<std::size_t> counts_;  ///< boxes by the longest side, eight bins an octave
+  std::vector<std::size_t> counts_;  ///< histogram of longest sides, eight bins an octave
   float limit_ = 0;                  ///< the longest side that a box in a cell may have
   std::array<float, 3> reach_ = {};  ///< the largest extents within the limit
   Vector mean_ = {};                 ///< the mean extents within the limit

@@ -59,22 +59,23 @@ struct BodyMotion {
   double velocity[3], margin;
 };
 
-/// How motions are learnt from where boxes were. Times in cycles; zero where nothing was seen.
+/// Terms from which motions are learnt. Times in cycles; zero where nothing is known.
 struct MotionTerms {
   double predicted;                ///< cycles for which boxes kept their velocity
   double per_age, per_recent_age;  ///< 1 / time since `past`, since `marks`
   double margin, most_margin;      ///< of a body
 };
 
-/// How boxes are enlarged: for their ways from `from` to `to` cycles from now, each no longer than
-/// `most_way`, and by `margin` times the body's.
+/// Terms by which boxes are enlarged: the displacements from `from` to `to` cycles from now, each
+/// at most `most_way`, and `margin` times the body's margin.
 struct FatteningTerms {
   double from, to, most_way, margin;
 };
 
 struct Kernels {
   const char* name;
-  /// Fills the columns; true if each number is a float, so that nothing was rounded.
+  /// Fills the columns; true if every number is representable as float, so that nothing was
+  /// rounded.
   bool (*narrow)(const Box* boxes, std::size_t count, const Columns& columns);
   /// The cell of each box; `cells()` if oversized, `cells() + 1` if a coordinate is NaN.
   void (*bin)(const Columns& columns, std::size_t count, const GridShape& shape,
@@ -90,8 +91,9 @@ struct Kernels {
   /// Pairs of the boxes `begin` to `end` with those that follow, sorted by columns.lower[0].
   void (*sweep)(const Columns& columns, const Id* ids, std::size_t count, std::size_t begin,
                 std::size_t end, PairSink& sink);
-  /// Learns the motions of `count` bodies. A body that is further than the margin from where it was
-  /// to be has turned round: its velocity is that since `marks`, if they were seen.
+  /// Learns the motions of `count` bodies. A body that is further than the margin from its
+  /// predicted position has turned round: its velocity is measured since `marks`, if they are
+  /// known.
   void (*learn)(const Box* boxes, const Box* past, const Box* marks, std::size_t count,
                 const MotionTerms& terms, BodyMotion* motions);
   /// Enlarges `count` boxes, rounded outwards, into `fat` and the columns, and copies them to
@@ -105,12 +107,11 @@ struct Kernels {
   std::size_t (*find_outside)(const Box* boxes, std::size_t count, const Box& room, Id* outside);
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
-  /// The pairs of which one and only one of these holds: their boxes overlap, in double; `met`.
-  /// Then `met` of each pair is whether they overlap.
+  /// The pairs for which `met` differs from whether their boxes overlap, in double. Updates `met`.
   void (*find_changed)(const Box* boxes, const Pair* pairs, std::uint8_t* met, std::size_t count,
                        PairSink& sink);
-  /// Pairs of the boxes 0 to count with `walls` bodies from `first_wall` that share a box, in
-  /// double.
+  /// Pairs of the boxes 0 to `count` with `walls` bodies that share a box, from the id `first_wall`
+  /// on; in double.
   void (*meet_wall)(const Box* boxes, std::size_t count, const Box& wall, Id first_wall,
                     std::size_t walls, PairSink& sink);
 };

@@ -1,4 +1,5 @@
-// Compiled with -mavx2 where the compiler knows it; whether it may run is asked here, at run time.
+// Compiled with -mavx2 if the compiler supports it. Whether the CPU does is checked here, at run
+// time.
 #include "library/detectors/kernels/kernels.h"
 
 #ifdef __AVX2__

@@ -1,5 +1,5 @@
-// The loops of kernels.h, for the CPU that the including file is compiled for. Each such file
-// includes it once; no other file includes it.
+// The loops of kernels.h, for the CPU that the including file is compiled for. Only kernels.cc and
+// kernels_avx2.cc include it.
 #pragma once
 
 #include "library/detectors/kernels/motion_impl.h"
@@ -21,7 +21,7 @@ inline float Below(float x) {
 }
 inline float Above(float x) { return -Below(-x); }
 
-/// Writes box `i`; true if each of its numbers is a float, or it is left out.
+/// Writes box `i`; true if each of its numbers is representable as float, or the box is left out.
 inline bool NarrowOne(const Box& box, std::size_t i, const Columns& columns) {
   const double* at = &box.lower.x;
   bool is_exact = true, is_valid = true;
@@ -70,8 +70,8 @@ struct FourBoxes {
 #endif
 }
 
-/// Rounds four boxes to the nearest floats and turns them from rows into columns, as the shuffles
-/// are cheaper than single stores; true if nothing was rounded.
+/// Rounds four boxes to the nearest floats and transposes them from rows into columns, because
+/// shuffles are cheaper than scalar stores; true if nothing was rounded.
 [[gnu::always_inline]] inline bool LoadFour(const Box* boxes, FourBoxes& four) {
   Float4 first[4], last[4];
   Mask<Doubles> changed = {};
@@ -109,7 +109,7 @@ bool Narrow(const Box* boxes, std::size_t count, const Columns& columns) {
   std::size_t i = 0;
   for (; i + 4 <= count; i += 4) {
     FourBoxes four;
-    if (!LoadFour(boxes + i, four)) {  // one of four: all are rounded
+    if (!LoadFour(boxes + i, four)) {  // if one of the four is inexact, all are rounded outwards
       is_exact = false;
       RoundOutwards(four);
     }
@@ -133,7 +133,7 @@ void Bin(const Columns& columns, std::size_t count, const GridShape& shape, std:
     }
     const auto x = Load<Floats>(columns.lower[0] + i);
     const Ints at = (cell[2] * ny + cell[1]) * nx + cell[0];
-    const Ints beyond = too_long - Ints(x != x);  // one more where it is no number
+    const Ints beyond = too_long - Ints(x != x);  // one more if NaN
     Store((at & fits) | (beyond & ~fits), cells + i);
   }
 }
@@ -142,7 +142,7 @@ class Scanner {
  public:
   Scanner(const Columns& columns, const Id* ids, bool anchored, PairSink& sink)
       : columns_(columns), ids_(ids), anchored_(anchored), sink_(sink) {}
-  /// The boxes of `begin` to `end` that overlap the probe.
+  /// Puts the pairs with the boxes of `begin` to `end` that overlap the probe.
   void Scan(const Probe& probe, Id id, std::size_t begin, std::size_t end) {
     for (std::size_t at = begin; at < end; at += kLanes) {
       unsigned mask = probe.Meets(columns_, at);
@@ -168,9 +168,9 @@ class Scanner {
   return {lower, upper};
 }
 
-/// In whatever cell a box is, those that it meets have lower corners between its own less the reach
-/// and its upper corner. Each pair is found by the one that comes first in the order: within its
-/// row of cells, and in the rows after it.
+/// The boxes that overlap a box have lower corners between its lower corner minus the reach and its
+/// upper corner. Each pair is found from the box that comes first in the order: within its row of
+/// cells, and in the rows after it.
 void Query(const GridRows& rows, const GridShape& shape, std::size_t begin, std::size_t end,
            PairSink& sink) {
   Scanner scanner(rows.columns, rows.ids, false, sink);
@@ -221,7 +221,7 @@ void QueryOne(const GridRows& rows, const GridShape& shape, const float* lower, 
     from[axis] = CellAt(lower[axis] - shape.reach[axis], shape.origin[axis], shape.inverse[axis],
                         shape.last[axis]);
     to[axis] = CellAt(upper[axis], shape.origin[axis], shape.inverse[axis], shape.last[axis]);
-    // Boxes that grew are still where they were sorted.
+    // Boxes that grew are still in the cell that they were sorted into.
     const std::uint32_t own =
         CellAt(lower[axis], shape.origin[axis], shape.inverse[axis], shape.last[axis]);
     const std::uint32_t least = own > shape.up[axis] ? own - shape.up[axis] : 0;
@@ -266,15 +266,15 @@ std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, 
 std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id* outside) {
   const InnerProbe probe(room);
   std::size_t found = 0;
-  for (std::size_t i = 0; i < count; ++i) {  // written always, kept if it is outside: no branch
+  for (std::size_t i = 0; i < count; ++i) {  // written, and kept if outside: no branch
     outside[found] = static_cast<Id>(i);
     found += !probe.Holds(boxes[i]);
   }
   return found;
 }
 
-/// Puts the pairs for which `is_wanted(i)` holds: each is written, and kept if so, without a
-/// branch.
+/// Puts the pairs for which `is_wanted(i)` holds. Each pair is written, and kept if wanted, without
+/// a branch.
 template <typename Wanted>
 [[gnu::always_inline]] inline void PutWanted(const Pair* pairs, std::size_t count, PairSink& sink,
                                              const Wanted& is_wanted) {

@@ -6,15 +6,16 @@
 namespace cdb::kernels {
 namespace {
 
-/// Of a body: x, y, z, and a lane whose value is not used. The compiler splits it for CPUs with
-/// smaller registers.
+/// The x, y and z of a body, and an unused lane. The compiler splits it for CPUs with smaller
+/// registers.
 using Lanes4 = VectorOf<double, 32>::Type;
 using Bits4 = Mask<Lanes4>;
 
-/// Of its deviation: the margin of a body that deviated more than most.
+/// The margin of a body that deviated more than most, as a multiple of its deviation.
 constexpr double kOwnMarginFactor = 2;
 
-/// By reference, as a register that the CPU does not have cannot be returned.
+/// Returns by reference, because a vector wider than the CPU's registers cannot be returned by
+/// value.
 template <typename T>
 [[gnu::always_inline]] inline void Load(const T* at, Lanes4& to) {
   std::memcpy(&to, at, sizeof to);
@@ -26,7 +27,7 @@ template <typename T>
 [[gnu::always_inline]] inline void LastOf(const Box& box, Lanes4& last) {
   Load(&box.lower.x + 2, last);
 }
-/// How far the middle of a box has moved.
+/// The displacement of the centre of a box.
 [[gnu::always_inline]] inline void ShiftOf(const Box& from, const Box& to, Lanes4& shift) {
   Lanes4 lower, past_lower, last, past_last;
   LowerOf(to, lower);
@@ -59,20 +60,20 @@ void Learn(const Box* boxes, const Box* past, const Box* marks, std::size_t coun
       per_age = terms.per_recent_age;
     }
     const Lanes4 velocity = shift * per_age;
-    // Zero if any of it is infinite or no number.
+    // Zero if a component is infinite or NaN.
     const Lanes4 none = velocity - velocity;
     const double sum = none[0] + none[1] + none[2];
     const Bits4 finite = Bits4{} - static_cast<std::int64_t>(sum == 0);
     const Bits4 kept = Bits4(velocity) & finite;
     std::memcpy(motions + i, &kept, sizeof kept);
     const double own = kOwnMarginFactor * deviation;
-    const double held = own < terms.most_margin ? own : terms.most_margin;  // NaN is left out
+    const double held = own < terms.most_margin ? own : terms.most_margin;  // a NaN is ignored
     motions[i].margin = terms.margin < held ? held : terms.margin;
   }
 }
 
-/// As floats, which are off by less than what is added or, with `sign` -1, subtracted. Infinity
-/// stays what it is.
+/// Rounds outwards to floats: upwards, or downwards with `sign` -1. The term added exceeds the
+/// rounding error of a normal float. Infinity is unchanged.
 [[gnu::always_inline]] inline void Outwards(const Lanes4& x, double sign, Float4& to) {
   const Bits4 magnitude = Bits4{} + std::numeric_limits<std::int64_t>::max();
   const Lanes4 size = Lanes4(Bits4(x) & magnitude);
@@ -80,8 +81,7 @@ void Learn(const Box* boxes, const Box* past, const Box* marks, std::size_t coun
   to = __builtin_convertvector(x + Lanes4(Bits4(size * (sign * 0x1p-23)) & is_finite), Float4);
 }
 
-/// Enlarges a box; `first` and `last` are its fat box as floats, as four from the first and from
-/// the third.
+/// Enlarges a box. `first` and `last` are the first and the last four floats of its fat box.
 [[gnu::always_inline]] inline void FattenOne(const Box& box, const BodyMotion& motion,
                                              const FatteningTerms& terms, Float4& first,
                                              Float4& last) {

@@ -11,7 +11,7 @@
 
 namespace cdb::kernels {
 
-/// Pairs in the order in which kernels put them. Errors: bad_alloc. Threads: one at a time.
+/// Pairs in the order in which kernels write them. Errors: bad_alloc. Threads: one at a time.
 class PairBuffer {
  public:
   PairBuffer() { Clear(); }

@@ -29,8 +29,8 @@ class PairParts {
     else
       pool_.Run([&](unsigned part) { find(part, pool_.size(), *buffers_[part]); });
   }
-  /// Calls run(from, to) for ranges of `begin` to `end` that together are all of it, and begin at
-  /// multiples of `block` if `begin` is one: on all threads if there are enough bodies.
+  /// Calls run(from, to) for adjacent ranges that cover `begin` to `end`, and start at multiples of
+  /// `block` if `begin` is one: on all threads if there are enough bodies.
   template <typename Work>
   void ForEach(std::size_t begin, std::size_t end, std::size_t block, const Work& run) {
     if (end - begin < kWorthWaking || pool_.size() == 1) return run(begin, end);

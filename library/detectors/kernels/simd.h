@@ -1,9 +1,9 @@
-// Vectors of numbers and the tests of boxes that are made of them, for kernels_impl.h only.
+// SIMD vectors, and the box tests that use them, for kernels_impl.h only.
 //
-// The compilers' vector extension, so that one source serves every CPU. Intrinsics only where it
-// has no operator, or where GCC 12 makes more of it than one instruction. Neither Highway nor
-// xsimd: as Debian 12 has them, the former is scalar on an x86-64 without SSSE3, and the latter
-// lacks the bits of a mask and conversions between floats and doubles.
+// Uses the vector extensions of GCC and Clang, so that one source serves every CPU, and intrinsics
+// only where these have no operator, or where GCC 12 generates more than one instruction. Neither
+// Highway nor xsimd is used: as packaged in Debian 12, the former is scalar on an x86-64 without
+// SSSE3, and the latter lacks the bits of a mask and conversions between floats and doubles.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 #endif
 
 namespace cdb::kernels {
-namespace {  // compiled for several CPUs: nothing here may have a name outside its file
+namespace {  // compiled for several CPUs: everything needs internal linkage
 
 constexpr std::size_t kLanes = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -35,7 +35,7 @@ template <typename T, std::size_t bytes>
 struct VectorOf {
   typedef T Type __attribute__((vector_size(bytes)));
 };
-/// A register full of numbers. GCC takes wider vectors apart into single numbers.
+/// One register of numbers. GCC splits wider vectors into scalars.
 using Floats = VectorOf<float, kRegister>::Type;
 using Doubles = VectorOf<double, kRegister>::Type;
 constexpr std::size_t kFloats = kRegister / sizeof(float), kDoubles = kRegister / sizeof(double);
@@ -60,7 +60,7 @@ template <typename V, typename T>
 }
 template <typename V>
 [[gnu::always_inline]] inline V Repeat(float x) {
-  return x - V{};  // changes nothing, nor the sign of a zero
+  return x - V{};  // keeps the value, and the sign of a zero
 }
 
 #if defined(__SSE2__)
@@ -68,7 +68,7 @@ inline auto AtMost(__m128 a, __m128 b) { return Mask<Float4>(_mm_cmple_ps(a, b))
 inline auto AtMost(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmple_pd(a, b)); }
 inline auto IsLess(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmplt_pd(a, b)); }
 inline auto Differs(__m128d a, __m128d b) { return Mask<Double2>(_mm_cmpneq_pd(a, b)); }
-/// The lesser, or `b` if one is NaN.
+/// The smaller one, or `b` if one is NaN.
 inline Float4 Least(Float4 a, Float4 b) { return _mm_min_ps(a, b); }
 inline int BitsOf(Mask<Float4> mask) { return _mm_movemask_ps(__m128(mask)); }
 inline int BitsOf(Mask<Double2> mask) { return _mm_movemask_pd(__m128d(mask)); }
@@ -108,17 +108,17 @@ inline std::uint32_t CellAt(float x, float origin, float inverse, float last) {
   return static_cast<std::uint32_t>(cell > 0 ? (cell < last ? cell : last) : 0);
 }
 
-/// The cells of a register of numbers.
+/// The cells of the coordinates in a register.
 [[gnu::always_inline]] inline void CellsAt(Floats x, float origin, float inverse, float last,
                                            Mask<Floats>& cells) {
   Floats cell = (x - origin) * inverse;
   const Floats most = Repeat<Floats>(last);
-  cell = cell > Floats{} ? cell : Floats{};  // NaN, too, becomes 0
+  cell = cell > Floats{} ? cell : Floats{};  // NaN becomes 0 as well
   cell = cell < most ? cell : most;
   cells = __builtin_convertvector(cell, Mask<Floats>);
 }
 
-/// The cells of eight numbers less `less`.
+/// The cells of eight coordinates, each reduced by `less`.
 inline void CellsAt(const float* x, float less, float origin, float inverse, float last,
                     std::uint32_t* cells) {
   for (std::size_t k = 0; k < kLanes; k += kFloats) {
@@ -128,7 +128,7 @@ inline void CellsAt(const float* x, float less, float origin, float inverse, flo
   }
 }
 
-/// One box, against eight of the columns.
+/// A box that is tested with eight boxes of the columns at once.
 class Probe {
  public:
   [[gnu::always_inline]] Probe(const float* lower, const float* upper) {
@@ -137,7 +137,7 @@ class Probe {
       upper_[axis] = Repeat<Floats>(upper[axis]);
     }
   }
-  /// A bit for each of the eight from `at` that overlaps.
+  /// A bit for each of the eight boxes from `at` on that overlaps.
   unsigned Meets(const Columns& boxes, std::size_t at) const {
     int bits = 0;
     for (std::size_t k = 0; k < kLanes; k += kFloats) {
@@ -150,7 +150,7 @@ class Probe {
     }
     return static_cast<unsigned>(bits);
   }
-  /// A bit for each of the eight that begins before this one ends, along x.
+  /// A bit for each of the eight boxes that begins before this one ends, along x.
   unsigned Reaches(const Columns& boxes, std::size_t at) const {
     int bits = 0;
     for (std::size_t k = 0; k < kLanes; k += kFloats)
@@ -163,7 +163,7 @@ class Probe {
 };
 
 #if defined(__AVX2__)
-/// Which of four pairs of ints go first: those of the mask's bits, in order.
+/// The order that moves the pairs of the mask's bits to the front, for four pairs of ints.
 alignas(32) constexpr std::int32_t kCompress[16][8] = {
     {0, 1, 2, 3, 4, 5, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}, {2, 3, 0, 1, 4, 5, 6, 7},
     {0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 0, 1, 2, 3, 6, 7}, {0, 1, 4, 5, 2, 3, 6, 7},
@@ -263,8 +263,8 @@ template <typename V, typename T>
   return to;
 }
 
-/// One box against others, in double. The first load of a box is its lower corner and upper x, the
-/// second its lower z and upper corner; what is too much meets infinity.
+/// A box that is tested with others, in double. The first load of a box is its lower corner and
+/// upper x, the second its lower z and upper corner; surplus lanes are compared with infinity.
 class WideProbe {
  public:
   explicit WideProbe(const Box& box)
@@ -282,10 +282,10 @@ class WideProbe {
 inline bool Meet(const Box& a, const Box& b) {
 #if defined(__AVX2__)
   const double *one = &a.lower.x, *other = &b.lower.x;
-  // The upper corners moved down to where the lower ones stand; the fourth is not looked at.
+  // Moves the upper corners to the lanes of the lower ones; the fourth lane is ignored.
   const __m256d a_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(one + 2), 0b111001);
   const __m256d b_upper = _mm256_permute4x64_pd(_mm256_loadu_pd(other + 2), 0b111001);
-  // In this order the lower corners are operands in memory.
+  // With this order of operands, the lower corners are read from memory.
   const __m256d in_a = _mm256_cmp_pd(a_upper, _mm256_loadu_pd(other), _CMP_GE_OQ);
   const __m256d in_b = _mm256_cmp_pd(b_upper, _mm256_loadu_pd(one), _CMP_GE_OQ);
   return (_mm256_movemask_pd(_mm256_and_pd(in_a, in_b)) & 7) == 7;

@@ -15,8 +15,8 @@ class SoaBoxes {
   void Reserve(std::size_t count) {
     if (count <= capacity_ && floats_ != nullptr) return;
     capacity_ = count + count / 8;
-    // Zeros: values past the end are read and discarded. The odd stride keeps columns whose size is
-    // a power of two from sharing cache sets.
+    // Zero-initialised, because values past the end are read and discarded. The extra stride keeps
+    // columns whose size is a power of two from sharing cache sets.
     const std::size_t step = (capacity_ + 16 + 15) / 16 * 16 + 16;
     floats_ = std::make_unique<float[]>(6 * step);
     for (std::size_t axis = 0; axis < 3; ++axis) {

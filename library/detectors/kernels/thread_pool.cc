@@ -5,8 +5,7 @@
 namespace cdb::kernels {
 namespace {
 
-/// Waits a little while for what another thread is about to do; waking a thread that sleeps takes
-/// longer.
+/// Spins briefly until the condition holds, because waking a sleeping thread takes longer.
 template <typename Condition>
 void SpinUntil(const Condition& condition) {
   constexpr int kSpins = 400;

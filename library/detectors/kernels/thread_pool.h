@@ -1,4 +1,4 @@
-// A small pool of threads that execute the iterations of one loop.
+// A small pool of threads that execute the parts of one loop.
 #pragma once
 
 #include <atomic>
@@ -12,9 +12,9 @@
 
 namespace cdb::kernels {
 
-/// `threads` threads including the caller's. The others wait between two calls of Run, at first
-/// awake for some microseconds, as the parts of one cycle follow each other closely, and end with
-/// the pool. Errors: Run rethrows the exception of a part, that of the caller's part first.
+/// `threads` threads including the caller's. Between two calls of Run the others spin for some
+/// microseconds, because the loops of one cycle follow each other closely, and then sleep. They end
+/// with the pool. Errors: Run rethrows the exception of a part, that of the caller's part first.
 /// Threads: one caller.
 class ThreadPool {
  public:

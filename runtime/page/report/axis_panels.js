@@ -1,11 +1,11 @@
-// The panels of a figure over the axes: lines over numbers, dots in rows over texts.
+// The panels of a figure over the axes: lines for axes of numbers, rows of dots for axes of texts.
 import * as Plot from '@observablehq/plot';
 import { axisTitle, valueText } from './document.js';
 import { style } from './palette.js';
 import { thin } from './pool.js';
 import { labelMargin, rowLabel, scale, valueScale } from './scales.js';
 
-const mostMarks = 600; // of a series; longer ones are drawn in bins
+const mostMarks = 600; // in a series; longer ones are drawn in bins
 
 export function legendOf(rows, colour, theme, isRows) {
   if (!colour) return [];
@@ -22,7 +22,7 @@ export function legendOf(rows, colour, theme, isRows) {
     });
 }
 
-/** Runs of neighbours of a series with the same mark, which a line may join. */
+/** The rows that a line joins: those of each colour and mark, without void ones. */
 function seriesOf(rows) {
   const series = new Map();
   for (const row of rows) {
@@ -108,7 +108,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
   };
 }
 
-/** Dots in rows: texts down, the quantity along. */
+/** Dots in rows: the texts vertically, the quantity horizontally. */
 function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
   return ({ width, height }) => {
     const y = (row) => row.xIndex;
@@ -154,7 +154,7 @@ function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
   };
 }
 
-/** Dots in rows, a panel for each value of that axis. */
+/** Dots in rows, with a panel for each value of the axis of panels. */
 export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true }) {
   const [x] = axes;
   const isSingle = new Set(rows.map((row) => row.panel)).size <= 1;
@@ -196,7 +196,7 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
   };
 }
 
-/** Lines, a panel for each value of that axis. */
+/** Lines, with a panel for each value of the axis of panels. */
 export function lineDrawing(doc, view, { rows, axes, how, yLabel, height }) {
   const [x, , panel] = axes;
   const y = scale(

@@ -13,7 +13,7 @@ import { short } from './format.js';
  * @typedef {object} Panel
  * @property {string} title
  * @property {(size: {width: number, height: number}) => object} options  of Plot.plot
- * @property {Record<string, number[]>} [hot]  the class of a mark: for each of its data, the row of the drawing's table
+ * @property {Record<string, number[]>} [hot]  by class of a mark: the row of the drawing's table for each of its data
  * @property {number} [height]
  */
 /**
@@ -114,7 +114,7 @@ function legend(entries, width, theme) {
   return { group, height: entries.length ? y + 16 : 0 };
 }
 
-/** Axes with every tick labelled: of a logarithmic scale, D3 leaves out labels that it finds too many. */
+/** Labels every tick of logarithmic axes, because D3 leaves out some of them. */
 function labelTicks(options) {
   const labelled = { ...options, marks: [...options.marks] };
   for (const [name, axisMark] of [
@@ -129,7 +129,7 @@ function labelTicks(options) {
   return labelled;
 }
 
-/** A panel of Plot as a nested element, in a place and size of its own. */
+/** A panel of Plot as a nested element of the given position and size. */
 function panelElement(panel, x, y, width, height, theme) {
   const options = labelTicks(panel.options({ width, height }));
   const plot = Plot.plot({
@@ -141,7 +141,7 @@ function panelElement(panel, x, y, width, height, theme) {
   const svg = plot.tagName.toLowerCase() === 'svg' ? plot : plot.querySelector('svg');
   for (const [name, value] of Object.entries({ x, y, width, height, 'font-family': font, 'font-size': 11 }))
     svg.setAttribute(name, value);
-  svg.setAttribute('aria-hidden', 'true'); // the label of the whole figure says it
+  svg.setAttribute('aria-hidden', 'true'); // the whole figure has a label
   svg.removeAttribute('class');
   for (const rule of svg.querySelectorAll('style')) rule.remove();
   svg.setAttribute('style', `color:${theme.ink};overflow:visible;width:${width}px;height:${height}px`);
@@ -153,7 +153,7 @@ function panelElement(panel, x, y, width, height, theme) {
   return svg;
 }
 
-/** The panels in rows of nearly the same length, below `top`. @returns {number}  where they end */
+/** Adds the panels in rows of nearly the same length, below `top`. @returns {number}  y of their lower end */
 function addPanels(parent, drawing, top, width, theme) {
   const count = drawing.panels.length;
   const fit = Math.max(1, Math.min(count, drawing.perRow ?? Math.floor(width / 300)));
@@ -176,7 +176,7 @@ function addPanels(parent, drawing, top, width, theme) {
   return y;
 }
 
-/** Text in lines below `top`. @returns {number}  where they end */
+/** Adds wrapped text below `top`. @returns {number}  y of its lower end */
 function addLines(parent, text, top, { width, size, isBold = false, fill }) {
   let y = top;
   for (const line of wrap(text, width, size, isBold)) {

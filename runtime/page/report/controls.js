@@ -58,7 +58,7 @@ function axisControl(doc, view, a, change) {
   return h('div', { class: 'axis' }, role, view.roles[a] === 'fixed' ? valueSelect(doc, view, a, change) : null);
 }
 
-/** One value of the axis of colours, before the others in grey. */
+/** A choice of one value of the axis of colours to highlight; the others are grey. */
 function highlightSelect(doc, view, change) {
   const axis = doc.axes[view.roles.indexOf('colour')];
   if (!axis || axis.values.length < 3) return null;
@@ -134,7 +134,7 @@ export function cycleTools(doc, view, change) {
   ];
 }
 
-/** The values at which the points of a figure are taken. @param {number[] | undefined} points  that it has */
+/** The values at which the points of a figure are taken. @param {number[] | undefined} points  points of the figure */
 export function placeTools(doc, view, change, points = doc.at.map((_, i) => i)) {
   const colour =
     view.roles.indexOf('colour') >= 0

@@ -8,7 +8,7 @@ import { extent, scale } from './scales.js';
 
 const symbolsPerLine = 9;
 
-/** A line for each series, with some symbols on it, which tell lines apart without colours. */
+/** A line for each series, with some symbols that distinguish lines without colours. */
 function lines(series) {
   return series.flatMap(({ rows, colour, dash, symbol }, k) => {
     const stride = Math.max(1, Math.ceil(rows.length / symbolsPerLine));

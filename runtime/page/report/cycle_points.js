@@ -18,7 +18,7 @@ export function phaseOf(doc, view) {
 const labelOf = (axis, i) => (axis.isText ? valueText(axis, i) : `${axis.name} ${valueText(axis, i)}`);
 
 /**
- * Of the points that a part of the document has, one for each colour: the nearest to the values of the view.
+ * One point for each colour, of those that a part of the document has: the nearest to the values of the view.
  * @param {number[]} available
  * @returns {{entry: number, point: number, colour: number}[]}  entry: position in `available`
  */

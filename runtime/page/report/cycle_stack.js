@@ -7,7 +7,7 @@ import { number, timeUnit } from './format.js';
 import { phaseColours } from './palette.js';
 import { extent, scale } from './scales.js';
 
-/** Above this a spike would flatten the rest. */
+/** The upper end of the axis if spikes would flatten the rest, otherwise null. */
 function limitOf(totals) {
   const sorted = totals.filter((value) => value !== null).sort((a, b) => a - b);
   const usual = d3.quantileSorted(sorted, 0.98) ?? 0;
@@ -27,7 +27,7 @@ function stacked(cycles, bins, { entry }, names, factor) {
   });
 }
 
-/** The largest of some cycles whose labels do not overlap. */
+/** The longest cycles, of those given, whose labels do not overlap. */
 function apart(rows, last, width) {
   const chosen = [];
   for (const row of [...rows].sort((a, b) => b.y2 - a.y2))

@@ -94,7 +94,7 @@ function quantileRows(doc, chosen, quantiles, factor) {
   });
 }
 
-/** A row for each chosen point. @param marksOf  of the rows, in a theme */
+/** A row for each chosen point. @param marksOf  makes the marks of the rows in a theme */
 function rowsPanel(rows, { theme, chosen, x, label }, marksOf) {
   return {
     title: '',

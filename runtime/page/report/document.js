@@ -15,7 +15,7 @@ import { number } from './format.js';
  * @typedef {object} Doc
  * @property {any} raw            the JSON
  * @property {Axis[]} axes
- * @property {number} detectorAxis  -1 where there is none
+ * @property {number} detectorAxis  -1 if there is none
  * @property {number} count       of points
  * @property {number[][]} at      of each point, its index on each axis
  * @property {string[]} mark
@@ -35,7 +35,7 @@ export function column(value, count) {
 }
 
 /**
- * The index of each point on each axis: as it is, or from runs [first, count] of the grid, whose last axis is the
+ * The index of each point on each axis: given as such, or as runs [first, count] of the grid, whose last axis varies
  * fastest.
  */
 function places(at, axes) {
@@ -107,7 +107,7 @@ export const statistics = {
   max: 'greatest',
 };
 
-/** The statistics that the document has of a phase. @param {Doc} doc @param {string} phase */
+/** The statistics of a phase in the document. @param {Doc} doc @param {string} phase */
 export const statisticsOf = (doc, phase) =>
   Object.keys(statistics).filter((name) => (doc.times[phase]?.[name] ?? []).some((value) => value !== null));
 
@@ -175,7 +175,7 @@ export const valueText = (axis, index) => {
   return Math.abs(value) >= 1e6 ? number(value, 6) : String(axis.labels?.[index] ?? value).replace('-', '−');
 };
 
-/** `quantity 400, detector sap`: a point on its axes of several values. @param {Doc} doc @param {number} point */
+/** `quantity 400, detector sap`: a point's values on axes with several. @param {Doc} doc @param {number} point */
 export function pointText(doc, point) {
   const parts = doc.axes
     .map((axis, a) => [axis, doc.at[point][a]])

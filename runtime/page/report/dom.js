@@ -1,4 +1,4 @@
-// Elements. Text of a document enters the page as text only, never as markup.
+// Creates elements. Text of a document enters the page as text only, never as markup.
 
 /**
  * @param {string} tag @param {Record<string, any>} [attributes]  a function is a listener; null and false leave one out
@@ -26,11 +26,11 @@ export function s(tag, attributes = {}, ...children) {
   return element;
 }
 
-/** Text from a file whose direction must not change that of its neighbours. @param {string} text */
+/** Text from a file. Its writing direction must not affect the text around it. @param {string} text */
 export const bdi = (text) => h('bdi', {}, text);
 
 /**
- * A table. Numbers are set to the right.
+ * A table. Numbers are right-aligned.
  * @param {{label: string, isNumber?: boolean}[]} columns @param {(string | number | Node | null)[][]} rows
  */
 export function table(columns, rows, caption = null) {

@@ -6,13 +6,13 @@ import { extent, intervalText, logTicks } from './scales.js';
 import { textWidth } from './compose.js';
 
 const mostLabels = 14;
-const mostNamed = 40; // configurations of a panel whose front has names
+const mostNamed = 40; // configurations in a panel, above which the front has no names
 const mostLabelLength = 40;
 const speedLabel = 'speed, simulated s per s';
 
 const errorInfo = (doc, name) => doc.raw.points?.errors?.[name] ?? {};
 
-/** Axis of `at` that the colours show, and the one that the symbols show. */
+/** The axis of `at` that the colours show, and all axes of `at` that vary. */
 function styleAxes(doc, view, rows) {
   const names = [...new Set(rows.flatMap((row) => Object.keys(row.at ?? {})))];
   const varied = doc.axes
@@ -35,7 +35,7 @@ const corners = [
   { side: 'end', dy: 14 },
 ];
 
-/** Text beside the front's marks, those that would cover another left out. */
+/** Labels beside the front's marks, without those that would cover another. */
 function labels(rows, x, y, width, height) {
   const placed = [];
   const place = (value, domain, size) => (Math.log(value / domain[0]) / Math.log(domain[1] / domain[0])) * size;
@@ -173,7 +173,7 @@ function rowOf(row, { each, colour, varied, least }) {
   };
 }
 
-/** Columns that have a value. */
+/** The columns that have values. */
 function columnsOf(rows, name, unit) {
   return [
     ['each', 'group'],
@@ -216,7 +216,7 @@ function domainOf(values) {
   return [low / pad, high * pad];
 }
 
-/** The values of the axis that has the colours. */
+/** The values of the axis of colours. */
 function legendOf(rows, colour, theme) {
   if (!colour) return [];
   return colour.axis.values

@@ -90,7 +90,7 @@ function dataTable(drawing) {
  * @property {(doc: import('./document.js').Doc, view: import('./state.js').View) => void} update
  * @property {() => void} redraw
  */
-/** Saves the figure in a format; `message` says why it could not. */
+/** A button that saves the figure in a format. `message` shows why it failed. */
 function saveButton(format, id, { getName, getDescribe, message }) {
   const click = async () => {
     try {
@@ -104,7 +104,7 @@ function saveButton(format, id, { getName, getDescribe, message }) {
   return h('button', { type: 'button', 'aria-label': `Save ${id} as ${label}`, click }, label);
 }
 
-/** The elements of a figure; `data` has its table while it is open. */
+/** The elements of a figure; `data` holds its table while it is open. */
 function elementsOf(id) {
   const parts = {
     heading: h('h3'),
@@ -119,7 +119,7 @@ function elementsOf(id) {
   return { ...parts, element: h('figure', { id }, h('figcaption', {}, heading), toolbar, plot, notes, actions) };
 }
 
-/** The drawing in place of the old one. */
+/** Replaces the old drawing. */
 function show(parts, drawing, how) {
   const isEmpty = 'empty' in drawing;
   parts.element.classList.toggle('empty', isEmpty);
@@ -142,7 +142,7 @@ function show(parts, drawing, how) {
 }
 
 /**
- * Replaces controls, and gives the focus to the one that had it.
+ * Replaces controls, and restores the focus.
  * @param {HTMLElement} holder
  * @param {Node[]} controls
  */
@@ -157,7 +157,7 @@ export function replaceControls(holder, controls) {
  * @param {string} options.id       of the element, and the name of exported files
  * @param {(doc, view, how: {theme: import('./palette.js').Theme, width: number}) => import('./compose.js').Drawing
  *   | {empty: string}} options.describe
- * @param {(doc, view) => Node[]} [options.tools]  its own controls
+ * @param {(doc, view) => Node[]} [options.tools]  controls of this figure
  * @returns {Figure}
  */
 export function createFigure({ id, describe, tools = () => [] }) {

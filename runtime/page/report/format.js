@@ -1,6 +1,6 @@
 // Formats numbers and names for readers.
 
-/** @typedef {{unit: string, factor: number}} Unit  what a value is divided by, and what it is then in */
+/** @typedef {{unit: string, factor: number}} Unit  a value divided by `factor` is in `unit` */
 
 const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 const superscript = (n) => (n < 0 ? '⁻' : '') + String(Math.abs(n)).replace(/\d/g, (d) => superscripts[d]);
@@ -53,14 +53,14 @@ export function byteUnit(most) {
   return { unit: 'bytes', factor: 1 };
 }
 
-/** Text of one line for a figure: without control characters and changes of direction, at most `most` characters. */
+/** One line of text for a figure: at most `most` characters, without control and bidirectional characters. */
 export function short(text, most = 28) {
   const plain = String(text).replace(/[\u0000-\u001f\u007f-\u009f\u200e\u200f\u202a-\u202e\u2066-\u2069]+/g, ' ');
   const letters = [...plain];
   return letters.length <= most ? plain : `${letters.slice(0, most - 1).join('')}…`;
 }
 
-/** A cell of RFC 4180. @param {unknown} value */
+/** A cell of CSV (RFC 4180). @param {unknown} value */
 function csvCell(value) {
   if (value === null || value === undefined) return '';
   const text = String(value);

@@ -28,7 +28,7 @@ const has = {
 
 const isSingle = (doc) => doc.axes.every((axis) => axis.values.length < 2);
 
-/** The figure of the first screen. @param {import('./document.js').Doc} doc */
+/** The figure at the top of the page. @param {import('./document.js').Doc} doc */
 function keyFigure(doc) {
   const kind = doc.raw.conclusions?.[0]?.kind;
   if (kind === 'error' && has.errors(doc)) return 'errors';
@@ -96,10 +96,10 @@ function sectionsOf(doc, figures, key) {
  */
 let current = null;
 let documents = [];
-/** Of `cdb suite`; has the first tab. */
+/** The results of `cdb suite`, if any, which are the first tab. */
 let suite = null;
 
-/** The tab that has no name in the address: the suite's, or the first document's. */
+/** The tab that the address need not name: the suite's, or the first document's. */
 const firstTab = () => (suite ? -1 : 0);
 const tabAddress = (index) => (index === firstTab() ? '' : `doc=${index}`);
 const addressOf = (index, doc, view) => [tabAddress(index), encode(doc, view)].filter(Boolean).join('&');
@@ -122,7 +122,7 @@ function tabs(index) {
   return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...links);
 }
 
-/** Beside the figures: the contents and the controls. */
+/** The sidebar: the contents and the controls. */
 function asideOf(links, panel) {
   const items = links.map(({ link }) => h('li', {}, link));
   const contents = h('nav', { class: 'contents', 'aria-label': 'Contents' }, h('ol', {}, ...items));
@@ -159,7 +159,7 @@ const sectionOf = (id, title, items) =>
     ...items.map(element),
   );
 
-/** Builds the tab of the suite, which has nothing that changes. */
+/** Builds the tab of the suite, which is static. */
 function showSuite() {
   const { head, sections } = suiteParts(suite, (scene) => `#${tabAddress(scene)}`);
   const links = sections.map(([id, title]) => ({ id, link: h('a', { href: `#section=${id}` }, title) }));

@@ -20,7 +20,7 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
   if (found.rows.length === 0) return { title, empty: 'No point has a value here.' };
   const unit = unitOf(quantity, extent(found.rows.map((row) => row.value))[1]);
   const { columns, rows } = tableOf(found.rows, found.axes, unit, quantity);
-  // Without an axis along x, the colours make the rows.
+  // Without an axis along x, the axis of colours makes the rows.
   let axes = found.axes;
   let drawn = rows;
   if (!axes[0]) {

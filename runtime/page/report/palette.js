@@ -1,4 +1,4 @@
-// Colours, symbols and dashes that stay apart without colour vision (Okabe & Ito 2008), on light and on dark.
+// Colours, symbols and dashes that colour-blind readers can distinguish (Okabe & Ito 2008), on light and on dark.
 
 /**
  * @typedef {{name: string, ink: string, muted: string, faint: string, grid: string, background: string, colours:
@@ -31,7 +31,7 @@ const dashes = [null, '6 3', '2 3', '8 3 2 3'];
 
 /** @typedef {{colour: string, symbol: string, dash: string | null}} Style */
 /**
- * The style of the series `i`: 56 differ in colour and symbol.
+ * The style of the series `i`. 56 series differ in colour and symbol.
  * @param {Theme} theme
  * @param {number} i
  * @returns {Style}
@@ -66,7 +66,7 @@ export const phaseColours = (theme) =>
         step: '#e8eaed',
       };
 
-/** From the best to the worst; those from `frozen` on void the timings. */
+/** Verdicts by increasing severity; `frozen` and worse ones void the timings. */
 export const verdicts = [
   { name: 'unknown', code: '?', colour: '#c9ced4' },
   { name: 'stable', code: 'St', colour: '#cfe3f1' },
@@ -82,14 +82,14 @@ export const verdicts = [
   { name: 'timed_out', code: 'TO', colour: '#5b6068' },
   { name: 'crashed', code: 'Cr', colour: '#16181b' },
 ];
-/** A verdict that the page does not know counts as the first. @param {string} name */
+/** The index of a verdict. One that the page does not know counts as `unknown`. @param {string} name */
 export const severity = (name) =>
   Math.max(
     verdicts.findIndex((verdict) => verdict.name === name),
     0,
   );
 
-/** Black or white, whichever can be read on a colour. @param {string} colour `#rrggbb` */
+/** Black or white, whichever is legible on a colour. @param {string} colour `#rrggbb` */
 export function inkOn(colour) {
   const [red, green, blue] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
   return 0.2126 * red ** 2.2 + 0.7152 * green ** 2.2 + 0.0722 * blue ** 2.2 > 0.3 ? '#14171a' : '#ffffff';

@@ -31,7 +31,7 @@ function describePhaseRows(doc, view, how, phases) {
 
 const stackedPhases = ['broad', 'narrow', 'solve', 'integrate'];
 
-/** For each text, and each mark that it has, the mean times of its phases end to end. */
+/** The mean times of the phases, stacked, for each text and mark. */
 function stackedRows(doc, view, names) {
   const parts = names.map((name) =>
     rowsOf(
@@ -79,7 +79,7 @@ function stackedPanel(rows, { theme, labels, margin, scaleX, unit }) {
   });
 }
 
-/** Texts down: a bar for each, of the phases that make up its step. */
+/** A horizontal bar for each text, stacked from the phases that make up its step. */
 function describeStackedRows(doc, view, { theme, width }) {
   const names = stackedPhases.filter((name) => doc.phases.some((phase) => phase.name === name));
   if (names.length < 2) return { title: 'Phases', empty: '' };

@@ -1,4 +1,4 @@
-// Which points a mark of a figure stands for, and their common figure. Pure.
+// Groups the points that a mark of a figure represents, and pools their values. Pure functions.
 
 /** @typedef {import('./document.js').Doc} Doc */
 /** @typedef {import('./document.js').Estimates} Estimates */
@@ -16,7 +16,7 @@
  * @typedef {object} Groups
  * @property {Group[]} groups
  * @property {number[]} pooled    axes
- * @property {boolean} isUnmatched  no cell is common to all groups of a kind; they have their own
+ * @property {boolean} isUnmatched  no cell is common to all groups of a kind; they keep all their points
  */
 
 const roleAxis = (view, role) => view.roles.indexOf(role);
@@ -33,7 +33,7 @@ export function selected(doc, view) {
 }
 
 /**
- * Leaves in the groups of a kind the cells that all of them have.
+ * Removes from groups of the same mark the cells that not all of them have.
  * @param {Doc} doc
  * @param {Group[]} groups
  * @param {number[]} pooled
@@ -57,7 +57,7 @@ function match(doc, groups, pooled) {
 }
 
 /**
- * Groups of the points that have a value; void ones apart from sound ones.
+ * Groups the points that have a value. Void points are in other groups than sound ones.
  * @param {Doc} doc @param {import('./state.js').View} view @param {(number | null)[]} values @returns {Groups}
  */
 export function group(doc, view, values, points = selected(doc, view)) {
@@ -85,8 +85,9 @@ export function group(doc, view, values, points = selected(doc, view)) {
  */
 
 /**
- * The mean over points. Its interval: of one point its own; of several their half-widths in quadrature, as the runs are
- * independent; where a point has none, the range over the points. Geometric means are taken in logarithms.
+ * The mean over points, with an interval. For one point it is that of the point. For several it combines their
+ * half-widths in quadrature, because the runs are independent; if a point has none, it is the range over the points.
+ * Geometric means are computed from logarithms.
  * @param {number[]} points
  * @param {Estimates} estimates
  * @param {'arithmetic' | 'geometric'} mean
@@ -129,8 +130,8 @@ export function pool(points, estimates, mean) {
 }
 
 /**
- * At most `most` bins of neighbours, for series that are longer than a figure is wide: means, and the range of
- * what they hold.
+ * At most `most` bins of adjacent rows, for series with more points than a figure has room for: the mean and the range
+ * of each.
  * @template T @param {T[]} rows in order of x @param {number} most
  * @returns {{x: number, value: number, low: number, high: number, count: number}[]}
  */
@@ -151,7 +152,7 @@ export function thin(rows, most) {
   return bins;
 }
 
-/** Whether a logarithmic scale serves numbers better. @param {number[]} values */
+/** True if a logarithmic scale suits the numbers better. @param {number[]} values */
 export function prefersLog(values, ratio = 20) {
   const positive = values.filter((value) => value > 0);
   if (positive.length < 2 || positive.length < values.length) return false;

@@ -17,8 +17,8 @@ const phaseOfRatios = (doc, view) => {
 };
 
 /**
- * The axis whose values make groups of rows: x, else that of the panels, if it is not the detectors' and has few
- * values.
+ * The axis whose values make groups of rows: the first of x, colours and panels that is not the axis of detectors and
+ * has few values; -1 if there is none.
  */
 function facetAxis(doc, view) {
   for (const role of ['x', 'colour', 'panel']) {
@@ -28,7 +28,7 @@ function facetAxis(doc, view) {
   return -1;
 }
 
-/** For each value of the facets and each detector: the pooled ratio over the points that every detector has. */
+/** The pooled ratio of each facet and detector, over the points that every detector has, or over all without such. */
 function facetRows(doc, view, ratio, facet) {
   const d = doc.detectorAxis;
   const rows = [];
@@ -56,7 +56,7 @@ function facetRows(doc, view, ratio, facet) {
   return rows;
 }
 
-/** The document's own geometric means over all cells; they apply where no axis is fixed to one of several values. */
+/** The document's own geometric means over all cells, if no axis is fixed to one of several values. */
 function meanRows(doc, view, phase) {
   const names = doc.axes[doc.detectorAxis].values.map(String);
   return (doc.raw.ratios.means?.[phase] ?? [])
@@ -104,7 +104,7 @@ function marksOf(rows, theme, ticks) {
   ];
 }
 
-/** @param {{isLast: boolean}} how  the last panel has the axis of all */
+/** @param {{isLast: boolean}} how  the last panel has the shared axis */
 function panelOf(rows, names, { theme, margin, x, isLast, label }) {
   const axis = isLast ? { label, labelAnchor: 'right', labelArrow: 'none' } : { axis: null };
   return ({ width, height }) => ({
@@ -126,7 +126,7 @@ function panelOf(rows, names, { theme, margin, x, isLast, label }) {
   });
 }
 
-/** Groups of rows from the top: one for each facet, and the means; the detectors of each in order of their means. */
+/** Groups of rows, from the top: one for each facet, then the means. Detectors are in order of their means. */
 function groupsOf(cells, means, facet) {
   const isShort = facet >= 0 && cells.length <= mostRows;
   const facets = isShort || means.length === 0 ? [...new Set(cells.map((row) => row.facet))] : [];
@@ -188,7 +188,7 @@ export function describeRatios(doc, view, { theme, width }) {
   const groups = groupsOf(facetRows(doc, view, columnsOfRatio(doc, ratios.phases[phase]), facet), means, facet);
   const all = groups.flatMap(([, own]) => own);
   if (all.length === 0) return { title, empty: 'No two detectors have a time in the same place.' };
-  const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // no mean, but the only cell
+  const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // not a mean, but the only cell
   const titleOf = (value) => {
     if (value === 'mean') return isAlone ? '' : 'geometric mean';
     return value < 0 ? '' : `${doc.axes[facet].name} ${valueText(doc.axes[facet], value)}`;

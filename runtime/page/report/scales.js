@@ -62,7 +62,7 @@ export function unitOf(quantity, most) {
   return { unit: '', factor: 1 };
 }
 
-/** Evenly spaced values, where neither scale shows all: those of many sizes that are not all positive. */
+/** Evenly spaced values, for values of many magnitudes that are not all positive, which no other scale shows. */
 function evenScale(values) {
   const sorted = [...values].sort((a, b) => a - b);
   const index = new Map(sorted.map((value, i) => [value, i]));
@@ -76,7 +76,7 @@ function evenScale(values) {
   };
 }
 
-/** The x axis for values of an axis of numbers: a tick at each value that has room. */
+/** The x axis for an axis of numbers: a tick at each value for which there is room. */
 export function valueScale(values, wish, width) {
   const [low, high] = extent(values);
   const isLog = low > 0 && (wish === 'log' || (wish === 'auto' && values.length > 2 && high / low >= 8));
@@ -105,7 +105,7 @@ export function labelMargin(labels, width) {
   return Math.ceil(Math.min(widest + 14, Math.max(70, width * 0.38)));
 }
 
-/** Labels of rows, cut to the room. */
+/** Labels of rows, shortened to fit the margin. */
 export const rowLabel = (label, margin) => {
   let most = 34;
   while (most > 6 && textWidth(short(label, most), 11) > margin - 12) --most;
@@ -132,7 +132,7 @@ export function intervalText(doc) {
 }
 
 const means = { arithmetic: 'mean', geometric: 'geometric mean' };
-/** Sentences on pooling and intervals for below a figure. */
+/** Notes on pooling and intervals, shown below a figure. */
 export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true } = {}) {
   const notes = [];
   const fixed = fixedText(doc, view);
@@ -173,7 +173,7 @@ export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true 
   return notes;
 }
 
-/** A line of text for a row of a figure's table. @param {{key: string, label: string, isNumber?: boolean}[]} columns */
+/** A row of a figure's table as a line of text. @param {{key: string, label: string, isNumber?: boolean}[]} columns */
 export function describeRow(columns, row) {
   return columns
     .filter((column) => row[column.key] !== null && row[column.key] !== undefined && row[column.key] !== '')

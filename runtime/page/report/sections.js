@@ -4,7 +4,7 @@ import { bdi, h, table } from './dom.js';
 import { count, number, plural, short } from './format.js';
 
 const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain' };
-const conclusionsAbove = 3; // of the first figure
+const conclusionsAbove = 3; // number above the first figure
 
 /** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
 export function sweepText(doc) {
@@ -94,7 +94,7 @@ const answers = (list) =>
     ),
   );
 
-/** The conclusions above and below the first figure; the one that the figure shows is first. */
+/** The conclusions above and below the first figure. The one that the figure shows comes first. */
 export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
   const shown = given.find((each) => each.kind === kind);
@@ -206,7 +206,7 @@ export function machine(doc) {
 
 const mostPlaces = 500;
 
-/** The points of an omission, after their number. */
+/** The number of points of an omission, and the points. */
 function places(doc, row) {
   const text = row.of ? `${count(row.points)} of ${count(row.of)}` : count(row.points);
   const points = (row.at ?? []).filter((p) => p < doc.count);

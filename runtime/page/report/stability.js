@@ -7,8 +7,8 @@ import { inkOn, severity, verdicts } from './palette.js';
 import { labelMargin, rowLabel } from './scales.js';
 
 const mostPanels = 12;
-const leastCell = 22; // px, for texts in it
-const wideCell = 62; // px, for whole names
+const leastCell = 22; // px, with text
+const wideCell = 62; // px, with full names
 
 const plainName = (level) => verdicts[level].name.replace('_', ' ');
 const nameOf = (axis, i) => (axis ? valueText(axis, i) : '');
@@ -25,7 +25,7 @@ export function worst(doc, points) {
   return { level, cycle };
 }
 
-/** Axes beside the two of the map: fixed ones, those that make panels, and the rest, of which the worst counts. */
+/** Splits the other axes of the map into fixed ones, those that make panels, and those whose worst verdict counts. */
 function split(doc, view) {
   const rest = doc.axes
     .map((_, a) => a)
@@ -61,7 +61,7 @@ function cellsOf(doc, view, parts) {
   return [...cells.values()].map((cell) => ({ ...cell, ...worst(doc, cell.points) }));
 }
 
-/** A value below a column; large numbers as powers, which are shorter. */
+/** The label of a column; large numbers are written as powers, which are shorter. */
 function columnText(axis, i) {
   const value = axis?.values[i];
   return typeof value === 'number' && Math.abs(value) >= 1e4 ? number(value, 2, 1e4) : axis ? valueText(axis, i) : '';
@@ -175,7 +175,7 @@ function notesOf(doc, view, rows, parts) {
   ];
 }
 
-/** Panels side by side, and the room for the labels of their rows. */
+/** The number of panels side by side, and the margin for the labels of their rows. */
 function layout(count, columns, labels, width) {
   const wanted = Math.max(300, Math.min(columns * 34 + 90, 520));
   const perRow = Math.max(1, Math.min(count, Math.floor(width / wanted)));

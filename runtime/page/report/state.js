@@ -1,16 +1,16 @@
-// The choices of the reader, their defaults from a document, and their text in the address.
+// The reader's choices, their defaults for a document, and their encoding in the address.
 import { quantities, statisticsOf } from './document.js';
 
 /** @typedef {'x' | 'colour' | 'panel' | 'fixed' | 'pooled'} Role */
 /**
  * @typedef {object} View
  * @property {Role[]} roles      of each axis
- * @property {number[]} at       of each axis, the value that counts where it is fixed
+ * @property {number[]} at       of each axis, the index of the value that is used while the axis is fixed
  * @property {string} quantity   what is drawn over the axes: `time:step`
  * @property {string} statistic
  * @property {'auto' | 'linear' | 'log'} xScale
  * @property {'auto' | 'linear' | 'log'} yScale
- * @property {number} highlight  the only value of the axis of colours that has a colour; -1 for all
+ * @property {number} highlight  the only value of the axis of colours that is drawn in colour; -1 for all
  * @property {'phases' | 'lines' | 'points'} cycles  which figure over the cycles
  * @property {string} error
  * @property {number} mapX       axis of the stability map, -1 for none
@@ -51,8 +51,8 @@ export function defaultRoles(doc) {
 }
 
 /**
- * Of a sound point, if there is one, with the greatest numbers and the first texts: the values at which figures of
- * one point stand.
+ * The values at which figures of a single point are drawn: those of the point with the greatest numbers and the first
+ * texts, a sound one if there is any.
  */
 function defaultAt(doc) {
   const order = doc.axes.map((_, a) => a).sort((a, b) => Number(doc.axes[a].isText) - Number(doc.axes[b].isText));
@@ -66,7 +66,7 @@ function defaultAt(doc) {
   return doc.count ? [...doc.at[best]] : doc.axes.map(() => 0);
 }
 
-/** Whether the configurations that stand side by side over the cycles differ too much for one linear scale. */
+/** True if the configurations compared over the cycles differ too much for one linear scale. */
 function isWide(doc, roles, at) {
   const compared = roles.includes('colour')
     ? roles.indexOf('colour')
@@ -80,7 +80,8 @@ function isWide(doc, roles, at) {
 }
 
 /**
- * For the map: the axis of numbers with the most values along x, the next one down.
+ * The axes of the map: horizontally the axis of numbers with the most values, vertically that of the detectors, or the
+ * one with the most values of the rest.
  * @param {import('./document.js').Doc} doc
  */
 function defaultMap(doc) {
@@ -116,7 +117,7 @@ export function defaultView(doc) {
   };
 }
 
-/** Gives an axis a role; the axis that had it, if only one may, takes over the old one. @param {View} view */
+/** Gives an axis a role. If only one axis may have it, the axis that had it gets the other role. @param {View} view */
 export function assign(view, axis, role) {
   const roles = [...view.roles];
   const holder = single.has(role) ? roles.indexOf(role) : -1;
@@ -136,7 +137,7 @@ const choices = (doc) => ({
 const texts = ['quantity', 'statistic', 'xScale', 'yScale', 'cycles', 'error', 'section'];
 
 /**
- * The differences from the defaults, as the address has them.
+ * Encodes the differences from the defaults for the address.
  * @param {import('./document.js').Doc} doc
  * @param {View} view
  */
@@ -153,7 +154,7 @@ export function encode(doc, view) {
   return entries.toString();
 }
 
-/** The parts of an address that apply to the document; the rest has its defaults. @returns {View} */
+/** Decodes the parts of an address that apply to the document; the rest has defaults. @returns {View} */
 export function decode(doc, text) {
   const entries = new URLSearchParams(text);
   const view = defaultView(doc);

@@ -22,7 +22,7 @@ const ratioRange = ([low, high]) => (low === null ? '' : `${ratio(low)} .. ${rat
 
 const strong = (text) => h('strong', {}, bdi(text));
 
-/** A ratio with a bar of its length beside it. @param {number | null} value @param {number} most */
+/** A ratio and a bar of proportional length. @param {number | null} value @param {number} most */
 function bar(value, most) {
   if (value === null) return null;
   const length = (100 * value) / most;

@@ -59,7 +59,7 @@ export class App {
       magnify: this.stage?.magnify ?? 1 };
   }
 
-  // From an address: settings that it does not name are kept.
+  // Applies the state from an address; settings that it does not name are kept.
   apply({ camera, ...state }) {
     const known = Object.fromEntries(Object.entries(state).filter(([, value]) => value !== undefined));
     const mode = kColourModes.find(({ id }) => id === known.colour);
@@ -87,7 +87,7 @@ export class App {
     this.sizeTag.hidden = state.magnify === 1;
     this.sizeTag.textContent = `bodies are drawn at ${state.magnify} times their size`;
     this.player.update(state);
-    this.frames = null; // everything is drawn anew
+    this.frames = null; // redraws everything
     this.refresh();
     this.remember();
     if (state.isPlaying && !this.clockTick) {
@@ -107,7 +107,7 @@ export class App {
   tick(now) {
     this.clockTick = null;
     if (!this.state.isPlaying) return;
-    // A page that was hidden continues at the same time.
+    // After the page was hidden, the run continues where it was.
     this.state.time += Math.min((now - this.lastTick) / 1000, 0.5) * this.state.speed;
     this.lastTick = now;
     if (this.state.time >= this.end) {
@@ -165,7 +165,7 @@ export class App {
     this.remember();
   }
 
-  // After a while without changes; browsers limit how often an address may change.
+  // Updates the address after a while without changes, because browsers limit how often it may change.
   remember() {
     clearTimeout(this.rememberTimer);
     this.rememberTimer = setTimeout(() => {
@@ -213,7 +213,7 @@ export class App {
     });
   }
 
-  // Before another takes its place.
+  // Call this before another app replaces it.
   dispose() {
     this.state.isPlaying = false;
     this.listeners.abort();
@@ -226,7 +226,7 @@ export class App {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('input, select, textarea')) return;
-    if (event.key === ' ' && event.target.closest('button, summary')) return; // presses it
+    if (event.key === ' ' && event.target.closest('button, summary')) return; // the key presses it
     const far = event.shiftKey ? 10 : 1;
     const actions = {
       ' ': () => this.set({ isPlaying: !this.state.isPlaying }),
@@ -244,7 +244,7 @@ export class App {
     action();
   }
 
-  // The scene as it is, with a caption.
+  // Saves the scene as it is shown, with a caption.
   savePng() {
     if (!this.stage) return;
     this.stage.draw();

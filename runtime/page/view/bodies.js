@@ -7,12 +7,12 @@ import {
 const kPlace = 8; // numbers for each part: scale, rotation, offset along y
 const kPicked = [1, 0, 0.6];
 
-// Sides that turn away are darker, so that bodies of one colour stand apart.
+// Darkens surfaces that face away, so that bodies of the same colour are distinguishable.
 const kFacing = `
   float facing = abs(dot(normalize(vViewPosition), normal));
   outgoingLight *= mix(0.5, 1.0, smoothstep(0.0, 0.5, facing));`;
 
-// The edges of a unit cube are darker, so that boxes on each other do. Not where a box has few pixels.
+// Darkens the edges of a unit cube, so that adjacent boxes are distinguishable, unless a box covers few pixels.
 const kEdges = `
   vec3 inward = 1.0 - 2.0 * abs(vLocal);
   float toEdge = dot(inward, vec3(1.0)) - max(inward.x, max(inward.y, inward.z)) - min(inward.x, min(inward.y, inward.z));
@@ -89,7 +89,7 @@ export class Bodies {
       });
       mesh.instanceMatrix.needsUpdate = true;
       mesh.instanceColor.needsUpdate = true;
-      mesh.boundingSphere = null; // of the instances, for rays
+      mesh.boundingSphere = null; // recomputed from the instances for ray casts
     }
   }
 

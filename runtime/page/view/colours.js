@@ -3,12 +3,12 @@ import { Color } from 'three';
 import { interpolateViridis } from 'd3-scale-chromatic';
 import { number } from './text.js';
 
-// Okabe and Ito's, which colour-blind readers can tell apart; without black.
+// The palette of Okabe and Ito, which colour-blind readers can distinguish, without black.
 const kCategories = ['#0072b2', '#e69f00', '#009e73', '#cc79a7', '#56b4e9', '#d55e00', '#f0e442'];
 const kNone = '#9a9a9a';
 
 const linear = (text) => new Color(text).toArray();
-// Viridis without its darkest part, in which shading could not be seen.
+// Viridis without its darkest part, in which shading would be invisible.
 const rampText = (part) => interpolateViridis(0.2 + 0.8 * part);
 const ramp = Array.from({ length: 256 }, (_, i) => linear(rampText(i / 255)));
 const categories = kCategories.map(linear);
@@ -30,8 +30,8 @@ function sampledMaximum(recordings, valuesAt) {
   return quantile(values, 0.998) || quantile(values, 1) || 1;
 }
 
-// A number for each body, from `low` to `high`. `power` 0.5: in proportion to the root, for values that
-// are mostly small.
+// A continuous scale from `low` to `high`. `power` 0.5 uses the square root, for values that are mostly
+// small.
 function continuous(low, high, unit, valuesAt, { note, power = 1 } = {}) {
   const part = (value) => ((value - low) / (high - low || 1)) ** power;
   const middle = low + (high - low) * 0.5 ** (1 / power);

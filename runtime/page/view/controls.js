@@ -1,4 +1,4 @@
-// The panel beside the scene: colour, switches, view, and the body that was picked.
+// The panel beside the scene: colour, switches, view, and the picked body.
 import { kColourModes, rampGradient, shapeOf } from './colours.js';
 import { element, number } from './text.js';
 

@@ -1,5 +1,5 @@
-// A scenario that is edited: its parameters from the schema, its text, its scene, and a run of it.
-// The server is `cdb view --serve`; all answers are of runtime/serve/editor.h.
+// The editor of a scenario: its parameters from the schema, its text, its scene, and a run of it.
+// The server is `cdb view --serve`; runtime/serve/editor.h defines its answers.
 import { App } from './app.js';
 import { element } from './text.js';
 
@@ -81,7 +81,7 @@ export class Editor {
       element('small', {}, `${doc}${unit ? `, ${unit}` : ''}`));
   }
 
-  // One request at a time; the answer for a text that has changed meanwhile is dropped.
+  // Sends one request at a time. The answer is dropped if the text has changed meanwhile.
   async update(what, question) {
     const asked = this.text.value;
     const number = this.question = (this.question ?? 0) + 1;

@@ -1,4 +1,4 @@
-// The page of `cdb view`: a scene, or, served by `cdb view --serve`, a scenario that is edited.
+// The page of `cdb view`: a scene, or, with `cdb view --serve`, the editor of a scenario.
 import { App } from './app.js';
 import { Editor } from './editor.js';
 

@@ -13,7 +13,7 @@ const corner = (low, high, index) => [0, 1, 2].map((i) => (index >> i & 1 ? high
 class Lines {
   constructor(Kind, material) {
     this.object = new Kind(new BufferGeometry(), material);
-    this.object.geometry.boundingSphere = new Sphere(new Vector3(), Infinity); // never asked of the vertices
+    this.object.geometry.boundingSphere = new Sphere(new Vector3(), Infinity); // avoids computing it from the vertices
     this.object.frustumCulled = false;
     this.object.renderOrder = 2;
     this.object.visible = false;
@@ -79,10 +79,10 @@ export class Overlays {
     this.addFloor(low, high, half);
   }
 
-  // A grid under the bodies, and their shadows on it.
+  // Adds a grid under the bodies, with their shadows.
   addFloor(low, high, half) {
     const size = Math.max(...low.map((value, i) => high[i] - value));
-    if (low[1] + half > size) return; // far below them
+    if (low[1] + half > size) return; // the floor is far below the bodies
     const clip = (value) => Math.min(half, Math.max(-half, value));
     const from = [clip(low[0] - size / 2), clip(low[2] - size / 2)];
     const to = [clip(high[0] + size / 2), clip(high[2] + size / 2)];
@@ -135,7 +135,7 @@ export class Overlays {
     return lines;
   }
 
-  // A point and its normal: blue where there is a gap, from yellow to red the deeper the overlap.
+  // Shows points and normals: blue for gaps, yellow to red with increasing depth of overlap.
   showContacts(frame) {
     const { point, normal, distance } = this.recording.contacts;
     const [from, to] = this.recording.contactRange(frame);

@@ -1,4 +1,4 @@
-// Below the scene: play, step, speed, the clock and the time line.
+// The player below the scene: play, step, speed, clock and time line.
 import { Timeline } from './timeline.js';
 import { element, number } from './text.js';
 
@@ -30,7 +30,8 @@ export class Player {
       ...(recordings.some(({ run }) => run.cycles > 0) ? [this.timeline.object] : []));
   }
 
-  // A speed at which the whole takes three seconds or more, and at most real time.
+  // The initial speed: runs longer than a minute play in 30 s; others at most in real time, for at least
+  // 1.5 s.
   suitableSpeed() {
     const span = Math.max(...this.recordings.map(({ begin, end }) => end - begin));
     if (!(span > 0)) return 1;

@@ -69,7 +69,7 @@ export class Recording {
   // Simulated seconds at the end of a cycle, warm-up included.
   timeOfCycle(cycle) { return (this.run.warmup + cycle + 1) * this.run.timestep; }
   timeOf(frame) { return this.isStart ? 0 : this.timeOfCycle(this.cycleOf(frame)); }
-  // The last frame that is not later; the first one if all are.
+  // The last frame at or before `time`, or the first one.
   frameAt(time) {
     if (this.isStart) return 0;
     const cycle = time / this.run.timestep - this.run.warmup - 1 + 1e-6;
@@ -100,12 +100,12 @@ export class Recording {
     out[largest] = Math.sqrt(Math.max(rest, 0));
     return out;
   }
-  // True if the pose is that of the previous cycle, to the last bit.
+  // True if the pose equals that of the previous cycle, bit for bit.
   isUnmoved(frame, body) {
     return this.orientation[3 * (frame * this.count + body) + 2] >> 15 === 1;
   }
 
-  // The latest value of each kind is kept.
+  // Caches the latest value of each kind.
   cached(kind, frame, make) {
     const kept = this.cache.get(kind);
     if (kept && kept.frame === frame) return kept.value;
@@ -114,7 +114,7 @@ export class Recording {
     return value;
   }
 
-  // m/s: from the frame before to this one; in the first, from it to the next.
+  // Speeds in m/s, from the previous frame to this one; for the first frame, from it to the next.
   speeds(frame) {
     return this.cached('speeds', frame, () => {
       const speeds = new Float32Array(this.count);
@@ -149,8 +149,8 @@ export class Recording {
     });
   }
 
-  // For each body the lowest index in its island, which walls and fixed bodies do not join; -1 for a
-  // body without contact.
+  // For each body, the lowest index in its island; -1 for fixed bodies and bodies without contact.
+  // Walls and fixed bodies do not connect islands.
   islands(frame) {
     return this.cached('islands', frame, () => {
       const counts = this.contactCounts(frame);
@@ -166,7 +166,7 @@ export class Recording {
     });
   }
 
-  // Pairs of bodies with boxes that overlap, not both fixed, by sweep and prune along x.
+  // Pairs of bodies whose boxes overlap and that are not both fixed, by sweep and prune along x.
   pairs(frame) {
     return this.cached('pairs', frame, () => {
       const at = (body) => 6 * (frame * this.count + body);
@@ -189,7 +189,8 @@ export class Recording {
     });
   }
 
-  // For each axis, where a coordinate is not far from most of the first frame.
+  // For each axis, the usual range of positions: the 10th to 90th percentile of the first frame, extended
+  // by its width on both sides.
   usualRange() {
     return [0, 1, 2].map((axis) => {
       const values = Array.from({ length: this.count }, (_, body) => this.position[3 * body + axis])
@@ -200,8 +201,8 @@ export class Recording {
     });
   }
 
-  // What the camera should see: the bodies in the cube, and those not far from most others, so that
-  // one that flew away does not make the rest a dot.
+  // The box that the camera should show: the bodies in the cube, and those near most others, so that a
+  // body that flew away does not shrink the rest to a dot.
   bounds() {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const usual = this.usualRange();

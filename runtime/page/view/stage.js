@@ -1,4 +1,4 @@
-// The scenes, one for each run, under one camera.
+// The scenes, one for each run, with a common camera.
 import {
   DirectionalLight, Fog, HemisphereLight, PCFShadowMap, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
@@ -129,7 +129,7 @@ export class Stage {
     ++this.drawn;
   }
 
-  // `x`, `y`: pixels from the upper left corner. The run and the body there; null where there is none.
+  // The run and the body at a pixel, or null. `x`, `y`: pixels from the upper left corner.
   pick(x, y) {
     const width = this.width / this.panels.length;
     const panel = Math.min(Math.floor(x / width), this.panels.length - 1);

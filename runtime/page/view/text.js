@@ -1,4 +1,4 @@
-// Numbers and elements. Text is never parsed as HTML.
+// Formats numbers and creates elements. Text is never parsed as HTML.
 
 // Three significant digits.
 export function number(value) {

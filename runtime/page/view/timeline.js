@@ -1,4 +1,4 @@
-// The run's times and series over simulated time, with a cursor: a click seeks.
+// The run's times and series over simulated time, with a cursor. A click seeks.
 import { duration, element, number } from './text.js';
 
 const kPhases = ['broad', 'narrow', 'solve', 'integrate'];
@@ -55,8 +55,8 @@ export class Timeline {
     this.canvas.addEventListener('pointerleave', () => { this.tip.hidden = true; });
   }
 
-  // The axis ends at the largest step, or, where few cycles are far longer than all others, below them;
-  // those get a mark.
+  // The axis ends at the longest step. If a few cycles are far longer than all others, it ends below
+  // them, and they get a mark.
   setLimits() {
     const all = this.steps.flatMap((values) => (values ? [...values] : []));
     const most = percentile(all, 1), usual = percentile(all, 0.95);
@@ -136,7 +136,7 @@ export class Timeline {
     return y;
   }
 
-  // Over the lane, on a ground of its own.
+  // Draws a label over the lane, on a nearly opaque background.
   drawLabel(colour) {
     const { pen, name, x, y } = this.label;
     pen.textAlign = 'left';

@@ -1,4 +1,4 @@
-// Components of the engine that a run can omit, as far as its parameters decide it.
+// Components of the engine that a run can omit, as far as its parameters determine it.
 #include "compiler/analysis/pruning.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(Components, AreOneRowEachInTheOrderOfTheEnum) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_EQ(info.IsVisible(), !info.changes.empty()) << info.name;
-    // A word of the language: a letter, then letters, digits and _.
+    // A word of the language: letters, digits and _, beginning with a letter.
     EXPECT_EQ(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string_view::npos);
     EXPECT_TRUE(info.name != "auto" && info.name != "none");
   }
@@ -239,7 +239,7 @@ TEST(OmittedNames, AreThoseLeftOut) {
             "raycast_tree gravity");
 }
 
-// They go through shared memory of a fixed size (runtime/measure/recording.h).
+// Names are passed through shared memory of a fixed size (runtime/measure/recording.h).
 TEST(OmittedNames, OfAllComponentsFitTheRecording) {
   std::vector<analysis::PruningDecision> decisions;
   for (const schema::ComponentInfo& info : schema::Components())

@@ -46,7 +46,7 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
       PlanWith("narrow_phase sweep(own, bullet); threads sweep(1, 2); accuracy.metrics energy")
           .references.size(),
       2u);
-  // Its own contact settings where nothing else is said.
+  // By default, a reference has the contact settings of its run.
   EXPECT_EQ(PlanWith("contact sweep(bullet, faithful); accuracy.metrics energy").references.size(),
             4u);
 }
@@ -73,7 +73,7 @@ TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
 TEST(Reference, IsAnotherForAnotherSceneOrTime) {
   EXPECT_EQ(PlanWith("seed sweep(1, 2); accuracy.metrics position").references.size(), 4u);
   EXPECT_EQ(PlanWith("cycles sweep(60, 120); accuracy.metrics position").references.size(), 4u);
-  // What is recorded and omitted decides nothing, nor where the warm-up ends.
+  // Recording, omissions and the end of the warm-up do not affect the reference.
   EXPECT_EQ(PlanWith("omit sweep(none, auto); accuracy.metrics position").references.size(), 2u);
   EXPECT_EQ(
       PlanWith("cases { a { warmup 20; cycles 40 } b { cycles 60 } }\naccuracy.metrics position")
@@ -126,7 +126,7 @@ TEST(Errors, HaveANameAndAWordEach) {
     EXPECT_TRUE(names.insert(error.name).second) << error.name;
     EXPECT_EQ(error.series, "accuracy/" + std::string(error.name) + "_series");
     EXPECT_FALSE(error.doc.empty());
-    // In a file `position_floor` must not be an error of its own.
+    // In a file, `position_floor` must not be mistaken for an error.
     EXPECT_FALSE(error.name.ends_with("_floor") || error.name.ends_with("_series"));
   }
   std::set<std::string_view> words;

@@ -1,4 +1,4 @@
-// Faults of scenes become diagnostics: once each, with their runs.
+// Faults of scenes are reported once each, with their runs.
 #include "compiler/checks/scene_faults.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Compiles `text` with a library that finds what `find` finds.
+/// Compiles `text`, with `find` in place of the library's search for faults.
 compiler::Compilation CompileWith(const std::string& text, analysis::FindSceneFault find) {
   const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
   compiler::CompileOptions options;
@@ -20,7 +20,7 @@ compiler::Compilation CompileWith(const std::string& text, analysis::FindSceneFa
   return compiler::Compile("test.cdb", read, options);
 }
 
-/// Of scenes with more than `most` objects.
+/// Finds a fault in scenes with more than `most` objects.
 analysis::FindSceneFault TooMany(std::uint64_t most, analysis::SceneFault::Kind kind) {
   return [=](const plan::Scene& scene) -> std::optional<analysis::SceneFault> {
     if (scene.ObjectCount() <= most) return std::nullopt;
@@ -65,7 +65,7 @@ TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
   looks = 0;
   CompileWith("benchmark b { world.side sweep(500, 600); objects.size sweep(1, 2) }", count);
   EXPECT_EQ(looks, 4);
-  // And only in so many objects.
+  // The number of objects examined is limited as well.
   looks = 0;
   CompileWith("benchmark b { objects { quantity 300000; size sweep(1 .. 9) }; detector dbvt }",
               count);

@@ -12,7 +12,7 @@ namespace {
 
 using Files = std::map<std::string, std::string>;
 
-/// `objects.size` of the only run; what is wrong with it, if anything is.
+/// `objects.size` of the only run, or the error.
 std::string SizeOf(const std::string& value, const Files& files = {}) {
   const compiler::Compilation result =
       CompileText("benchmark b { objects.size " + value + " }", files);

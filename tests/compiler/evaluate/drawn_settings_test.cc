@@ -1,4 +1,4 @@
-// Settings that name others which are drawn for each object: `mass 2 * size ^ 3`.
+// Settings that refer to others which are drawn for each object: `mass 2 * size ^ 3`.
 #include "compiler/evaluate/drawn_settings.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace cdb::tests {
 namespace {
 
-/// `objects.NAME` of the only run, in the plan and read back from it; or what is wrong.
+/// `objects.NAME` of the only run, as in the plan and as read back from it; or the error.
 std::string Setting(schema::GroupParameter parameter, const std::string& objects,
                     const std::string& lets = {}) {
   const compiler::Compilation result =
@@ -83,7 +83,7 @@ TEST(DrawnSettings, HaveUnits) {
             std::string::npos);
 }
 
-// Each name of `long` twice the parts of the one before.
+// Each name refers twice to the one before.
 TEST(DrawnSettings, AreNotTooLong) {
   std::string lets = "let a0 = size";
   for (int i = 1; i <= 40; ++i) {
@@ -122,7 +122,7 @@ TEST(DrawnSettings, FormulaeOfPlansAreChecked) {
   EXPECT_NE(refusal("[\"*\", 3, size]").find("was changed by hand"), std::string::npos);
 }
 
-// A lint takes the least and the largest object.
+// Lints consider the smallest and the largest object.
 TEST(DrawnSettings, LintsKnowTheirBounds) {
   const auto warnings = [](const std::string& size) {
     return dsl::Render(CompileText("benchmark b { timestep 1e-3; cycles 10; world.side 1000\n"

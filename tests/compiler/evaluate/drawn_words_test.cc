@@ -26,7 +26,7 @@ TEST(DrawnWords, PlansHoldThemAndReadThemBack) {
   EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan"), plan);
 }
 
-// One draw for all sides makes no thin shapes.
+// One draw for all sides does not make thin shapes.
 TEST(DrawnWords, SameIsNoElongation) {
   const auto thin_shapes = [](const std::string& size) {
     const compiler::Compilation result =

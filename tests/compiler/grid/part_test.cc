@@ -1,4 +1,4 @@
-// The parts of a grid are its list.
+// The parts of a grid together are its list of runs.
 #include "compiler/grid/part.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Checks of a large grid are made once for all runs that agree in what they read, and miss none.
+// Checks of a large grid are made once for all runs that agree in the settings read, and none is
+// missed.
 #include "compiler/grid/survey.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kAll = std::numeric_limits<std::uint64_t>::max();
 
-/// Without a list of the runs.
+/// Compiles without listing the runs.
 compiler::Compilation GridsOf(const std::string& text) {
   const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
   compiler::CompileOptions options;
@@ -64,7 +65,7 @@ TEST(Grid, HasTheScenesOfItsList) {
   const plan::Plan plan = grid::ListRuns(grid);
   ASSERT_EQ(plan.runs.size(), grid.run_count());
   grid::Cursor cursor(grid);
-  // Backwards, so that settings change in another order than in the list.
+  // In reverse order, so that settings change in a different order than in the list.
   for (auto run = plan.runs.rbegin(); run != plan.runs.rend(); ++run) {
     ASSERT_TRUE(cursor.MoveTo(run->at));
     EXPECT_EQ(cursor.MakeScene(), run->scene);
@@ -84,7 +85,7 @@ TEST(Survey, LooksOnceAtEachCombinationOfWhatIsRead) {
         points = 0;
       },
       [&](const grid::Sample& sample, const plan::Scene& scene) {
-        // The number of cycles is read of half the scenes only.
+        // Reads the number of cycles of only half the scenes.
         if (scene.ObjectCount() > 50) scene.world.Count("cycles");
         ++looks;
         points += sample.points;
@@ -119,7 +120,7 @@ TEST(Survey, FindsTheOneBadRunOfAMillion) {
       "skip when objects.quantity + more.quantity > 16378 and more.quantity < 100 }");
   ASSERT_EQ(result.diagnostics.error_count(), 1);
   EXPECT_EQ(result.diagnostics.all()[0].kind, &scenario::kCapacity);
-  // What a setting may not be is found as well, and not where it is skipped.
+  // Values outside a setting's domain are found as well, unless they are skipped.
   const std::string text =
       "benchmark b { cycles sweep(1 .. 100); seed sweep(1 .. 100)\n"
       "objects { size 1; friction sweep(0 .. 100) - 50; quantity 1 }\n";

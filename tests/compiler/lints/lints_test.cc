@@ -102,7 +102,7 @@ TEST(Lints, CountAFallFromWhereAnObjectStarts) {
   const auto fall =
       NumberOf(lints::Lint::kFastHit, "world.side 10; objects { quantity 1; " + domino + " }");
   ASSERT_TRUE(fall);
-  // From its place to where its thinnest side lies on the floor.
+  // From its position to where its thinnest side lies on the floor.
   EXPECT_NEAR(fall->value, std::sqrt(2 * 9.8 * (0.55 - 0.1)) / 60 / 0.2, 1e-9);
   EXPECT_FALSE(fall->IsDoubtful());
   // On a slope it may cross the cube.
@@ -153,7 +153,7 @@ TEST(Lints, PredictThatABallPassesThroughASlab) {
                                         {"(-100, 0, 0)", "at(-5, 0, 0)"},
                                         {"(100, 100, 0)", "at(-5, 0, 0)"}})
     EXPECT_FALSE(NumberOf(lints::Lint::kThinWall, scene(velocity, place))) << velocity;
-  // Along the slab it is 4 m thick; at a place that is drawn nobody knows.
+  // Along the slab it is 4 m thick; at a drawn position the result is unknown.
   EXPECT_FALSE(
       NumberOf(lints::Lint::kThinWall, scene("(0, 100, 0)", "at(0, -5, 0)"))->IsDoubtful());
   const auto drawn = NumberOf(lints::Lint::kThinWall, scene("(100, 0, 0)", "uniform"));
@@ -178,7 +178,7 @@ TEST(Lints, SeeTheFirstFallThatRoundingHides) {
         lints::Lint::kLostFall,
         "objects { quantity 100; size 1; type any(sphere, armadillo) }; world.side " + side + more);
   };
-  // Neighbouring numbers are 1/64 m apart from 131,072 m on; the way that counts is 1 cm.
+  // Adjacent floats are 1/64 m apart from 131,072 m on; the relevant distance is 1 cm.
   EXPECT_NEAR(fall("300e3")->value, 1. / 64 / 0.01, 1e-9);
   EXPECT_TRUE(fall("300e3")->IsBad());
   EXPECT_TRUE(fall("100e3")->IsBad());

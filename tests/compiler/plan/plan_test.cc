@@ -28,7 +28,7 @@ plan::Plan Example() {
   return result.plans.at(0);
 }
 
-/// The message of the error that reading `text` ends with.
+/// The message of the error with which reading `text` fails.
 std::string ErrorOf(const std::string& text) {
   try {
     yaml::FromYaml(text, "plan.yaml");
@@ -66,7 +66,7 @@ plan::Plan PluginsExample(
   return result.plans.at(0);
 }
 
-// Mutations of plans that are refused anyway would test little.
+// Mutations of plans that are rejected anyway would test little.
 TEST(PlanYaml, ReadsTheCorpusOfItsFuzzer) {
   for (const auto& entry :
        std::filesystem::directory_iterator(SourceFolder() / "tests/fuzz/corpus_plan"))
@@ -79,7 +79,7 @@ TEST(PlanYaml, ReadsPluginsBack) {
   EXPECT_TRUE(yaml::FromYaml(yaml, "plan.yaml") == plan);
   EXPECT_EQ(yaml::ToYaml(yaml::FromYaml(yaml, "plan.yaml")), yaml);
   EXPECT_TRUE(yaml::RunFromYaml(yaml::RunToYaml(plan.runs[0]), "run") == plan.runs[0]);
-  // A detector that a run does not name is none of its affair.
+  // A run lists only the detectors that it uses.
   const auto& first = plan.runs[0].scene.plugins;
   ASSERT_EQ(first.size(), 2u);
   EXPECT_EQ(first[0].name, "mine");
@@ -133,7 +133,7 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   const plan::Plan back = yaml::FromYaml(yaml::ToYaml(plan), "plan.yaml");
   EXPECT_TRUE(back == plan);
   EXPECT_EQ(yaml::ToYaml(back), yaml::ToYaml(plan));
-  // What a plan holds means the same in a scenario.
+  // The values in a plan mean the same in a scenario.
   const plan::GroupSettings& objects = plan.runs[0].scene.groups[0].settings;
   const std::string text = "benchmark b { acceleration " +
                            schema::ToText(plan.runs[0].scene.world.Get("acceleration")) +
@@ -145,7 +145,8 @@ TEST(PlanYaml, ReadsWordsWithArgumentsBack) {
   EXPECT_EQ(again.plans.at(0).runs[0].id, plan.runs[0].id);
 }
 
-/// In any order, as one writer may get the runs of several plans: references, plug-ins, groups.
+/// In any order, because one writer may get the runs of several plans: references, plug-ins,
+/// groups.
 TEST(RunText, IsThatOfARunAlone) {
   std::vector<plan::Run> runs;
   for (const plan::Plan& plan : {Example(), PluginsExample(), WordsExample(), Example()})
@@ -241,7 +242,7 @@ TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
             std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 5", "cdb_plan: 2")).find("plan again"),
             std::string::npos);
-  // A word alone has the same text, and so the same id, as a list of it.
+  // A single word has the same text, and so the same id, as a list with only this word.
   EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: auto")).find("a list of words"),
             std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "omit: [auto]", "omit: [walls]")).find("changed by hand"),

@@ -1,5 +1,5 @@
-// Compiled by named_parameters_test.py: as it is, which succeeds, and with FAULTS, which the
-// compiler must refuse at each line that ends in `refused:` and the reason, and at no other line.
+// Compiled by named_parameters_test.py: without FAULTS it must compile; with FAULTS the compiler
+// must reject each line that ends in `refused:` and the reason, and no other line.
 #include "compiler/plan/plan.h"
 
 namespace cdb::tests {

@@ -12,7 +12,7 @@
 namespace cdb::tests {
 namespace {
 
-/// The names that axes have if a scenario gives them none, for the group `objects`.
+/// The default names of axes for the group `objects`.
 std::vector<std::string> DefaultAxisNames() {
   std::vector<std::string> names;
   for (const schema::Parameter& parameter : schema::Schema()) {

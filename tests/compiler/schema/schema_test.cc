@@ -35,7 +35,7 @@ TEST(Schema, EveryDefaultIsAValueOfItsParameter) {
   EXPECT_EQ(scene.world.size() + scene.groups[0].settings.size(), schema::Schema().size());
 }
 
-// The paper, section 3.1: the ten parameters and their defaults, and the seed.
+// Woulfe & Manzke 2009, section 3.1: the ten parameters and their defaults, and the seed.
 TEST(Schema, DefaultsAreThePapers) {
   const compiler::Compilation result = CompileText("benchmark b { }");
   ASSERT_EQ(result.plans.size(), 1u);
@@ -101,7 +101,7 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
     EXPECT_EQ(schema::FindParametrisedWord(info.name), &info);
     EXPECT_FALSE(info.doc.empty() || info.arguments.empty()) << info.name;
-    // A call is told from a distribution, and from a word that stands alone.
+    // A call must not be confused with a distribution or a plain word.
     EXPECT_FALSE(schema::FindDistribution(info.name)) << info.name;
     int takers = 0;
     for (const schema::Parameter& parameter : schema::Schema()) {
@@ -114,7 +114,7 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
       EXPECT_FALSE(argument.doc.empty()) << info.name << " " << argument.name;
       EXPECT_TRUE(argument.default_text.empty() || argument.HasWord(argument.default_text))
           << info.name << " " << argument.name;
-      // What must be given comes first, so that it can be given by its place.
+      // Required arguments come first, so that they can be given by position.
       EXPECT_FALSE(has_default && argument.default_text.empty()) << info.name;
       has_default = !argument.default_text.empty();
       EXPECT_TRUE(argument.calls.empty()) << info.name << " " << argument.name;

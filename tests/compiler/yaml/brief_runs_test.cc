@@ -1,4 +1,4 @@
-// A brief look at a plan finds what reading it does.
+// The short summary of a plan agrees with the plan as read in full.
 #include "compiler/yaml/brief_runs.h"
 
 #include <gtest/gtest.h>

@@ -9,7 +9,8 @@
 
 namespace cdb::tests {
 
-/// Above the floor, or between neighbours: next to nothing, as layouts let no surfaces touch.
+/// Gap above the floor, or between neighbours, in m: nearly zero, because layouts let no surfaces
+/// touch.
 inline constexpr double kHair = 1e-6;
 
 inline schema::Value At(double x, double y, double z) {
@@ -21,8 +22,8 @@ inline void SetTime(plan::Scene& scene, double timestep, double seconds) {
   SetWorld(scene, "cycles", static_cast<std::uint64_t>(std::llround(seconds / timestep)));
 }
 
-/// One object of size 1 in the middle of a cube of side 10 with the floor alone, 1 s at 60 Hz,
-/// without sleep.
+/// One object of size 1 in the middle of a cube of side 10 with only a floor, 1 s at 60 Hz, without
+/// sleeping.
 inline plan::Scene OneObjectScene() {
   plan::Scene scene = LayoutScene(1, 10, At(0, 0, 0));
   SetWorld(scene, "world.walls", Word("floor"));
@@ -31,7 +32,7 @@ inline plan::Scene OneObjectScene() {
   return scene;
 }
 
-/// A ball that is thrown upwards.
+/// A ball thrown upwards.
 inline plan::Scene FlightScene() {
   plan::Scene scene = OneObjectScene();
   SetWorld(scene, "world.walls", Word("none"));
@@ -59,7 +60,7 @@ inline plan::Scene SlopeScene(double angle, double friction) {
   return scene;
 }
 
-/// A box of three sides that turns almost about its middle axis.
+/// A box with three different sides that rotates almost about its middle axis.
 inline plan::Scene SpinScene() {
   plan::Scene scene = OneObjectScene();
   SetWorld(scene, "world.walls", Word("none"));
@@ -70,7 +71,7 @@ inline plan::Scene SpinScene() {
   return scene;
 }
 
-/// Two balls 2 m apart that close in at 4 m/s; the second is `mass` times as heavy.
+/// Two balls 2 m apart that approach each other at 4 m/s; the second is `mass` times as heavy.
 inline plan::Scene HeadOnScene(double mass, double restitution) {
   plan::Scene scene = OneObjectScene();
   SetWorld(scene, "world.walls", Word("none"));
@@ -113,7 +114,7 @@ inline plan::Scene StackScene(std::uint64_t quantity) {
   return scene;
 }
 
-/// A box of 3 m/s on the level floor, which stops after 3/(0.4 g).
+/// A box that slides at 3 m/s on the level floor and stops after 3/(0.4 g) s.
 inline plan::Scene BrakingScene() {
   plan::Scene scene = SlopeScene(0, 0.8);
   SetGroup(scene, "location", At(-2, -4.75 + kHair, 0));
@@ -129,7 +130,7 @@ inline plan::Scene RollScene(double angle, double friction) {
   return scene;
 }
 
-/// A ball that is thrown along the floor at 7 m/s; it rolls after 2/7 of 7/(0.2 g), 1.02 s.
+/// A ball thrown along the floor at 7 m/s; it rolls after 2/7 of 7/(0.2 g), 1.02 s.
 inline plan::Scene BowlScene() {
   plan::Scene scene = RollScene(0, 0.4);
   SetWorld(scene, "world.side", 40.0);
@@ -140,7 +141,7 @@ inline plan::Scene BowlScene() {
   return scene;
 }
 
-/// A ball that meets the floor after 0.5 s at 45 degrees.
+/// A ball that hits the floor after 0.5 s at 45 degrees.
 inline plan::Scene ObliqueScene(double friction) {
   plan::Scene scene = OneObjectScene();
   SetWorld(scene, "acceleration", Eigen::Vector3d(0, 0, 0));
@@ -162,7 +163,7 @@ inline plan::Scene SpringScene(double damping) {
   return scene;
 }
 
-/// A rod of 1 m on a ball joint at its upper end, let go at `angle` from where it would hang.
+/// A rod of 1 m on a ball joint at its upper end, released at `angle` from its equilibrium.
 inline plan::Scene PendulumScene(double angle) {
   plan::Scene scene = OneObjectScene();
   SetWorld(scene, "world.walls", Word("none"));
@@ -175,7 +176,7 @@ inline plan::Scene PendulumScene(double angle) {
   return scene;
 }
 
-/// The box of SpinScene, nearly about its middle axis, for 12 s.
+/// The box of SpinScene, rotating even closer to its middle axis, for 12 s.
 inline plan::Scene FlipScene() {
   plan::Scene scene = SpinScene();
   SetGroup(scene, "angular_velocity", Eigen::Vector3d(0.5, 5, 0.25));

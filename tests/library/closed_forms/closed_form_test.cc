@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kExact = 1e-12;  // a few thousand roundings of numbers about 1
+constexpr double kExact = 1e-12;  // a few thousand rounding errors of numbers near 1
 
 TEST(ClosedForms, FlightStartsAsTheSceneAndHasItsAcceleration) {
   plan::Scene scene = FlightScene();
@@ -35,7 +35,7 @@ TEST(ClosedForms, FlightStartsAsTheSceneAndHasItsAcceleration) {
     EXPECT_EQ(start.positions[i], state.objects[i].pose.position);
     EXPECT_EQ(start.velocities[i], state.objects[i].linear_velocity);
   }
-  // Differences of a parabola are exact but for rounding.
+  // Differences of a parabola are exact up to rounding.
   const double h = 1.0 / 8;
   for (double t = h; t < 1; t += h) {
     const closed_forms::Truth before = form->At(t - h), now = form->At(t), after = form->At(t + h);
@@ -50,15 +50,15 @@ TEST(ClosedForms, FlightStartsAsTheSceneAndHasItsAcceleration) {
     EXPECT_LT((*now.momentum - 2 * (now.velocities[0] + now.velocities[1])).norm(), kExact);
     EXPECT_EQ(*now.angular_momentum, *start.angular_momentum);
   }
-  // Both fly alike, so that what turns is all that there is: m (b² + c²)/12 and so on.
+  // Both fly alike, so that only the rotation of each contributes: m (b² + c²)/12 and so on.
   EXPECT_LT((*start.angular_momentum - 2 * 2 * Vector3d(13, 10 * 2, 5 * 3) / 12).norm(), kExact);
-  // At 1 s the speed is (3, 5 - 9.8, -1), below that at the start.
+  // At 1 s the velocity is (3, 5 - 9.8, -1); the speed is lower than at the start.
   EXPECT_NEAR(form->energy_scale(), 2 * (35 + Vector3d(13, 10, 5).dot(Vector3d(1, 4, 9)) / 12),
               1e-9);
 }
 
-/// The ball's height after `seconds`, in so many steps of which each that crosses a wall is cut
-/// there by halving.
+/// The ball's height after `seconds`, computed in this number of steps. A step that crosses a wall
+/// is divided there by bisection.
 double BounceBySteps(double y, double v, double g, double low, double high, double restitution,
                      double seconds, int steps) {
   const double h = seconds / steps;
@@ -138,7 +138,7 @@ TEST(ClosedForms, SlideIsWhatIsLeftOfTheSlopeAfterFriction) {
     const closed_forms::Truth truth = form->At(t);
     EXPECT_LT((truth.positions[0] - Vector3d(along * t * t / 2, -4.75, 0)).norm(), kExact);
     EXPECT_LT((truth.velocities[0] - Vector3d(along * t, 0, 0)).norm(), kExact);
-    // What friction takes, and the hair that it settles by.
+    // The energy lost to friction and to the gap by which it settles.
     EXPECT_NEAR(*truth.energy, -0.2 * 9.8 * std::cos(0.5) * (along * t * t / 2), 1e-4);
   }
   EXPECT_NEAR(form->energy_scale(), 9.8 * std::sin(0.5) * along / 2, kExact * 10);
@@ -156,7 +156,8 @@ TEST(ClosedForms, StickStaysWhereItStands) {
   }
 }
 
-/// Another way: in the world's axes, where the angular momentum stays, by Runge and Kutta.
+/// An independent solution by the Runge-Kutta method in the world's axes, where the angular
+/// momentum is constant.
 Quaterniond TurnBySteps(Quaterniond turn, const Vector3d& inertia, const Vector3d& momentum,
                         double seconds, int steps) {
   const auto rate = [&](const Quaterniond& q) {
@@ -187,12 +188,13 @@ TEST(ClosedForms, SpinAgreesWithStepsAndKeepsEnergyAndAngularMomentum) {
   const auto form = closed_forms::MakeClosedForm("spin", scene, state);
   const Vector3d inertia = 3 * state.objects[0].solid.InertiaPerMass();
   const Vector3d momentum = *form->At(0).angular_momentum;
-  // The last time goes back.
+  // The last time is earlier than the one before.
   for (const double t : {0.0, 0.5, 3.0, 20.0, 1.0}) {
     const closed_forms::Truth truth = form->At(t);
     const Quaterniond stepped = TurnBySteps(state.objects[0].pose.orientation, inertia, momentum, t,
                                             1 + static_cast<int>(2000 * t));
-    // h^4 of steps of 1.5e-3 rad, over 60 rad near the unstable axis, which spreads errors.
+    // The error is h^4 with steps of 1.5e-3 rad, over 60 rad near the unstable axis, where errors
+    // grow.
     EXPECT_LT(truth.orientations[0].angularDistance(stepped), 1e-6) << t;
     const Matrix3d r = truth.orientations[0].toRotationMatrix();
     const Vector3d body = r.transpose() * truth.spins[0];
@@ -200,7 +202,7 @@ TEST(ClosedForms, SpinAgreesWithStepsAndKeepsEnergyAndAngularMomentum) {
     EXPECT_NEAR(inertia.dot(body.cwiseAbs2()) / 2, form->energy_scale(),
                 kExact * form->energy_scale());
   }
-  // It tumbles: the unstable axis has turned over on the way.
+  // It tumbles: the unstable axis turns over on the way.
   bool turned_over = false;
   for (double t = 0; t < 20; t += 0.1) {
     const closed_forms::Truth truth = form->At(t);
@@ -232,7 +234,7 @@ TEST(ClosedForms, HeadOnKeepsMomentumAndTheRestitutionsPartOfTheSpeed) {
     for (const double restitution : {1.0, 0.5}) {
       const auto form = FormOf("head_on", HeadOnScene(mass, restitution));
       const closed_forms::Truth before = form->At(0.499),
-                                after = form->At(0.75);  // they meet at 0.5 s
+                                after = form->At(0.75);  // they collide at 0.5 s
       EXPECT_EQ(before.velocities[0].x(), 3);
       EXPECT_NEAR(after.velocities[1].x() - after.velocities[0].x(), restitution * 4, kExact);
       EXPECT_NEAR(after.velocities[0].x() + mass * after.velocities[1].x(), 3 - mass, kExact);
@@ -244,7 +246,7 @@ TEST(ClosedForms, HeadOnKeepsMomentumAndTheRestitutionsPartOfTheSpeed) {
       EXPECT_NEAR(*after.energy, kinetic(after) - kinetic(before), kExact);
       EXPECT_NEAR(after.momentum->x(), 3 - mass, kExact);
       EXPECT_NEAR(after.angular_momentum->norm(), 0, kExact);
-      // With restitution 0 they would have this much less.
+      // With restitution 0 they would lose this energy.
       EXPECT_NEAR(form->energy_scale(), mass / (1 + mass) / 2 * 16, kExact);
     }
   }
@@ -276,8 +278,8 @@ TEST(ClosedForms, RollingSolvesTheEquationsOfEachBody) {
     EXPECT_EQ(truth.positions[i].y(), -19.5);
   }
   EXPECT_NEAR(truth.positions[25].y(), -18.5, kExact);
-  EXPECT_NEAR(*truth.energy, 0, 1e-3);  // the hair that it settles by
-  // The kinetic energy at the end, 1 s, is what was released.
+  EXPECT_NEAR(*truth.energy, 0, 1e-3);  // the gap by which it settles
+  // The kinetic energy at the end, 1 s, is the energy released.
   const double kinetic = plate * solved[0] * solved[0] / 2 +
                          n * (m * solved[1] * solved[1] + moment * solved[2] * solved[2]) / 2;
   EXPECT_NEAR(form->energy_scale(), kinetic, 1e-9);
@@ -300,13 +302,13 @@ TEST(ClosedForms, StackIsAsHighAsItsBoxes) {
     EXPECT_NEAR(truth.positions[i].y(), -20 + static_cast<double>(i) + 0.5, kExact);
     EXPECT_EQ(truth.velocities[i], Vector3d::Zero());
   }
-  // Each is a hair above the one below: together 1 + 2 + … of them.
+  // Each cube is a gap above the one below: together 1 + 2 + … gaps.
   EXPECT_NEAR(*truth.energy, -9.8 * kHair * 20 * 21 / 2, 1e-9);
 }
 
-/// Of a form of one object: velocity and spin are what positions and orientations change by, and
-/// momentum, energy and angular momentum are those of the scene's bodies. Not at `corners`, where
-/// velocities change at once. `spring`: N/m.
+/// Checks a form of one object: velocity and spin are the derivatives of positions and
+/// orientations, and momentum, energy and angular momentum are those of the scene's bodies. Except
+/// at `corners`, where velocities change instantly. `spring`: N/m.
 void ExpectConsistent(const char* name, const plan::Scene& scene, double end,
                       const std::vector<double>& corners = {}, double spring = 0) {
   const layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -322,7 +324,7 @@ void ExpectConsistent(const char* name, const plan::Scene& scene, double end,
            spring * way.squaredNorm() / 2;
   };
   closed_forms::Truth start = form->At(0);
-  // Before it settles by a hair.
+  // Before it settles by the gap.
   start.positions[0] = object.pose.position;
   const double h = 1e-5;
   for (double t = h; t < end; t += end / 37) {
@@ -357,7 +359,7 @@ TEST(ClosedForms, RollIsFiveSeventhsWhereFrictionHoldsAndSlipsWhereNot) {
   const closed_forms::Truth rolls = FormOf("roll", RollScene(0.5, 0.4))->At(t);
   EXPECT_NEAR(rolls.velocities[0].x(), a * t * 5 / 7, kExact);
   EXPECT_NEAR(rolls.spins[0].z(), -a * t * 5 / 7 / r, kExact);
-  EXPECT_NEAR(*rolls.energy, 0, 1e-4);  // the hair
+  EXPECT_NEAR(*rolls.energy, 0, 1e-4);  // the gap
   // The torque mu m n r over 2/5 m r^2.
   const closed_forms::Truth slips = FormOf("roll", RollScene(0.5, 0.2))->At(t);
   EXPECT_NEAR(slips.velocities[0].x(), (a - 0.1 * n) * t, kExact);
@@ -371,9 +373,9 @@ TEST(ClosedForms, BowlRollsAtFiveSeventhsOfItsSpeed) {
   const closed_forms::Truth truth = FormOf("bowl", BowlScene())->At(1.5);
   EXPECT_NEAR(truth.velocities[0].x(), 5, kExact);
   EXPECT_NEAR(truth.spins[0].z(), -10, kExact);
-  // 2/7 of the energy is lost.
+  // It loses 2/7 of the energy.
   EXPECT_NEAR(*truth.energy, -2.0 / 7 * 7 * 49 / 2, 1e-3);
-  // About the lowest point the angular momentum stays, whatever the spin at the start.
+  // About the lowest point, the angular momentum is constant for any initial spin.
   plan::Scene spinning = BowlScene();
   SetGroup(spinning, "angular_velocity", Vector3d(3, 0, 20));
   SetTime(spinning, 1.0 / 60, 3);
@@ -428,7 +430,7 @@ TEST(ClosedForms, PendulumAgreesWithStepsAndHasItsPeriod) {
     const double period = 4 * std::comp_ellint_1(std::sin(angle / 2)) / std::sqrt(square);
     EXPECT_LT(form->At(3 * period).positions[0].norm(), 1e-9) << angle;
     EXPECT_LT(form->At(period / 2).velocities[0].norm(), 1e-6) << angle;
-    // By Runge and Kutta.
+    // By the Runge-Kutta method.
     double q = angle, rate = 0;
     const int steps = 4000;
     const double h = 1.0 / steps;

@@ -1,4 +1,4 @@
-// Scenes that each closed form refuses, with the reason.
+// Scenes that each closed form rejects, with the reason.
 #include "library/closed_forms/fit.h"
 
 #include <gtest/gtest.h>
@@ -33,12 +33,12 @@ Change Slope(double angle) {
   };
 }
 
-/// A scene that the form takes, and a change after which it refuses the scene.
+/// A scene that the form accepts, and a change after which it rejects the scene.
 struct RefusedScene {
   const char* form;
   plan::Scene scene;
   Change change;
-  const char* message;  ///< a part of it
+  const char* message;  ///< part of the message
 };
 
 void ExpectRefusals(const std::vector<RefusedScene>& refusals) {

@@ -11,7 +11,7 @@ namespace cdb::tests {
 namespace {
 
 constexpr double Vec3::*kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-/// As a worker in single precision has it.
+/// The value in a worker of single precision.
 double Rounded(double x) { return static_cast<double>(static_cast<float>(x)); }
 
 }  // namespace
@@ -140,7 +140,7 @@ std::vector<Pair> SortedPairs(Detector& detector, const Scene& scene) {
 }
 
 void KeptPairs::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
-  constexpr int kListed = 11;  // one call in so many
+  constexpr int kListed = 11;  // every 11th call uses FindPairs
   std::vector<Pair> came, went;
   bool are_changes = false;
   if (++calls_ % kListed == 0)

@@ -1,4 +1,4 @@
-// Boxes that move like the objects of well-known scenes, for detectors and without physics.
+// Boxes that move like the objects of well-known scenes, without physics, for tests of detectors.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@
 
 namespace cdb::tests {
 
-/// `sparse` (the paper's cube, nearly no pairs), `dense` (15 % full, moving a tenth of a size a
-/// cycle), `cluster` (normal about 0), `swarms` (a quarter as in `sparse`, the others in six
-/// clusters there), `pile` (layers that jitter), `asleep` (the same at rest), `shots` (the same,
-/// and one in fifty flies through it, up to half a size a cycle), `mixed` (sizes 50 to 500 and rods
-/// of 1 : 1 : 50). All is drawn from `seed`.
+/// `sparse` (the cube of Woulfe & Manzke 2009, nearly no pairs), `dense` (15 % full, moving a tenth
+/// of a size a cycle), `cluster` (normally distributed about 0), `swarms` (a quarter as in
+/// `sparse`, the others in six clusters), `pile` (layers that jitter), `asleep` (the same at rest),
+/// `shots` (the same, and one in fifty flies through it, up to half a size a cycle), `mixed` (sizes
+/// 50 to 500 and rods of 1 : 1 : 50). Everything is drawn from `seed`.
 class BoxScene {
  public:
   BoxScene(std::string_view name, std::size_t objects, bool walls = false, std::uint64_t seed = 1);
 
-  /// The walls, of which there must be six, get the boxes of the half-spaces outside a cube that is
-  /// a little smaller than the objects'.
+  /// Gives the walls, which must be six, the boxes of the half-spaces outside a cube that is
+  /// slightly smaller than that of the objects.
   void CutWalls();
 
-  /// The bodies as they stand; valid until Move or the end.
+  /// The present state of the bodies; valid until Move or the end of this object.
   Scene View() const;
-  /// One cycle further. Objects bounce off the sides of their cube.
+  /// Advances by one cycle. Objects bounce off the sides of their cube.
   void Move();
 
  private:
@@ -45,7 +45,7 @@ class BoxScene {
   std::vector<std::uint8_t> is_asleep_;
 };
 
-/// The names.
+/// The names of the scenes.
 inline constexpr std::string_view kBoxScenes[] = {"sparse", "dense",  "cluster", "swarms",
                                                   "pile",   "asleep", "shots",   "mixed"};
 
@@ -76,12 +76,12 @@ inline Box Cube(double x, double y, double z, double half) {
   return {{x - half, y - half, z - half}, {x + half, y + half, z + half}};
 }
 
-/// What the detector lists, as it lists it.
+/// The pairs that the detector lists, in its order.
 std::vector<Pair> Listed(Detector& detector, const Scene& scene);
 std::vector<Pair> SortedPairs(Detector& detector, const Scene& scene);
 
-/// Lists the pairs that a detector's changes come to, in order, and now and then those of its
-/// FindPairs. A change that cannot be one fails the test.
+/// Lists the sorted pairs that result from a detector's changes, and sometimes calls its FindPairs.
+/// An impossible change fails the test.
 class KeptPairs final : public Detector {
  public:
   explicit KeptPairs(std::unique_ptr<Detector> detector) : detector_(std::move(detector)) {}
@@ -94,7 +94,7 @@ class KeptPairs final : public Detector {
   int calls_ = 0;
 };
 
-/// Every pair tested: what exact_pairs.h has to find.
+/// All overlapping pairs, found by testing every pair; exact_pairs.h must find the same.
 std::vector<Pair> BruteForce(const Scene& scene);
 
 }  // namespace cdb::tests

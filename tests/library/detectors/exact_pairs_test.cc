@@ -40,8 +40,8 @@ TEST(ComparePairs, CountsEachFaultByItself) {
   const std::size_t exact = found.size();
   Pair stranger = {0, 1};
   while (Overlap(scene.boxes[stranger.a], scene.boxes[stranger.b])) ++stranger.b;
-  found.front() = stranger;       // one missed, one false positive,
-  found.push_back(found.back());  // and one twice
+  found.front() = stranger;       // one pair missed, one false positive,
+  found.push_back(found.back());  // and one pair listed twice
   found.push_back(stranger);
   EXPECT_EQ(
       detectors::ComparePairs(scene, found),

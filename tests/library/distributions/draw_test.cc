@@ -163,7 +163,7 @@ TEST(DrawObjects, SidesAreSizeTimesAspect) {
   SetGroup(scene, "aspect", schema::Ratio{Vector3d(1, 2, 5)});
   for (const layouts::ObjectState& object : layouts::DrawObjects(scene).objects)
     EXPECT_EQ(object.solid.sides, Vector3d(50, 100, 250));
-  // A distribution draws each side by itself.
+  // A distribution draws each side independently.
   SetGroup(scene, "size", Uniform(10.0, 20.0));
   for (const layouts::ObjectState& object : layouts::DrawObjects(scene).objects) {
     EXPECT_NE(object.solid.sides.x() * 2, object.solid.sides.y());

@@ -1,4 +1,4 @@
-// Draws against closed forms: moments, and Kolmogorov and Smirnov's distance, with fixed seeds.
+// Draws compared with closed forms: moments and the Kolmogorov-Smirnov distance, with fixed seeds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ std::vector<double> DrawsOf(const Distribution& distribution) {
   return draws;
 }
 
-/// The largest distance between the draws' distribution function and `cumulative`, times the root
-/// of their number; above 1.95 with a probability of 0.001.
+/// The largest distance between the draws' empirical distribution function and `cumulative`, times
+/// the root of their number; above 1.95 with a probability of 0.001.
 double Distance(std::vector<double> draws, const std::function<double(double)>& cumulative) {
   std::ranges::sort(draws);
   const auto n = static_cast<double>(draws.size());
@@ -79,7 +79,7 @@ TEST(DrawnDistributions, Weibull) {
   ExpectMoments(draws, 2 * first, 4 * (second - first * first), 4);
 }
 
-// Whole shapes have a sum of Poisson's terms as their closed form, and shape 1/2 the error
+// For integer shapes, the closed form is a sum of Poisson terms; for shape 1/2 it is the error
 // function.
 TEST(DrawnDistributions, Gamma) {
   const auto whole = DrawsOf({DistributionKind::kGamma, {3.0, 2.0}, {}});
@@ -122,7 +122,7 @@ TEST(DrawnDistributions, TablesDrawTheirValuesByWeight) {
   }
 }
 
-// The first draws of each, so that another machine or library shows.
+// The first draws of each distribution, which reveal differences between machines and libraries.
 TEST(DrawnDistributions, DrawsAreTheSameToTheBit) {
   const std::pair<Distribution, const char*> expected[] = {
       {{DistributionKind::kLognormal, {0.5, 0.4}, {}}, "190.12442188242417"},

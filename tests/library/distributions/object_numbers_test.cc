@@ -1,4 +1,4 @@
-// The numbers of an object that are evaluated from others of the same object.
+// The numbers of an object that are computed from other numbers of the same object.
 #include "library/distributions/object_numbers.h"
 
 #include <gtest/gtest.h>
@@ -108,7 +108,7 @@ TEST(ObjectNumbers, WhatIsNoValueOfTheSettingIsRefused) {
   EXPECT_NE(RefusalOf(scene).find("`objects.mass` is no number for object 1"), std::string::npos);
 }
 
-// A plan that was written by hand, as the compiler refuses them.
+// The plan is written by hand, because the compiler rejects such settings.
 TEST(ObjectNumbers, CirclesEnd) {
   plan::Scene scene = DrawnScene(5);
   SetGroup(scene, "mass", Name("friction"));

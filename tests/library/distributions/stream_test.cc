@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kDraws = 200000;
 
-/// The largest distance between the samples' distribution and `cdf`, times the root of their number
-/// (Kolmogorov and Smirnov). Above kKs by chance once in 10^4.
+/// The Kolmogorov-Smirnov distance: the largest distance between the samples' distribution and
+/// `cdf`, times the root of their number. Above kKs by chance once in 10^4.
 constexpr double kKs = 2.23;
 double KsStatistic(std::vector<double> samples, auto cdf) {
   std::ranges::sort(samples);
@@ -34,9 +34,9 @@ std::vector<double> Draws(auto draw) {
   return samples;
 }
 
-// Computed apart from this code: mt19937_64 written out from its definition, the inverse of the
-// normal distribution from another implementation of AS 241. To change a value here is to change
-// every result there is.
+// Computed independently of this code: mt19937_64 written from its definition, the inverse normal
+// distribution from another implementation of AS 241. Changing a value here would change every
+// existing result.
 TEST(Stream, FirstValuesAreFrozen) {
   distributions::Stream uniform(0xAAAAAAAAAA);
   for (const double expected :
@@ -119,8 +119,8 @@ TEST(Stream, LogUniformIsUniformInTheLogarithm) {
 }
 
 TEST(Stream, TurnsAreUniform) {
-  // The angle of a random turn has the density (1 - cos a)/pi on [0, pi] (R. E. Miles, 1965), and
-  // its axis is uniform on the sphere: each coordinate uniform (Archimedes).
+  // The angle of a random rotation has the density (1 - cos a)/pi on [0, pi] (R. E. Miles, 1965),
+  // and its axis is uniform on the sphere, so that each coordinate is uniform (Archimedes).
   std::vector<double> angles, heights;
   distributions::Stream stream(9);
   for (int i = 0; i < kDraws; ++i) {

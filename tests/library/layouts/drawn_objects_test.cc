@@ -1,4 +1,4 @@
-// What is drawn for an object: sizes of one draw, masses from densities.
+// Values drawn for an object: sizes from a single draw, masses from densities.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ TEST(DrawnObjects, SameIsOneDrawForAllSides) {
     EXPECT_EQ(sides, Eigen::Vector3d::Constant(sides.x()));
     sum += sides.x();
     ellipsoids += each.objects[i].solid.sides.x() != each.objects[i].solid.sides.y();
-    // The draws are those of the same stream, one after the other.
+    // The draws are consecutive values of the same stream.
     if (i < 333) {
       EXPECT_EQ(same.objects[3 * i].solid.sides.x(), each.objects[i].solid.sides.x());
     }

@@ -44,7 +44,7 @@ TEST(Layout, GridFillsTheCube) {
   ExpectAt(state.objects[3], {-2, -2, 0});
   ExpectAt(state.objects[8], {2, -2, 2});
   ExpectAt(state.objects[9], {-2, 0, -2});
-  // A whole cube of them needs no larger one.
+  // A full cube needs no larger lattice.
   const layouts::InitialState full = layouts::MakeInitialState(LayoutScene(27, 6, Layout("grid")));
   ExpectAt(full.objects[26], {2, 2, 2});
 }
@@ -53,7 +53,7 @@ TEST(Layout, ListedPoints) {
   plan::Scene scene = LayoutScene(3, 100, Points({{1, 2, 3}, {0, -5, 0}, {-7, 0, 7}}));
   SetGroup(scene, "type", Word("cone"));
   const layouts::InitialState state = layouts::MakeInitialState(scene);
-  // The centre of mass, as of a single one.
+  // The centre of mass, as for a single object.
   EXPECT_EQ(state.objects[0].pose.position, Vector3d(1, 2, 3));
   EXPECT_EQ(state.objects[1].pose.position, Vector3d(0, -5, 0));
   EXPECT_EQ(state.objects[2].pose.position, Vector3d(-7, 0, 7));
@@ -174,7 +174,7 @@ TEST(Layout, PyramidRestsEachOnFour) {
   ExpectAt(state.objects[16], at(-1, 1, -1));
   ExpectAt(state.objects[24], at(1, 1, 1));
   ExpectAt(state.objects[27], at(-0.5, 2, 0.5));
-  // A fifth layer is needed by one more than 4 hold.
+  // One object more than four layers hold needs a fifth one.
   EXPECT_NEAR(
       BoxCentre(layouts::MakeInitialState(LayoutScene(30, 20, Layout("pyramid"))).objects[0]).x(),
       -1.5 * 1.001, kPlacementError * 10);
@@ -194,7 +194,7 @@ TEST(Layout, RingIsEven) {
 }
 
 TEST(Layout, RingFitsClosely) {
-  // Two: 1.1 from centre to centre. Four: 1.1 along x or along z, whichever opens.
+  // Two: 1.1 between the centres. Four: 1.1 along x or along z, whichever separates them first.
   ExpectAt(layouts::MakeInitialState(LayoutScene(2, 20, Layout("ring"))).objects[0], {0.55, 0, 0});
   const double r =
       layouts::MakeInitialState(LayoutScene(4, 20, Layout("ring"))).objects[0].pose.position.x();
@@ -264,7 +264,8 @@ TEST(Layout, PairsDirectionIsUniform) {
     mean += direction / kSeeds;
     square += direction.cwiseAbs2() / kSeeds;
   }
-  // A component is uniform on -1 .. 1: variance 1/3, of its square 4/45. Five deviations.
+  // A component is uniform on -1 .. 1: its variance is 1/3, that of its square 4/45. Five standard
+  // deviations.
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(mean[axis], 0, 5 * std::sqrt(1.0 / 3 / kSeeds));
     EXPECT_NEAR(square[axis], 1.0 / 3, 5 * std::sqrt(4.0 / 45 / kSeeds));
@@ -313,7 +314,7 @@ TEST(Layout, MixedObjectsTouchNothing) {
 }
 
 TEST(Layout, DrawnObjectsKeepClearOfAllOthers) {
-  // The drawn group comes first in the plan, and is placed last.
+  // The drawn group comes first in the plan, but is placed last.
   plan::Scene scene = LayoutScene(400, 12, Word("uniform"));
   MixObjects(scene);
   SetGroup(scene, "aspect", schema::Ratio{Vector3d::Ones()});
@@ -340,7 +341,7 @@ TEST(Layout, DrawnObjectsKeepClearOfAllOthers) {
 }
 
 TEST(Layout, DrawnFillsWhatIsLeftOfACrowdedCube) {
-  // A fixed slab takes the lower half; the rest takes a third of itself.
+  // A fixed slab occupies the lower half; the objects occupy a third of the rest.
   plan::Scene scene = LayoutScene(1, 10, Layout("at", {{"x", 0.0}, {"y", -5.0}, {"z", 0.0}}));
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "mass", Word("fixed"));

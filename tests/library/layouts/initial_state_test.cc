@@ -63,7 +63,8 @@ TEST(LayoutErrors, Walls) {
   EXPECT_NE(FailureOf(open), "");
 }
 
-/// In the cube's corner -x -y -z, of side 3: places that no binary fraction holds.
+/// A position in the corner -x -y -z of a cube of side 3 m. Its coordinates are no binary
+/// fractions.
 schema::Value InCorner(const Vector3d& sides, double above = 0) {
   const Vector3d place = Vector3d::Constant(-1.5) + sides / 2;
   return At(place.x(), place.y() + above, place.z());
@@ -88,7 +89,7 @@ TEST(Touching, WallsIsNoOverlap) {
 }
 
 TEST(Touching, IsNotSaidWherePlacesAreCoarserThanObjects) {
-  // Neighbouring numbers are 0.06 m apart here: the object is nowhere in particular.
+  // Adjacent doubles are 0.06 m apart here, so the object has no exact position.
   EXPECT_NE(FailureOf(LayoutScene(1, 1e15, Layout("stack", {{"gap", 0.0}}))), "");
   EXPECT_EQ(FailureOf(LayoutScene(1, 1e7, Layout("stack", {{"gap", 0.0}}))), "");
 }
@@ -162,7 +163,7 @@ TEST(LayoutErrors, Piles) {
 }
 
 TEST(LayoutErrors, PairThatNeverComesSoNear) {
-  // Two balls are there in any direction; nothing else can be asked of `pair` without a hole.
+  // Two balls come this close in any direction; only objects with holes could miss each other.
   EXPECT_EQ(FailureOf(LayoutScene(2, 1e6, Layout("pair", {{"distance", 1e5}}))), "");
   EXPECT_NE(FailureOf(LayoutScene(2, 10, Layout("pair", {{"distance", 1e5}})))
                 .find("make distance or the size smaller"),
@@ -176,7 +177,7 @@ TEST(LayoutErrors, FixedObjectsMayOverlapAndLeaveTheCube) {
   AddGroup(scene, "far", 1, At(1e6, 0.5, 0));
   AddGroup(scene, "inside", 1, At(0.3, 0.2, 0));
   EXPECT_EQ(FailureOf(scene), "");
-  // But nothing that moves may be in their way, whichever comes first.
+  // But no moving object may overlap them, whichever comes first.
   AddGroup(scene, "probe", 1, At(0.1, 0.05, 0.1));
   SetGroup(scene, "mass", 1.0, 3);
   std::string message = FailureOf(scene);
@@ -193,14 +194,14 @@ TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
             "along the line between their centres of mass; make gap larger, or say overlap on");
   SetGroup(scene, "overlap", true);
   EXPECT_EQ(FailureOf(scene), "");
-  // In one place; and with another group, once that agrees.
+  // They overlap each other; they may overlap another group only if it agrees.
   SetGroup(scene, "location", Layout("line", {{"gap", -1.0}}));
   EXPECT_EQ(FailureOf(scene), "");
   const std::size_t other = AddGroup(scene, "others", 1, At(0, 0, 0));
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "overlap", false, other);
   EXPECT_NE(FailureOf(scene).find("give one of the two groups another place"), std::string::npos);
-  // What is drawn finds a free place all the same, and walls are walls.
+  // Drawn objects still get free positions, and walls still apply.
   SetGroup(scene, "location", Word("uniform"), other);
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "location", Layout("line", {{"gap", 60.0}}));

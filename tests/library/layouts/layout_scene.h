@@ -1,4 +1,4 @@
-// Scenes with layouts that take arguments.
+// Scenes with layouts that have arguments.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 
 namespace cdb::tests {
 
-/// One group; see DefaultScene.
+/// A scene with one group; see DefaultScene.
 inline plan::Scene LayoutScene(std::uint64_t quantity, double side, schema::Value layout) {
   plan::Scene scene = DefaultScene(quantity, side);
   SetGroup(scene, "size", 1.0);
@@ -24,12 +24,12 @@ inline plan::Scene LayoutScene(std::uint64_t quantity, double side, schema::Valu
   return scene;
 }
 
-/// `at` with a point for each object.
+/// The layout `at` with a point for each object.
 inline schema::Value Points(const std::vector<Eigen::Vector3d>& points) {
   return schema::Call{"at", {points.begin(), points.end()}};
 }
 
-/// Another group like the last one; returns its index.
+/// Adds a group like the last one; returns its index.
 inline std::size_t AddGroup(plan::Scene& scene, std::string name, std::uint64_t quantity,
                             schema::Value layout) {
   scene.groups.push_back(scene.groups.back());
@@ -41,7 +41,7 @@ inline std::size_t AddGroup(plan::Scene& scene, std::string name, std::uint64_t 
   return index;
 }
 
-/// Every type, size, aspect and turn.
+/// Gives the group objects of every type, size, aspect ratio and orientation.
 inline void MixObjects(plan::Scene& scene, std::size_t group = 0) {
   schema::Distribution types{schema::DistributionKind::kAny, {}, {}};
   for (const char* type :
@@ -55,12 +55,12 @@ inline void MixObjects(plan::Scene& scene, std::size_t group = 0) {
   SetGroup(scene, "orientation", Word("random"), group);
 }
 
-/// Calls `check(i, j)` for each two objects that are near enough to touch, found by a sweep along
+/// Calls `check(i, j)` for each two objects that are close enough to touch, found by a sweep along
 /// x.
 template <typename Check>
 void ForEachNear(const layouts::InitialState& state, Check check) {
   struct Extent {
-    double low, high;  ///< of a ball around the object
+    double low, high;  ///< of the bounding sphere
     std::size_t object;
   };
   std::vector<Extent> along;
@@ -74,7 +74,7 @@ void ForEachNear(const layouts::InitialState& state, Check check) {
       check(along[i].object, along[j].object);
 }
 
-/// Nothing that moves touches a wall or anything else, tested pair by pair.
+/// Checks pair by pair that no moving object touches a wall or another object.
 inline void ExpectNothingTouches(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -92,7 +92,7 @@ inline void ExpectNothingTouches(const plan::Scene& scene, const layouts::Initia
   });
 }
 
-/// What MakeInitialState says against the scene; empty where nothing.
+/// The error of MakeInitialState for the scene; empty if there is none.
 inline std::string FailureOf(const plan::Scene& scene) {
   try {
     layouts::MakeInitialState(scene);

@@ -87,7 +87,7 @@ TEST(Path, RefusesByLineAndColumn) {
             std::string::npos);
   EXPECT_NE(PathFault("t,x,y,z\n0,0,0,0\n1,0,0,1\n", "repeat").find("its last pose is not its"),
             std::string::npos);
-  // What a path has, a table of poses has not.
+  // A table of poses must not have the columns of a path.
   EXPECT_THROW(layouts::ParsePoseCsv("t,x,y,z\n0,0,0,0\n", "start.csv"), library::SceneError);
 }
 
@@ -111,7 +111,7 @@ TEST_F(KinematicObjects, BeginWhereTheirPathIsAtTheStart) {
   EXPECT_TRUE(object.is_kinematic && object.IsFixed());
   EXPECT_EQ(object.pose.position, Vector3d(1, 2, 3));
   EXPECT_EQ(layouts::PoseAt(object, 0.5).position, Vector3d(1.5, 3, 4.5));
-  // Without columns of orientation it turns by its spin.
+  // Without columns of orientation, it rotates by its spin.
   const Quaterniond turn(Eigen::AngleAxisd(2, Vector3d::UnitZ()));
   EXPECT_LT(layouts::PoseAt(object, 0.5).orientation.angularDistance(turn), 1e-7);
 }

@@ -20,7 +20,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A cube in which `quantity` equal objects of 50 m fill so much.
+/// A cube in which `quantity` equal objects of 50 m fill the fraction `fill`.
 plan::Scene FilledScene(std::uint64_t quantity, double fill, const char* type) {
   plan::Scene scene = DefaultScene(quantity, 1e6);
   SetGroup(scene, "type", Word(type));
@@ -28,7 +28,7 @@ plan::Scene FilledScene(std::uint64_t quantity, double fill, const char* type) {
   return scene;
 }
 
-/// Nothing touches anything, tested pair by pair.
+/// Checks pair by pair that no objects touch.
 void ExpectFree(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
@@ -131,7 +131,7 @@ TEST(Placement, NormalHasAThirdOfTheWallsCoordinate) {
 }
 
 TEST(Placement, TooFullSaysHowFullAndWhatToChange) {
-  // 500 balls of 50 m in a cube of 400 m: 51 %, above what chance can fill.
+  // 500 balls of 50 m in a cube of 400 m: 51 %, more than random placement can fill.
   const std::string message = FailureOf(DefaultScene(500, 400));
   EXPECT_NE(message.find("51.1 % of the cube"), std::string::npos) << message;
   EXPECT_NE(message.find("world.side"), std::string::npos) << message;
@@ -177,7 +177,7 @@ TEST(Placement, DenseFills) {
     const char* type;
   } const cases[] = {{2000, .30, "sphere"}, {4000, .35, "sphere"}, {2000, .38, "cuboid"}};
   for (const auto& [quantity, fill, type] : cases) {
-    if (kAddressSanitizer && quantity > 2000) continue;  // slow, and no other code
+    if (kAddressSanitizer && quantity > 2000) continue;  // slow, and covers no other code
     const plan::Scene scene = FilledScene(quantity, fill, type);
     const layouts::InitialState state = layouts::MakeInitialState(scene);
     EXPECT_NEAR(state.fill_fraction, fill, 1e-9);
@@ -189,7 +189,7 @@ TEST(Placement, DenseFills) {
 }
 
 TEST(Placement, DenseAndMixed) {
-  // Above what plain redrawing keeps to itself, with boxes of all sizes and turns.
+  // Denser than plain redrawing can place, with boxes of all sizes and orientations.
   plan::Scene scene = DefaultScene(300, 1);
   SetGroup(scene, "type", AnyType());
   SetGroup(scene, "size", Uniform(10.0, 40.0));
@@ -213,7 +213,7 @@ TEST(Placement, SaturationIsProvenAndSaysHowFullItGot) {
     const double filled = std::stod(message.substr(message.rfind(' ', at - 1)));
     EXPECT_GT(filled, 30) << message;
     EXPECT_LT(filled, 42) << message;
-    // The proof holds: no draw finds a place among those that stand.
+    // The proof is right: no draw finds a free position among the objects placed so far.
     const std::size_t stand =
         std::stoul(message.substr(message.find("object ") + std::string("object ").size())) - 1;
     const double side = scene.world.Real("world.side");
@@ -238,7 +238,7 @@ TEST(Placement, SaturationIsProvenAndSaysHowFullItGot) {
 }
 
 TEST(Placement, WhatCanNeverFitIsRefusedBeforeTheFirstDraw) {
-  // Far too many for a test, were they placed one by one.
+  // Far too many for a test that places them one by one.
   for (const auto& [fill, type] : {std::pair(.45, "sphere"), std::pair(.50, "cuboid")}) {
     const std::string message = FailureOf(FilledScene(100000, fill, type));
     EXPECT_NE(message.find("the 100000 objects of group `objects` fill"), std::string::npos)
@@ -252,7 +252,8 @@ TEST(Placement, WhatCanNeverFitIsRefusedBeforeTheFirstDraw) {
 }
 
 TEST(Placement, LongObjectsMayFillMoreThanCompactOnes) {
-  // As long as the cube, so that they leave no gap along z: the limit for many does not hold.
+  // The objects are as long as the cube, so that they leave no gap along z: the limit for many
+  // objects does not apply.
   plan::Scene scene = DefaultScene(1000, 500);
   SetGroup(scene, "type", Word("cuboid"));
   SetGroup(scene, "size", 10.0);

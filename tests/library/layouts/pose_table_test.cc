@@ -112,7 +112,7 @@ TEST_F(PoseFiles, AreCheckedAsOtherLayouts) {
   plan::Scene scene = LayoutScene(1, 40, low);
   EXPECT_NE(FailureOf(scene).find("reaches 0.1 m through the cube's wall -y"), std::string::npos)
       << FailureOf(scene);
-  // What lay on the floor when it was recorded.
+  // Permits an object that lay on the floor when it was recorded.
   SetGroup(scene, "overlap", true);
   EXPECT_EQ(FailureOf(scene), "");
   SetGroup(scene, "location", Write("x,y,z\n0,-20.1,0\n"));

@@ -18,7 +18,7 @@ namespace {
 using namespace testing;
 using Eigen::Vector3d;
 
-/// Deterministic points without a generator: well spread in the unit cube.
+/// Deterministic points without a random generator, well spread in the unit cube.
 Vector3d Spread(int i) {
   const auto part = [&](double step) { return i * step - std::floor(i * step); };
   return {part(0.8191725134), part(0.6710436067), part(0.5497004779)};
@@ -29,7 +29,7 @@ TEST(ConvexHull, OfABoxIsItsCorners) {
   const std::vector<Vector3d> corners = box.vertices;
   for (int i = 0; i < 500; ++i)
     box.vertices.push_back((2 * Spread(i) - Vector3d::Ones()).cwiseProduct(Vector3d(1, 2, 3)));
-  // And some on its faces and edges, which are no corners.
+  // And some points on its faces and edges, which are not corners.
   box.vertices.insert(box.vertices.end(), {{1, 0, 0}, {1, 2, 0}, {0, 2, 3}, {0.5, -2, 0.5}});
   EXPECT_EQ(meshes::ConvexHull(box, "m").vertices, corners);
 }
@@ -52,7 +52,7 @@ TEST(ConvexHull, SurfaceIsClosedConvexAndAroundAllPoints) {
 }
 
 TEST(ConvexHull, CoplanarAndRepeatedPointsDoNoHarm) {
-  // All of a lattice's points; most are on faces.
+  // All points of a lattice; most are on faces.
   meshes::Mesh lattice;
   for (int i = 0; i < 6 * 6 * 6; ++i) lattice.vertices.emplace_back(i % 6, i / 6 % 6, i / 36);
   for (int i = 0; i < 6 * 6 * 6; ++i) lattice.vertices.push_back(lattice.vertices[216 / 2]);
@@ -94,9 +94,9 @@ TEST(ConvexHull, FewerVerticesKeepMostOfTheVolume) {
   }
   EXPECT_GT(volume, 0.9 * 4 * std::numbers::pi / 3);
   EXPECT_EQ(meshes::WithFewerVertices(ball, 2000), ball);
-  // The corners of a box come first.
+  // The first points are the corners of a box.
   meshes::Mesh box = BoxMesh({-1, -1, -1}, {1, 1, 1});
-  for (int i = 0; i < 50; ++i)  // just outside its faces
+  for (int i = 0; i < 50; ++i)  // points just outside its faces
     box.vertices.emplace_back(1 + 1e-4 * (i % 7), 1.5 * Spread(i).y() - 0.75,
                               1.5 * Spread(i).z() - 0.75);
   const meshes::Hull eight = meshes::WithFewerVertices(meshes::ConvexHull(box, "m"), 8);
@@ -105,7 +105,7 @@ TEST(ConvexHull, FewerVerticesKeepMostOfTheVolume) {
 
 TEST(OverlapVolume, OfBoxesIsExact) {
   const meshes::Mesh a = BoxMesh({0, 0, 0}, {4, 4, 4}), b = BoxMesh({1, 1, -1}, {2, 3, 1});
-  // Box faces fall between rays here, as the box around both is cut in 256.
+  // The faces of the boxes lie between rays, because the box around both is divided into 256.
   const meshes::OverlapVolume volume = meshes::OverlapVolumeOf(a, b);
   EXPECT_NEAR(volume.first, 64, 64e-6);
   EXPECT_NEAR(volume.second, 4, 4e-6);

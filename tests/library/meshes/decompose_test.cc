@@ -17,7 +17,7 @@ namespace {
 using namespace testing;
 using Eigen::Vector3d;
 
-/// Small, so that HACD takes little time.
+/// Options for a small decomposition, so that HACD takes little time.
 meshes::DecomposeOptions Coarse() {
   meshes::DecomposeOptions options;
   options.faces = 400;
@@ -67,7 +67,7 @@ TEST(Decompose, IsTheSameToTheByteEachTime) {
 }
 
 TEST(Decompose, DoesNotDependOnSizeOrPlaceBeyondRounding) {
-  // Powers of two, so that there is none.
+  // Powers of two, so that there is no rounding error.
   const meshes::Mesh angle = AngleMesh();
   const meshes::Decomposition pieces = meshes::Decompose(angle, "m", Coarse());
   const meshes::Decomposition large = meshes::Decompose(
@@ -91,8 +91,8 @@ TEST(Decompose, TheAssessmentCountsBothWays) {
   const meshes::Decomposition half = meshes::Assessed({hull({0, 0, 0}, {1, 2, 2})}, cube);
   EXPECT_NEAR(half.iou, 0.5, 1e-6);
   EXPECT_NEAR(half.volume_error, 0.5, 1e-6);
-  // Overlapping pieces count once; what they have too much and too little makes up for itself in
-  // the volume and not in the IoU.
+  // Overlapping pieces count once. Excess and missing parts cancel each other in the volume, but
+  // not in the IoU.
   const meshes::Decomposition aside =
       meshes::Assessed({hull({1, 0, 0}, {3, 2, 2}), hull({1.5, 0, 0}, {2.5, 2, 2})}, cube);
   EXPECT_NEAR(aside.volume_error, 0, 1e-6);
@@ -106,7 +106,7 @@ TEST(Primitives, TorusHullsComeCloserTheMoreThereAre) {
     ASSERT_EQ(pieces.hulls.size(), segments);
     for (const meshes::Hull& hull : pieces.hulls) {
       EXPECT_EQ(hull.vertices.size(), 2 * meshes::kTorusCorners);
-      // Convex with all vertices as corners, and each on the torus.
+      // The hull is convex with all vertices as corners, and each of them is on the torus.
       EXPECT_EQ(meshes::TryConvexHull(hull.vertices)->vertices.size(), hull.vertices.size());
       for (const Vector3d& v : hull.vertices)
         EXPECT_NEAR(std::hypot(std::hypot(v.x(), v.z()) - 2, v.y()), 0.5, 1e-12);

@@ -39,7 +39,8 @@ TEST(MassProperties, TetrahedronInClosedForm) {
   ExpectNear(meshes::MassPropertiesOf(meshes::TetrahedronMesh(edge)),
              std::pow(edge, 3) / (6 * std::sqrt(2.0)), Vector3d::Zero(),
              Diagonal(1, 1, 1) * edge * edge / 20, 1e-14);
-  // One with a right angle: the integrals of x and x y over the corner of a unit cube.
+  // A tetrahedron with a right-angled corner: the integrals of x and x y over the corner of a unit
+  // cube.
   meshes::Mesh corner;
   corner.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   corner.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}};
@@ -67,7 +68,7 @@ TEST(MassProperties, SphereConvergesAtSecondOrder) {
   double error = 0;
   for (int halvings = 2; halvings <= 6; ++halvings) {
     const meshes::MassProperties p = meshes::MassPropertiesOf(SphereMesh(radius, halvings));
-    // Halved edges, a quarter of the error.
+    // Halving the edges quarters the error.
     const double next = 4 * kPi / 3 * std::pow(radius, 3) - p.volume;
     if (halvings > 2) {
       EXPECT_NEAR(error / next, 4, 0.25) << halvings;
@@ -104,13 +105,14 @@ TEST(MassProperties, FollowRotationAndScale) {
   const meshes::MassProperties moved = meshes::MassPropertiesOf(Moved(AngleMesh(), 2 * turn, by));
   ExpectNear(moved, 8 * still.volume, 2 * turn * still.centre + by,
              4 * turn * still.inertia * turn.transpose(), 1e-13);
-  // The principal axes take it back.
+  // The principal axes undo the rotation.
   const meshes::PrincipalAxes axes = meshes::PrincipalAxesOf(moved.inertia);
   EXPECT_NEAR(axes.rotation.determinant(), 1, 1e-14);
   EXPECT_LE((axes.rotation * axes.moments.asDiagonal() * axes.rotation.transpose() - moved.inertia)
                 .norm(),
             1e-14 * moved.inertia.norm());
-  // Of the L: one axis is z, the others the diagonals, the moments those of the closed form.
+  // For the L, one axis is z, the others are the diagonals, and the moments are those of the closed
+  // form.
   const meshes::PrincipalAxes own = meshes::PrincipalAxesOf(still.inertia);
   EXPECT_NEAR(std::abs(own.rotation(2, 2)), 1, 1e-14);
   EXPECT_NEAR(std::abs(own.rotation(0, 0)), std::sqrt(0.5), 1e-12);

@@ -1,5 +1,5 @@
-// Any bytes, read as a mesh of each format: an error that names the file, or a mesh; and of a mesh
-// an error, or a solid whose volume, centre and hull are numbers.
+// Any bytes, read as a mesh of each format: the result is an error that names the file, or a mesh.
+// A mesh gives an error, or a solid whose volume, centre and hull are finite.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (const Eigen::Vector3d& vertex : mesh.vertices) CDB_CHECK(vertex.allFinite());
       for (const meshes::Triangle& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle) CDB_CHECK(vertex < mesh.vertices.size());
-      // Closing holes must never make a closed mesh worse, nor fail but by an error.
+      // Closing holes must not damage a closed mesh, and must fail only with an error.
       try {
         meshes::CloseHoles(mesh, name);
       } catch (const library::SceneError&) {

@@ -84,7 +84,7 @@ TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
-/// The models themselves, where they are.
+/// The models themselves, if they are present.
 class EveryModel : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
@@ -105,7 +105,8 @@ TEST_P(EveryModel, IsASolid) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);
   EXPECT_TRUE(box.contains(mass.centre));
-  // The integrals count twice what is inside twice, the rays once: only the teapot's parts overlap.
+  // The integrals count twice a volume inside two parts, the rays once: only the teapot's parts
+  // overlap.
   const double once = meshes::OverlapVolumeOf(mesh, mesh).first;
   const bool overlaps = std::string_view(GetParam()) == "teapot";
   EXPECT_NEAR(mass.volume / once, 1, overlaps ? 0.01 : 1e-3);

@@ -38,7 +38,7 @@ meshes::Mesh SphereMesh(double radius, int halvings) {
     meshes::Mesh next{mesh.vertices, {}};
     for (const auto& [a, b, c] : mesh.triangles) {
       const auto middle = [&](std::uint32_t from, std::uint32_t to) {
-        // Lower first, so that both triangles of an edge round the same way.
+        // The lower index first, so that both triangles of an edge round the same way.
         const Vector3d sum = mesh.vertices[std::min(from, to)] + mesh.vertices[std::max(from, to)];
         next.vertices.push_back(sum.normalized());
         return static_cast<std::uint32_t>(next.vertices.size() - 1);
@@ -54,12 +54,13 @@ meshes::Mesh SphereMesh(double radius, int halvings) {
 }
 
 meshes::Mesh AngleMesh() {
-  // A hexagon of area 3, counter-clockwise about z, and its copy one above.
+  // A hexagon of area 3, counter-clockwise about z, and a copy of it one unit above.
   const double corners[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   meshes::Mesh mesh;
   for (const double z : {0.0, 1.0})
     for (const auto& [x, y] : corners) mesh.vertices.emplace_back(x, y, z);
-  // A fan about the outer corner: HACD cuts it well at once, one about the inner at the third try.
+  // A fan about the outer corner: HACD decomposes it well at once; a fan about the inner corner at
+  // the third try.
   for (std::uint32_t i = 1; i < 5; ++i) {
     mesh.triangles.push_back({6, i + 6, i + 7});
     mesh.triangles.push_back({0, i + 1, i});

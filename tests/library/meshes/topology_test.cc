@@ -38,7 +38,7 @@ TEST(Topology, FacesMustAgree) {
   meshes::Mesh mesh = Cube();
   std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
   EXPECT_EQ(RefusedMesh(mesh).substr(0, 47), "m: 3 edges where the two faces disagree which s");
-  // Two cubes that share an edge, by the same vertices.
+  // Two cubes that share an edge with the same vertices.
   const meshes::Mesh crowded = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
   EXPECT_EQ(RefusedMesh(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
   meshes::Mesh twice = Cube();
@@ -77,7 +77,7 @@ TEST(Topology, UnusedVerticesAreDropped) {
 }
 
 TEST(Topology, SeamsAreClosedAndTouchingPartsStayApart) {
-  // Each face with vertices of its own.
+  // Each face has separate vertices.
   meshes::Mesh split;
   const meshes::Mesh cube = Cube();
   for (const meshes::Triangle& t : cube.triangles)
@@ -102,7 +102,7 @@ TEST(Topology, HolesAreCapped) {
   corner.triangles.pop_back();
   EXPECT_EQ(meshes::Watertight(meshes::CloseHoles(corner, "m"), "m").triangles.size(), 12u);
   EXPECT_EQ(meshes::CloseHoles(Cube(), "m"), Cube());
-  // Two triangles that share a corner only leave holes that touch there.
+  // Removing two triangles that share only a corner leaves holes that touch there.
   meshes::Mesh touching = Cube();
   touching.triangles.erase(touching.triangles.begin());      // 0 2 3
   touching.triangles.erase(touching.triangles.begin() + 4);  // 0 5 4

@@ -23,7 +23,7 @@ std::shared_ptr<const objects::ConvexDecomposition> FormOfHulls(const meshes::Me
       "test", mesh, meshes::MassPropertiesOf(mesh), {std::move(hulls), 0, 1}));
 }
 
-/// AngleMesh as its two boxes.
+/// AngleMesh decomposed into its two boxes.
 std::shared_ptr<const objects::ConvexDecomposition> AngleForm() {
   return FormOfHulls(AngleMesh(), {meshes::ConvexHull(BoxMesh({0, 0, 0}, {2, 1, 1}), "a"),
                                    meshes::ConvexHull(BoxMesh({0, 1, 0}, {1, 2, 1}), "b")});
@@ -55,7 +55,7 @@ TEST(Compound, OfABoxIsTheBox) {
 }
 
 TEST(Compound, ItsFrameIsThatOfTheStretchedMesh) {
-  // Whatever the sides, the same as stretching the mesh first.
+  // For any sides, the result is the same as stretching the mesh first.
   distributions::Stream stream(2);
   for (int i = 0; i < 50; ++i) {
     const Vector3d sides(stream.Uniform(1, 9), stream.Uniform(1, 9), stream.Uniform(1, 9));
@@ -66,7 +66,7 @@ TEST(Compound, ItsFrameIsThatOfTheStretchedMesh) {
     EXPECT_NEAR(solid.Volume(), properties.volume, 1e-12 * properties.volume);
     const Matrix3d& turn = solid.compound->from_mesh();
     EXPECT_NEAR(turn.determinant(), 1, 1e-12);
-    // In the body's frame the tensor is diagonal, and is the one that is given.
+    // In the body's frame, the inertia tensor is diagonal and equal to the given one.
     const Matrix3d inertia = turn * properties.inertia * turn.transpose();
     EXPECT_LE((inertia - Matrix3d(solid.InertiaPerMass().asDiagonal())).norm(),
               1e-12 * inertia.norm());
@@ -92,7 +92,7 @@ TEST(Compound, PiecesTogetherHaveTheSides) {
     EXPECT_NEAR(d.dot(solid.Support(d) - solid.Support(-d)), solid.sides[axis], 1e-12);
   }
   EXPECT_EQ(solid.PieceCount(), 2u);
-  // The far corner of the second box is no point of the first.
+  // The far corner of the second box is not a point of the first.
   const Vector3d up = turn.col(1);
   EXPECT_NEAR(up.dot(solid.PieceSupport(1, up) - solid.PieceSupport(0, up)), 2.5, 1e-12);
 }
@@ -104,7 +104,7 @@ TEST(Compound, FarthestPointIsThatOfThePiecesOneByOne) {
   for (const Vector3d& sides : {Vector3d(8, 2, 8), Vector3d(1e-3, 5, 900)}) {
     const objects::Solid solid = SolidOf(form, sides);
     for (int i = 0; i < 1000; ++i) {
-      // Along the axes too, where several are as far.
+      // Also along the axes, where several corners are equally far.
       Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
       if (i < 6) d = (i % 2 == 0 ? 1 : -1) * Vector3d::Unit(i / 2);
       Vector3d farthest = solid.PieceSupport(0, d);
@@ -118,7 +118,8 @@ TEST(Compound, FarthestPointIsThatOfThePiecesOneByOne) {
 }
 
 TEST(Compound, InnerBallIsInAPieceOrNone) {
-  // The centre of mass is in the first box, 1/6 below its top and as far from the second's side.
+  // The centre of mass is in the first box, 1/6 below its top, and equally far from the second's
+  // side.
   const objects::Solid angle = SolidOf(AngleForm(), {2, 2, 1});
   EXPECT_NEAR(angle.InnerRadius(), 1.0 / 6, 1e-12);
   objects::SolidFactory maker;

@@ -51,7 +51,7 @@ TEST_F(DecompositionCacheTest, OneOfManyProcessesMakesIt) {
   const fs::path made = folder_ / "made";
   const auto make = [&] {
     std::ofstream(made, std::ios::app) << 'x';
-    usleep(20'000);  // so that the others come meanwhile
+    usleep(20'000);  // so that the others arrive in the meantime
     return form_;
   };
   std::vector<pid_t> children;
@@ -76,7 +76,8 @@ TEST_F(DecompositionCacheTest, MakesOnce) {
   EXPECT_EQ(found, form_);
   EXPECT_EQ(made_, 1);
   ASSERT_EQ(Files(), std::vector{cache_ / (objects::DecompositionKey("angle") + ".form")});
-  // To the last bit: kept again, it is the same file but for its seal, which is of the folder.
+  // Bit for bit: stored again, it is the same file except for its seal, which depends on the
+  // folder.
   const auto body = [](const fs::path& file) {
     const std::string bytes = ReadFile(file);
     return bytes.substr(0, bytes.size() - 64);
@@ -98,7 +99,7 @@ TEST_F(DecompositionCacheTest, WhatIsFoundIsWhatIsThere) {
   Once(cache_);
   const std::string whole = ReadFile(Files()[0]);
   ASSERT_GT(whole.size(), 200u);
-  // Each damage is found, made good and mended.
+  // Each kind of damage is detected and repaired.
   std::vector<std::string> damages = {"", whole + "x", whole.substr(1),
                                       whole.substr(0, whole.size() - 1)};
   for (std::size_t at = 0; at < whole.size(); at += whole.size() / 23) {
@@ -115,7 +116,7 @@ TEST_F(DecompositionCacheTest, WhatIsFoundIsWhatIsThere) {
 }
 
 TEST_F(DecompositionCacheTest, ContentsOfAnotherShapeAreNotThere) {
-  // With a right digest, as a mistake of our own would have it.
+  // With a correct digest, as after a bug in cdb.
   for (const std::string& contents : {std::string(), std::string(8, '\xff'), std::string(160, '\0'),
                                       std::string(168, '\1'), std::string(4096, '\xff')}) {
     ASSERT_TRUE(library::StoreCached(cache_, "form", objects::DecompositionKey("angle"), contents));
@@ -129,11 +130,11 @@ TEST_F(DecompositionCacheTest, AFolderThatCannotBeWrittenIsNoError) {
   WriteFile(folder_ / "file", "x");
   EXPECT_EQ(Once(folder_ / "file" / "cache"), form_);
   EXPECT_EQ(Once({}), form_);
-  // The name of the entry is taken by a folder that is not empty, so that the rename fails.
+  // A non-empty folder has the name of the entry, so that the rename fails.
   fs::create_directories(cache_ / (objects::DecompositionKey("angle") + ".form") / "x");
   EXPECT_EQ(Once(cache_), form_);
   EXPECT_EQ(made_, 3);
-  EXPECT_EQ(Files().size(), 1u);  // nothing temporary is left
+  EXPECT_EQ(Files().size(), 1u);  // no temporary file is left
 }
 
 TEST_F(DecompositionCacheTest, WhatFailsIsNotKept) {

@@ -21,7 +21,7 @@ double SizeOf(const objects::Solid& a, const objects::Solid& b) {
   return a.sides.norm() + b.sides.norm();
 }
 
-/// Both poses moved alike, which changes no distance.
+/// A common motion of both poses, which changes no distance.
 struct Motion {
   Quaterniond turn;
   Vector3d by;
@@ -42,7 +42,7 @@ void ExpectDistance(const objects::Solid& a, const objects::Pose& pose_a, const 
   ASSERT_NEAR(objects::Distance(b, pose_b, a, pose_a), expected, exact);
 }
 
-/// Of two boxes along the axes, by what is between them along each.
+/// The distance of two axis-aligned boxes, from the gaps along the axes.
 double Between(const Vector3d& offset, const Vector3d& half_a, const Vector3d& half_b) {
   return (offset.cwiseAbs() - half_a - half_b).cwiseMax(0).norm();
 }
@@ -71,7 +71,7 @@ TEST(Distance, BoxesSideBySide) {
 }
 
 TEST(Distance, RoundCapsuleAndBox) {
-  // A segment within a ball of its radius.
+  // The solid is a segment expanded by a ball of its radius.
   distributions::Stream stream(3);
   for (int i = 0; i < Cases(2000); ++i) {
     const double radius = stream.Uniform(0.5, 2), height = 2 * radius + stream.Uniform(0, 30);
@@ -103,7 +103,7 @@ TEST(Distance, BallAndCylinder) {
 }
 
 TEST(Distance, EverythingAboveALargeFace) {
-  // What is lowest of it is as far as it is high.
+  // The distance is the height of the lowest point.
   distributions::Stream stream(5);
   const objects::Solid floor{objects::Shape::kCuboid, {1000, 10, 1000}};
   for (int i = 0; i < Cases(3000); ++i) {
@@ -120,7 +120,7 @@ TEST(Distance, EverythingAboveALargeFace) {
 TEST(Distance, TipsOfCones) {
   const objects::Solid cone{objects::Shape::kCone, {2, 8, 4}};
   const Quaterniond over(Eigen::AngleAxisd(std::acos(-1.0), Vector3d::UnitX()));
-  // Tip against tip, 6 above each centre of mass; tip above a base, 2 below it.
+  // Tip to tip, 6 above each centre of mass; tip to base, 2 below it.
   ExpectDistance(cone, {}, cone, {{0, 12.25, 0}, over}, 0.25);
   ExpectDistance(cone, {}, cone, {{0, 8.25, 0}, Quaterniond::Identity()}, 0.25);
 }
@@ -158,11 +158,11 @@ TEST(Distance, PropertiesForAllPairs) {
         ASSERT_NEAR(objects::Distance(b, pb, a, pa), distance, exact);
         const Motion move = RandomMotion(stream, size);
         ASSERT_NEAR(objects::Distance(a, move(pa), b, move(pb)), distance, 10 * exact);
-        // As much as b moves, and no more.
+        // The distance changes by at most the movement of b.
         const double step = stream.LogUniform(1e-6, 1) * size;
         const objects::Pose moved{pb.position + step * RandomDirection(stream), pb.orientation};
         ASSERT_LE(std::abs(objects::Distance(a, pa, b, moved) - distance), step + exact);
-        // No plane keeps them farther apart.
+        // No separating plane gives a larger distance.
         const Vector3d normal = RandomDirection(stream);
         const auto reach = [&](const objects::Solid& solid, const objects::Pose& pose,
                                const Vector3d& direction) {

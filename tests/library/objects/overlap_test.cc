@@ -90,7 +90,7 @@ TEST(Overlap, SolidsWithACommonPointOverlap) {
   for (int i = 0; i < Cases(20000); ++i) {
     const objects::Solid a = AnySolid(stream, 50), b = AnySolid(stream, 50);
     const objects::Pose pa{Direction(stream) * 100, stream.Turn()};
-    // A point of a's surface is put on a point of b between its centre of mass and its surface.
+    // A point of a's surface is moved to a point of b between its centre of mass and its surface.
     const Vector3d common = WorldSupport(a, pa, Direction(stream));
     objects::Pose pb{Vector3d::Zero(), stream.Turn()};
     pb.position = common - stream.Uniform(0, 1) * WorldSupport(b, pb, Direction(stream));
@@ -128,7 +128,7 @@ TEST(Overlap, TouchingCounts) {
 }
 
 TEST(Overlap, LongThinSolids) {
-  // Two rods of 1 x 1 x 1000 crossing at a distance of 2, axes 2 apart: 1 between them.
+  // Two crossed rods of 1 x 1 x 1000 whose axes are 2 apart: the gap is 1.
   const objects::Solid rod{objects::Shape::kCuboid, {1, 1, 1000}};
   const Eigen::Quaterniond across(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitY()));
   EXPECT_FALSE(objects::Overlap(rod, {}, rod, {{0, 2, 0}, across}));

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 objects::Solid Ball(double size) { return {objects::Shape::kEllipsoid, Vector3d::Constant(size)}; }
 objects::Pose At(double x, double y, double z) { return {Vector3d(x, y, z)}; }
 
-/// The move along `normal` that parts a from b, whatever they are.
+/// The displacement along `normal` that separates a from b, for any shapes.
 double MoveAlong(const Vector3d& normal, const objects::Solid& a, const objects::Pose& pose_a,
                  const objects::Solid& b, const objects::Pose& pose_b) {
   return normal.dot(WorldSupport(b, pose_b, normal) - WorldSupport(a, pose_a, -normal));
@@ -28,7 +28,7 @@ struct Case {
   objects::Pose pose_a, pose_b;
 };
 
-/// Balls and cuboids in and about each other.
+/// Balls and cuboids that overlap or are close to each other.
 Case RandomCase(distributions::Stream& stream) {
   const auto solid = [&] {
     return stream.Uniform(0, 1) < 0.4 ? Ball(stream.LogUniform(0.3, 3))
@@ -52,7 +52,7 @@ TEST(ExactContact, NoDirectionOutIsShorterAndItsOwnIsAsLong) {
     EXPECT_GE(exact->next_depth, exact->depth);
     if (exact->depth <= 0) continue;
     ++overlapping;
-    // Anywhere, and about what is said to be least.
+    // In any direction, and near the direction that is claimed to be the shortest.
     for (int k = 0; k < Cases(500); ++k) {
       const double spread = k % 2 == 0 ? 10 : 1e-3;
       const Vector3d other = (exact->normal + spread * RandomDirection(stream)).normalized();
@@ -106,7 +106,7 @@ TEST(ExactContact, OfABallInACuboidIsToTheNearestFace) {
   EXPECT_DOUBLE_EQ(exact->depth, 1);
   EXPECT_EQ(exact->normal, Vector3d::UnitX());
   EXPECT_DOUBLE_EQ(exact->next_depth, 1.5);
-  // At a corner, and apart.
+  // At a corner, and separated.
   const auto corner = objects::ExactContact(Ball(1), At(5, 3, 4), cuboid, objects::Pose());
   EXPECT_DOUBLE_EQ(corner->depth, 0.5 - std::sqrt(3));
   EXPECT_NEAR((corner->normal - Vector3d::Ones() / std::sqrt(3)).norm(), 0, 1e-15);
@@ -121,7 +121,7 @@ TEST(ExactContact, OfAStackedBoxHasOneNormalThoughTwoFacesSayIt) {
 }
 
 TEST(ExactContact, OfEdgesAcrossIsAlongTheirProduct) {
-  // Each stands on an edge, one along x and the other along z.
+  // Each box stands on an edge, one along x and the other along z.
   const objects::Solid box{objects::Shape::kCuboid, Vector3d::Constant(2)};
   const double turn = std::numbers::pi / 4, height = 2 * std::sqrt(2.0);
   objects::Pose a = At(0, height - 0.25, 0), b;
@@ -141,7 +141,8 @@ TEST(ExactContact, WithAHalfSpaceIsOfTheDeepestPoint) {
       const Vector3d normal = RandomDirection(stream);
       const double offset = stream.Uniform(-2, 2);
       const auto exact = objects::ExactContact(solid, pose, normal, offset);
-      // Lifted by its depth it stands on the plane, as a box as wide as the world would say.
+      // Raised by its depth, it stands on the plane; a box as wide as the world gives the same
+      // result.
       const objects::Solid ground{objects::Shape::kCuboid, Vector3d::Constant(100)};
       objects::Pose below{normal * (offset - 50),
                           Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal)};

@@ -14,7 +14,7 @@ inline constexpr objects::Shape kConvexShapes[] = {
     objects::Shape::kEllipsoid, objects::Shape::kCuboid,  objects::Shape::kCylinder,
     objects::Shape::kCone,      objects::Shape::kCapsule, objects::Shape::kTetrahedron};
 
-/// 4 wide and 1 high, with a hole 2 wide along y, but for its corners.
+/// A torus, approximated by a polyhedron: 4 wide and 1 high, with a hole 2 wide along y.
 inline objects::Solid Torus() {
   const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
   const auto form = std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
@@ -29,7 +29,7 @@ inline Eigen::Vector3d RandomDirection(distributions::Stream& stream) {
   return Eigen::Vector3d(x, y, stream.Normal()).normalized();
 }
 
-/// Sides between 1 and `most`.
+/// A solid with sides between 1 and `most`.
 inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape shape,
                                   double most) {
   objects::Solid solid{shape};
@@ -37,7 +37,7 @@ inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape 
   return solid;
 }
 
-/// The farthest point in a direction of the world.
+/// The support point in a direction of the world.
 inline Eigen::Vector3d WorldSupport(const objects::Solid& solid, const objects::Pose& pose,
                                     const Eigen::Vector3d& direction) {
   return pose.position + pose.orientation * solid.Support(pose.orientation.conjugate() * direction);

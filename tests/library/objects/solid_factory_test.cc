@@ -29,7 +29,7 @@ TEST(SolidFactory, TorusHasItsClosedForms) {
   const double across = major * major / 2 + 5 * minor * minor / 8;
   const double along = major * major + 3 * minor * minor / 4;
   EXPECT_LE((torus.InertiaPerMass() - Vector3d(across, along, across)).norm(), 1e-12);
-  // And those of a fine mesh, stretched.
+  // Stretched, it has the properties of a fine mesh.
   const objects::Solid stretched = maker.Make(Word("torus"), Vector3d::Ones(), {5, 3, 7});
   EXPECT_EQ(stretched.sides, Vector3d(5, 3, 7));
   const Vector3d factor = Vector3d(5, 3, 7).cwiseQuotient(Vector3d(8, 2, 8));
@@ -56,7 +56,7 @@ TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
   EXPECT_EQ(maker.Forms().size(), 1u) << "closed forms have none";
 }
 
-/// A mesh in a folder that keeps its decomposition too.
+/// A mesh in a folder that also holds its cached decomposition.
 class MeshFile : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -72,11 +72,11 @@ class MeshFile : public ::testing::Test {
   static inline std::unique_ptr<TemporaryCache> cache_;
 };
 
-// The first of the suite, so that it makes them.
+// The first test of the suite, so that it computes the decompositions.
 TEST_F(MeshFile, AFormIsTheSameMadeOrFound) {
   std::size_t made = 0;
   std::vector<schema::Value> types = {Call("mesh"), Call("hull")};
-  if (!kAnySanitizer) types.push_back(Word("torus"));  // most of the time
+  if (!kAnySanitizer) types.push_back(Word("torus"));  // takes most of the time
   for (const schema::Value& type : types) {
     const auto form = [&] {
       objects::SolidFactory maker;
@@ -102,7 +102,7 @@ TEST_F(MeshFile, HullIsOnePiece) {
   objects::SolidFactory maker;
   const objects::Solid solid = maker.Make(Call("hull"), Vector3d::Constant(2), Vector3d::Ones());
   EXPECT_EQ(solid.PieceCount(), 1u);
-  EXPECT_NEAR(solid.Volume(), 3.5, 1e-12);  // the quarter's half as well
+  EXPECT_NEAR(solid.Volume(), 3.5, 1e-12);  // includes half of the quarter
   EXPECT_NE(objects::ModelsText(maker.Forms()).find("1 hull, volume error 0 %, IoU 1.000"),
             std::string::npos);
 }

@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 
 const Vector3d kSides(3, 5, 2);
 
-/// Membership written out from the definitions, with the origin at the centre of mass.
+/// True if the point is inside, by the definitions of the shapes, with the origin at the centre of
+/// mass.
 bool Inside(const objects::Solid& solid, const Vector3d& p) {
   const Vector3d half = solid.sides / 2;
   const double across = std::pow(p.x() / half.x(), 2) + std::pow(p.z() / half.z(), 2);
@@ -60,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EverySolid,
 TEST_P(EverySolid, VolumeCentreAndInertiaAreThoseOfItsPoints) {
   const objects::Solid s = solid();
   distributions::Stream stream(1);
-  // Points of the box around the solid, which reaches y = -h/4 .. 3h/4 for a cone.
+  // Points in the box around the solid; a cone extends from y = -h/4 to 3h/4.
   constexpr int kPoints = 1000000;
   double inside = 0;
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero(), fourths = Vector3d::Zero();
@@ -74,7 +75,7 @@ TEST_P(EverySolid, VolumeCentreAndInertiaAreThoseOfItsPoints) {
     squares += p.cwiseAbs2();
     fourths += p.cwiseAbs2().cwiseAbs2();
   }
-  // Every bound is five standard deviations of the mean that it holds.
+  // Every bound is five standard deviations of the mean in question.
   const double share = inside / kPoints;
   const double box = s.sides.prod();
   EXPECT_NEAR(s.Volume(), share * box, 5 * box * std::sqrt(share * (1 - share) / kPoints) + 1e-12);
@@ -126,8 +127,8 @@ TEST_P(EverySolid, BoundsAreTheSidesUnturnedAndHoldTheSolidTurned) {
         reached[axis] = std::max(reached[axis], p[axis]);
       }
     }
-    // Tight: one of 2000 directions lies within 0.2 rad of each axis but for one case in 10^8, and
-    // its support point then falls short by no more than the diameter times sin 0.2.
+    // The bound is tight: one of 2000 directions lies within 0.2 rad of each axis, except in one
+    // case in 10^8, and its support point is then short by at most the diameter times sin 0.2.
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_GT(reached[axis], turned.upper[axis] - std::sin(0.2) * kSides.norm());
   }
@@ -136,7 +137,7 @@ TEST_P(EverySolid, BoundsAreTheSidesUnturnedAndHoldTheSolidTurned) {
 TEST_P(EverySolid, InnerBallTouchesTheSurfaceFromInside) {
   const objects::Solid s{GetParam(), {4, 5, 4}};
   distributions::Stream stream(4);
-  // A cone's base and a tetrahedron's face are seen from one direction alone.
+  // A cone's base and a tetrahedron's face are visible only from one direction.
   const Vector3d base = -Vector3d::UnitY();
   const Vector3d face = Vector3d(1 / 4.0, 1 / 5.0, -1 / 4.0).normalized();
   double nearest = std::min(base.dot(s.Support(base)), face.dot(s.Support(face)));

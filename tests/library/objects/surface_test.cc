@@ -20,12 +20,12 @@ using Eigen::Vector3d;
 using objects::Pose;
 using objects::Solid;
 
-/// A square of side 2 in the plane y = 0, two triangles.
+/// A square of side 2 in the plane y = 0, as two triangles.
 meshes::Mesh Square() {
   return {{{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, {{0, 2, 1}, {0, 3, 2}}};
 }
 
-/// Waves: heights over a grid of n by n cells.
+/// A wavy height field over a grid of n by n cells.
 meshes::Mesh Waves(std::uint32_t n) {
   meshes::Mesh mesh;
   for (std::uint32_t z = 0; z <= n; ++z)
@@ -69,7 +69,7 @@ TEST(Surface, HasAPlaceAndSidesAndNoInside) {
   EXPECT_FALSE(Overlap(square, {}, square, {}));
 }
 
-/// Against each triangle by itself.
+/// Compared with each triangle separately.
 TEST(Surface, OverlapsWhatOneOfItsTrianglesOverlaps) {
   const Solid waves = SurfaceOf(Waves(12), 24);
   std::mt19937 random(2);
@@ -105,14 +105,14 @@ TEST(Surface, IsCrossedOnce) {
   EXPECT_TRUE(crosses({0, 1, 0}, {0, -1, 0})) << "on the edge of both";
   EXPECT_FALSE(crosses({1, 1, 2}, {1, 0.1, 2}));
   EXPECT_FALSE(crosses({6, 1, 2}, {6, -1, 2})) << "beside it";
-  // In two steps, of which one ends on it.
+  // In two steps, one of which ends on the surface.
   EXPECT_NE(crosses({1, 1, 2}, {1, 0, 2}), crosses({1, 0, 2}, {1, -1, 2}));
 }
 
 TEST(Surface, LeavesOutTrianglesWithoutArea) {
   meshes::Mesh mesh = Square();
   mesh.triangles.push_back({0, 1, 1});
-  mesh.vertices.emplace_back(9, 9, 9);  // of no triangle
+  mesh.vertices.emplace_back(9, 9, 9);  // not part of a triangle
   EXPECT_EQ(objects::MakeSurface("m", mesh).pieces.size(), 2u);
   EXPECT_EQ(SurfaceOf(mesh, 10).OuterRadius(), SurfaceOf(Square(), 10).OuterRadius());
   mesh.triangles = {{0, 1, 1}};

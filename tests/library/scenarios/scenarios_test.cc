@@ -1,4 +1,5 @@
-// The scenarios shipped with cdb: each compiles, describes itself, and has its source's numbers.
+// The scenarios shipped with cdb: each compiles, has a description, and has the numbers of its
+// source.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,8 +44,8 @@ std::string Text(const fs::path& file) {
   return text.value_or("");
 }
 
-/// Fails and is empty where the file has errors. Lints may warn: of what a paper did, and of what a
-/// suite does on purpose.
+/// Fails and returns nothing if the file has errors. Lints may warn about choices of a paper or of
+/// a suite.
 std::vector<plan::Plan> Plans(const fs::path& file,
                               const scenario::ReadFile& read = compiler::ReadFromDisk) {
   compiler::Compilation result =
@@ -123,7 +124,7 @@ TEST(Accuracy, ScenariosAreOfTheClosedFormsThatTheyName) {
   EXPECT_EQ(named.size(), schema::ClosedForms().size());
 }
 
-// What follows is written from the paper, not from the files.
+// The following expectations are written from the paper, not from the files.
 
 schema::Value AllSix() {
   schema::Distribution any{schema::DistributionKind::kAny, {}, {1, 1, 1, 1, 1, 1}};
@@ -163,7 +164,8 @@ struct PaperScene {
   schema::Value linear_velocity = Eigen::Vector3d(0, 0, 0);
   schema::Value angular_velocity = Eigen::Vector3d(0, 0, 0);
 
-  /// Every setting of a scene that has these and, where the paper is silent, the schema's default.
+  /// Every setting of a scene with these parameters and, where the paper is silent, the schema's
+  /// defaults.
   plan::Scene With(const std::string& detector) const {
     static const plan::Plan defaults = compiler::Compile("d.cdb", [](auto&&...) {
                                          return std::optional<std::string>("benchmark d { }");

@@ -1,4 +1,4 @@
-// Errors of hand-made samples, whose right values follow from a line of arithmetic.
+// Errors of hand-made samples, whose exact values follow from simple arithmetic.
 #include "runtime/accuracy/errors.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using schema::ErrorInfo;
 using schema::Fold;
 
-/// Two balls of size 2 and 4 and mass 1 and 3, and a fixed one; samples a second apart.
+/// Two balls of size 2 and 4 and mass 1 and 3, and a fixed one; samples are one second apart.
 struct HandMadeSamples {
   explicit HandMadeSamples(std::size_t count) : shape{count, 3}, values(shape.Count(), 0) {
     const double masses[] = {1, 3, 0}, sizes[] = {2, 4, 100};
@@ -60,7 +60,7 @@ TEST(Errors, OfPlacesAreInSizesOfEachObject) {
   HandMadeSamples truth(2), run(2);
   run.Set(1, 0, 0, {2, 0, 0});   // one size away
   run.Set(1, 1, 0, {0, 0, 12});  // three
-  run.Set(1, 2, 0, {9, 9, 9});   // fixed: counts nowhere
+  run.Set(1, 2, 0, {9, 9, 9});   // fixed: ignored
   EXPECT_DOUBLE_EQ(ErrorAt("position", run, truth), std::sqrt((1.0 + 9) / 2));
   EXPECT_EQ(ErrorAt("position", run, truth, 0), 0);
 }
@@ -88,13 +88,13 @@ TEST(Errors, OfOrientationsAreAngles) {
 
 TEST(Errors, OfEnergyCompareChanges) {
   HandMadeSamples truth(2), run(2);
-  // Another zero of the potential, as rounding the start makes it, is no error.
+  // A different zero of the potential, as rounding of the start may cause, is not an error.
   run.Set(0, measure::kPotential, 100);
   run.Set(1, measure::kPotential, 90);
   run.Set(1, measure::kKinetic, 16);
   truth.Set(1, measure::kKinetic, 20);
   truth.Set(1, measure::kPotential, -20);
-  // 6 J too many over 20 J and 10 m/s^2 * (1 * 2 + 3 * 4).
+  // 6 J too much, relative to 20 J and 10 m/s^2 * (1 * 2 + 3 * 4).
   EXPECT_DOUBLE_EQ(ErrorAt("energy", run, truth), 6.0 / (20 + 140));
 }
 
@@ -114,7 +114,7 @@ TEST(Errors, OfHeightsAreAlongTheAcceleration) {
   HandMadeSamples truth(2), run(2);
   run.Set(1, 0, 0, {7, 6, 0});
   truth.Set(1, 1, 0, {0, 3, 0});
-  // Mean size 3: heights 6 and 0 against 0 and 3.
+  // Mean size 3: heights 6 and 0 compared with 0 and 3.
   EXPECT_DOUBLE_EQ(ErrorAt("height", run, truth), (3 - 1.5) / 3);
   EXPECT_DOUBLE_EQ(ErrorAt("height_w1", run, truth), (0 + 3) / 2.0 / 3);
 }
@@ -223,7 +223,7 @@ TEST(CollectErrors, HasNoValueOfWhatIsNotANumber) {
   EXPECT_FALSE(errors.values.contains("penetration_floor"));
 }
 
-/// Says nothing but that energy is kept.
+/// A closed form that states only that energy is conserved.
 class OnlyEnergy : public closed_forms::ClosedForm {
  public:
   closed_forms::Truth At(double) const override {

@@ -48,7 +48,7 @@ TEST(Accuracy, OfAFlightIsOfOrderOne) {
       EXPECT_EQ(file.ReadText("accuracy/message", cell), "");
     }
     EXPECT_NEAR(Order(timesteps, errors), 1, 0.05) << truth;
-    // g t dt / 2 ahead of time, as the integrator moves by the new velocity.
+    // The error is g t dt / 2, because the integrator moves by the new velocity.
     EXPECT_NEAR(errors[0], 9.8 * timesteps[0] * std::sqrt(4.0 / 3) / 2 / 50, 2e-4) << truth;
   }
 }
@@ -94,7 +94,7 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   ASSERT_TRUE(program.Exists(reference) && program.Exists(perturbed));
   const std::string before = program.Read(reference);
   fs::remove(program.folder() / perturbed);
-  // A damaged one is run again as any shard.
+  // A damaged perturbed run is executed again, as any shard.
   program.Write(perturbed, before.substr(0, before.size() / 2));
   const Finished second = program.Run({"run", "gas.cdb", "--shard", "2/2"});
   ASSERT_EQ(second.status, 0) << second.err;
@@ -109,7 +109,7 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
 
 TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   const Program program;
-  // The reference's precision has no such number.
+  // The value is not representable in the reference's precision.
   program.Write("far.cdb",
                 "benchmark far { cycles 12; precision double; acceleration (0, -1e39, 0)\n"
                 "  world.walls none; timestep 1 / 60\n"
@@ -153,7 +153,7 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
   EXPECT_GT(file.ReadReal("accuracy/position", {{0}, 0}), 0);
 }
 
-/// A result whose times and errors are known: 1 / hz s a cycle, which takes `hz` * `us`.
+/// The table of a result with known times and errors: a cycle of 1 / hz s takes `hz` * `us`.
 std::string ShownError(const statistics::ErrorOptions& options) {
   plan::Plan plan =
       MakePlan({NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
@@ -233,7 +233,7 @@ TEST(ShowError, MakesATableForEachValue) {
 TEST(ShowError, TakesTheMeanOverTheCellsThatAllRowsHave) {
   const std::string text = ShownError({"position", {"precision"}, {}});
   EXPECT_NE(text.find("\n  the mean over hz\n"), std::string::npos) << text;
-  // Of double only that of 120 Hz is left.
+  // Only the double-precision run at 120 Hz is left.
   EXPECT_NE(text.find("\n  single     1 of 3 "), std::string::npos) << text;
   EXPECT_NE(text.find("1.25e-02"), std::string::npos) << text;
   EXPECT_NE(text.find("8.33e-03"), std::string::npos) << text;

@@ -1,4 +1,4 @@
-// The command line as its users see it: output, files and exit status.
+// The command line as users see it: output, files and exit status.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ const char kSmall[] =
     "  objects { quantity sweep(5, 20); type any(sphere, cuboid, cylinder, cone)\n"
     "    linear_velocity uniform(-200, 200) }\n}\n";
 
-/// The state hash of every run, by its id; fails where one is missing or did not end well.
+/// The state hash of every run, by its id; fails if a run is missing or did not succeed.
 std::map<std::string, std::string> Hashes(const std::filesystem::path& file) {
   const store::ResultFile result(file);
   std::map<std::string, std::string> hashes;
@@ -85,7 +85,7 @@ TEST(Run, LeavesOutTheSamePartsForEverySeed) {
   program.Write("lone.cdb", lone("auto"));
   const Finished run = program.Run({"run", "lone.cdb", "-o", "auto.h5"});
   EXPECT_EQ(run.status, 0);
-  // By themselves two of the seeds would leave out walls and solver, and three the walls.
+  // Separately, two of the seeds would omit walls and solver, and three the walls.
   EXPECT_NE(run.err.find("once more, now with walls, detection, solver, sleeping"),
             std::string::npos)
       << run.err;
@@ -217,7 +217,7 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   EXPECT_FALSE(file.ReadText("message", {{1}, 0}).empty());
   EXPECT_EQ(program.Run({"show", "full.h5"}).status, 3);
 
-  // What `show` tells to run it again with does just that.
+  // The command that `show` prints repeats exactly that run.
   const std::size_t command = run.out.find("cdb run full.cdb -b full --only ");
   ASSERT_NE(command, std::string::npos) << run.out;
   const std::string line = run.out.substr(command + 4, run.out.find('\n', command) - command - 4);
@@ -245,7 +245,7 @@ TEST(Check, SaysOnceWhatCannotBePlacedBeforeAnythingRuns) {
               "    |                                          ^^^^^^^^^^^^^^^^^^^^^^^^^^^ move it "
               "inwards or make world.side larger\n");
   }
-  // Where other runs are worth having, it is a warning, and what fails is said with -q as well.
+  // If other runs can be executed, it is a warning, and failures are reported with -q as well.
   program.Write(
       "some.cdb",
       "benchmark some { cycles 5; world.side 100; objects { size 60; quantity sweep(1, 40) } }");
@@ -287,7 +287,7 @@ TEST(Run, OneByItselfEndsInTheSameState) {
 
 TEST(Run, ATimeoutEndsARunAndKeepsItsCycles) {
   const Program program;
-  // Few enough cycles that the file holds next to nothing of what its shape claims. A busy machine
+  // So few cycles that the file holds almost nothing of what its shape would permit. A busy machine
   // may need longer to begin.
   for (double limit_s = 0.5; limit_s < 100; limit_s *= 4) {
     program.Write(
@@ -466,7 +466,7 @@ TEST(Run, ALongSweepRunsInShardsAndIsMerged) {
   EXPECT_NE(again.out.find("10 runs: 10 done (10 of them before)"), std::string::npos) << again.out;
   const std::string plan = program.Read("many.runs/plan.yaml");
   EXPECT_LT(plan.size(), 1000u) << "the texts that it comes from, and no list";
-  // As another machine of a cluster has it.
+  // The file as another machine of a cluster has it.
   program.Write("short.yaml", plan);
   std::filesystem::remove(program.folder() / "many.cdb");
   const Finished two = program.Run({"run", "short.yaml", "--shard", "2/11045", "-o", "many.h5"});
@@ -477,7 +477,7 @@ TEST(Run, ALongSweepRunsInShardsAndIsMerged) {
   const Finished checked = program.Run({"check", "out.h5"});
   EXPECT_NE(checked.out.find("incomplete: 20 of 110450 runs"), std::string::npos)
       << checked.out << checked.err;
-  // Comments decide nothing; another value makes another plan.
+  // Comments do not matter; another value makes another plan.
   program.Write("many.cdb", "# again\n" + text);
   EXPECT_EQ(program.Run({"run", "many.cdb", "-q", "--shard", "3/11045"}).status, 0);
   program.Write("many.cdb", text + "# \nbenchmark other { }");
@@ -523,7 +523,7 @@ TEST(Plan, SaysWhatEachRunLeavesOut) {
 
   const Finished why = program.Run({"plan", "--why", "o.cdb"});
   EXPECT_EQ(why.status, 0) << why.err;
-  // A fall of a few millimetres in a cube of 50 m: nothing is open any more, nothing touches.
+  // A fall of a few millimetres in a cube of 50 m: no component is undecided, nothing touches.
   EXPECT_EQ(why.out.find("open"), std::string::npos) << why.out;
   EXPECT_TRUE(std::regex_search(why.out, std::regex("\n  walls           left out  for 6 of 6")))
       << why.out;
@@ -548,7 +548,7 @@ TEST(Plan, SaysWhatEachRunLeavesOut) {
 
 TEST(Plan, WhySaysRepeatsOnceAndGoesOnAfterARunThatFails) {
   const Program program;
-  // No place for 40; and two that stand on one another cannot do without a solver.
+  // 40 objects have no room; and two that are stacked need a solver.
   program.Write("f.cdb",
                 "benchmark f { repeats 3; cycles 300; world.side 100; omit solver\n"
                 "objects { size 60; quantity sweep(40, 1, 0) } }");
@@ -592,7 +592,7 @@ TEST(Run, KeepsWhatItLeftOutWithTheResults) {
       << run.out;
   EXPECT_NE(run.out.find("  Left out in 1 of 3 runs: walls ("), std::string::npos) << run.out;
 
-  // `--why` said the same before the run, in columns.
+  // `--why` printed the same before the run, in columns.
   const Finished why = program.Run({"plan", "--why", "o.cdb", "--only", text("run_id", 1)});
   std::string columns = why.out.substr(why.out.find('\n') + 1);
   columns = std::regex_replace(columns, std::regex("^  |\n  "), "\n");

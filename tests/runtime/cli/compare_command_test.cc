@@ -1,4 +1,4 @@
-// `cdb compare` through the program: files, folders, refusals and exit statuses.
+// `cdb compare` as a program: files, folders, rejections and exit statuses.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Results of 5 repeats, whose second detector takes `factor` times as long.
+/// Writes results of 5 repeats, whose second detector takes `factor` times as long.
 void WriteFactor(const Program& program, const std::string& name, double factor,
                  std::uint64_t seed) {
   std::filesystem::create_directories((program.folder() / name).parent_path());

@@ -1,4 +1,4 @@
-// No finished run is lost: kills at any moment, and errors of the environment.
+// No finished run is lost: the program is killed at any moment, or meets errors of the environment.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -28,7 +28,7 @@ const char kSweep[] =
     "    type any(sphere, cuboid, cone); linear_velocity uniform(-300, 300) }\n"
     "  detector sweep(sap32, dbvt)\n  precision sweep(single, double)\n}\n";
 
-/// `hash hash …` in the order of the grid; `-` where a run is missing.
+/// `hash hash …` in the order of the grid; `-` for a missing run.
 std::string HashesInOrder(const fs::path& path) {
   const store::ResultFile file(path);
   std::string all;
@@ -58,8 +58,7 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
   const std::string expected = HashesInOrder(program.folder() / "alone.h5");
   ASSERT_EQ(expected.find('-'), std::string::npos);
 
-  // The moments follow from how long a whole sweep takes here, not from a clock that the test was
-  // written by.
+  // The moments are chosen from the duration of a whole sweep on this machine.
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "-o", "timed.h5"}).status, 0);
   const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - begin;
@@ -80,7 +79,7 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
     ASSERT_EQ(waitpid(child, &status, 0), child);
     const std::set<std::string> now = Shards(program.folder() / "killed.runs");
     if (fs::exists(program.folder() / "killed.h5")) {
-      // It was done before the kill: begin anew, so that every kill finds work.
+      // It ended before the kill: start again, so that every kill interrupts work.
       EXPECT_EQ(HashesInOrder(program.folder() / "killed.h5"), expected);
       fs::remove(program.folder() / "killed.h5");
       fs::remove_all(program.folder() / "killed.runs");
@@ -131,7 +130,7 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
             store::Status::kMissing);
 }
 
-/// Two runs of five are done and must not be lost.
+/// Two runs of five are finished and must not be lost.
 class World : public testing::Test {
  protected:
   void SetUp() override {
@@ -166,8 +165,8 @@ TEST_F(World, MissingFile) {
 }
 
 TEST_F(World, FullDisk) {
-  // A limit on the size of files is what a full disk looks like to a writer. 32 blocks of 512 bytes
-  // are too few for a shard.
+  // To a writer, a limit on the size of files looks like a full disk. 32 blocks of 512 bytes are
+  // too few for a shard.
   ExpectRefused(program_.Shell("trap '' XFSZ; ulimit -f 32; exec \"$CDB\" run w.cdb"), {"w.runs"});
   EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
 }

@@ -1,4 +1,5 @@
-// What a path may name: files, and nothing that is waited for or written over by mistake.
+// Valid paths name files; the program neither waits for other things nor overwrites them by
+// mistake.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 
 const char kScenario[] = "benchmark s { cycles 2; objects.quantity sweep(2, 3) }";
 
-/// Exit status not 0, a message with `part`, and no wait.
+/// Expects a non-zero exit status, a message with `part`, and no wait.
 void ExpectRefused(const Program& program, const std::string& command, const std::string& part) {
   const Finished finished = program.Shell("exec timeout 20 \"$CDB\" " + command);
   EXPECT_TRUE(finished.status == 1 || finished.status == 2) << command << ": " << finished.status;

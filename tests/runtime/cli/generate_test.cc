@@ -1,4 +1,4 @@
-// `cdb generate`, `cdb doc` and `cdb list`: what shells, man and terminals get.
+// `cdb generate`, `cdb doc` and `cdb list`: the output for shells, man and terminals.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -10,8 +10,8 @@
 namespace cdb::tests {
 namespace {
 
-/// False, and the test is skipped, where the program is not installed; a failure where
-/// CDB_REQUIRE_EDITORS=1 (CI).
+/// False if the program is not installed, which skips the test; with CDB_REQUIRE_EDITORS=1 (CI) it
+/// fails.
 bool IsThere(const Program& program, const std::string& name) {
   if (program.Shell("command -v " + name).status == 0) return true;
   const char* required = std::getenv("CDB_REQUIRE_EDITORS");

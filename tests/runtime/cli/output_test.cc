@@ -1,4 +1,4 @@
-// Standard output: whatever was asked for arrives, or the command says that it did not.
+// Standard output: all output is written, or the command reports that it was not.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -38,7 +38,7 @@ TEST_F(Output, OnAFullDiskEndsWithAMessage) {
                               "run --fresh a.cdb",
                               "--help",
                               "--version"}) {
-    // A file that has errors prints a line of JSON, and one that has none prints nothing.
+    // A file with errors prints a line of JSON; one without prints nothing.
     if (std::string(command) == "check --json a.cdb")
       program_.Write("a.cdb", "benchmark a { cycles 3; objects.quantity swep(2, 3) }");
     const Finished finished = program_.Shell(std::string("\"$CDB\" ") + command + " > /dev/full");
@@ -61,12 +61,13 @@ TEST_F(Output, ToAReaderThatHasGoneEndsQuietly) {
     const Finished finished = program_.Shell(
         std::string(trap) + "(\"$CDB\" doc language 2> said; echo $? > status) | true; cat said");
     EXPECT_EQ(finished.out, "");
-    // As other programs: ended by the signal, or without it, all is well.
+    // As for other programs: it is ended by the signal, or, if the signal is ignored, succeeds.
     EXPECT_EQ(program_.Read("status"), *trap == '\0' ? "141\n" : "0\n");
   }
 }
 
-/// The title of a plan, the only text there that is free: it would colour, ring and turn the line.
+/// The title of a plan is its only free text: control characters in it could colour, ring and
+/// reverse the line.
 TEST_F(Output, ShowsNoControlCharactersOfFiles) {
   program_.Write("h.cdb", "benchmark h \"plain title\" { cycles 2; objects.quantity sweep(2, 3) }");
   ASSERT_EQ(program_.Run({"plan", "h.cdb", "-o", "h.yaml"}).status, 0);
@@ -84,7 +85,7 @@ TEST_F(Output, ShowsNoControlCharactersOfFiles) {
     for (const std::string& text : {finished.out, finished.err}) {
       EXPECT_EQ(text.find('\x1b'), std::string::npos) << command << ": " << text;
       EXPECT_EQ(text.find('\x07'), std::string::npos) << command << ": " << text;
-      // JSON may hold it.
+      // JSON may contain it, escaped.
       if (std::string(command).find("json") == std::string::npos) {
         EXPECT_EQ(text.find("\xe2\x80\xae"), std::string::npos) << command << ": " << text;
       }

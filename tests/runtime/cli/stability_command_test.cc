@@ -11,7 +11,8 @@ namespace {
 
 TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
   const Program program;
-  // In single precision places near 9e5 m lie 1/16 m apart, and the object moves 1/60 m a cycle.
+  // In single precision, adjacent positions near 9e5 m are 1/16 m apart, and the object moves 1/60
+  // m a cycle.
   program.Write("far.cdb",
                 "benchmark far { cycles 60; acceleration 0; precision sweep(single, double)\n"
                 "  world { side 2e6; walls none }\n"
@@ -39,7 +40,7 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
   EXPECT_EQ(sound.status, 3);
   EXPECT_EQ(sound.out.find("\n  single"), std::string::npos) << sound.out;
   EXPECT_NE(sound.out.find("\n  double"), std::string::npos) << sound.out;
-  // Shards say so too.
+  // Shards report it as well.
   EXPECT_EQ(program.Run({"run", "far.cdb", "--fresh", "-q", "--shard", "1/1"}).status, 3);
 }
 
@@ -76,7 +77,7 @@ TEST(Stability, MapsWhereASceneStopsBeingSound) {
       << map.out;
   EXPECT_EQ(map.out.find("single"), std::string::npos);
   EXPECT_TRUE(program.Exists("stability/stability_spin.h5"));
-  // What is there is not run again, and another sweep does not pass for it.
+  // Existing results are not run again, and those of another sweep are not accepted.
   EXPECT_EQ(program.Run(command).out, map.out);
   const Finished other = program.Run({"stability", "spin", "-q"});
   EXPECT_EQ(other.status, 2);

@@ -1,4 +1,4 @@
-// `cdb submit` with stand-ins for the programs of Slurm. tests/cluster/ has the real ones.
+// `cdb submit` with stubs for the programs of Slurm. tests/cluster/ uses the real ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ class Submit : public testing::Test {
   }
   void Stub(const std::string& name, const std::string& body) const {
     const fs::path file = program_.folder() / "bin" / name;
-    // Files of the test are in the folder where cdb was started, tasks elsewhere.
+    // The files of the test are in the folder where cdb was started; tasks run elsewhere.
     WriteFile(file, "#!/bin/sh\ncd '" + program_.folder().string() + "'\n" + body + "\n");
     fs::permissions(file, fs::perms::owner_all);
   }
@@ -82,7 +82,7 @@ TEST_F(Submit, TheSameCommandSubmitsOnlyWhatIsMissing) {
 }
 
 TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
-  // The third of four runs fails each time.
+  // The third of the four runs always fails.
   program_.Write("s.cdb",
                  "benchmark s { cycles 4; world.side 500\n"
                  "acceleration (0, sweep(0, 1, -1e39, -1) as g, 0) }");
@@ -103,7 +103,7 @@ TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
   EXPECT_THAT(lost.err, HasSubstr("1 of 4 runs are still to be done"));
   EXPECT_EQ(starts(), before);
 
-  // It goes on, with these words or without.
+  // It continues, with or without these options.
   fs::remove(program_.folder() / "lost.3");
   program_.Write("lost.merge", "");
   const Finished again = Run("s.cdb");

@@ -1,5 +1,5 @@
-// The standard suite: its set of scenes, a run of some of them, and refusals of results that are
-// not complete, not comparable, or tampered with.
+// The standard suite: its set of scenes, a run of some of them, and the rejection of results that
+// are incomplete, not comparable, or tampered with.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -116,7 +116,7 @@ class SuiteResults : public testing::Test {
   }
   static void TearDownTestSuite() { program_.reset(); }
 
-  /// A copy, to be spoilt.
+  /// A copy to be modified.
   static fs::path Copy(const std::string& name) {
     fs::copy(program_->folder() / "out", program_->folder() / name);
     return program_->folder() / name;
@@ -135,7 +135,7 @@ TEST_F(SuiteResults, AreScoredAndWritten) {
   ExpectSays(run_.out, "stiff: settings of Bullet");
   ExpectSays(run_.out, "\n  bullet");
   ExpectSays(run_.out, "steps_240");
-  // Bounces lose their energy in small steps.
+  // The ball loses its energy in small steps.
   ExpectSays(run_.out, "bounce: drifting from cycle");
   ExpectSays(run_.out, "Not a complete suite, without games/debris");
   EXPECT_TRUE(program_->Exists("out/suite.json"));

@@ -12,7 +12,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Balls that meet each other and walls, of both kinds of filter.
+/// Balls that collide with each other and with walls, with both kinds of filter.
 std::string CrowdedScenario(const std::string& more) {
   return "benchmark crowd { cycles 40; world.side 30; acceleration 0\n"
          "objects { quantity 60; size 4; linear_velocity uniform(-60, 60) }\n" +
@@ -32,7 +32,7 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   const Finished recorded = program.Run({"trace", "crowd.cdb"});
   ASSERT_EQ(recorded.status, 0) << recorded.err;
   EXPECT_NE(recorded.out.find("crowd.trace.h5: "), std::string::npos) << recorded.out;
-  // The same world, with detectors that list exactly what overlaps.
+  // The same scene, with detectors that list exact pairs.
   program.Write("live.cdb",
                 CrowdedScenario(precision + "; detector sweep(simple); pair_order sorted"));
   ASSERT_EQ(program.Run({"run", "-q", "-o", "live.h5", "live.cdb"}).status, 0);
@@ -53,7 +53,7 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   for (const std::size_t superset : {3, 4})
     for (std::size_t i = 0; i < pairs.size(); ++i)
       EXPECT_GE(PairsOf(replayed, superset)[i], pairs[i]);
-  // Repeats, and detectors that agree, end alike; times are there.
+  // Repeats, and detectors that agree, have the same final state; times are recorded.
   const auto hash = [&](std::size_t detector, std::uint64_t rep) {
     return replayed.ReadText("state_hash", {{detector}, rep});
   };
@@ -103,7 +103,7 @@ TEST(Trace, OfARunThatFailsIsNone) {
   EXPECT_EQ(refused.status, 1);
   EXPECT_NE(refused.err.find("does not fit between walls 1 m apart"), std::string::npos)
       << refused.err;
-  // What shows only when it is run.
+  // An error that appears only at run time.
   program.Write("full.cdb", "benchmark full { cycles 5; acceleration (0, -1e39, 0) }\n");
   const Finished failed = program.Run({"trace", "full.cdb"});
   EXPECT_EQ(failed.status, 3);

@@ -50,7 +50,7 @@ TEST_F(ShardCounts, TakeNothingElseForAShard) {
     WriteFile(folder_ / name, "");
   count.Update();
   EXPECT_EQ(count.ended(), 0u);
-  // A whole name without its bytes, as a network file system may show it.
+  // A file with its final name but without contents, as a network file system may show it.
   WriteFile(folder_ / (plan_.runs[0].id + ".h5"), "");
   count.Update();
   EXPECT_EQ(count.ended(), 0u);

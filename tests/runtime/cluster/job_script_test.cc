@@ -1,4 +1,4 @@
-// Job scripts, executed by the shell with a stand-in for cdb.
+// Job scripts, executed by the shell with a stub for cdb.
 #include "runtime/cluster/job_script.h"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ TEST(LogName, IsKnownAgain) {
     EXPECT_FALSE(cluster::IsLogName(other)) << other;
 }
 
-/// Paths with all that a shell takes for something else.
+/// Paths with every character that a shell treats specially.
 class JobScript : public testing::Test {
  protected:
   JobScript() {
@@ -39,7 +39,7 @@ class JobScript : public testing::Test {
     WriteFile(sweep_.files.shards / "plan.yaml", "");
     SetProgram("exit 0");
   }
-  /// `body`: after the words were noted.
+  /// `body` runs after the arguments have been recorded.
   void SetProgram(const std::string& body) const {
     WriteFile(sweep_.files.program, "#!/bin/sh\npwd >>'" + noted_ +
                                         "'\nfor word; do echo \"$word\"; done >>'" + noted_ +
@@ -118,7 +118,7 @@ TEST_F(JobScript, WordsAreThoseOfSbatch) {
 TEST_F(JobScript, TheDryRunIsAScriptThatSubmitsBoth) {
   const fs::path binaries = root_ / "bin";
   fs::create_directory(binaries);
-  // Prints an id as a cluster of several does, and executes the script.
+  // Prints an id as a federation of clusters does, and executes the script.
   WriteFile(binaries / "sbatch", "#!/bin/sh\nfor word; do echo \"$word\"; done >>'" + noted_ +
                                      "'\nsh >&2\necho '12;bench'\n");
   fs::permissions(binaries / "sbatch", fs::perms::owner_all);

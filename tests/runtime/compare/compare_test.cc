@@ -42,14 +42,14 @@ class ComparedFiles {
   std::vector<std::filesystem::path> paths_;
 };
 
-/// The detector sap is slower by 5 % in the second file. Written for the first test that needs it.
+/// The detector sap is 5 % slower in the second file. Written for the first test that needs it.
 std::shared_ptr<const ComparedFiles> SlowerSap() {
   static const auto files = std::make_shared<const ComparedFiles>(std::vector<ComparedResult>{
       {ComparedPlan(6)}, {.plan = ComparedPlan(6), .change = Slower(2, 1.05), .seed = 2}});
   return files;
 }
 
-/// A command's worth of files, judged.
+/// The comparison of the files of one command.
 class Compared {
  public:
   explicit Compared(std::shared_ptr<const ComparedFiles> written, CompareOptions options = {},
@@ -70,7 +70,7 @@ class Compared {
   compare::Document document() const { return compare::CompareDocument(comparison(), options_); }
   std::string Text() const { return compare::TerminalText(document()); }
   bool IsWorse() const { return compare::IsWorse(comparison(), options_); }
-  /// Of a group, in step.
+  /// The change of a group, in the phase step.
   const compare::TimeChange& Group(const std::string& name) const {
     for (const compare::TimedGroup& group : comparison().times.groups)
       if (group.name == name) return group.phases.back();
@@ -83,7 +83,7 @@ class Compared {
   std::vector<compare::BenchmarkHistory> histories_;
 };
 
-/// One space between words, and lines joined.
+/// The text with single spaces and joined lines.
 std::string Words(const std::string& text) {
   std::string words;
   for (const char c : text) {
@@ -122,7 +122,7 @@ TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
   ExpectSaysNot(text, "EVERYTHING");
   ExpectSays(text, "Physics: the same last state to the bit at 8 of 8 points");
   ExpectSays(text, "Unchanged: verdicts, position error, missed pairs, ");
-  // The interval reaches below 5 %.
+  // The interval includes changes below 5 %.
   EXPECT_FALSE(compared.IsWorse());
   ExpectSays(text, "Nothing is surely worse by more than 5 %");
 }

@@ -1,4 +1,4 @@
-// Results files for tests of comparisons: real plans, and made-up times with known noise.
+// Results files for tests of comparisons: real plans with made-up times of known noise.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace cdb::tests {
 
 inline constexpr std::uint64_t kComparedCycles = 6;
 
-/// What a run recorded, beside noise.
+/// The values that a run recorded, without noise.
 struct ComparedRun {
-  double factor = 1;  ///< of all times
+  double factor = 1;  ///< applied to all times
   std::string state = "0123456789abcdef";
   measure::Verdict verdict = measure::Verdict::kStable;
   double error = 0.5, floor = 0;
@@ -36,7 +36,8 @@ struct ComparedResult {
   double started = 0;  ///< s
 };
 
-/// Of a benchmark with `more` settings; `detectors`: empty for a sweep of quantities alone.
+/// A plan of a benchmark with `more` settings; if `detectors` is empty, it sweeps only the
+/// quantities.
 plan::Plan ComparedPlan(std::uint64_t repeats,
                         const std::vector<std::string>& quantities = {"10", "20"},
                         const std::vector<std::string>& detectors = {"simple", "dbvt", "sap",
@@ -45,7 +46,7 @@ plan::Plan ComparedPlan(std::uint64_t repeats,
 
 void WriteCompared(const ComparedResult& of, const std::filesystem::path& out);
 
-/// `detector` is slower by `factor`.
+/// A scene in which `detector` is slower by `factor`.
 ComparedScene Slower(std::size_t detector, double factor);
 
 }  // namespace cdb::tests

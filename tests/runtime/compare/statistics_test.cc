@@ -21,7 +21,7 @@ using statistics::Bootstrap;
 using statistics::Estimate;
 
 TEST(CompareStatistics, TestsByStudentsDistribution) {
-  // Two samples whose means have the same bootstrap variance as those of Welch's test have.
+  // Two samples whose means have the bootstrap variance that Welch's test assumes.
   const Bootstrap five(5);
   const Estimate a = five.MeanEstimate({99, 101, 100, 98, 102}),
                  b = five.MeanEstimate({109, 111, 110, 108, 112});
@@ -47,7 +47,7 @@ TEST(CompareStatistics, CallsAChangeOfOnePercentNone) {
 }
 
 TEST(CompareStatistics, DoesNotPairTheRepeatsOfTwoFiles) {
-  // The third repeat is slow in both files, on two occasions: by chance.
+  // The third repeat is slow in both files, but at different times: a coincidence.
   const Bootstrap five(5);
   const Estimate a = five.MeanEstimate({100, 110, 200, 120, 100});
   const TestedChange tested = ChangeTest(five, five).Of(compare::ChangeOf(a, a));
@@ -78,7 +78,7 @@ TEST(CompareStatistics, JudgesByTestAndMargin) {
 }
 
 TEST(CompareStatistics, CorrectsForManyTests) {
-  // As p.adjust of R has it.
+  // The same values as R's p.adjust.
   const std::vector<double> p = {0.01, 0.04, NAN, 0.03, 0.005};
   const std::vector<double> holm = {0.03, 0.06, NAN, 0.06, 0.02},
                             bh = {0.02, 0.04, NAN, 0.04, 0.02};
@@ -93,12 +93,12 @@ TEST(CompareStatistics, CorrectsForManyTests) {
   }
 }
 
-/// Made-up noise. Factors: of a repeat as a whole, of a run in it, of a cycle.
+/// Made-up noise. Relative standard deviations of a whole repeat, of a run in it, and of a cycle.
 struct MadeUpNoise {
   double repeat = 0.005, run = 0.015, cycle = 0.03;
-  double stalls = 0.01;    ///< part of the cycles that take five times as long
-  double slow_runs = 0;    ///< part of the runs that a neighbour slows down as a whole
-  double slowed_by = 1.3;  ///< at most; each by some part of it
+  double stalls = 0.01;    ///< fraction of cycles that take five times as long
+  double slow_runs = 0;    ///< fraction of runs that another process slows down as a whole
+  double slowed_by = 1.3;  ///< the largest factor; each is slowed by a part of it
 };
 
 /// A file of `groups` x `points`, timed `repeats` times.
@@ -140,10 +140,10 @@ class MadeUpFile {
 
 constexpr std::size_t kGroups = 4, kPointsEach = 3;
 
-/// Changes between two files, of which the second is slower by `factor` in group 0.
+/// Changes between two files, the second of which is slower by `factor` in group 0.
 struct Experiment {
   std::vector<double> groups, points;  ///< adjusted p: by Holm, by Benjamini and Hochberg
-  std::size_t covered = 0;             ///< groups whose interval has the truth in it
+  std::size_t covered = 0;             ///< groups whose interval contains the true change
 };
 Experiment CompareOnce(distributions::Stream& stream, std::size_t repeats, const MadeUpNoise& noise,
                        double factor) {
@@ -168,9 +168,9 @@ Experiment CompareOnce(distributions::Stream& stream, std::size_t repeats, const
 }
 
 struct Rates {
-  double false_alarms = 0;       ///< part of the experiments with a false alarm in some group
-  double false_discoveries = 0;  ///< mean part of the changed points that are not
-  double power = 0;              ///< part of the experiments that find group 0
+  double false_alarms = 0;       ///< fraction of experiments with a false alarm in some group
+  double false_discoveries = 0;  ///< mean fraction of reported points that did not change
+  double power = 0;              ///< fraction of experiments that find group 0
   double coverage = 0;           ///< of the intervals of groups
 };
 Rates RatesOf(std::size_t repeats, const MadeUpNoise& noise, double factor, int all) {

@@ -24,7 +24,7 @@ std::vector<Conclusion> ConclusionsOf(const plan::Plan& plan, const MakeUp& make
   });
 }
 
-/// The first of a kind; one without words where there is none.
+/// The first conclusion of a kind, or an empty one.
 Conclusion FindConclusion(const std::vector<Conclusion>& all, std::string_view kind) {
   for (const Conclusion& of : all)
     if (of.kind == kind) return of;
@@ -37,7 +37,7 @@ plan::Plan DetectorPlan(std::uint64_t repeats) {
       repeats, {.cycles = kMadeUpCycles, .record = {"timing"}});
 }
 
-/// 100 ns an object times a factor of the detector, and 1 % more in each repeat.
+/// 100 ns per object, times a factor for the detector, plus 1 % in each repeat.
 MadeUp FactorTimes(const plan::Run& run, const std::vector<double>& factors) {
   constexpr double kObjects[] = {10, 20, 40};
   return {.ns = 100 * kObjects[run.at[1]] * factors[run.at[0]] *
@@ -50,7 +50,7 @@ TEST(Conclusions, NameTheFastestDetectorWithItsInterval) {
   });
   const Conclusion step = FindConclusion(all, "fastest");
   EXPECT_EQ(step.question, "Which detector takes the least time for a step?");
-  // Repeats of all detectors are slower alike, so that the ratios are known.
+  // The repeats of all detectors are slowed equally, so that the ratios are known.
   EXPECT_EQ(
       step.answer,
       "dbvt. Next is sap, with 1.20 times the time of dbvt (95 % interval 1.20 .. 1.20). Last is "
@@ -78,7 +78,7 @@ TEST(Conclusions, BeginWithWhatTheSweepAsks) {
 TEST(Conclusions, CallWhatCannotBeToldApartATie) {
   const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
     MadeUp made = FactorTimes(run, {2, 1, 1.001});
-    // The repeats of one detector are slow where those of the other are fast.
+    // The repeats of one detector are slow when those of the other are fast.
     if (run.at[0] == 1) made.ns *= 1 + 0.02 * static_cast<double>(run.rep % 2);
     return made;
   });
@@ -103,7 +103,7 @@ TEST(Conclusions, KnowNothingFromOneRepeat) {
 
 TEST(Conclusions, SayWhereAnotherDetectorIsFaster) {
   const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
-    // n^2 against 15 n: quicker at 10, slower at 20 and 40.
+    // n^2 compared with 15 n: faster at 10, slower at 20 and 40.
     constexpr double kObjects[] = {10, 20, 40};
     const double n = kObjects[run.at[1]];
     return MadeUp{.ns = run.at[0] == 0 ? n * n : (run.at[0] == 1 ? 15 : 30) * n};
@@ -167,7 +167,7 @@ TEST(Conclusions, NameTheMostAccurateWithinRealTime) {
                {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
   plan.axes[0].parameter = "solver.iterations";
   const auto all = ConclusionsOf(plan, [](const plan::Run& run) {
-    // 1 ms a cycle is simulated in 0.1, 0.2, 0.4 ms and, out of time, in 2 ms.
+    // A cycle of 1 ms takes 0.1, 0.2 or 0.4 ms, or, slower than real time, 2 ms.
     constexpr double kNs[] = {1e5, 2e5, 4e5, 2e6}, kErrors[] = {0.4, 0.2, 0.1, 0.01};
     return MadeUp{.ns = kNs[run.at[0]], .errors = {{"position", kErrors[run.at[0]]}}};
   });

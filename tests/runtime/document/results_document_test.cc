@@ -1,4 +1,4 @@
-// Results documents: the numbers are those of the tables, and every file makes one.
+// Results documents: the numbers equal those of the tables, and every file can be converted.
 #include "runtime/document/results_document.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ json DocumentOf(const plan::Plan& plan, const MakeUp& make_up, bool for_page = f
   });
 }
 
-/// dbvt takes 1.2 times the time of simple; 1 % more in each repeat.
+/// dbvt takes 1.2 times as long as simple; each repeat takes 1 % more.
 MadeUp MadeUpTimes(const plan::Run& run) {
   return {.ns = 1000.0 * static_cast<double>(run.at[1] + 1) * (run.at[0] == 0 ? 1 : 1.2) *
                 (1 + 0.01 * static_cast<double>(run.rep))};
@@ -61,7 +61,7 @@ TEST(ResultsDocument, HasAColumnForEachFigure) {
   EXPECT_LT(points["times"]["step"]["low"][0], 1020);
   EXPECT_GT(points["times"]["step"]["high"][0], 1020);
   const json& ratios = document["ratios"];
-  EXPECT_EQ(ratios["baseline"], "dbvt");  // it has all cells
+  EXPECT_EQ(ratios["baseline"], "dbvt");  // the detector that has all cells
   EXPECT_EQ(ratios["means"]["step"][0]["value"], 0.833333);
   EXPECT_EQ(ratios["phases"]["step"]["is_matched"], json({true, true, true, true, false}));
   EXPECT_EQ(document["cycles"]["step"][0], json({1020, 1020, 1020, 1020}));
@@ -110,7 +110,7 @@ TEST(ResultsDocument, HasErrorsAgainstRunTime) {
   EXPECT_EQ(points["time_step"][0], 0.001);
   EXPECT_EQ(points["ms_per_s"], json({1000, 2000, 1000, 2000}));
   EXPECT_EQ(points["errors"]["position"]["value"], json({0.25, 0.125, 0.25, 0.125}));
-  // Numbers of objects are other scenes.
+  // Different numbers of objects are different scenes.
   const json& fronts = document["fronts"];
   ASSERT_EQ(fronts.size(), 2u);
   EXPECT_EQ(fronts[1]["each"], json({{"quantity", 20}}));
@@ -180,7 +180,7 @@ TEST(ReportCommand, WritesOnePageOfAllFiles) {
   EXPECT_EQ(program.Read("out.h5"), results);
 }
 
-/// Runs that are alike share a shard.
+/// A plan of `points` points. Equal runs share a shard.
 plan::Plan LargePlan(std::size_t points) {
   std::vector<double> values(points);
   for (std::size_t i = 0; i < points; ++i) values[i] = static_cast<double>(i);

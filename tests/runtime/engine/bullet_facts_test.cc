@@ -1,5 +1,5 @@
-// Limits of Bullet 3.24 that affect a benchmark, each with its figure. convergence_test.cc has one
-// more: default bounces lose energy.
+// Limits of Bullet 3.24 that affect a benchmark, with their values. convergence_test.cc has another
+// one: default bounces lose energy.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -18,8 +18,8 @@ plan::Scene InThisPrecision(plan::Scene scene) {
 }
 
 TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
-  // A contact's mass, 1/(1/m), is dropped where it is not below: 1.453e7 in single, 7.80e15 in
-  // double.
+  // Bullet drops a contact's mass, 1/(1/m), if it is not below this limit: 1.453e7 in single
+  // precision, 7.80e15 in double.
   const double limit = std::sqrt(3.0) / kEpsilon;
   const auto height = [](double mass) {
     plan::Scene scene = InThisPrecision(OneObjectScene());
@@ -30,7 +30,7 @@ TEST(Fact, AMassPastTheSquareRootOfThreeOverEpsilonFallsThroughTheFloor) {
     return Position(engine).y();
   };
   EXPECT_NEAR(height(0.998 * limit), -4.5, 0.01);
-  EXPECT_NEAR(height(1.002 * limit), -4.4 - 4.9 - 4.9 / 60, 0.01);  // as if it were not there
+  EXPECT_NEAR(height(1.002 * limit), -4.4 - 4.9 - 4.9 / 60, 0.01);  // as if the floor were missing
 }
 
 TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
@@ -54,10 +54,10 @@ TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
   const double limit = 1e6 / std::sqrt(3.0);
   EXPECT_FALSE(is_off(0.999 * limit, 0));
   EXPECT_TRUE(is_off(1.001 * limit, 0));
-  // The box reaches to where the body goes in the step.
+  // The box extends to the body's position at the end of the step.
   EXPECT_FALSE(is_off(1, 0.999e6 * 60));
   EXPECT_TRUE(is_off(1, 1.001e6 * 60));
-  // Bullet does not switch off what it may not put to sleep: its box stays where it was.
+  // Bullet does not deactivate bodies that must not sleep: the body's box stays where it was.
   const auto awake = engine_of(1.001 * limit, 1000, false);
   EXPECT_EQ(awake->objects()[0]->getActivationState(), DISABLE_DEACTIVATION);
   EXPECT_GT(Position(*awake).x(), 100);
@@ -79,7 +79,7 @@ TEST(Fact, NaNSpreadsThroughTheIslandInOneCycleAndNoFarther) {
 }
 
 TEST(Fact, ATurnIsClampedPastAnEighthOfACircle) {
-  // The sine of half a turn of pi/4 stands for all larger ones: 2 atan(w dt tan(pi/8)/(pi/4)).
+  // For turns above pi/4, Bullet uses the sine of pi/8: 2 atan(w dt tan(pi/8)/(pi/4)).
   const double slope = std::tan(std::numbers::pi / 8) / (std::numbers::pi / 4);  // 0.527
   for (const double turn : {0.1, 0.78, 0.8, 1.41, 3.0, 100.0}) {
     plan::Scene scene = InThisPrecision(SpinScene());
@@ -93,17 +93,17 @@ TEST(Fact, ATurnIsClampedPastAnEighthOfACircle) {
     EXPECT_NEAR(turned, turn < std::numbers::pi / 4 ? turn : 2 * std::atan(slope * turn),
                 200 * kEpsilon);
     if (turn == 1.41) {
-      EXPECT_NEAR(turned / turn, 0.907, 0.001);  // 10 % low at 1.44
+      EXPECT_NEAR(turned / turn, 0.907, 0.001);  // 10 % too low at 1.44
     }
   }
 }
 
 struct Column {
-  int oldest = 0;   ///< of the contacts between objects, cycles
-  double sunk = 0;  ///< the uppermost, m
+  int oldest = 0;   ///< age of the oldest contact between objects, in cycles
+  double sunk = 0;  ///< by which the uppermost ball has sunk, m
 };
 
-/// Five balls on each other after 4 s; `tall` is their y beside 1.
+/// Five stacked balls after 4 s; `tall` is the ratio of their height to their width.
 Column BallColumn(double tall, double warm_start) {
   plan::Scene scene = InThisPrecision(StackScene(5));
   SetGroup(scene, "type", Word("sphere"));
@@ -125,13 +125,14 @@ Column BallColumn(double tall, double warm_start) {
 }
 
 TEST(Fact, ContactsOfTwoSpheresAreNewInEveryCycleAndNeverWarmStart) {
-  // What is a hair from a sphere takes Bullet's way for any shape, which keeps contacts.
+  // An ellipsoid that is nearly a sphere is handled by Bullet's general algorithm, which keeps
+  // contacts.
   const Column spheres = BallColumn(1, 0.85), nearly = BallColumn(1.0001, 0.85);
   EXPECT_EQ(spheres.oldest, 0);
   EXPECT_EQ(nearly.oldest, 240);
-  // Warm started it sinks 1 - 0.85 of what it does from cold: 6.7 times less. Spheres sink as from
-  // cold in single precision, 6.7 times as deep as what is nearly one; in double 4.0 times, where
-  // their one contact with the floor, which lasts, is solved last.
+  // With warm starting, it sinks 1 - 0.85 as far as without: 6.7 times less. Spheres sink as
+  // without warm starting in single precision, 6.7 times as deep as the near spheres; in double
+  // precision 4.0 times, because their one persistent contact, with the floor, is solved last.
   const Column cold = BallColumn(1.0001, 0);
   EXPECT_NEAR(cold.sunk / nearly.sunk, 1 / 0.15, 0.1);
   EXPECT_NEAR(spheres.sunk / nearly.sunk, sizeof(btScalar) == 4 ? 1 / 0.15 : 4.0, 0.1);

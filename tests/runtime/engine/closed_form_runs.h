@@ -13,14 +13,14 @@
 
 namespace cdb::tests {
 
-/// The largest of each over the samples of a run.
+/// The largest error of each kind over the samples of a run.
 struct FormErrors {
   double position = 0;          ///< of any object, m
   double velocity = 0;          ///< m/s
-  double turn = 0;              ///< of orientation, rad; 0 where the form says nothing
-  double energy = 0;            ///< in parts of the form's scale
+  double turn = 0;              ///< of orientation, rad; 0 if the form does not define it
+  double energy = 0;            ///< relative to the form's scale
   double momentum = 0;          ///< kg m/s
-  double angular_momentum = 0;  ///< in parts of what there is at the start; 0 where there is none
+  double angular_momentum = 0;  ///< relative to the initial value; 0 if that is zero
 };
 
 struct Observed {
@@ -53,7 +53,7 @@ inline Observed Observe(const world::Engine& engine) {
   return sum;
 }
 
-/// Runs the scene to its end; a sample is taken every `interval` steps.
+/// Runs the scene to its end and takes a sample every `interval` steps.
 inline FormErrors AgainstForm(std::string_view name, const plan::Scene& scene,
                               std::uint64_t interval = 1) {
   const layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -85,7 +85,7 @@ inline FormErrors AgainstForm(std::string_view name, const plan::Scene& scene,
   return worst;
 }
 
-/// The p of error = c dt^p, by least squares of the logarithms.
+/// The p of error = c dt^p, by a least-squares fit of the logarithms.
 inline double OrderOf(const std::vector<double>& timesteps, const std::vector<double>& errors) {
   const auto log = [](const std::vector<double>& values) {
     return Eigen::VectorXd(

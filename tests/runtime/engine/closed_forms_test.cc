@@ -1,5 +1,6 @@
-// The engine against formulae that hold for every correct engine. Bounds are derived at each test;
-// kEpsilon is the relative spacing of numbers, so that a rounding is off by kEpsilon / 2.
+// The engine compared with formulae that hold for every correct engine. Bounds are derived at each
+// test; kEpsilon is the relative spacing of numbers, so that a rounding error is at most kEpsilon /
+// 2.
 #include <gtest/gtest.h>
 
 #include "tests/runtime/engine/engine_fixture.h"
@@ -16,7 +17,8 @@ plan::Scene FreeScene() {
 }
 
 TEST(FreeFall, FollowsTheDiscreteFormula) {
-  // v_n = v_0 + n g dt and x_n = x_0 + n v_0 dt + g dt^2 n (n + 1)/2: velocity first, then place.
+  // v_n = v_0 + n g dt and x_n = x_0 + n v_0 dt + g dt^2 n (n + 1)/2: velocity first, then
+  // position.
   const plan::Scene scene = [] {
     plan::Scene s = FreeScene();
     SetGroup(s, "linear_velocity", Vector3d(3, 20, -1));
@@ -32,9 +34,9 @@ TEST(FreeFall, FollowsTheDiscreteFormula) {
     const Vector3d expected = start + n * dt * v + dt * dt * n * (n + 1) / 2 * g;
     farthest = std::max(farthest, expected.norm());
     way += velocity.norm() * dt;
-    // g, dt, the force m g and the impulse's product are each rounded once: 8 roundings in each
-    // velocity, and one more for each addition, so n + 8 of them. Each place adds one rounding of
-    // the sum and one of the step.
+    // g, dt, the force m g and the product of the impulse are each rounded once: 8 roundings in
+    // each velocity, and one more for each addition, so n + 8 in total. Each position adds a
+    // rounding of the sum and one of the step.
     const double speed = v.norm() + n * dt * g.norm();
     EXPECT_LE((Velocity(engine) - velocity).norm(), (n + 8) * kEpsilon * speed);
     EXPECT_LE((Position(engine) - expected).norm(),
@@ -43,7 +45,7 @@ TEST(FreeFall, FollowsTheDiscreteFormula) {
 }
 
 TEST(FreeFall, IsOfFirstOrderInTheTimestep) {
-  // x_n - x(t) = g dt t/2: half the step, half the error.
+  // x_n - x(t) = g dt t/2: half the step gives half the error.
   const auto error = [](double dt, int steps) {
     plan::Scene scene = FreeScene();
     SetWorld(scene, "timestep", dt);
@@ -66,8 +68,8 @@ TEST(RestingSphere, StaysOnTheFloorAndFallsAsleep) {
   const double dt = 1.0 / 60;
   for (int n = 0; n < 300; ++n) {
     engine.Step();
-    // The solver takes the whole fall of a step back while the sphere touches; it is never deeper
-    // than the fall of the step in which the contact was made, nor higher than it started.
+    // The solver undoes the whole fall of a step while the sphere touches; it is never deeper than
+    // the fall of the step in which the contact was made, nor higher than it started.
     EXPECT_NEAR(Position(engine).y(), -225, 9.8 * dt * dt + 500 * kEpsilon);
     EXPECT_NEAR(Position(engine).x(), 0, 500 * kEpsilon);
   }
@@ -98,8 +100,8 @@ TEST(Incline, WithoutFrictionASphereSlidesAndDoesNotRoll) {
 }
 
 TEST(Incline, FrictionDecidesBetweenStickingAndSliding) {
-  // Bullet takes the product of both frictions; the floor's is 0.5. It solves friction along two
-  // axes in 10 sweeps, and a box rocks on its corners: 3 % of the way.
+  // Bullet uses the product of both frictions; the floor's is 0.5. It solves friction along two
+  // axes in 10 iterations, and a box rocks on its corners: 3 % of the distance.
   const auto slide = [](double friction, int steps) {
     plan::Scene scene = InclineScene(0.35);  // tan 0.35 = 0.365
     SetGroup(scene, "type", Word("cuboid"));
@@ -130,8 +132,8 @@ TEST(Spin, OfABallIsConstantAndTurnsByOmegaDt) {
     const btQuaternion q = engine.objects()[0]->getWorldTransform().getRotation();
     const Eigen::Quaterniond turn(q.w(), q.x(), q.y(), q.z());
     const double off = turn.angularDistance(layouts::TurnAbout(omega * n * dt));
-    // Each step multiplies quaternions and goes through a matrix: 32 roundings, and the spin's own
-    // error, summed over n steps. angularDistance loses half the digits near zero; not near here.
+    // Each step multiplies quaternions and converts to a matrix: 32 roundings, and the error of the
+    // spin, summed over n steps. angularDistance loses half the digits near zero, but not here.
     EXPECT_LE(off, 32 * n * kEpsilon + 32 * kEpsilon * omega.norm() * dt * n * (n + 1) / 2);
   }
 }
@@ -173,7 +175,7 @@ TEST(HeadOnCollision, KeepsMomentumAndExchangesVelocitiesWhenElastic) {
 }
 
 TEST(Bounce, OffTheFloorKeepsTheRestitutionsPart) {
-  // faithful: a sphere that falls 100 m meets the floor at v and leaves at e v. Bullet adds the
+  // faithful: a sphere that falls 100 m hits the floor at v and leaves at e v. Bullet adds the
   // restitution to the velocity at the start of the step, before that step's g dt.
   for (const double kept : {0.5, 0.9}) {
     plan::Scene scene = EngineScene(1, 500);
@@ -191,7 +193,7 @@ TEST(Bounce, OffTheFloorKeepsTheRestitutionsPart) {
 }
 
 TEST(BoxOnFloor, CuboidCylinderAndConeStandAtTheirHalfHeight) {
-  // The extents are the sides whatever the margin: the base is at -250 for each.
+  // The extents equal the sides for any margin: the base is at -250 for each.
   for (const char* type : {"cuboid", "cylinder", "cone"}) {
     for (const double margin : {0.04, 1.0}) {
       plan::Scene scene = EngineScene(1, 500);

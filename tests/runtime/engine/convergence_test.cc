@@ -1,6 +1,6 @@
-// How fast the engine converges to the closed forms as its steps get smaller: orders fitted by
-// least squares. Figures beside the bounds were measured with Bullet 3.24; one figure holds in both
-// precisions to the digits given.
+// The order in which the engine converges to the closed forms with smaller time steps, fitted by
+// least squares. Values beside the bounds were measured with Bullet 3.24; a single value holds in
+// both precisions to the digits given.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr bool kSingle = sizeof(btScalar) == 4;
 
-/// Hz. Finer steps drown in the rounding of single precision.
+/// Hz. Errors of smaller steps are below the rounding errors of single precision.
 const std::vector<double> kRates = {30, 60, 120, 240, 480};
 
 plan::Scene WithContact(plan::Scene scene, std::string_view contact = "bullet") {
@@ -56,8 +56,8 @@ TEST(Convergence, FlightIsOfOrderOne) {
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 1, 0.01);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::energy), 1, 0.01);
   for (std::size_t i = 0; i < kRates.size(); ++i) {
-    // All of it is the discrete formula's, g dt t/2; what is left is rounding, of a place that 480
-    // steps of at most 6 m/s lead to, and of a velocity that g dt is added to.
+    // The error is that of the discrete formula, g dt t/2, except for rounding: of a position after
+    // 480 steps of at most 6 m/s, and of a velocity to which g dt is added.
     EXPECT_NEAR(errors[i].position, 9.8 / kRates[i] / 2, 2 * kRates[i] * 6 * kEpsilon);
     EXPECT_LE(errors[i].velocity, (kRates[i] + 8) * 10 * kEpsilon);
   }
@@ -76,8 +76,8 @@ TEST(Convergence, StickCreepsWithOrderTwo) {
   const std::vector<FormErrors> errors = Sweep("stick", WithContact(SlopeScene(0.3, 1)), 4);
   EXPECT_NEAR(OrderOfForm(errors, &FormErrors::position), 2, 0.05);
   EXPECT_NEAR(errors[1].position, 2.4e-3, 1e-4);  // 60 Hz
-  // Nearly all of it in the first half second, as it lands and rocks: then the box stays, but for
-  // 3e-6 m in 4 s at 60 Hz.
+  // Nearly all of it arises in the first half second, as the box lands and rocks; then it stays,
+  // except for 3e-6 m in 4 s at 60 Hz.
   plan::Scene scene = WithContact(SlopeScene(0.3, 1));
   SetTime(scene, 1.0 / 60, 4);
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
@@ -91,7 +91,8 @@ TEST(Convergence, StickCreepsWithOrderTwo) {
 }
 
 TEST(Convergence, SlideComesToItsAcceleration) {
-  // Contacts come and go under the sliding box: the error falls unevenly, by about the step.
+  // Contacts appear and vanish under the sliding box: the error decreases unevenly, roughly with
+  // the step.
   const std::vector<double> rates = {30, 60, 120, 240, 480, 960, 1920};
   const std::vector<FormErrors> errors =
       Sweep("slide", WithContact(SlopeScene(0.5, 0.4)), 1, rates);
@@ -99,9 +100,9 @@ TEST(Convergence, SlideComesToItsAcceleration) {
   EXPECT_LT(errors.back().position, 0.002 * 1.5);  // of 1.5 m
 }
 
-/// The mean over so many heights about 50 m of the energy that a ball of size 50 with restitution
-/// 1 has lost after 10 s, in parts of what it had above the floor. With g dt v/2, which the
-/// integrator keeps in free flight.
+/// The mean energy that a ball of size 50 with restitution 1 has lost after 10 s, over 32 heights
+/// about 50 m, relative to its energy above the floor. The energy includes g dt v/2, with which the
+/// integrator conserves it in free flight.
 double LostInBounces(double rate, std::string_view contact) {
   constexpr int kHeights = 32;
   double sum = 0;
@@ -129,7 +130,7 @@ TEST(Convergence, DefaultBounceGoesTheWrongWayAndTheFaithfulOneComesTrue) {
   EXPECT_NEAR(LostInBounces(30, "bullet"), 0.76, 0.05);
   EXPECT_NEAR(LostInBounces(60, "bullet"), 1, 0.001);
   EXPECT_NEAR(LostInBounces(240, "bullet"), 1, 0.001);
-  // What is left gains a little: 0.7, 0.3, 0.2 % …
+  // The remainder is a small gain: 0.7, 0.3, 0.2 % …
   std::vector<double> gained;
   const std::vector<double> rates = {15, 30, 60, 120, 240};
   for (const double rate : rates) gained.push_back(-LostInBounces(rate, "faithful"));
@@ -148,10 +149,10 @@ TEST(Convergence, DefaultBounceGoesTheWrongWayAndTheFaithfulOneComesTrue) {
 
 struct HeadOn {
   double mean = 0, first_phase = 0;  ///< |x - x*| of the first ball at the end, m
-  double speed = 0, energy = 0;      ///< means; energy in parts of the form's scale
+  double speed = 0, energy = 0;      ///< means; energy relative to the form's scale
 };
 
-/// Over 32 parts of a step by which the balls meet later.
+/// Over 32 fractions of a step by which the collision is delayed.
 HeadOn OverPhases(double rate, double mass, std::string_view contact) {
   constexpr int kPhases = 32;
   HeadOn sum;
@@ -191,7 +192,7 @@ TEST(Convergence, HeadOnIsOfOrderOneInTheMeanOverPhases) {
     EXPECT_FALSE(first_phase_falls) << "one phase saws";
   }
   EXPECT_NEAR(OverPhases(60, 1, "faithful").mean, 0.031, 0.001);
-  // Bullet's own presets lose a fifth of the energy, whatever the step, and stay as far off.
+  // Bullet's own presets lose a fifth of the energy at any step, and the error does not shrink.
   EXPECT_NEAR(OverPhases(60, 1, "bullet").mean, 0.058, 0.005);
   EXPECT_NEAR(OverPhases(480, 1, "bullet").mean, 0.131, 0.02);
 }
@@ -209,10 +210,11 @@ TEST(Convergence, RollingAgreesWithItsClosedForm) {
     world::Engine engine = WholeEngine(scene, state);
     Steps(engine, static_cast<int>(rate));
     for (std::size_t i = 0; i < state.objects.size(); ++i) {
-      // Velocities are exact but for rounding: relative errors of 1e-15 in double, 4e-6 in single.
+      // Velocities are exact up to rounding: relative errors of 1e-15 in double precision, 4e-6 in
+      // single.
       const double speed = truth.velocities[i].x();
       EXPECT_NEAR(Velocity(engine, i).x(), speed, 100 * kEpsilon * speed) << rate << ' ' << i;
-      // And places are the discrete formula's, n (n + 1)/2 steps of a dt².
+      // Positions follow the discrete formula, n (n + 1)/2 steps of a dt².
       const double way = truth.positions[i].x() - start.positions[i].x();
       EXPECT_NEAR(Position(engine, i).x() - start.positions[i].x(), way * (1 + 1 / rate),
                   100 * kEpsilon * 10)
@@ -221,8 +223,8 @@ TEST(Convergence, RollingAgreesWithItsClosedForm) {
     errors.push_back(std::abs(Position(engine, 25).x() - truth.positions[25].x()));
   }
   EXPECT_NEAR(OrderOf(Timesteps(rates), errors), 1, 0.01);
-  // With Bullet's 10 iterations the plate is 0.3 % slow in double and right in single, where the
-  // contacts happen to be solved in a better order.
+  // With Bullet's 10 iterations, the plate is 0.3 % too slow in double precision, and exact in
+  // single, where the contacts happen to be solved in a better order.
   SetWorld(scene, "solver.iterations", std::uint64_t{10});
   SetTime(scene, 1.0 / 60, 1);
   const auto form = FormOf("rolling", scene);
@@ -264,7 +266,7 @@ TEST(Convergence, BrakingComesNearItsStoppingDistance) {
   EXPECT_LT(errors.back().position, 0.03);
 }
 
-/// Of velocity and spin at the end, and of the position there.
+/// Errors of velocity and spin at the end, and of the final position.
 struct EndErrors {
   double velocity = 0, spin = 0, position = 0;
 };
@@ -288,13 +290,13 @@ TEST(Convergence, RollAndBowlEndWithTheTrueVelocities) {
   for (const Case& c : {Case{"roll", RollScene(0.5, 0.4)}, Case{"roll", RollScene(0.5, 0.2)},
                         Case{"bowl", BowlScene()}}) {
     plan::Scene scene = WithContact(c.scene);
-    // Touching, it has its contact from the first step on.
+    // It touches, so that it has its contact from the first step on.
     SetGroup(scene, "location",
              At(c.form[0] == 'b' ? -10 : 0, 0.5 - scene.world.Real("world.side") / 2, 0));
     std::vector<double> positions;
     for (const double rate : rates) {
       const EndErrors errors = AtEnd(c.form, scene, rate, c.form[0] == 'b' ? 2 : 1);
-      // A thousand steps, each of which rounds a few times.
+      // A thousand steps with a few roundings each.
       EXPECT_LE(errors.velocity, 2000 * kEpsilon) << c.form << ' ' << rate;
       EXPECT_LE(errors.spin, 4000 * kEpsilon) << c.form << ' ' << rate;
       positions.push_back(errors.position);
@@ -310,15 +312,15 @@ TEST(Convergence, ObliqueImpactIsExactWithFaithfulContacts) {
       const EndErrors errors = AtEnd("oblique", faithful, rate, 1);
       EXPECT_LE(errors.velocity, 20 * kEpsilon) << rate;
       EXPECT_LE(errors.spin, 200 * kEpsilon) << rate;
-      // It meets the wall a step late at the most.
+      // It hits the wall at most one step late.
       EXPECT_LE(errors.position, 6.5 / rate) << rate;
     }
-    // With Bullet's own contacts the ball keeps nothing of the normal velocity in small steps.
+    // With Bullet's own contacts, the ball keeps none of its normal velocity in small steps.
     EXPECT_GT(AtEnd("oblique", WithContact(ObliqueScene(friction)), 480, 1).velocity, 1.5);
   }
 }
 
-/// The mean time between a value's passages through 0 upwards, by straight lines between steps.
+/// The mean time between upward zero crossings of a value, interpolated linearly between steps.
 template <typename ValueOf>
 double PeriodOf(world::Engine& engine, int steps, double timestep, ValueOf value) {
   std::vector<double> passages;
@@ -356,7 +358,7 @@ TEST(Convergence, PendulumIsOfOrderOneAndItsPeriodOfOrderTwo) {
   const std::vector<FormErrors> small = Sweep("pendulum", WithContact(PendulumScene(0.2)), 4);
   EXPECT_NEAR(OrderOfForm(small, &FormErrors::position), 1, 0.05);
   EXPECT_NEAR(OrderOfForm(small, &FormErrors::energy), 1.1, 0.15);
-  // From 2 rad, where the spin changes more in a step, it comes to order 1 at 480 Hz only.
+  // From 2 rad, where the spin changes more per step, it reaches order 1 only at 480 Hz.
   const std::vector<FormErrors> large = Sweep("pendulum", WithContact(PendulumScene(2)), 4);
   EXPECT_LT(large.back().position, 0.005);
   EXPECT_GT(OrderOfForm(large, &FormErrors::position), 1);
@@ -375,8 +377,8 @@ TEST(Convergence, PendulumIsOfOrderOneAndItsPeriodOfOrderTwo) {
 }
 
 TEST(Convergence, FlipsComeEarlyByOrderOne) {
-  // By 2.9, 1.5, 0.7 and 0.4 ms of 5.93 s in double, 0.5 ms at 960 Hz in single. The spin along the
-  // middle axis, in the body, passes 0 upwards once in two flips.
+  // Early by 2.9, 1.5, 0.7 and 0.4 ms of 5.93 s in double precision, 0.5 ms at 960 Hz in single.
+  // The spin along the middle axis of the body crosses 0 upwards once in two flips.
   std::vector<double> early;
   const std::vector<double> rates = {120, 240, 480, 960};
   for (const double rate : rates) {
@@ -388,7 +390,7 @@ TEST(Convergence, FlipsComeEarlyByOrderOne) {
     const auto along = [](const Eigen::Quaterniond& turn, const Vector3d& spin) {
       return (turn.conjugate() * spin).y();
     };
-    // The time of the second flip, which is the first passage upwards.
+    // The time of the second flip, which is the first upward crossing.
     const auto flip = [&](auto value) {
       double before = value(0);
       for (int n = 1; n <= static_cast<int>(12 * rate); ++n) {

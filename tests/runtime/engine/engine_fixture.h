@@ -19,7 +19,7 @@
 namespace cdb::tests {
 
 inline constexpr bool kIsSingle = sizeof(btScalar) == 4;
-/// Relative distance of neighbouring numbers in the engine's precision.
+/// Relative spacing of numbers in the engine's precision.
 inline constexpr double kEpsilon = std::numeric_limits<btScalar>::epsilon();
 
 /// DefaultScene in the engine's precision.
@@ -56,7 +56,7 @@ inline void Steps(world::Engine& engine, int count) {
   for (int i = 0; i < count; ++i) engine.Step();
 }
 
-/// With every component, even those that the scene could omit.
+/// The engine with every component, including those that the scene could omit.
 inline world::Engine WholeEngine(const plan::Scene& scene, layouts::InitialState state) {
   return world::Engine(scene, std::move(state), pruning::KeepEverything(scene));
 }
@@ -85,7 +85,7 @@ inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
   return recorded;
 }
 
-/// All of the detectors that this build has move the bodies alike.
+/// Expects the same motion with all of the detectors that this build has.
 inline void ExpectAlike(plan::Scene scene, std::initializer_list<const char*> detectors) {
   std::string hash;
   for (const char* detector : detectors) {

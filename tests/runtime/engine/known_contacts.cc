@@ -8,11 +8,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Bullet loses the contacts of a greater mass, kg (sqrt(3) / epsilon).
+/// Bullet loses the contacts of a greater mass; kg (sqrt(3) / epsilon).
 constexpr double kLosesContacts = 1.75 / kEpsilon;
 
-/// A ball of 0.2 m that flies along x at a plate of 0.1 m, and is half a step before its middle at
-/// the end of a step.
+/// A ball of 0.2 m that moves along x towards a plate of 0.1 m, and is half a step before its
+/// middle at the end of a step.
 KnownBody BallAtPlate(double speed) {
   return {.sides = Vector3d::Constant(0.2),
           .at = {-10.5 * speed / kKnownHz, 0, 0},

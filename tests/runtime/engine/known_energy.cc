@@ -1,4 +1,4 @@
-// Scenes in which energy vanishes or objects fall asleep where nothing holds them.
+// Scenes in which energy vanishes, or objects fall asleep without support.
 #include <cmath>
 #include <numbers>
 
@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// On the floor of a cube of 20 m, or on a fixed tilted slab of 20 m, whose slope goes down along
+/// A body on the floor of a cube of 20 m, or on a fixed inclined slab of 20 m that descends along
 /// x.
 KnownBuilder OnSlope(KnownBody body, double slope, bool is_slab) {
   constexpr std::uint64_t kCycles = 240;

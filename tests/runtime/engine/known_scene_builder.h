@@ -1,4 +1,4 @@
-// Builders of scenes whose outcome is known (known_scenes.h).
+// Builders of scenes with known outcomes (known_scenes.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@
 namespace cdb::tests {
 
 inline constexpr double kKnownHz = 60;
-/// One object of a scene; each is a group of its own.
+/// One object of a scene, in a separate group.
 struct KnownBody {
   std::string_view type = "sphere";
   Eigen::Vector3d sides = Eigen::Vector3d::Ones();  ///< m
@@ -26,7 +26,7 @@ struct KnownBody {
   bool ccd = false;
 };
 
-/// Starts without walls, or with those asked for; each object is added as a group of its own.
+/// Starts without walls, or with the given ones; adds each object as a separate group.
 class KnownBuilder {
  public:
   explicit KnownBuilder(double side, std::string_view walls = "none", std::uint64_t cycles = 120)
@@ -70,7 +70,7 @@ class KnownBuilder {
   std::size_t count_ = 0;
 };
 
-/// A function for each fault and its look-alikes.
+/// One function for each fault and its sound look-alikes.
 class KnownCatalogue {
  public:
   std::vector<KnownScene> scenes;
@@ -98,7 +98,7 @@ class KnownCatalogue {
   KnownScene head_;
 };
 
-/// On the floor of a cube of 20 m: its lower side at `height`.
+/// A body on the floor of a cube of 20 m, with its lower side at `height`.
 inline KnownBody Standing(std::string_view type, const Eigen::Vector3d& sides, double height,
                           double mass) {
   const double below = type == "cone" ? sides.y() / 4 : sides.y() / 2;

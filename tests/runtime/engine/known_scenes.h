@@ -1,5 +1,5 @@
-// Small scenes whose outcome follows from physics and from what is known of Bullet, with
-// look-alikes that are sound.
+// Small scenes whose outcome follows from physics and from known properties of Bullet, and sound
+// look-alikes.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace cdb::tests {
 
-/// The fault that a scene has, or looks like having.
+/// The fault that a scene has or seems to have.
 enum class Fault { kPassing, kCrushing, kLosing, kSleeping };
 inline constexpr std::string_view kFaultNames[] = {"passing through", "crushing", "losing energy",
                                                    "false sleep"};

@@ -1,5 +1,5 @@
-// Verdicts of scenes whose outcome is known: how many unsound ones pass for stable, and how
-// many sound ones do not.
+// Verdicts of scenes with known outcomes: the number of unsound ones judged stable, and of sound
+// ones judged unstable.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -22,13 +22,13 @@
 namespace cdb::tests {
 namespace {
 
-// Verdicts are compared in the ordinary build; what the sanitizers look for is the same in fewer.
+// The ordinary build compares the verdicts; sanitizers check the same code in fewer scenes.
 constexpr std::size_t kScenes = kAddressSanitizer ? 300 : 1700;
 constexpr std::size_t kMostSuiteRuns = kAddressSanitizer ? 3 : 1000;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kAgreement = 0.95;
 
-/// What the lints say of a scene, by its worst number.
+/// The prediction of the lints for a scene, by its worst number.
 enum Prediction { kSound, kDoubtful, kBad };
 
 Prediction PredictionOf(const std::vector<lints::LintNumber>& numbers) {
@@ -51,7 +51,7 @@ class Trial {
   void Add(const std::string& theme, const plan::Scene& scene) {
     const Recorded recorded = RunHere(scene);
     if (!recorded.done()) {
-      ++failed_;  // out of the precision's reach: said when it is placed or built
+      ++failed_;  // beyond the precision: rejected when it is placed or built
       return;
     }
     const measure::Judgement judged =

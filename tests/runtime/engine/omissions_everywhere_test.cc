@@ -1,5 +1,5 @@
-// Every scenario shipped with cdb, scaled down, and random scenes: with and without omissions, each
-// object is in the same state after every cycle.
+// Every scenario shipped with cdb, scaled down, and random scenes: with and without omissions, the
+// state of each object is the same after every cycle.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using Eigen::Vector3d;
 using schema::Component;
 using schema::WordList;
 
-/// How often each component was left out and kept.
+/// The number of times that each component was kept and left out.
 using Tally = std::map<Component, std::array<int, 2>>;
 
 void Count(const PairedRun& paired, Tally& tally) {
@@ -55,8 +55,8 @@ bool HasModel(const plan::Group& group) {
   });
 }
 
-/// A few objects and cycles of the scene, as crowded as it was and as large as it was: the first
-/// has the contacts, the second the way to the walls.
+/// Versions of the scene with few objects and cycles: one as large as the original, with long
+/// distances to the walls, and one as dense, with its contacts.
 std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
   constexpr double kMostObjects = 40;
   constexpr std::uint64_t kMostCycles = 100;
@@ -76,14 +76,14 @@ std::vector<plan::Scene> ScaledDown(plan::Scene scene) {
     SetWorld(scene, "world.side", scene.world.Real("world.side") * std::cbrt(part));
     scenes.push_back(scene);
   }
-  // What no record asks for may go too.
+  // Components that no recording needs may be omitted as well.
   SetWorld(scene, "record", WordList{"energy"});
   scenes.push_back(scene);
   return scenes;
 }
 
-/// The scene without pairs of planes that no box reaches, in Bullet's own broad phase; none where
-/// it needs them.
+/// The scene without pairs of planes that no box reaches, in Bullet's own broad phase; empty if it
+/// needs them.
 std::optional<plan::Scene> WithoutWallPairs(plan::Scene scene, const layouts::InitialState& state) {
   SetWorld(scene, "pair_order", Word("sorted"));
   SetWorld(scene, "detector", Word("dbvt"));
@@ -100,12 +100,12 @@ std::optional<plan::Scene> WithoutWallPairs(plan::Scene scene, const layouts::In
 }
 
 TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
-  // Single and double precision take turns. States are compared in the ordinary build; what the
-  // sanitizers look for is the same in fewer runs.
+  // Single and double precision alternate. The ordinary build compares the states; sanitizers check
+  // the same code in fewer runs.
   constexpr std::size_t kMostRunsOfAPlan = kAddressSanitizer ? 1 : 6;
   Tally tally;
   std::size_t plans = 0, turn = 0;
-  std::set<std::string> tried;  // scenarios share runs, and scaled down more are equal
+  std::set<std::string> tried;  // scenarios share runs, and more of them are equal after scaling
   for (const std::string& file : ShippedScenarios()) {
     SCOPED_TRACE(file);
     const auto result = compiler::Compile(
@@ -215,7 +215,7 @@ class SceneAtRandom {
 };
 
 TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
-  // More of them: CDB_RANDOM_SCENES=100000.
+  // For more scenes: CDB_RANDOM_SCENES=100000.
   const char* asked = std::getenv("CDB_RANDOM_SCENES");
   const int scenes = asked != nullptr ? std::atoi(asked) : kAddressSanitizer ? 150 : 400;
   Tally tally;
@@ -237,11 +237,11 @@ TEST(OmitEverywhere, ScenesAtRandomMoveAlike) {
     Count(paired, tally);
     if (HasFailure()) break;
   }
-  // Neither outcome is rare, so that the comparison means something.
+  // Both outcomes are common, so that the comparison is meaningful.
   EXPECT_GT(ran, scenes * 9 / 10);
   for (const auto& [component, counts] : tally) {
-    // No scene needs motion states, and none so small all of the pools; pairs with walls are left
-    // out by name alone.
+    // No scene needs motion states, and none of these small ones needs all of the pools; pairs with
+    // walls are omitted only by name.
     if (component == Component::kMotionStates || component == Component::kPools ||
         component == Component::kWallPairs)
       continue;

@@ -1,5 +1,5 @@
-// Omissions change no motion: scenes at the bound of each proof, and the omission guard, which
-// notices when a proof was wrong.
+// Omissions change no motion: scenes at the limit of each proof, and the omission guard, which
+// detects a wrong proof.
 #include <gtest/gtest.h>
 
 #include "library/scene_error.h"
@@ -12,8 +12,8 @@ using Eigen::Vector3d;
 using schema::Component;
 using schema::WordList;
 
-/// Balls of 50 m at rest, without gravity, in a cube of 2000 m; recorded is what the omission of
-/// detection allows.
+/// Balls of 50 m at rest, without gravity, in a cube of 2000 m; the recording permits omitting
+/// detection.
 plan::Scene Balls(std::uint64_t quantity) {
   plan::Scene scene = EngineScene(quantity, 2000);
   SetWorld(scene, "cycles", std::uint64_t{60});
@@ -35,7 +35,7 @@ layouts::InitialState At(const plan::Scene& scene, const std::vector<Ball>& ball
   return state;
 }
 
-/// A ball that flies at the wall, so fast that its surface gets `short_of` m from it by the last
+/// A ball that moves towards the wall, so fast that its surface is `short_of` m from it in the last
 /// step that detection sees.
 layouts::InitialState TowardsWall(const plan::Scene& scene, int wall, double short_of) {
   const double sign = wall % 2 == 0 ? -1 : 1;
@@ -48,7 +48,7 @@ TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
   const plan::Scene scene = Balls(1);
   for (int wall = 0; wall < pruning::kWallCount; ++wall) {
     SCOPED_TRACE(wall);
-    // Overlaps the wall when the last detection looks: kept, and it changes the motion.
+    // It overlaps the wall in the last detection: the wall is kept, and changes the motion.
     const PairedRun hit = RunPaired(scene, TowardsWall(scene, wall, -1));
     EXPECT_EQ(hit.omissions.walls.at(0), 1 << wall);
     EXPECT_FALSE(hit.tripped);
@@ -56,7 +56,7 @@ TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
     // Within the distance at which Bullet makes a contact.
     const PairedRun near = RunPaired(scene, TowardsWall(scene, wall, 0.1));
     EXPECT_EQ(near.omissions.walls.at(0), 1 << wall);
-    // Well short of it: nothing touches, all is left out.
+    // Far from it: nothing touches, everything is omitted.
     const PairedRun miss = RunPaired(scene, TowardsWall(scene, wall, 40));
     EXPECT_EQ(miss.omissions.walls.at(0), 0);
     EXPECT_TRUE(miss.Omits(Component::kSolver)) << miss.why(Component::kSolver);
@@ -80,7 +80,7 @@ TEST(OmitWalls, AVelocityThatGravityTurns) {
 TEST(OmitSolver, ASpinThatBeginsByACollision) {
   plan::Scene scene = Balls(2);
   SetGroup(scene, "restitution", 1.0);
-  // A glancing hit, in the fourth cycle from the end, and the same that misses.
+  // A glancing collision in the fourth cycle from the end, and a similar one that misses.
   const auto passing = [&](double offset) {
     return RunPaired(scene, At(scene, {{{0, 0, 0}}, {{-500, offset, 0}, {480, 0, 0}}}));
   };
@@ -98,7 +98,7 @@ TEST(OmitWalls, WhatACollisionSendsThere) {
   plan::Scene scene = Balls(3);
   SetWorld(scene, "cycles", std::uint64_t{300});
   SetGroup(scene, "restitution", 1.0);
-  // The first hits the second at a slant, and neither would reach a wall along y by itself.
+  // The first hits the second obliquely, and neither would reach a wall along y without that.
   const PairedRun paired =
       RunPaired(scene, At(scene, {{{-300, 30, 0}, {300, 0, 0}}, {{0, 0, 0}}, {{0, 0, 900}}}));
   EXPECT_NE(paired.omissions.walls.at(0) & 1 << 3, 0);
@@ -132,11 +132,11 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
   EXPECT_FALSE(moving(0.5).Omits(Component::kSolver));
   EXPECT_TRUE(moving(0.5).Omits(Component::kWalls));
   EXPECT_TRUE(moving(1.0).Omits(Component::kSleeping)) << moving(1.0).why(Component::kSleeping);
-  // Damped, it comes to rest in the end.
+  // With damping it comes to rest in the end.
   SetGroup(scene, "linear_damping", 0.9);
   EXPECT_FALSE(moving(5).Omits(Component::kSleeping));
   SetGroup(scene, "linear_damping", 0.0);
-  // Thrown up, it is slow for a moment only.
+  // Thrown upwards, it is slow only for a moment.
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   EXPECT_TRUE(RunPaired(scene, At(scene, {{{0, 0, 0}, {0, 9, 0}}})).Omits(Component::kSleeping));
   SetWorld(scene, "acceleration", Vector3d(0, -0.1, 0));
@@ -181,7 +181,7 @@ TEST(OmitDamping, EitherKindKeepsIt) {
 
 // ---- the omission guard -------------------------------------------------------------------------
 
-/// As if the proof had said that no object can reach any wall.
+/// Omissions as if the proof had shown that no object can reach any wall.
 pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
   pruning::Omissions omissions = pruning::KeepEverything(scene);
   omissions.decisions[static_cast<std::size_t>(Component::kWalls)].decision =
@@ -217,12 +217,12 @@ TEST(OmissionGuard, SeesASleeperThatHadANeighbour) {
   plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "detector", Word("dbvt"));
-  // Their boxes overlap, they do not.
+  // Their boxes overlap, but the balls do not.
   const auto state = At(scene, {{{0, 0, 0}}, {{40, 40, 0}}});
   const PairedRun paired = RunPaired(scene, state);
   ASSERT_TRUE(paired.tripped);
   EXPECT_NE(paired.tripped->find("came to rest after it had been near another"), std::string::npos);
-  // Sweep and prune drops pairs at once, whatever others there are.
+  // Sweep and prune drops pairs immediately, regardless of other pairs.
   SetWorld(scene, "detector", Word("sap32"));
   EXPECT_FALSE(RunPaired(scene, state).tripped);
 }
@@ -263,7 +263,7 @@ TEST(Omit, AutoDetectsWhereARecordAsks) {
   }
   SetWorld(scene, "record", WordList{"poses"});
   EXPECT_TRUE(pruning::DecideOmissions(scene, state).Omits(Component::kDetection));
-  // By its name it goes even so.
+  // If it is listed by name, it is omitted anyway.
   SetWorld(scene, "record", WordList{"timing"});
   SetWorld(scene, "omit", WordList{"detection"});
   EXPECT_TRUE(RunPaired(scene, state).Omits(Component::kDetection));

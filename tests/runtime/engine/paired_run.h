@@ -1,4 +1,4 @@
-// The same scene run side by side, whole and pruned.
+// Runs the same scene side by side, whole and pruned.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 namespace cdb::tests {
 
 struct PairedRun {
-  pruning::Omissions omissions;        ///< of the pruned one, as it ended
-  std::optional<std::string> tripped;  ///< why it started again with all walls
-  std::uint64_t tripped_in = 0;        ///< the step before or in which it did
+  pruning::Omissions omissions;        ///< of the pruned run, at its end
+  std::optional<std::string> tripped;  ///< the reason for starting again with all walls
+  std::uint64_t tripped_in = 0;        ///< the step before or in which that happened
   std::string names() const { return analysis::OmittedNames(omissions.decisions); }
   bool Omits(schema::Component component) const { return omissions.Omits(component); }
   const std::string& why(schema::Component component) const {
@@ -39,8 +39,8 @@ inline bool HaveSameState(const world::Engine& a, const world::Engine& b) {
   });
 }
 
-/// Steps both through the whole run and expects every body in the same state, to the bit, after
-/// every step. A pruned one that trips starts again as the worker does.
+/// Steps both through the whole run, and expects identical states of every body after every step. A
+/// pruned run that trips the guard starts again, as in the worker.
 inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state,
                            pruning::Omissions omissions) {
   PairedRun paired;

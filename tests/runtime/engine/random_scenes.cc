@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using schema::Value;
 
-/// What scenes are made of.
+/// Generates scenes from random parts.
 class Maker {
  public:
   explicit Maker(distributions::Stream& stream) : stream_(stream) {}
@@ -30,7 +30,8 @@ class Maker {
   }
   Vector3d Direction() { return stream_.Turn() * Vector3d::UnitX(); }
 
-  /// With what a study chooses freely: time step, iterations, length of the run.
+  /// A scene with random values for what a study chooses freely: time step, iterations, length of
+  /// the run.
   plan::Scene Make(std::uint64_t quantity, double side) {
     plan::Scene scene = EngineScene(quantity, side);
     SetWorld(scene, "record", schema::WordList{"stability"});

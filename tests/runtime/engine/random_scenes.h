@@ -10,13 +10,13 @@
 namespace cdb::tests {
 
 struct RandomScene {
-  std::string_view theme;  ///< what is swept: `stack`, `spin`
+  std::string_view theme;  ///< the quantity that is swept: `stack`, `spin`
   plan::Scene scene;
 };
 
-/// `count` scenes, the themes in turn; the same for the same seed. What a theme is about is uniform
-/// in its logarithm, from where nothing can go wrong to where everything does; the rest is drawn as
-/// studies have it. At most 20 objects and 300 cycles, no timing, in the engine's precision.
+/// `count` scenes, with the themes in turn; the same for the same seed. The quantity of a theme is
+/// uniform in its logarithm, from harmless values to hopeless ones; the rest is drawn as in typical
+/// studies. At most 20 objects and 300 cycles, without timing, in the engine's precision.
 std::vector<RandomScene> RandomScenes(std::size_t count, std::uint64_t seed);
 
 }  // namespace cdb::tests

@@ -1,4 +1,4 @@
-// The stability suite: the harmless end of each scenario is sound, and no hopeless end is.
+// The stability suite: the harmless end of each scenario is stable, and no hopeless end is.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,13 +19,14 @@ namespace {
 
 using measure::Verdict;
 
-/// Configurations whose axis has no hopeless end, by benchmark and, where only some have none, the
-/// value on the other axis.
+/// Configurations whose axis has no hopeless end, by benchmark and, if that is true only for some,
+/// by the value on the other axis.
 bool HasNoHopelessEnd(const std::string& benchmark, const std::string& other) {
-  // Light on heavy holds as far as the suite goes; continuous detection stops what it sweeps.
+  // Light objects on heavy ones are stable throughout the suite; continuous detection stops every
+  // fast object.
   if (benchmark == "stability_light_on_heavy") return true;
   if (benchmark == "stability_speed" && other == "continuous") return true;
-  // Double precision has digits for a thousand million meters, and for thin cylinders.
+  // Double precision has enough digits for 10^9 m, and for thin cylinders.
   return !kIsSingle && (benchmark.starts_with("stability_far_") ||
                         (benchmark == "stability_thin_rods" && other == "cylinder"));
 }

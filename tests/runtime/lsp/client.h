@@ -1,4 +1,4 @@
-// A client of the language server, without a process.
+// A client of the language server that runs in the same process.
 #pragma once
 
 #include <map>
@@ -31,7 +31,7 @@ class Client {
     if (initialize) Ask("initialize", {{"capabilities", Json::object()}});
   }
 
-  /// The whole answer.
+  /// Sends a request and returns the whole answer.
   Json Ask(const std::string& method, const Json& params) {
     server_.Handle(
         Json({{"jsonrpc", "2.0"}, {"id", ++id_}, {"method", method}, {"params", params}}).dump());
@@ -45,7 +45,7 @@ class Client {
     Tell("textDocument/didOpen",
          {{"textDocument", {{"uri", uri}, {"languageId", "cdb"}, {"version", 1}, {"text", text}}}});
   }
-  /// The result of a request about a place of a document.
+  /// The result of a request about a position in a document.
   Json At(const std::string& method, const std::string& uri, int line, int character,
           const Json& more = Json::object()) {
     Json params = {{"textDocument", {{"uri", uri}}},
@@ -53,7 +53,7 @@ class Client {
     params.update(more);
     return Ask("textDocument/" + method, params)["result"];
   }
-  /// What is published now for the document; null if nothing is.
+  /// The diagnostics now published for the document; null if there are none.
   Json Diagnostics(const std::string& uri) {
     sent.clear();
     server_.PublishDiagnostics();
@@ -66,7 +66,7 @@ class Client {
   int compilations() const { return compilations_; }
 
   std::vector<Json> sent;
-  std::map<std::string, std::string> files;  ///< as if they were on the disk
+  std::map<std::string, std::string> files;  ///< files in place of the disk
 
  private:
   lsp::Server server_;

@@ -49,7 +49,8 @@ TEST(MessageReader, CutsMessagesHoweverTheyArrive) {
 }
 
 TEST(Positions, CountUtf16) {
-  // é: two bytes, one unit; 😀: four bytes, two units; a byte that is not UTF-8: one.
+  // é is two bytes and one unit; 😀 is four bytes and two units; a byte that is not UTF-8 is one
+  // unit.
   const text::Source source("t", "ab\n\xC3\xA9\xF0\x9F\x98\x80z\r\n\xE9y");
   const auto at = [&](std::uint32_t offset) {
     const lsp::Position position = lsp::PositionOf(source, offset);
@@ -85,7 +86,7 @@ TEST(Server, DiagnosticsFollowWhatIsTyped) {
   client.Open(kUri, "# \xF0\x9F\x98\x80 caf\xC3\xA9\nbenchmark b { /*\xF0\x9F\x98\x80*/ }\n");
   EXPECT_EQ(client.Diagnostics(kUri).size(), 1u);
   EXPECT_TRUE(client.Diagnostics(kUri).is_null()) << "published twice";
-  // Behind a character of two units.
+  // After a character of two units.
   client.Tell("textDocument/didChange",
               {{"textDocument", {{"uri", kUri}, {"version", 2}}},
                {"contentChanges",
@@ -158,7 +159,7 @@ TEST(Server, CompletesWhatMayStandThere) {
   EXPECT_EQ(labels(10, 17), (std::set<std::string>{"b", "c"}));
   EXPECT_TRUE(labels(0, 8).contains("sweep"));
   EXPECT_EQ(labels(0, 0), (std::set<std::string>{"benchmark", "let", "use"}));
-  // The word that is being written is replaced whole.
+  // The word being typed is replaced as a whole.
   for (const Json& item : client.At("completion", kUri, 3, 19))
     EXPECT_EQ(item["textEdit"]["range"], Range(3, 17, 19));
 }

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folders proc and sys of a machine of our own.
+/// The folders proc and sys of a made-up machine.
 class Machine : public ::testing::Test {
  protected:
   void Write(const std::string& file, const std::string& text) {

@@ -38,7 +38,7 @@ TEST(Noise, IsTimeOffTheProcessor) {
   const auto judged = machine::JudgeNoise(scalars, {1, 2}, 1, EvenSteps());
   EXPECT_EQ(judged.noise, Noise::kNoisy);
   EXPECT_EQ(judged.why, "60 % of the time not on a processor");
-  // The thread that is measured waits for the others.
+  // The measured thread waits for the others.
   EXPECT_EQ(machine::JudgeNoise(scalars, {1, 2}, 2, EvenSteps()).noise, Noise::kQuiet);
 }
 

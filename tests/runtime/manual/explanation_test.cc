@@ -27,7 +27,7 @@ std::vector<const dsl::DiagnosticKind*> AllKinds() {
   return kinds;
 }
 
-/// As `cdb check` compiles a file, beside a table with a unit in it.
+/// Compiles as `cdb check` does, with a table that contains a unit.
 compiler::Compilation CompileExample(std::string_view text) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(text);

@@ -36,7 +36,7 @@ TEST(Lookup, TellsEveryMeaningOfAWord) {
 
 TEST(LanguageWords, HaveExamplesThatCompile) {
   for (const schema::LanguageWord& word : schema::LanguageWords()) {
-    if (word.name == "use" || word.name == "empirical") continue;  // of a file that is not here
+    if (word.name == "use" || word.name == "empirical") continue;  // needs another file
     std::string text(word.example);
     const bool is_item = text.starts_with("benchmark ") || text.starts_with("let ");
     if (text.find(" from ") != text.npos) text = "benchmark paper_experiment2 { }\n" + text;
@@ -48,7 +48,8 @@ TEST(LanguageWords, HaveExamplesThatCompile) {
   }
 }
 
-// A distribution or a reserved word that has no row would be in no manual and no syntax file.
+// A distribution or reserved word without a row would be missing in the manual and the syntax
+// files.
 TEST(LanguageWords, HaveAllThatTheReferenceBeginsALineWith) {
   const std::string_view text = manual::kLanguageReference;
   for (std::size_t at = text.find("\n  "); at != text.npos; at = text.find("\n  ", at + 1)) {

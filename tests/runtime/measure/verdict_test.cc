@@ -1,4 +1,4 @@
-// Verdicts of hand-made series: each criterion just below its threshold and just above.
+// Verdicts of hand-made series: each criterion just below and just above its threshold.
 #include "runtime/measure/verdict.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using measure::Verdict;
 constexpr std::uint64_t kCycles = 40;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A run of 40 cycles to which nothing happened; energy 100 J in a scale of 200 J.
+/// A run of 40 cycles without faults; energy 100 J on a scale of 200 J.
 class VerdictTest : public testing::Test {
  protected:
   VerdictTest() : scene_(DefaultScene(3, 500)), recording_(Make(scene_)) { SetUpQuiet(); }
@@ -100,14 +100,14 @@ TEST_F(VerdictTest, FrozenFromAHundredthOfTheObjectsOn) {
   SetCount("frozen", 5, 0);
   SetCount("frozen", 8, 1);
   ExpectVerdict(Verdict::kFrozen, 8);
-  // Frozen bodies gain energy that is not there.
+  // Frozen bodies appear to gain energy.
   Set("energy", 6, 1e9);
   ExpectVerdict(Verdict::kFrozen, 8);
 }
 
 TEST_F(VerdictTest, ExplodedAndDriftingByRise) {
   Set("energy", 10, 60);                  // lost to friction
-  ExpectVerdict(Verdict::kDrifting, 10);  // nothing had touched anything
+  ExpectVerdict(Verdict::kDrifting, 10);  // nothing has touched before
   SetCount("contacts", 10, 1);
   ExpectVerdict(Verdict::kStable, -1);
   Set("energy", 20, 61.9);

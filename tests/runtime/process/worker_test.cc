@@ -35,7 +35,7 @@ process::WorkerPrograms TestWorker() {
   return {program, program};
 }
 
-/// Long enough that no machine is too slow for it; a wait ends as soon as the worker does.
+/// Long enough for the slowest machine; a wait ends as soon as the worker does.
 constexpr double kForever = 300;
 
 process::Ending RunOne(const plan::Plan& plan, const process::StopFlag* stop = nullptr) {
@@ -132,7 +132,7 @@ TEST(WorkerTest, WhatACrashedRunFinishedIsKept) {
   const auto poses = Values<double>(ending, "poses");
   ASSERT_EQ(poses.size(), 10u * 3 * 7);
   for (std::size_t cycle = 0; cycle < 10; ++cycle) {
-    const bool is_finished = cycle < 5;  // of the sixth all was written, but it was not finished
+    const bool is_finished = cycle < 5;  // the sixth cycle was written, but not finished
     for (std::size_t phase = 0; phase < 6; ++phase)
       EXPECT_EQ(!std::isnan(duration[phase * 10 + cycle]), is_finished) << phase << " " << cycle;
     EXPECT_EQ(pairs[cycle], is_finished ? static_cast<int>(cycle) * 3 : -1);
@@ -148,7 +148,7 @@ TEST(WorkerTest, ATimeoutEndsIt) {
     const process::Ending ending = RunOne(MakeBehaviourPlan({seed}, shape));
     EXPECT_EQ(ending.result.status, store::Status::kTimedOut);
     EXPECT_GE(ending.wall_s, 0.25);
-    // On a machine so busy that it had not begun there are none.
+    // Zero on a machine so busy that it had not started.
     EXPECT_LE(ending.result.n_cycles, 4u);
     EXPECT_TRUE(Has(ending.result.message, "timeout of 0.25 s")) << ending.result.message;
     EXPECT_TRUE(Has(ending.result.message, "of 10")) << ending.result.message;
@@ -297,7 +297,8 @@ TEST(WorkerTest, CyclesWhoseContactsAreLostAreNotCounted) {
 }
 
 TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
-  // What a shell or a test of ours leaves open or ignored must not reach a worker.
+  // Descriptors that a shell or a test leaves open, and signals that it ignores, must not reach a
+  // worker.
   const int stray = dup(STDERR_FILENO);
   signal(SIGPIPE, SIG_IGN);
   sigset_t blocked;
@@ -316,7 +317,7 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
   EXPECT_EQ(told[4], 1) << "a process group of its own";
 }
 
-/// What a worker tells of its place, in runs by one launcher.
+/// The environment that a worker reports, for runs by one launcher.
 std::vector<std::vector<std::int32_t>> Places(const fs::path& program, std::size_t runs) {
   const auto plan = MakeBehaviourPlan({kTellsPlace});
   process::ProcessLauncher launcher({program, program}, 1, nullptr);
@@ -358,7 +359,7 @@ TEST(WorkerTest, ForkedWorkersHaveAddressesOfTheirOwn) {
   }
 }
 
-/// The fork server, once its worker has ended: it is the only child.
+/// The fork server after its worker has ended: the only child.
 pid_t ServerAfterARun(process::ProcessLauncher& launcher, const plan::Run& run) {
   launcher.Start(0, run, "");
   launcher.Wait(kForever);
@@ -385,8 +386,8 @@ TEST(WorkerTest, AServerThatDiesBeforeItAnswersStartsNoRunTwice) {
   process::ProcessLauncher launcher(TestWorker(), 1, nullptr);
   const pid_t server = ServerAfterARun(launcher, plan.runs[0]);
   ASSERT_GT(server, 0);
-  kill(server, SIGSTOP);  // it has the request, and does not answer
-  // A child of ours that runs the program, and that the launcher knows nothing of.
+  kill(server, SIGSTOP);  // it has received the request, but does not answer
+  // A child of this process that runs the program and is unknown to the launcher.
   process::SpawnPlan spawn;
   const pid_t stray = spawn.Start(TestWorker().single, {"wait"});
   std::thread killer([server] {
@@ -510,7 +511,7 @@ TEST(WorkerTest, WhatHasEndedIsHandedOutBeforeAStop) {
   const auto plan = MakeBehaviourPlan({kEndsWithoutReport});
   process::ProcessLauncher launcher(TestWorker(), 1, &stop);
   launcher.Start(0, plan.runs[0], "");
-  // Ended, but not yet waited for.
+  // The child has ended, but has not been waited for.
   siginfo_t info = {};
   ASSERT_EQ(waitid(P_ALL, 0, &info, WEXITED | WNOWAIT), 0);
   stop.Request(SIGINT);
@@ -618,7 +619,7 @@ TEST(TextTailTest, KeepsTheEnd) {
   process::TextTail one;
   one.Append("only");
   EXPECT_EQ(one.LastLines(), "only");
-  // One endless line of two-byte characters, cut in the middle of one.
+  // One long line of two-byte characters, cut in the middle of a character.
   for (int i = 0; i < 1000; ++i) one.Append("ééééééééééééé");
   one.Append("!");
   const std::string text = one.LastLines();

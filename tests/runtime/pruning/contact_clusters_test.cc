@@ -17,8 +17,8 @@ TEST(ContactClusters, WhoIsHitMayHitOthersAndWalls) {
   HandMade scene;
   scene.Add({0, 0, 0}, {20, 0, 0});
   scene.Add({5, 0, 0});
-  scene.Add({12, 0, 0});   // 0 stops short of it, 1 need not
-  scene.Add({0, 0, -40});  // too far from all
+  scene.Add({12, 0, 0});   // 0 stops before it, 1 may not
+  scene.Add({0, 0, -40});  // too far from all others
   scene.state.objects[0].linear_velocity = Vector3d(20, 2, 0);
   pruning::Reachability reachability = scene.Make();
   EXPECT_EQ(reachability.largest_cluster, 3u);
@@ -30,7 +30,7 @@ TEST(ContactClusters, WhoIsHitMayHitOthersAndWalls) {
 }
 
 TEST(ContactClusters, WhoIsHitMayReachAWall) {
-  // In free flight neither comes near the wall +x: 0 passes it by, 1 rests.
+  // In free flight, neither comes near the wall +x: 0 passes it, 1 rests.
   HandMade scene;
   scene.Add({38, -14, 0}, {0, 28, 0});
   scene.Add({38, 0, 0});
@@ -43,7 +43,7 @@ TEST(ContactClusters, WhoIsHitMayReachAWall) {
 
 TEST(ContactClusters, LightOnesFlyOffFast) {
   for (const double mass : {1.0, 1000.0}) {
-    // The struck one flies off at 10 m/s where both weigh the same, else at 20.
+    // The struck ball leaves at 10 m/s if both have the same mass, otherwise at 20.
     HandMade scene;
     scene.Set("solver.erp", 0.0);
     scene.Add({-kPairTouch - 0.1, 0, 0}, {10, 0, 0}, mass);
@@ -54,7 +54,7 @@ TEST(ContactClusters, LightOnesFlyOffFast) {
     scene.state.objects[0].pose.position.x() += 32;
     scene.state.objects[1].pose.position.x() += 32;
     EXPECT_EQ(scene.Make().walls[1] & Bit(1), mass == 1 ? 0 : Bit(1));
-    // The heavy one itself never gets much faster than it was.
+    // The heavy ball never gets much faster than it was.
     EXPECT_EQ(scene.Make().walls[0], 0);
   }
 }
@@ -105,16 +105,16 @@ TEST(ContactClusters, FallingAddsEnergyWhereWallsHold) {
   scene.Set("cycles", std::uint64_t{640});
   scene.state.acceleration = Vector3d(0, -9.8, 0);
   scene.Set("world.side", 4000.0);
-  scene.Add({0, -1998.5, 0});  // falls 0.5 m: never faster than 5 m/s
+  scene.Add({0, -1998.5, 0});  // falls 0.5 m, so it is never faster than 5 m/s
   const pruning::Reachability floor = scene.Make();
   EXPECT_EQ(floor.walls[0], Bit(2));
   scene.Add({0, -1900, 0});
-  scene.state.objects[1].linear_velocity.y() = 96;  // stays up
+  scene.state.objects[1].linear_velocity.y() = 96;  // stays in the air
   EXPECT_EQ(scene.Make().largest_cluster, 1u);
 }
 
 TEST(ContactClusters, TheLowerOneStopsTheUpperOne) {
-  // They fall side by side, so that in free flight they never meet.
+  // They fall side by side, and never meet in free flight.
   HandMade scene;
   scene.state.acceleration = Vector3d(0, -9.8, 0);
   scene.Add({0, -kHalf + 1.5, 0});
@@ -127,7 +127,7 @@ TEST(ContactClusters, TheLowerOneStopsTheUpperOne) {
 }
 
 TEST(ContactClusters, DampingTakesThemOutOfTheFallingFrame) {
-  // Undamped, the two would come back to where they started, side by side.
+  // Without damping, the two would return to their start, side by side.
   HandMade scene;
   scene.Set("cycles", std::uint64_t{127});
   scene.state.acceleration = Vector3d(0, -10, 0);
@@ -140,7 +140,7 @@ TEST(ContactClusters, DampingTakesThemOutOfTheFallingFrame) {
 }
 
 TEST(ContactClusters, WhoIsSlowedByAMeetingMayFallAsleep) {
-  // The first two meet; awake, each goes on faster than the third, which comes after them.
+  // The first two meet. While awake, each moves faster than the third, which follows them.
   HandMade scene;
   scene.Set("cycles", std::uint64_t{1900});
   scene.Add({-20, 0, 0}, {1.2, 0, 0});
@@ -153,7 +153,8 @@ TEST(ContactClusters, WhoIsSlowedByAMeetingMayFallAsleep) {
 }
 
 TEST(ContactClusters, WhoIsHitMayBounceOffAFixedObject) {
-  // The two fly side by side past the fixed one, which turns round whom the other pushes at it.
+  // The two move side by side past the fixed one, which reverses a ball that the other pushes
+  // against it.
   HandMade scene;
   scene.Add({-45, 0, 0}, {60, 0, 0});
   scene.Add({-45, kPairTouch + 0.2, 0}, {60, -0.5, 0});
@@ -169,8 +170,8 @@ TEST(ContactClusters, WhoIsHitMayBounceOffAFixedObject) {
 }
 
 TEST(ContactClusters, RoundingCountsAfterAMeetingToo) {
-  // Far out a step of single precision is 6 cm. What rests is not rounded at each step, but once
-  // it may have been hit, it is.
+  // Far from the origin, numbers in single precision are 6 cm apart. A resting ball is not rounded
+  // in each step, but it is once it may have been hit.
   HandMade scene;
   scene.Set("world.side", 2e6);
   scene.Set("precision", Word("single"));

@@ -1,4 +1,4 @@
-// Scenes whose objects a test places itself.
+// Scenes whose objects are placed by the test.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +11,8 @@
 
 namespace cdb::tests {
 
-/// 60 cycles of 1/64 s in a cube of 100 m without gravity or sleep, in double, so that times and
-/// places are exact or nearly.
+/// 60 cycles of 1/64 s in a cube of 100 m without gravity or sleep, in double precision, so that
+/// times and positions are exact or nearly.
 struct HandMade {
   HandMade() {
     Set("timestep", kStep);
@@ -26,7 +26,7 @@ struct HandMade {
   void Set(schema::WorldParameter parameter, schema::Value value) {
     SetWorld(scene, parameter, std::move(value));
   }
-  /// The index of a ball of radius 1 m and mass 1 kg.
+  /// Adds a ball of radius 1 m and mass 1 kg; returns its index.
   std::size_t Add(const Eigen::Vector3d& place,
                   const Eigen::Vector3d& velocity = Eigen::Vector3d::Zero(), double mass = 1) {
     layouts::ObjectState& ball = state.objects.emplace_back();
@@ -42,17 +42,19 @@ struct HandMade {
   layouts::InitialState state;
 };
 
-/// s: the last detection of a HandMade run.
+/// The time of the last detection in a HandMade run, s.
 inline constexpr double kLast = 59 * HandMade::kStep;
-/// m: from the middle of the cube to a wall.
+/// The distance from the middle of the cube to a wall, m.
 inline constexpr double kHalf = 50;
-/// Bullet's contact threshold for a ball of radius 1 m, 2 % of the ball around the cube around it.
+/// Bullet's contact threshold for a ball of radius 1 m: 2 % of the bounding sphere of its bounding
+/// cube.
 inline const double kThreshold = 0.02 * std::sqrt(3.0);
-/// Distance from the centre of such a ball to a wall, and between the centres of two, at touching.
+/// The distance at touching from the centre of such a ball to a wall, and between the centres of
+/// two.
 inline const double kWallTouch = 1 + kThreshold;
 inline const double kPairTouch = 2 + kThreshold;
 
-/// Of `Reachability::walls`.
+/// The bit of a wall in `Reachability::walls`.
 inline std::uint8_t Bit(int wall) { return static_cast<std::uint8_t>(1 << wall); }
 
 }  // namespace cdb::tests

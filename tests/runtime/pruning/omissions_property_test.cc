@@ -1,6 +1,6 @@
-// Thousands of small random scenes, each moved cycle by cycle by an adversary: bodies that come
-// within touching distance may be flung in any direction that energy (and, in the air, momentum)
-// allows. The reachability analysis must have allowed every outcome.
+// Thousands of small random scenes, each moved cycle by cycle by an adversary: bodies within
+// touching distance may be flung in any direction that energy (and, in the air, momentum) permits.
+// The reachability analysis must have permitted every outcome.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,10 +23,10 @@ using layouts::ObjectState;
 
 struct Touching {
   double radius, threshold;
-  Vector3d extent;  ///< half of its box for good: what is fixed does not turn
+  Vector3d extent;  ///< half of its box; constant, because fixed bodies do not rotate
 };
 
-/// By the text of the facts, not by the code under test.
+/// Computed from the documented facts, not by the code under test.
 Touching TouchingOf(const ObjectState& object) {
   const double disc = object.solid.HalfExtents().norm();
   const double radius = object.solid.IsBall() ? object.solid.sides.x() / 2 : disc;
@@ -55,7 +55,7 @@ HandMade RandomScene(Random& random) {
     const Vector3d velocity = random.Vector(speed);
     Vector3d place = random.Vector(side / 2 - 2 * size);
     if (i > 0 && random.Chance(0.6)) {
-      // Where it comes near an earlier one at some time, if that is in the cube.
+      // A position near an earlier object at some time, if it is in the cube.
       const ObjectState& goal = scene.state.objects[random.engine() % scene.state.objects.size()];
       const Vector3d start = goal.pose.position +
                              (goal.linear_velocity - velocity) * random(0, 0.8) * seconds +
@@ -70,14 +70,14 @@ HandMade RandomScene(Random& random) {
     if (random.Chance(0.3)) {
       object.solid = {objects::Shape::kCuboid, size * Vector3d(0.5, 1, 0.7)};
       object.angular_velocity = random.Vector(5);
-      object.angular_velocity.x() += 0.01;  // turned as its radius says
+      object.angular_velocity.x() += 0.01;  // rotated consistently with its radius
     }
     if (is_damped && random.Chance(0.5)) object.linear_damping = random(0.05, 0.9);
   }
   return scene;
 }
 
-/// Numbers of type T, as Bullet's are.
+/// A body with numbers of type T, as in Bullet.
 template <typename T>
 class Adversary {
   using Vector = Eigen::Matrix<T, 3, 1>;
@@ -106,7 +106,7 @@ class Adversary {
     }
   }
 
-  /// Bits of the walls that each came to touch.
+  /// Bits of the walls that each body has touched.
   std::vector<std::uint8_t> walls() const {
     std::vector<std::uint8_t> walls;
     for (const Body& body : bodies_) walls.push_back(body.walls);
@@ -164,12 +164,12 @@ class Adversary {
         Wake(body);
         Fling(body);
       }
-      // The wall holds: nothing that is in it goes deeper.
+      // The wall holds: a body that is in it goes no deeper.
       if (depth >= 0 && sign * static_cast<double>(body.v[axis]) > 0) body.v[axis] *= -1;
     }
   }
 
-  /// Where to: anywhere, straight to a wall, or to another object.
+  /// A target: anywhere, straight to a wall, or another object.
   Vector3d Aim(const Body& body) {
     if (random_.Chance(0.3)) return random_.Direction();
     if (random_.Chance(0.6))
@@ -179,7 +179,7 @@ class Adversary {
     return there.isZero(0) ? random_.Direction() : Vector3d(there.normalized());
   }
 
-  /// Any direction; the spin's energy becomes speed.
+  /// Flings a body in any direction; the energy of its spin becomes speed.
   void Fling(Body& body) {
     if (random_.Chance(0.3)) return;
     const double energy =
@@ -203,7 +203,7 @@ class Adversary {
     const std::size_t old = cluster_[i];
     for (std::size_t& cluster : cluster_)
       if (cluster == old) cluster = cluster_[j];
-    // In the frame of both their momentum, any direction and, with the spins' energy, all of the
+    // In the centre-of-momentum frame: any direction and, with the energy of the spins, the full
     // speed.
     const Vector3d va = a.v.template cast<double>(), vb = b.v.template cast<double>();
     const Vector3d centre = (a.mass * va + b.mass * vb) / (a.mass + b.mass);
@@ -221,7 +221,7 @@ class Adversary {
     body.v += scene_.state.acceleration.template cast<T>() * dt_;
     body.x += body.v * dt_;
     body.slow_for = body.v.norm() < T(0.8) ? body.slow_for + double{dt_} : 0;
-    // The spin of a cuboid may be slow or not; a ball here has none.
+    // The spin of a cuboid may be slow or not; a ball has none here.
     if (sleeps_ && body.may_sleep && body.slow_for > 2) {
       body.is_asleep = true;
       body.v.setZero();
@@ -260,7 +260,7 @@ void Challenge(const HandMade& scene, const pruning::Reachability& reachability,
   tally.touched += adversary.HasTouched();
   tally.clusters += adversary.LargestCluster() > 1;
   if (!adversary.HasTouched()) return;
-  // Who touches a wall only since it was flung.
+  // Counts the bodies that touched a wall only because of others.
   HandMade alone = scene;
   for (std::size_t i = 0; i < walls.size(); ++i) {
     if (walls[i] == 0) continue;
@@ -300,7 +300,7 @@ TEST(OmissionsProperty, NothingThatCanHappenIsLeftOut) {
       if (HasFatalFailure()) return;
     }
   }
-  // Each outcome is common, so that each of the above could have failed.
+  // Each outcome is common, so that each check could have failed.
   EXPECT_GT(tally.nothing, Cases(1000));
   EXPECT_GT(tally.something, Cases(1500));
   EXPECT_GT(tally.left_out, Cases(1000));

@@ -14,9 +14,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStep = HandMade::kStep;
-/// s: the analysis looks no further.
+/// The end of the analysis, s.
 constexpr double kEnd = 61 * kStep;
-/// m: more than rounding in double, less than anything else.
+/// More than rounding errors in double precision, less than anything else; m.
 constexpr double kLittle = 1e-6;
 
 Vector3d TowardsWall(int wall) { return (wall % 2 == 0 ? -1 : 1) * Vector3d::Unit(wall / 2); }
@@ -26,7 +26,7 @@ bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// Against all six walls, planes and boxes.
+/// Tests with all six walls, as planes and as boxes.
 template <typename Body>
 void ForEachWall(const Body& body) {
   for (const char* shape : {"plane", "box"}) {
@@ -57,7 +57,7 @@ TEST(ReachabilityOfWalls, SpeedThatJustDoesNotReachTheWall) {
     const pruning::Reachability reachability = scene.Make();
     EXPECT_TRUE(reachability.nothing_touches);
     EXPECT_EQ(reachability.walls[0], 0);
-    // Its outside stays as far away as a contact needs.
+    // Its surface keeps the distance that a contact needs.
     EXPECT_EQ(reachability.closest,
               std::string("object 1 stays 0.03464 m from the wall ") + kWallNames[wall]);
   });
@@ -84,7 +84,7 @@ TEST(ReachabilityOfWalls, GravityThatTurnsItBackJustBeforeTheWall) {
     const Vector3d velocity = g * kStep * 32 * there;
     scene.Add((kHalf - kWallTouch - apex) * there, velocity);
     EXPECT_NE(scene.Make().walls[0] & Bit(wall), 0);
-    // Between the two cycles the parabola is higher by g dt^2 / 8.
+    // Between the two cycles, the parabola is higher by g dt^2 / 8.
     scene.state.objects[0].pose.position =
         (kHalf - kWallTouch - apex - g * kStep * kStep / 8 - kLittle) * there;
     EXPECT_TRUE(scene.Make().nothing_touches);
@@ -155,7 +155,7 @@ TEST(ReachabilityOfPairs, Passing) {
     for (const double fall : {0.0, -9.8}) {
       HandMade scene;
       scene.state.acceleration = Vector3d(0, fall, 0);
-      // Side by side at 0.5 s: seen from one, the other comes along x.
+      // Side by side at 0.5 s: relative to one, the other approaches along x.
       scene.Add({0, 5, 0}, {10, 10, 0});
       scene.Add({5, 5 + kPairTouch + aside, 0}, {0, 10, 0});
       const pruning::Reachability reachability = scene.Make();
@@ -190,7 +190,7 @@ TEST(ReachabilityOfPairs, TheSmallerThresholdCounts) {
   HandMade scene;
   scene.Add({0, 0, 0});
   scene.Add({0, 12 + kPairTouch - 2 - kLittle, 0});
-  scene.state.objects[0].solid.sides.setConstant(22);  // its own threshold is 11 times as large
+  scene.state.objects[0].solid.sides.setConstant(22);  // so its threshold is 11 times as large
   EXPECT_FALSE(scene.Make().nothing_touches);
   scene.state.objects[1].pose.position.y() += 2 * kLittle;
   EXPECT_TRUE(scene.Make().nothing_touches);
@@ -204,14 +204,14 @@ TEST(ReachabilityOfPairs, FixedObjectInTheWay) {
   scene.Add({0, 20 - fall - kPairTouch, 0}, {0, 0, 0}, 0);
   const pruning::Reachability reachability = scene.Make();
   EXPECT_EQ(reachability.closest, "objects 1 and 2 may touch at 0.9219 s");
-  EXPECT_EQ(reachability.largest_cluster, 1u);  // it takes part in nothing
+  EXPECT_EQ(reachability.largest_cluster, 1u);  // it is in no cluster
   scene.state.objects[1].pose.position.y() =
       20 - 10 * kStep * kStep * 61 * 62 / 2 - kPairTouch - kLittle;
   EXPECT_TRUE(scene.Make().nothing_touches);
 }
 
 TEST(ReachabilityOfPairs, ThrownOverAFixedObject) {
-  // The box of the way holds the obstacle, the way itself passes it.
+  // The swept box contains the obstacle, but the path passes it.
   HandMade scene;
   scene.Set("cycles", std::uint64_t{127});
   scene.state.acceleration = Vector3d(0, -10, 0);
@@ -252,7 +252,7 @@ TEST(ReachabilityOfPairs, DampedOnesMayStayBehind) {
 }
 
 TEST(ReachabilityOfPairs, DampedOneTurnsNoFartherThanGravityTakesIt) {
-  // Without damping it would come back; with it, it falls sooner, and reaches the floor.
+  // Without damping it would return; with damping it falls earlier and reaches the floor.
   HandMade scene;
   scene.Set("cycles", std::uint64_t{127});
   scene.state.acceleration = Vector3d(0, -10, 0);
@@ -263,7 +263,7 @@ TEST(ReachabilityOfPairs, DampedOneTurnsNoFartherThanGravityTakesIt) {
 }
 
 TEST(ReachabilityAsleep, SleepersStandInTheWay) {
-  // The first is slow enough for sleep; the second would never catch up with it awake.
+  // The first is slow enough to sleep; the second would never catch up with it if it stayed awake.
   HandMade scene;
   scene.Set("cycles", std::uint64_t{400});
   scene.Add({0, 0, 0}, {0.5, 0, 0});
@@ -274,7 +274,7 @@ TEST(ReachabilityAsleep, SleepersStandInTheWay) {
   scene.state.objects[0].angular_velocity = Vector3d(0, 2, 0);  // stays awake
   EXPECT_TRUE(scene.Make().nothing_touches);
   scene.state.objects[0].angular_velocity.setZero();
-  scene.Set("cycles", std::uint64_t{100});  // less than sleep takes
+  scene.Set("cycles", std::uint64_t{100});  // fewer than sleeping takes
   EXPECT_TRUE(scene.Make().nothing_touches);
 }
 
@@ -309,7 +309,7 @@ TEST(ReachabilityGivesUp, Ccd) {
   scene.Add({0, 0, 0});
   scene.Add({10, 0, 0}, {0, 0, 0}, 0);
   scene.state.objects[1].ccd = true;
-  EXPECT_TRUE(scene.Make().nothing_touches);  // what is fixed does not look ahead
+  EXPECT_TRUE(scene.Make().nothing_touches);  // fixed bodies are not swept
   scene.state.objects[0].ccd = true;
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
@@ -358,7 +358,7 @@ TEST(ReachabilityGivesUp, DenseGas) {
   EXPECT_FALSE(reachability.nothing_touches);
   EXPECT_EQ(reachability.largest_cluster, 3000u);
   EXPECT_EQ(reachability.walls, std::vector<std::uint8_t>(3000, 0x3f));
-  // It does not look for all that may meet first.
+  // It does not search for everything that may meet first.
   EXPECT_TRUE(Contains(reachability.closest, "too many objects may meet one another"))
       << reachability.closest;
 }

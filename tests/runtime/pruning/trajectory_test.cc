@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using layouts::ObjectState;
 
-/// Where Bullet has the object at the start of each cycle, in numbers of type T, as its
+/// Bullet's position of the object at the start of each cycle, in numbers of type T, as its
 /// btRigidBody and solver compute it.
 template <typename T>
 std::vector<Vector3d> PlacesOf(const ObjectState& object, const Vector3d& acceleration,
@@ -71,7 +71,7 @@ TEST(Trajectory, RoundingStaysWithinTheSlack) {
       }
     }
   }
-  // The slack is not beyond all measure either.
+  // The slack is not excessive either.
   EXPECT_GT(largest, 0.01);
 }
 
@@ -140,7 +140,7 @@ TEST(Trajectory, BallsHaveNoMargin) {
   EXPECT_DOUBLE_EQ(trajectory.threshold, kThreshold);
 }
 
-/// The first time within touching distance and the least gap, by looking at 20000 times.
+/// The first time within touching distance, and the smallest gap, by sampling 20000 times.
 TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
   Random random(4);
   int meetings = 0, escapes = 0;
@@ -154,7 +154,7 @@ TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
     const auto trajectory = [&](std::size_t i) {
       return pruning::TrajectoryOf(scene.state.objects[i], g, scene.scene, horizon);
     };
-    // So that they come near one another at some time.
+    // Makes them come close to each other at some time.
     const bool is_fixed = round % 2 == 0;
     const Vector3d velocity = is_fixed ? Vector3d(Vector3d::Zero()) : random.Vector(10);
     const double when = random(0, 1.2) * horizon.end;
@@ -180,7 +180,7 @@ TEST(Trajectory, ClosestApproachIsThatOfTheWay) {
         EXPECT_LE(approach.time, first);
         EXPECT_GT(approach.time, first - step - 1e-9);
       } else {
-        EXPECT_LT(least, step * fastest);  // between two looks
+        EXPECT_LT(least, step * fastest);  // between two samples
       }
     } else {
       ++escapes;

@@ -1,4 +1,4 @@
-// Results files whose times, verdicts and omissions are made up, for tests of summaries.
+// Results files with made-up times, verdicts and omissions, for tests of summaries.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace cdb::tests {
 
-/// Of every phase in every cycle, ns; and what else is set.
+/// The time of every phase in every cycle, ns; and other values.
 struct MadeUp {
   double ns = 1000;
   measure::Verdict verdict = measure::Verdict::kStable;
@@ -26,14 +26,14 @@ struct MadeUp {
   double peak_rss = 5e6;                      ///< bytes
   std::map<std::string, double> errors = {};  ///< of the metrics that the plan asks for
   store::Status status = store::Status::kDone;
-  std::uint64_t cycles = 4;  ///< that ran; all of them, unless it failed
+  std::uint64_t cycles = 4;  ///< that were executed; all of them, unless the run failed
 };
 using MakeUp = std::function<MadeUp(const plan::Run&)>;
 
 /// Cycles of each run.
 inline constexpr std::uint64_t kMadeUpCycles = 4;
 
-/// Writes the shard of a run. The plan records timing alone.
+/// Writes the shard of a run. The plan records only timing.
 inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const MadeUp& made,
                         const std::filesystem::path& folder) {
   FakeResult fake(run, made.status, made.cycles);
@@ -57,7 +57,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
   shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder);
 }
 
-/// `use(file)` of the merged file.
+/// Returns `use(file)` for the merged file.
 template <typename Use>
 auto WithMadeUpFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
   const TemporaryFolder folder;

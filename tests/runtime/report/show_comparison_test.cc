@@ -1,4 +1,4 @@
-// Summaries of results whose times, holes, verdicts and omissions are made up.
+// Summaries of results with made-up times, gaps, verdicts and omissions.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -24,7 +24,7 @@ plan::Plan Grid(std::uint64_t repeats = 1, std::vector<std::vector<std::size_t>>
       repeats, {.cycles = kMadeUpCycles, .record = {"timing"}}, std::move(skipped));
 }
 
-/// One space between words, as columns are as wide as the table needs.
+/// The text with single spaces, because columns are as wide as the table needs.
 std::string Squeezed(const std::string& text) {
   std::string squeezed;
   for (const char c : text)
@@ -39,7 +39,7 @@ void ExpectLacks(const std::string& text, const std::string& part) {
   EXPECT_EQ(Squeezed(text).find(Squeezed(part)), std::string::npos) << part << "\nis in\n" << text;
 }
 
-/// 100 ns an object; dbvt takes 1.2 times that of simple, and sap twice.
+/// 100 ns per object; dbvt takes 1.2 times as long as simple, and sap twice.
 MadeUp OfQuantity(const plan::Run& run) {
   constexpr double kObjects[] = {10, 20, 40}, kFactors[] = {1, 1.2, 2};
   return {.ns = 100 * kObjects[run.at[1]] * kFactors[run.at[0]]};
@@ -57,7 +57,7 @@ TEST(ShowComparison, PoolsTheCellsThatAllRowsHave) {
 TEST(ShowComparison, SaysWhereNoCellIsInAllRows) {
   const std::string text = Shown(Grid(1, {{0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}}),
                                  OfQuantity, {.by = {"detector"}});
-  // Each row is of one cell, which no other has.
+  // Each row has one cell, which no other row has.
   ExpectHas(text, "No cell is in all rows of a kind");
 }
 
@@ -132,7 +132,7 @@ TEST(ShowComparison, MarksRowsWithOtherOmissions) {
             "\n  dbvt            10   1.20    1.20    1.20   1.20       1.20  1.20  without "
             "solver\n");
   ExpectHas(text, "\n  dbvt            20   2.40    2.40    2.40   2.40       2.40  2.40\n");
-  // All detectors left out the same at each quantity.
+  // All detectors omitted the same components at each quantity.
   ExpectHas(text, "\n  Mean and range over 3 of 3 cells.\n");
   const std::string pooled = Shown(Grid(), omit, {.by = {"detector"}});
   ExpectHas(pooled, "  without solver\n");
@@ -168,7 +168,7 @@ TEST(ShowComparison, SaysHowItsIntervalsWereMade) {
   const std::string five = Shown(Grid(5), vary);
   ExpectHas(five, "\nMean of a cycle, its 95 % interval, us\n");
   ExpectHas(five, "\n  By bootstrap over the 5 repeats, whole runs at a time.\n");
-  // The repeats of all detectors vary alike, so that their ratios do not.
+  // The repeats of all detectors vary equally, so that their ratios are constant.
   ExpectHas(five, "1.20 .. 1.20");
 }
 
@@ -187,7 +187,7 @@ TEST(ShowComparison, LeavesARepeatThatDidNotEndWellOutOfItsPoint) {
             "void.\n");
 }
 
-/// Both commands, of runs one of which stalled.
+/// Both commands, for runs one of which stalled.
 TEST(ShowComparison, HasOneStatisticInBothCommands) {
   const plan::Plan plan =
       MakePlan({NumberAxis("quantity", {10, 20})}, 5,
@@ -200,7 +200,7 @@ TEST(ShowComparison, HasOneStatisticInBothCommands) {
   const std::string error = WithMadeUpFile(plan, stall, [](const store::ResultFile& file) {
     return report::ShowError(file, {"position", {}, {}}).text;
   });
-  // 1 ms a cycle is simulated in 2 ms.
+  // A cycle of 1 ms takes 2 ms.
   ExpectHas(error, "\n        10        0.500      2000 ");
   ExpectHas(error,
             "\n  Median over 5 repeats per cycle, then mean over cycles; bootstrap over whole "

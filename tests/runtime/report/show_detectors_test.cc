@@ -22,7 +22,7 @@ namespace cdb::tests {
 namespace {
 
 constexpr std::uint64_t kCycles = 3;
-/// Of every made-up plan.
+/// The title of every made-up plan.
 const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
 
 /// A made-up run: values of its series, the same in every cycle or one for each.
@@ -40,7 +40,8 @@ class Made {
   }
   void Ints(const char* name, const std::vector<std::int32_t>& values) { Put(name, values); }
   void Reals(const char* name, const std::vector<double>& values) { Put(name, values); }
-  /// ns of detect in each cycle; of every phase, as nobody looks at the others.
+  /// Sets the time of detect in each cycle, ns; and of every phase, because the others are not
+  /// used.
   void Detect(const std::vector<double>& ns) {
     std::vector<double> all;
     for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
@@ -70,7 +71,7 @@ plan::Plan PlanOf(std::vector<plan::Axis> axes, schema::WordList record) {
   return MakePlan(std::move(axes), 1, {.cycles = kCycles, .record = std::move(record)});
 }
 
-/// One that can be read again.
+/// A plan that can be read back.
 plan::Plan RealPlanOf(const schema::WordList& record, const std::vector<std::string>& detectors) {
   const Program program;
   program.Write("fixture.cdb",
@@ -82,7 +83,7 @@ plan::Plan RealPlanOf(const schema::WordList& record, const std::vector<std::str
   return yaml::FromYaml(program.Read("plan.yaml"), "plan.yaml");
 }
 
-/// The file of a plan whose runs `settle` makes.
+/// Returns `use(file)` for the file of a plan whose runs `settle` makes.
 template <typename Use>
 auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&, Made&)>& settle,
               Use use) {
@@ -174,7 +175,8 @@ TEST(Verify, IsGoodWhereNothingIsMissed) {
   EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
 }
 
-/// Three detectors at three quantities; detect grows as quantity, quantity^2 and not at all.
+/// The summary of three detectors at three quantities; detect grows as quantity, as quantity^2, and
+/// not at all.
 std::string Shown(const schema::WordList& record, const std::vector<std::string>& detectors,
                   const std::vector<std::string>& by = {},
                   const std::function<void(const plan::Run&, Made&)>& more = {}) {
@@ -247,7 +249,8 @@ TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
     made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 68;
   };
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
-  // Detect is 680 ns of sap at the middle point; null would be 34 ns, and is all harness.
+  // Detect takes 680 ns with sap at the middle point; null would take 34 ns, all of which is
+  // overhead of the harness.
   EXPECT_NE(text.find("\n  Harness: 68.0 ns a cycle, 10.0 % of the detect of sap, the fastest; "
                       "nothing is subtracted.\n"),
             std::string::npos)
@@ -285,7 +288,7 @@ TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
   EXPECT_NE(matched.out.find("\n  Over the numbers of objects that all rows have, 10 .. 40.\n"),
             std::string::npos)
       << matched.out << matched.err;
-  // Two are too few to fit.
+  // Two quantities are too few for a fit.
   const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
   EXPECT_NE(unlike.out.find("\n  Rows are of unlike numbers of objects: do not compare them.\n"),
             std::string::npos)

@@ -1,4 +1,4 @@
-// Forms of `cdb show` beside its tables: CSV, parts of a file, other statistics, plots.
+// Other outputs of `cdb show` than its tables: CSV, parts of a file, other statistics, plots.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -89,7 +89,8 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
   EXPECT_NE(wrong.err.find("detector, quantity"), std::string::npos) << wrong.err;
 }
 
-/// What `show` says of a grid of detectors and quantities, whose runs left out what `settle` says.
+/// The output of `show` for a grid of detectors and quantities, whose runs omitted what `settle`
+/// sets.
 std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunResult&)>& settle) {
   const plan::Plan plan =
       MakePlan({TextAxis("detector", {"sap", "dbvt"}), NumberAxis("quantity", {10, 20})}, 1,
@@ -169,7 +170,7 @@ TEST(Show, SaysWhereDetectorsDidNotOmitTheSame) {
   const std::string line = "\nAt 1 of 2 points some detectors ran without walls and others with: ";
   EXPECT_NE(shown("left out", "kept").find(line), std::string::npos);
   EXPECT_NE(shown("kept", "left out").find(line), std::string::npos);
-  // Where there are none anyway, nothing was left out.
+  // If there are no walls, none were left out.
   EXPECT_EQ(shown("left out", "none").find("points some"), std::string::npos);
   EXPECT_EQ(shown("left out", "left out").find("points some"), std::string::npos);
   EXPECT_EQ(shown("kept", "kept").find("points some"), std::string::npos);

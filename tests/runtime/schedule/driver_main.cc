@@ -1,5 +1,5 @@
-// A driver for the tests that end it: schedule_test_driver PLAN FOLDER JOBS WORKER [FILE_LIMIT].
-// Exit status as `cdb run`; the summary goes to standard output.
+// A driver for tests that kill it: schedule_test_driver PLAN FOLDER JOBS WORKER [FILE_LIMIT]. Exit
+// status as for `cdb run`; prints the summary.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
-// A sweep whose driver is killed, started twice, stopped or out of disk: real processes and the
-// real store.
+// A sweep whose driver is killed, started twice, stopped, or out of disk space, with real processes
+// and the real store.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -50,7 +50,7 @@ class DriverTest : public testing::Test {
     return pid;
   }
 
-  /// Exit status, or minus the signal.
+  /// The exit status, or the negative signal.
   static int Wait(pid_t pid) {
     int status = 0;
     EXPECT_EQ(waitpid(pid, &status, 0), pid);
@@ -70,7 +70,7 @@ class DriverTest : public testing::Test {
     return shards;
   }
 
-  /// Every run has a whole shard with the figures that the test worker writes.
+  /// Expects a complete shard for every run, with the values that the test worker writes.
   void ExpectComplete(const plan::Plan& plan) const {
     EXPECT_EQ(Shards().size(), plan.runs.size());
     for (const plan::Run& run : plan.runs) {
@@ -87,7 +87,7 @@ class DriverTest : public testing::Test {
     }
   }
 
-  /// Until `driver` has written so many, or has ended before.
+  /// Waits until `driver` has written this number of shards, or has ended.
   void WaitForShards(std::size_t count, pid_t driver) const {
     siginfo_t ended = {};
     while (Shards().size() < count && ended.si_pid == 0) {
@@ -110,7 +110,7 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
   std::map<std::string, fs::file_time_type> finished;
   for (int kill_number = 0; kill_number < 20; ++kill_number) {
     const pid_t driver = Start(plan, 1 + kill_number % 2);
-    // Any moment will do, from before it has begun to several runs on.
+    // Any moment, from before it has started to several runs later.
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
     kill(driver, SIGKILL);
     const int end = Wait(driver);
@@ -177,7 +177,7 @@ TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
   shape.quantities = {1, 2, 3};
   shape.detectors = {"dbvt"};
   plan::Plan plan = MakePlan(shape);
-  // The last run records more than the limit lets a file hold; its memory is under it.
+  // The last run records more than the file limit permits; its memory use is below it.
   ASSERT_EQ(Run(plan), 0) << ReadFile(log);
   std::uintmax_t largest = 0;
   for (const auto& entry : fs::directory_iterator(folder))

@@ -21,7 +21,7 @@ TEST(EstimateTest, FindsAPowerLaw) {
   schedule::TimeEstimate estimate(Pointers(plan));
   const auto seconds = [](double objects) { return 10 * 1e-6 * std::pow(objects, 1.5); };
   estimate.Ended(plan.runs[0], seconds(10));
-  // One size tells no slope: proportional to the objects.
+  // One size does not determine a slope: the estimate is proportional to the number of objects.
   EXPECT_NEAR(estimate.Predict(plan.runs[2]).value(), seconds(10) * 100, 1e-9);
   estimate.Ended(plan.runs[1], seconds(100));
   EXPECT_NEAR(estimate.Predict(plan.runs[2]).value(), seconds(1000), 1e-9);
@@ -36,7 +36,7 @@ TEST(EstimateTest, ARepeatIsTheMeanOfItsLike) {
   estimate.Ended(plan.runs[0], 2);
   estimate.Ended(plan.runs[1], 4);
   EXPECT_EQ(estimate.Predict(plan.runs[2]).value(), 3);
-  // Nothing of `sap` has ended: the other's geometric mean stands in.
+  // No run of `sap` has ended: the geometric mean of the other detector is used.
   EXPECT_NEAR(estimate.Predict(plan.runs[4]).value(), std::sqrt(8.0), 1e-12);
   EXPECT_NEAR(estimate.Left().value(), 2 * 3 + 4 * std::sqrt(8.0), 1e-12);
 }

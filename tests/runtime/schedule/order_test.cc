@@ -49,8 +49,8 @@ TEST(OrderTest, NoDetectorAlwaysGoesFirst) {
   const auto order = schedule::OrderRuns(plan);
   std::map<std::size_t, int> first;
   for (std::size_t i = 0; i < order.size(); i += 3) ++first[order[i]->at[1]];
-  // 64 shuffles of three: each goes first 21 times on average, with a standard deviation of 3.8.
-  // The seeds are fixed, so this holds always or never; four deviations leave room for any hash.
+  // 64 shuffles of three: each is first 21 times on average, with a standard deviation of 3.8. The
+  // seeds are fixed, so this always or never holds; four deviations leave room for any hash.
   for (const std::size_t detector : {0, 1, 2}) {
     EXPECT_GE(first[detector], 6) << detector;
     EXPECT_LE(first[detector], 37) << detector;
@@ -142,7 +142,7 @@ TEST(OrderTest, ShardsAreEvenByWork) {
       least = std::min(least, work);
       most = std::max(most, work);
     }
-    // Heaviest first: the last unit that the fullest shard got was given when it was the emptiest.
+    // Heaviest first: the fullest shard got its last unit when it was the emptiest.
     double unit = 0;
     for (const plan::Run& run : plan.runs) unit = std::max(unit, 3 * schedule::EstimatedWork(run));
     EXPECT_LE(most - least, unit) << count;

@@ -1,4 +1,4 @@
-// A plan that is executed part after part, and resumed.
+// A plan that is executed in parts, and resumed.
 #include "runtime/schedule/parts.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every run ends well at once; a stop is asked for after `most`.
+/// Every run succeeds immediately; a stop is requested after `most`.
 class PromptLauncher : public process::Launcher {
  public:
   explicit PromptLauncher(process::StopFlag& stop) : stop_(stop) {}
@@ -121,7 +121,7 @@ TEST_F(PartsTest, PartsThatHaveEndedAreNotListedAgain) {
   EXPECT_TRUE(listed_parts_.empty());
 }
 
-/// As `cdb run --until` says it of repeats that are not needed yet.
+/// As `cdb run --until` does for repeats that are not needed yet.
 TEST_F(PartsTest, PartsWithRunsElsewhereAreNotTakenForDone) {
   options_.find_elsewhere = [](const plan::Run& run) {
     return run.rep > 0 ? std::optional(shards::ShardInfo{}) : std::nullopt;

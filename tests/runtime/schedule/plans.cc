@@ -9,7 +9,7 @@ using schema::ParameterType;
 using schema::Value;
 using schema::Word;
 
-/// A value that the parameter takes; which one does not matter to the schedule.
+/// A valid value of the parameter; the schedule does not depend on it.
 Value AnyValue(const schema::Parameter& parameter) {
   const bool is_list = parameter.type == ParameterType::kWords;
   if (!is_list && parameter.HasWord(parameter.default_text))

@@ -1,4 +1,4 @@
-// Plans for the tests of the schedule, built by hand.
+// Hand-made plans for tests of the schedule.
 #pragma once
 
 #include <cstdint>
@@ -10,28 +10,28 @@
 
 namespace cdb::tests {
 
-/// What the test worker does with a run whose seed is this; with any other it records every cycle
-/// and reports.
+/// The behaviour of the test worker for a run whose seed is this. For other seeds it records every
+/// cycle and reports success.
 enum Behaviour : std::uint64_t {
   kFinishes = 100,
   kFails,              ///< reports a failure after two cycles
-  kSegfaults,          ///< after three cycles
-  kAborts,             ///< with text on standard error
-  kHangs,              ///< after four cycles
-  kHangsDeaf,          ///< and ignores every signal that it can, with a child that does so too
-  kDiesHalfway,        ///< SIGKILL after half its cycles, the next one begun
+  kSegfaults,          ///< crashes after three cycles
+  kAborts,             ///< aborts, with text on standard error
+  kHangs,              ///< hangs after four cycles
+  kHangsDeaf,          ///< hangs and ignores every signal that it can, as does its child
+  kDiesHalfway,        ///< killed by SIGKILL after half its cycles, during the next one
   kFloodsErrors,       ///< 32 MiB on standard error, then finishes
   kFloodsAndDies,      ///< 32 MiB on standard error, then a last line and exit status 7
-  kClosesFiles,        ///< closes all it was given, then ends with status 0
+  kClosesFiles,        ///< closes all its descriptors, then ends with status 0
   kEndsWithoutReport,  ///< exit status 0 at once
-  kLiesAboutCycles,    ///< reports done after half its cycles
-  kSpoilsHeader,       ///< writes nonsense over the head of its recording, then crashes
-  kWritesBinary,       ///< bytes that are no text on standard error, then exit status 1
-  kTellsPlace,         ///< finishes; `pairs` hold its processors, signals and descriptors
+  kLiesAboutCycles,    ///< reports success after half its cycles
+  kSpoilsHeader,       ///< overwrites the header of its recording, then crashes
+  kWritesBinary,       ///< binary data on standard error, then exit status 1
+  kTellsPlace,         ///< finishes; `pairs` holds its processors, signals and descriptors
   kContacts,           ///< finishes; cycle i has i contacts
   kContactsLost,       ///< crashes, with the contacts of its last two cycles unwritten
-  kTakesMemory,        ///< finishes once it has 64 GB that it does not touch; fails if it gets less
-  kNeedsMemory,        ///< the same, and crashes if it gets less
+  kTakesMemory,  ///< finishes after allocating 64 GB without touching them; fails if it gets less
+  kNeedsMemory,  ///< the same, and crashes if it gets less
 };
 
 struct PlanShape {
@@ -46,10 +46,10 @@ struct PlanShape {
   std::vector<std::string> record = {"timing", "counts"};
 };
 
-/// Axes quantity and detector.
+/// A plan with the axes quantity and detector.
 plan::Plan MakePlan(const PlanShape& shape = {});
 
-/// One run for each behaviour, on an axis `seed`; no timeout unless given.
+/// A plan with one run for each behaviour, on an axis `seed`; no timeout unless given.
 plan::Plan MakeBehaviourPlan(const std::vector<std::uint64_t>& seeds, const PlanShape& shape = {});
 
 std::vector<const plan::Run*> Pointers(const plan::Plan& plan);

@@ -10,7 +10,7 @@
 namespace cdb::tests {
 namespace {
 
-/// A terminal, or a log, and a clock that we turn.
+/// A terminal or a log, and a simulated clock.
 struct Screen {
   double now_s = 1000;
   std::size_t columns = 80;
@@ -20,7 +20,7 @@ struct Screen {
     return {is_terminal, is_utf8, [this] { return now_s; }, [this] { return columns; },
             [this](std::string_view more) { text += more; }};
   }
-  /// What was written since the last call, escape sequences as words.
+  /// The output since the last call, with escape sequences as words.
   std::string Take() {
     std::string plain;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -59,7 +59,8 @@ TEST(ProgressBarTest, TellsAllOfIt) {
   EXPECT_EQ(screen.Take(), "<cr>▕                    ▏ 0/4   0 %  quantity 100, detector dbvt<K>");
   screen.now_s += 19;
   progress.RunEnded(plan.runs[0], Result(store::Status::kDone), 20);
-  // The other of this size takes as long, the two of twice the size twice as long: 20 + 2 x 40 s.
+  // The other run of this size takes equally long, the two of twice the size twice as long: 20 + 2
+  // x 40 s.
   EXPECT_EQ(screen.Take(), "<cr>▕█████               ▏ 1/4  25 %  2 min left<K>");
   progress.RunStarted(plan.runs[1]);
   screen.now_s += 14.5;
@@ -144,7 +145,7 @@ TEST(ProgressBarTest, ClimbsOverTheLinesThatANarrowerTerminalMade) {
   schedule::Progress progress(screen.Output(true));
   progress.Begin(plan, Pointers(plan), {}, 1);
   screen.Take();
-  screen.columns = 15;  // the 32 columns of before are now three lines
+  screen.columns = 15;  // the previous 32 columns now take three lines
   screen.now_s += 1;
   progress.Tick();
   EXPECT_EQ(screen.Take(), "<2A><cr><J>0/2   0 %<K>");
@@ -195,7 +196,7 @@ TEST(ProgressBarTest, JobsShareTheTimeLeft) {
   screen.Take();
   screen.now_s += 10;
   progress.RunEnded(plan.runs[0], Result(store::Status::kDone), 10);
-  // Four are left at 10 s, one of them all but done, in two slots: 15 s.
+  // Four are left at 10 s each, one of them nearly done, in two slots: 15 s.
   EXPECT_EQ(screen.Take(),
             "<cr>▕████                ▏ 1/5  20 %  15 s left  quantity 100, detector dbvt, rep 1"
             "<K>");
@@ -272,7 +273,8 @@ TEST(ProgressLogTest, SparesALargePlan) {
   schedule::Progress progress(screen.Output(false));
   progress.Begin(plan, Pointers(plan), {}, 1);
   EXPECT_EQ(screen.Take(), "cdb: study: 1000 runs\n");
-  // 5 % are 50 runs, but no two lines in 5 s: at 20 runs a second, every hundredth.
+  // 5 % are 50 runs, but at most one line is printed in 5 s: at 20 runs a second, one for every
+  // hundredth run.
   std::string all;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     screen.now_s += 0.0625;  // exact in binary: 16 a second, 80 in 5 s

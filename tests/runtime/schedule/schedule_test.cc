@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ends each run at once, the last started first, as `behave` says.
+/// Ends each run immediately, the last one started first, as `behave` determines.
 class FakeLauncher : public process::Launcher {
  public:
   std::function<store::Status(const plan::Run&)> behave = [](const auto&) {
@@ -22,9 +22,9 @@ class FakeLauncher : public process::Launcher {
   };
   std::function<void()> before_wait = [] {};
   std::function<process::Pulse(std::size_t)> pulse;
-  /// The run must keep the walls for its own sake; the others leave out what they may.
+  /// True if the run itself needs the walls; other runs may omit them.
   std::function<bool(const plan::Run&)> needs_walls = [](const auto&) { return true; };
-  /// Of the attempt of a run, counted from 1.
+  /// The noise of an attempt of a run, counted from 1.
   std::function<machine::NoiseJudgement(const plan::Run&, int attempt)> noise = [](const auto&,
                                                                                    int) {
     return machine::NoiseJudgement{machine::Noise::kQuiet, "", 0};
@@ -160,7 +160,7 @@ TEST_F(ScheduleTest, ComparedRunsLeaveOutTheSameParts) {
   EXPECT_EQ(launcher.started.size(), 11u);
   for (const plan::Run& run : plan.runs)
     EXPECT_EQ(OmittedIn(options.folder, run), is_compared(run) ? "" : "walls");
-  // All is there: nothing is left to do.
+  // All results exist: nothing is left to do.
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 9}));
   EXPECT_EQ(launcher.started.size(), 11u);
 }
@@ -204,7 +204,7 @@ TEST_F(ScheduleTest, CountsHowRunsEnded) {
   EXPECT_EQ(summary, (schedule::Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2}));
   EXPECT_TRUE(summary.HasBadRuns());
   EXPECT_EQ(schedule::Describe(summary), "9 runs: 3 done, 2 failed, 2 crashed, 2 timed out");
-  // A run that ended badly has a shard and is not run again.
+  // A failed run has a shard and is not run again.
   launcher.started.clear();
   const schedule::Summary again = Run(plan);
   EXPECT_TRUE(launcher.started.empty());
@@ -285,7 +285,7 @@ TEST_F(ScheduleTest, FreshStartsOver) {
 TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
   Run(plan);
   const std::string text = ReadFile(options.folder / "plan.yaml");
-  // Other runs; then the same runs under another plan, which is to be told by the hash inside.
+  // Other runs; then the same runs under another plan, which is recognised only by the hash inside.
   plan::Plan renamed = plan;
   renamed.benchmark = "other";
   for (const plan::Plan& other : {MakePlan({.quantities = {9}}), renamed}) {
@@ -318,7 +318,7 @@ TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
   fs::resize_file(options.folder / names[2], fs::file_size(options.folder / names[2]) / 2);
   WriteFile(options.folder / names[3], "");
   WriteFile(options.folder / names[5], std::string(100000, 'x'));
-  // A whole shard under another's name.
+  // A complete shard under the name of another.
   fs::copy_file(options.folder / names[0], options.folder / names[7],
                 fs::copy_options::overwrite_existing);
   launcher.started.clear();
@@ -400,7 +400,7 @@ TEST_F(ScheduleTest, ListenersTickWhileNothingEnds) {
 TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   launcher.before_wait = [&] {
     if (ears.ended != 4) return;
-    // A folder where the file should be: no file can be renamed onto it.
+    // A folder has the name of the file, so that no file can be renamed to it.
     fs::create_directories(options.folder / (launcher.running.back().run->id + ".h5") / "x");
   };
   try {
@@ -465,7 +465,7 @@ TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
   const std::string gone = message();
   EXPECT_NE(gone.find("No such file or directory"), std::string::npos) << gone;
   EXPECT_NE(gone.find("0 of 9 runs are safe in"), std::string::npos) << gone;
-  // Somebody made it anew: five shards come, and four are missing.
+  // The folder was created again: five shards are written, and four are missing.
   keeps_folder = true;
   ears = {};
   const std::string emptied = message();
@@ -528,7 +528,7 @@ TEST_F(ScheduleTest, MeasuresNoisyRunsAgainAndKeepsTheQuietest) {
   EXPECT_EQ(InShards(plan, options.folder, "attempts"), (std::vector<double>{4, 2, 1}));
   EXPECT_EQ(InShards(plan, options.folder, "place_time"), (std::vector<double>{2, 2, 1}));
   EXPECT_EQ(InShards(plan, options.folder, "noise"), (std::vector<double>{2, 1, 1}));
-  // What is done is done: it is not measured again when the sweep goes on.
+  // Finished runs are not measured again when the sweep is resumed.
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 3, .resumed = 3}));
   EXPECT_EQ(launcher.started.size(), 7u);
 }

@@ -1,4 +1,4 @@
-// A worker whose behaviour is the seed of its run: see Behaviour.
+// A worker whose behaviour depends on the seed of its run: see Behaviour.
 #include <dirent.h>
 #include <sched.h>
 #include <signal.h>
@@ -41,7 +41,7 @@ void FloodErrors() {
   while (true) pause();
 }
 
-/// Private memory without a page in it.
+/// Allocates private memory without using a page.
 bool TakeMemory() {
   constexpr std::size_t kPiece = std::size_t{1} << 30;
   for (int i = 0; i < 64; ++i)
@@ -63,7 +63,7 @@ class Worker {
     header.decisions = "walls: kept: a test\npools: left out: a test\n";
   }
 
-  /// Figures that a reader can predict: cycle i has the duration 1000 * phase + i, and so on.
+  /// Writes predictable values: cycle i has the duration 1000 * phase + i, and so on.
   void Write(std::uint64_t cycle, bool with_contact_records = true) {
     const auto i = static_cast<std::int32_t>(cycle);
     if (const auto duration = recording_.Reals("duration"); !duration.empty())
@@ -117,8 +117,9 @@ class Worker {
 
 bool g_is_forked = false;
 
-/// Processors, the first of them, blocked or ignored signals, open descriptors, leads its group,
-/// was forked by a server; and where its stack, its heap and a new mapping are, as far as it fits.
+/// Reports the number of processors, the first of them, blocked or ignored signals, open
+/// descriptors, whether it leads its group, and whether a server forked it; and, as far as it fits,
+/// the addresses of its stack, its heap and a new mapping.
 void TellPlace(std::span<std::int32_t> told) {
   cpu_set_t cpus;
   sched_getaffinity(0, sizeof cpus, &cpus);
@@ -228,7 +229,7 @@ using namespace cdb::tests;
 
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
-  // By another name it is one that cannot serve.
+  // Under another name, it cannot serve forks.
   g_is_forked = std::string_view(argv[0]).ends_with("schedule_test_worker") &&
                 arguments == std::vector<std::string>{measure::kServeOption};
   if (g_is_forked) measure::ServeForks(Execute);

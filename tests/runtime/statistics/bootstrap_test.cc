@@ -84,7 +84,7 @@ TEST(Bootstrap, CoversTheTruthAboutAsOftenAsItSays) {
 }
 
 TEST(Bootstrap, PairsRatiosByTheirThings) {
-  // The third repeat was slow for both; the ratio is 2 in each.
+  // The third repeat was slow for both; the ratio is 2 in each repeat.
   const Bootstrap bootstrap(5);
   const Estimate above = bootstrap.MeanEstimate({2, 2.2, 20, 2.4, 2}),
                  below = bootstrap.MeanEstimate({1, 1.1, 10, 1.2, 1});

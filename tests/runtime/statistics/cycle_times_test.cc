@@ -18,7 +18,7 @@ TEST(CycleTimes, AreMediansOverTheRepeatsAndMeansOverTheCycles) {
   EXPECT_EQ(TimesOver({{1, 10}, {3, 30}}, Bootstrap(2)).cycles, (std::vector<double>{2, 20}));
 }
 
-/// Of one cycle.
+/// The time of one cycle.
 double CycleOfFastest(std::size_t chosen, const std::vector<double>& repeats) {
   std::vector<std::vector<double>> cycles;
   for (const double ns : repeats) cycles.push_back({ns});
@@ -29,7 +29,7 @@ double CycleOfFastest(std::size_t chosen, const std::vector<double>& repeats) {
 TEST(CycleTimes, AreOfTheFastestRepeatsForComparisons) {
   EXPECT_EQ(CycleOfFastest(1, {7}), 7);
   EXPECT_EQ(CycleOfFastest(4, {5, 3, 9, 4}), 3);
-  // Of 1 the mean; of 2 the six pairs have 1 thrice, 2 twice, and 3.
+  // Of 1, it is the mean; of 2, the six pairs have 1 three times, 2 twice, and 3 once.
   EXPECT_DOUBLE_EQ(CycleOfFastest(1, {4, 1, 3, 2}), 2.5);
   EXPECT_DOUBLE_EQ(CycleOfFastest(2, {4, 1, 3, 2}), (1 * 3 + 2 * 2 + 3) / 6.0);
   EXPECT_DOUBLE_EQ(CycleOfFastest(3, {4, 1, 3, 2}), (1 * 3 + 2) / 4.0);
@@ -72,7 +72,8 @@ TEST(CycleTimes, OfOneRepeatAreThoseOfTheRun) {
 }
 
 TEST(CycleTimes, DrawWholeRuns) {
-  // Each run is fast or slow as a whole. Drawn cycle by cycle, 300 of them would average out.
+  // Each run is fast or slow as a whole. If cycles were drawn separately, 300 of them would average
+  // out.
   std::vector<std::vector<double>> repeats;
   for (const double ns : {10, 11, 12, 13, 14}) repeats.emplace_back(300, ns);
   const Bootstrap bootstrap(5);
@@ -81,7 +82,7 @@ TEST(CycleTimes, DrawWholeRuns) {
   EXPECT_GE(interval.high, 13.5);
 }
 
-/// `stalls` of 100 cycles in each of 5 repeats take `ns` more; else repeats differ by 1 %.
+/// `stalls` of 100 cycles in each of 5 repeats take `ns` longer; otherwise repeats differ by 1 %.
 statistics::Interval IntervalWith(std::size_t stalls, double ns) {
   std::vector<std::vector<double>> repeats;
   for (std::size_t r = 0; r < 5; ++r) {
@@ -98,7 +99,7 @@ TEST(CycleTimes, StallsOfADrawnRepeatDoNotOutvoteTheOthers) {
   EXPECT_LE(quiet.high, 1040);
   EXPECT_NEAR(stalled.low, quiet.low, 5);
   EXPECT_NEAR(stalled.high, quiet.high, 5);
-  // Where stalls are the rule, the interval says so.
+  // If stalls are frequent, the interval shows it.
   EXPECT_GT(IntervalWith(20, 1e6).high, 10 * quiet.high);
 }
 

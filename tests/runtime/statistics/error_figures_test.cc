@@ -33,13 +33,13 @@ std::string MarksOf(std::vector<ErrorRow> rows) {
 }
 
 TEST(MarkFront, TiesWithinNoise) {
-  // As accurate, and slower within the intervals; then slower beyond them.
+  // Equally accurate, and slower within the intervals; then slower beyond them.
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1), RowAt(11, 1, 0.1), RowAt(13, 1, 0.1)}), "*=o");
-  // Errors are repeatable: without an interval of its own a greater one is no tie.
+  // Errors are repeatable: without an interval, a larger error is not a tie.
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1), RowAt(11, 1, 0.11)}), "*o");
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1, 0.02), RowAt(11, 1, 0.11, 0.02)}), "*=");
   EXPECT_EQ(MarksOf({RowAt(10, 1, 0.1), RowAt(20, 1, 0.05)}), "**");
-  // An error is known within its floor.
+  // An error is known only up to its floor.
   std::vector<ErrorRow> rows = {RowAt(10, 1, 0.1), RowAt(11, 1, 0.11)};
   rows[0].floor = rows[1].floor = 0.006;
   EXPECT_EQ(MarksOf(rows), "*=");

@@ -25,7 +25,7 @@ using testing::ElementsAre;
 
 constexpr unsigned kOrder = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
 
-/// What the dimension scale specification itself writes.
+/// The attributes that the dimension scale specification itself writes.
 const std::set<std::string> kScaleAttributes = {"CLASS", "NAME", "DIMENSION_LIST",
                                                 "REFERENCE_LIST"};
 
@@ -101,7 +101,7 @@ void ExpectAttributes(hid_t object) {
   }
 }
 
-/// The scale attached to a dimension; exactly one.
+/// The only scale attached to a dimension.
 std::string ScaleOf(hid_t dataset, unsigned dimension) {
   std::vector<std::string> names;
   struct Visit {
@@ -127,13 +127,13 @@ std::string ScaleOf(hid_t dataset, unsigned dimension) {
   return names.empty() ? "" : names[0];
 }
 
-/// Of a shard or of the merged file; with errors or without.
+/// The kind of a file: a shard or merged, with errors or without.
 struct Kind {
   bool merged, accuracy;
 };
 
-/// The shards and the merged file of a plan. They have the largest chunks, and so take a second to
-/// write.
+/// The shards and the merged file of a plan. They have the largest chunks, and therefore take a
+/// second to write.
 class WrittenPlan {
  public:
   explicit WrittenPlan(bool accuracy)
@@ -167,7 +167,7 @@ class WrittenPlan {
   const plan::Plan plan_;
 };
 
-/// One of a few named values, in a byte.
+/// True if the values are a few named ones, stored in a byte.
 bool IsFlag(const std::string& name) {
   return name.ends_with("status") || name == "verdict" || name == "run/noise";
 }
@@ -287,7 +287,7 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
       if (series->shape == measure::SeriesShape::kPose)
         expected.insert(expected.end(), {"body", "pose"});
     }
-    // A reader of one group finds the coordinates in it.
+    // A reader of one group finds the coordinates within it.
     for (std::string& scale : expected) scale.insert(0, group);
     EXPECT_EQ(scales, expected);
   });
@@ -328,7 +328,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
 
 TEST_P(Conventions, EveryVariableHasALongNameAndEveryNumberAUnit) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
-    if (name == "contact_row") return;  // a dimension, which is not a variable
+    if (name == "contact_row") return;  // a dimension without a variable
     EXPECT_NE(TextOf(dataset, "long_name"), "(none)");
     const hid_t type = H5Dget_type(dataset);
     const bool is_text = H5Tget_class(type) == H5T_STRING;

@@ -9,7 +9,8 @@
 namespace cdb::tests {
 namespace {
 
-// A cycle of the poses and the contacts of a cell, in a file where neighbours have others.
+// The poses and contacts of a single cycle of a cell, in a file where other cells have different
+// ones.
 TEST(ResultFile, ReadsSingleCyclesAndContacts) {
   const plan::Plan plan =
       MakePlan({NumberAxis("size", {1, 2})}, 2,

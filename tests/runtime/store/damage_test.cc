@@ -1,4 +1,4 @@
-// Damaged files are refused with their name and never crash the reader.
+// Damaged files are rejected by name and never crash the reader.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ class Damage : public testing::Test {
     shard_ = ReadFile(path_);
   }
 
-  /// Info and merge refuse the file, and say which it is; reading it as a result ends in an error
-  /// or in what the header promises.
+  /// Expects that info and merge reject the file by name, and that reading it as a result ends in
+  /// an error or in the dimensions that the header states.
   void ExpectRefused(const std::string& bytes, const std::string& what) {
     SCOPED_TRACE(what);
     WriteFile(path_, bytes);

@@ -42,7 +42,7 @@ std::string InChild(const std::function<std::string()>& body) {
     } catch (const std::exception& error) {
       text = std::string("unexpected: ") + error.what();
     }
-    text += '.';  // told from a child that died
+    text += '.';  // distinguishes it from a child that died
     const bool sent = write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size());
     _exit(sent ? 0 : 1);
   }
@@ -98,7 +98,7 @@ TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
                 if (error.find("File too large") == std::string::npos) return "said " + error;
                 if (error.find(run.id) == std::string::npos) return "no file in " + error;
                 if (error.find("make room") == std::string::npos) return "no remedy in " + error;
-                // The driver goes on when there is room again.
+                // The driver continues when there is space again.
                 LimitFiles(RLIM_INFINITY);
                 shards::WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {},
                                    folder.path());
@@ -147,7 +147,7 @@ TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
   shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-  // HDF5 tidies up when a process ends, and must not meet the file that it could not write.
+  // HDF5 cleans up when a process ends, and must not use the file that it could not write.
   const auto fail_and_exit = [&] {
     LimitFiles(20000);
     const std::string error =
@@ -274,8 +274,8 @@ TEST(Threads, WriteShardsSideBySide) {
   }
 }
 
-/// Starts `body` in a process, which says a byte after each piece of work; kills it some time
-/// later. Returns how many bytes it said.
+/// Starts `body` in a process that writes a byte after each piece of work, and kills it some time
+/// later. Returns the number of bytes.
 std::size_t KillDuring(std::mt19937& random, const std::function<void(int)>& body) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
@@ -342,7 +342,8 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
   }
 }
 
-/// The next of the kind clears away what the killed ones left, also under another name.
+/// The next process of the same kind removes the files that killed ones left, also under another
+/// name.
 TEST(Kill, WhileMergingAndTracingLeavesNoTemporariesForEver) {
   const Plan plan = SmallPlan(3);
   const TemporaryFolder folder, target;

@@ -1,4 +1,4 @@
-// The names that an axis may not have are those of the layout, no more and no less.
+// The names that an axis must not have are exactly those of the layout.
 #include "compiler/schema/result_names.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace cdb::tests {
 namespace {
 
-/// A plan whose results have everything that a file can hold, and an axis `x`.
+/// A plan whose results have every array that a file can hold, and an axis `x`.
 plan::Plan PlanWithEverything() {
   schema::WordList metrics;
   for (const schema::Metric& metric : schema::Metrics()) metrics.emplace_back(metric.name);
@@ -24,7 +24,7 @@ plan::Plan PlanWithEverything() {
                    .metrics = metrics});
 }
 
-/// Names that share a group with the coordinates of axes: they are in the root, /run or /accuracy.
+/// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const store::PlanFacts facts(plan);
   const store::Layout layout = store::MakeLayout(plan, facts, nullptr, 1);

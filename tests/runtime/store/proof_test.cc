@@ -1,5 +1,5 @@
-// A merged file proves that it is as it was written, and what HDF5 does not survive ends a process
-// of its own.
+// A merged file has a proof that it is unchanged, and files that crash HDF5 end only a separate
+// process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -37,7 +37,7 @@ class Proof : public testing::Test {
     whole_ = ReadFile(out_);
   }
 
-  /// Why it cannot be read; empty where it can.
+  /// The reason why it cannot be read, or empty.
   std::string Fault(store::ProofOf of = store::ProofOf::kFewValues) const {
     try {
       const store::ResultFile file(out_, of);
@@ -49,7 +49,7 @@ class Proof : public testing::Test {
     }
   }
 
-  /// Changes the file by HDF5 and seals it again.
+  /// Changes the file with HDF5 and seals it again.
   void Edit(const std::function<void(hid_t)>& edit) {
     WriteFile(out_, whole_.substr(0, whole_.size() - sizeof(files::Seal)));
     const hid_t file = H5Fopen(out_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
@@ -59,7 +59,7 @@ class Proof : public testing::Test {
     files::AppendSeal(out_, out_);
   }
 
-  /// Puts an array of other dimensions in place of `name`.
+  /// Replaces `name` by an array of other dimensions.
   void Replace(const char* name, hid_t type, const std::vector<hsize_t>& shape,
                hid_t creation = H5P_DEFAULT) {
     Edit([&](hid_t file) {
@@ -100,7 +100,7 @@ TEST_F(Proof, AnyFlippedBitIsFound) {
   std::mt19937 random(20261123);
   std::vector<std::size_t> places;
   for (int i = 0; i < 400; ++i) places.push_back(random() % whole_.size());
-  // The first bytes, and those of the seal behind its name.
+  // The first bytes, and those of the seal after its name.
   for (std::size_t i = 0; i < 32; ++i) places.push_back(i);
   for (std::size_t i = 1; i <= 16; ++i) places.push_back(whole_.size() - i);
   for (const std::size_t place : places) {
@@ -130,7 +130,7 @@ TEST_F(Proof, FilesOfEarlierVersionsHaveNoDigest) {
 }
 
 TEST_F(Proof, ChunksHaveChecksumsOfTheirOwn) {
-  // Of the first chunk of the energies, which other readers meet without the digest.
+  // In the first chunk of the energies, which other readers read without the digest.
   haddr_t begin = 0;
   {
     const hid_t file = H5Fopen(out_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -174,7 +174,7 @@ TEST_F(Proof, OtherShapesAndTypesAreRefused) {
   EXPECT_THAT(Fault(store::ProofOf::kStructure), HasSubstr("a type of value"));
   Replace("cycle", H5T_STD_I32LE, {0});
   EXPECT_NE(Fault(store::ProofOf::kStructure), "");
-  // Never written, so that the file stays small.
+  // The array is never written, so that the file stays small.
   for (const hsize_t huge : {hsize_t{1} << 32, hsize_t{1} << 61}) {
     Replace("cycle", H5T_STD_I32LE, {huge});
     EXPECT_NE(Fault(), "") << huge;
@@ -207,7 +207,7 @@ TEST_F(Proof, NothingOutsideOfTheFileIsRead) {
   H5Pclose(filtered);
 }
 
-/// HDF5 goes from text to text by their sizes, for ever where one is 0.
+/// HDF5 steps from text to text by their sizes, and loops forever if one is 0.
 TEST_F(Proof, TextsWithoutASizeAreRefusedBeforeHdf5ReadsThem) {
   std::string damaged = whole_.substr(0, whole_.size() - sizeof(files::Seal));
   const std::string heap("GCOL\1\0\0\0", 8);

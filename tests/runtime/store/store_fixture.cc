@@ -12,7 +12,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Small, and different for each run of a plan.
+/// A number that is small, and different for each run of a plan.
 std::uint64_t NumberOf(const plan::Run& run) {
   return run.scene.world.Count("seed") * 10 + run.rep;
 }

@@ -1,4 +1,4 @@
-// Plans and results for tests of the store: not scenes that Bullet could run, but every number
+// Plans and results for tests of the store: Bullet could not run these scenes, but every number
 // follows from its position.
 #pragma once
 
@@ -23,15 +23,15 @@ struct SceneSize {
 plan::Axis NumberAxis(std::string name, std::vector<double> values, std::string unit = "");
 plan::Axis TextAxis(std::string name, const std::vector<std::string>& values);
 
-/// Every point of the grid but `skipped`, each run with another scene.
+/// A plan with every point of the grid except `skipped`, each run with a different scene.
 plan::Plan MakePlan(std::vector<plan::Axis> axes, std::uint64_t repeats, const SceneSize& size,
                     std::vector<std::vector<std::size_t>> skipped = {});
 
-/// Makes the scene of `run` another one, and its id with it.
+/// Changes the scene of `run`, and with it its id.
 void Resize(plan::Run& run, const SceneSize& size);
 
-/// The value at `index` (in the order of the series' own shape) of a run: whole in integer series
-/// and in `duration`, different for every run, series and index.
+/// The value at `index` (in the order of the series' own shape) of a run: an integer in integer
+/// series and in `duration`; different for every run, series and index.
 double ValueAt(const plan::Run& run, const measure::Series& series, std::size_t index);
 /// Contacts that a run counts in a cycle; 0 to 3.
 std::int32_t ContactsIn(const plan::Run& run, std::size_t cycle);

@@ -10,7 +10,8 @@
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/sanitizers.h"
 
-// HDF5 loses the object headers that it refuses; what we forget to close, it closes itself.
+// HDF5 leaks the object headers that it rejects; it closes objects that the caller forgets to
+// close.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 
 namespace cdb::tests {
@@ -21,7 +22,7 @@ const store::TraceOrigin kOrigin = {
     "crowd",  "n 5", "0123456789abcdef", "fedcba9876543210", 1.0 / 60, "benchmark crowd { }\n",
     "id: 1\n"};
 
-/// Sides that only their own precision holds; the last body is a plane's.
+/// Sides that are exact only in their own precision; the last body is a plane.
 double Side(std::uint64_t cycle, std::size_t i, bool is_double) {
   if (i >= (kBodies - 1) * measure::kBoxSize)
     return (i % measure::kBoxSize < 3 ? -1 : 1) * std::numeric_limits<double>::infinity();
@@ -116,7 +117,7 @@ TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
     WriteFile(folder / "cut.h5", whole.substr(0, cut));
     EXPECT_THROW(store::LoadTrace(folder / "cut.h5", facts.sha256), files::StoreError) << cut;
   }
-  // What does not change a box or a filter does no harm.
+  // Damage that does not change a box or a filter is harmless.
   for (std::size_t at = 0; at < whole.size(); at += kAnySanitizer ? 67 : 13) {
     std::string bent = whole;
     bent[at] = static_cast<char>(bent[at] ^ 0x10);

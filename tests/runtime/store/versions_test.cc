@@ -1,4 +1,4 @@
-// Files of the schema version before are read, and their shards merged.
+// Files of the previous schema version can be read, and their shards merged.
 #include "runtime/store/versions.h"
 
 #include <gmock/gmock.h>
@@ -61,7 +61,7 @@ TEST(Versions, AResultOfVersion1IsRead) {
   EXPECT_NE(file.ReadProvenance("plan_text"), "");
 }
 
-/// Makes a shard one of version 1, as far as reading goes.
+/// Turns a shard into one of version 1, as far as reading is concerned.
 void MakeVersion1(const std::filesystem::path& shard) {
   const std::vector<std::byte> image = files::ReadSealed(shard);
   WriteFile(shard, std::string(reinterpret_cast<const char*>(image.data()), image.size()));
@@ -102,7 +102,7 @@ TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
                          {}, folder.path());
   MakeVersion1(folder / (plan.runs[0].id + ".h5"));
   MakeVersion1(folder / (reference.id + ".h5"));
-  // A resumed run asks it of the shards that it finds.
+  // A resumed run reads it from the shards that it finds.
   const shards::ShardInfo info = shards::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
   EXPECT_EQ(info.run_id, plan.runs[0].id);
   EXPECT_EQ(info.outcome.status, store::Status::kDone);

@@ -1,4 +1,4 @@
-// Results of the suite verified by another machine's, both made up.
+// Results of the suite verified by those of another machine, both made up.
 #include "runtime/suite/against.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using SceneOutcome = SceneVerification::Outcome;
 
 const suite::StandardScene kRain = {"games", "rain", "a made-up rain", "position", 0.5};
 
-/// grid takes half the time of dbvt; with 1 % of noise between repeats.
+/// grid takes half the time of dbvt, with 1 % of noise between repeats.
 void Claimed(const plan::Run& run, SuiteRun& made) {
   made.ns = (run.at[0] == 0 ? 2000 : 1000) * (1 + 0.01 * static_cast<double>(run.rep % 3));
 }
@@ -41,7 +41,7 @@ SceneVerification Verify(const SuiteChange& change, const std::string& cpu = "a 
   return suite::VerifyScene({claimed, claimed_figures}, {here, figures});
 }
 
-/// Of grid.
+/// A change of the runs of grid.
 SuiteChange Grid(const std::function<void(SuiteRun&)>& change) {
   return [=](const plan::Run& run, SuiteRun& made) {
     if (run.at[0] == 1) change(made);

@@ -1,4 +1,4 @@
-// Scores of the standard suite, from results files whose times, errors and verdicts are made up.
+// Scores of the standard suite, from results files with made-up times, errors and verdicts.
 #include "runtime/suite/figures.h"
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ class Scene {
         MakeSuitePlan(), "pairs_missed",
         [&](const plan::Run& run, SuiteRun& made) {
           made = make(run.at[0], run.rep);
-          // So that there are intervals.
+          // Repeats differ, so that there are intervals.
           made.ns *= 1 + 0.01 * static_cast<double>(run.rep);
         },
         folder_ / "out.h5");
@@ -87,7 +87,7 @@ TEST(SuiteScore, IsTheGeometricMeanOfTheSpeedupsWithAnInterval) {
   EXPECT_NEAR(first.figures.configurations[0].ms_per_s.value, 0.8 * 60 * 1.02, 1e-6);
 }
 
-/// skin is by far the fastest, and as `change` makes it in one scene of two.
+/// The scores if skin is by far the fastest, and has `change` applied in one of two scenes.
 suite::KindScore SkinWith(const std::function<void(std::uint64_t, Made&)>& change) {
   static const Scene first(kFirst, Usual);
   const Scene second(kSecond, [&](std::size_t detector, std::uint64_t rep) {
@@ -98,7 +98,7 @@ suite::KindScore SkinWith(const std::function<void(std::uint64_t, Made&)>& chang
   const std::vector<SceneFigures> scenes = {first.figures, second.figures};
   const auto kinds = suite::ScoreKinds(scenes);
   EXPECT_NEAR(ScoreOf(kinds[0], "sap32").score, 2, 1e-9);
-  EXPECT_EQ(kinds[0].scores.back().name, "skin");  // not first, though it is the fastest
+  EXPECT_EQ(kinds[0].scores.back().name, "skin");  // not first, although it is the fastest
   const std::string text = suite::ScoreText(kinds);
   EXPECT_NE(text.find("No score: skin: rubble: "), std::string::npos) << text;
   return ScoreOf(kinds[0], "skin");
@@ -114,7 +114,7 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
   };
   EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.error = 1e-6; }),
             "rubble: pairs_missed 1.00e-06");
-  // Of one repeat: the others do not make it right.
+  // One repeat is enough: the others do not make up for it.
   EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
               if (rep == 4) made.verdict = measure::Verdict::kTunnelled;
             }),
@@ -144,7 +144,7 @@ TEST(SuiteScore, AKindWithoutOneOfItsScenesHasNone) {
     EXPECT_EQ(score.faults, std::vector<std::string>{"rubble: not run"});
   }
   const std::string text = suite::ScoreText(kinds);
-  EXPECT_NE(text.find("8.00"), std::string::npos) << text;  // in the scene
+  EXPECT_NE(text.find("8.00"), std::string::npos) << text;  // the ratio in the scene
 }
 
 TEST(SuiteScore, FewNoisyRepeatsAreOutvoted) {
@@ -200,7 +200,7 @@ TEST(SuiteRecommendation, SaysWhereBulletsDefaultIsNotTheBestOfItsOwn) {
     return Made{.ns = detector == 0 ? 1e5 : 8e5};
   });
   const auto text = [](const Scene& scene) { return suite::DefaultsText({scene.figures}); };
-  // skin is not Bullet's.
+  // skin is not one of Bullet's detectors.
   EXPECT_EQ(text(faster),
             "Bullet's default is surely slower than another choice of its own in 1 of 1 scenes: "
             "games/debris (sap32 2.00).");
@@ -233,7 +233,7 @@ TEST(SuiteRecommendation, IsTheMostAccurateThatFitsAndThenTheFastest) {
   EXPECT_EQ(pick(1.0 / 30, false), "skin");
   EXPECT_EQ(pick(1.0 / 30, true), "sap32");
   EXPECT_EQ(pick(2e-4, true), "");
-  // Times that cannot be told apart.
+  // Times that are indistinguishable.
   const Scene alike(kFirst, [](std::size_t detector, std::uint64_t rep) {
     return Made{.ns = detector == 0 ? 2e6 : detector == 1 && rep % 2 == 0 ? 0.99e6 : 1e6};
   });

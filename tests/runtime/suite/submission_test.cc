@@ -1,4 +1,4 @@
-// `cdb suite --check` of complete submissions, whose results are made up.
+// `cdb suite --check` of complete submissions with made-up results.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ class Submission {
         },
         File(id), provenance);
   }
-  /// suite.json of the results that there are.
+  /// Writes suite.json of the existing results.
   void Summarise() const {
     files::WriteWhole(plans::SuiteSummary(plans::ReadSuiteFolder(folder_.path())),
                       folder_ / plans::kSuiteSummary);

@@ -14,10 +14,10 @@
 
 namespace cdb::tests {
 
-/// What a run recorded.
+/// The values that a run recorded.
 struct SuiteRun {
   double ns = 1000;  ///< of every phase in every cycle
-  double error = 0;  ///< in the error that the scene is judged by
+  double error = 0;  ///< of the kind by which the scene is judged
   store::Status status = store::Status::kDone;
   measure::Verdict verdict = measure::Verdict::kStable;
   machine::Noise noise = machine::Noise::kQuiet;
@@ -26,7 +26,7 @@ struct SuiteRun {
 };
 using SuiteChange = std::function<void(const plan::Run&, SuiteRun&)>;
 
-/// A made-up scene: `detectors` in 4 cycles of 1/60 s, judged by the error of position.
+/// A made-up scene: `detectors` in 4 cycles of 1/60 s, judged by the position error.
 plan::Plan SuitePlan(const std::vector<std::string>& detectors, std::uint64_t repeats = 5);
 
 inline const store::Provenance kSuiteProvenance = {
@@ -35,7 +35,8 @@ inline const store::Provenance kSuiteProvenance = {
     {"compiler", "GNU"},       {"cpu", "a µ-processor"},
     {"host", "here"},          {"jobs", "1"}};
 
-/// Writes results, `change`d from a run without faults. `error`: the name of the one that is set.
+/// Writes results: those of a run without faults, modified by `change`. `error`: the name of the
+/// error that is set.
 void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const SuiteChange& change,
                        const std::filesystem::path& out,
                        const store::Provenance& provenance = kSuiteProvenance);

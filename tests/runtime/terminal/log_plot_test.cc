@@ -1,4 +1,4 @@
-// Plots of any numbers stay within their lines.
+// Plots of any numbers stay within their area.
 #include "runtime/terminal/log_plot.h"
 
 #include <gtest/gtest.h>

@@ -40,7 +40,7 @@ TEST(Packing, KeepsOrientationsWithinItsBound) {
     const auto words = view::PackQuaternion(q, flag);
     EXPECT_EQ(words[2] >> 15 == 1, flag);
     Eigen::Quaterniond read = UnpackQuaternion(words.data());
-    if (read.dot(q) < 0) read.coeffs() = -read.coeffs();  // the same turn
+    if (read.dot(q) < 0) read.coeffs() = -read.coeffs();  // the same rotation
     for (int k = 0; k < 4; ++k) {
       // The largest component follows from the others, and is at least 1/2.
       EXPECT_NEAR(read.coeffs()[k], q.coeffs()[k], 3 * view::kQuaternionError);

@@ -1,4 +1,4 @@
-// The document of a page, of real runs.
+// The document of a page, for real runs.
 #include "runtime/view/scene_document.h"
 
 #include <gmock/gmock.h>
@@ -68,7 +68,7 @@ TEST_F(SceneDocumentTest, HasThePosesOfTheFile) {
       for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(positions[at + i], static_cast<float>(pose[i]));
       const Eigen::Quaterniond q(pose[6], pose[3], pose[4], pose[5]);
       EXPECT_LT(UnpackQuaternion(&words[at]).angularDistance(q), 4 * view::kQuaternionError + 1e-6);
-      // The floor does not move; what falls does.
+      // The floor does not move; the falling object does.
       EXPECT_EQ(words[at + 2] >> 15, body == 0 && cycle > 0 ? 1 : 0);
     }
   }
@@ -172,7 +172,7 @@ TEST(SceneDocument, HasTheErrorsOfARun) {
   EXPECT_GT(error->values[4], error->values[0]);
 }
 
-// With CDB_UPDATE_GOLDEN=1 the file is written instead.
+// With CDB_UPDATE_GOLDEN=1 in the environment, the file is rewritten instead.
 TEST(SceneDocument, IsAsItWas) {
   const Program program;
   program.Write("two.cdb", R"(benchmark two "Two objects" {
@@ -184,7 +184,7 @@ TEST(SceneDocument, IsAsItWas) {
   const plan::Plan plan = yaml::FromYaml(program.Read("two.yaml"), "two.yaml");
   view::SceneRecording recording = view::StartOf(plan, plan.runs[0]);
   json document = json::parse(view::SceneDocument("two", {&recording, 1}));
-  // The ball has hundreds of vertices, with the standard library's sines in their last bits.
+  // The ball has hundreds of vertices, whose last bits depend on the standard library's sine.
   for (json& mesh : document["runs"][0]["meshes"])
     if (mesh["name"] == "sphere") mesh = {{"name", "sphere"}};
   const std::string golden = (SourceFolder() / "tests/golden/view/two.json").string();

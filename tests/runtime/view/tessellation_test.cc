@@ -20,7 +20,7 @@ std::vector<Vector3d> Vertices(const view::Tessellation& tessellation,
   return vertices;
 }
 
-/// No vertex is outside the solid, and they reach nearly as far as it.
+/// Checks that no vertex is outside the solid, and that they extend nearly as far as it.
 void ExpectFits(const objects::Solid& solid, double least) {
   view::Tessellation tessellation(100);
   const std::vector<Vector3d> vertices = Vertices(tessellation, tessellation.PartsOf(solid));
@@ -43,7 +43,7 @@ TEST(Tessellation, HasTheExtentOfEverySolid) {
   ExpectFits(Torus(), 0.999);
 }
 
-/// Of closed meshes, by the divergence theorem: negative where faces are turned inwards.
+/// The volume of a closed mesh, by the divergence theorem; negative if faces point inwards.
 double SignedVolume(const view::TriangleMesh& mesh) {
   double volume = 0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {

@@ -1,4 +1,4 @@
-// What a page does with packed arrays, for tests.
+// Unpacks arrays as a page does, for tests.
 #pragma once
 
 #include <Eigen/Geometry>

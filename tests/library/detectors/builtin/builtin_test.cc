@@ -33,7 +33,7 @@ struct Named {
   std::unique_ptr<Detector> detector;
 };
 
-/// All of ours, with each kind of kernels that runs here.
+/// All built-in detectors, with each kind of kernels that this CPU supports.
 std::vector<Named> All(unsigned threads = 1) {
   std::vector<Named> all;
   for (const kernels::Kernels* kernels : {&kernels::PlainKernels(), kernels::Avx2Kernels()}) {
@@ -96,7 +96,7 @@ TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
     std::vector<Named> all = All();
     for (int cycle = 0; cycle < 120; ++cycle) {
       Scene scene = moving.View();
-      // All are awake for a while, then all sleep, and then all but one.
+      // All bodies are awake for a while, then all sleep, and then all but one.
       const int phase = cycle / 10 % 3;
       std::vector<std::uint8_t> is_asleep(scene.size, phase > 0);
       if (phase == 2) is_asleep[7] = 0;
@@ -118,7 +118,7 @@ TEST(BuiltinDetectors, AreExactWhereWallsMoveOrStandAmongTheBodies) {
   for (int cycle = 0; cycle < 60; ++cycle, moving.Move()) {
     scene = moving.View();
     std::ranges::copy(scene.boxes.first(300), boxes.begin());
-    // Half-spaces that come nearer, until they overlap one another, and a block in the middle.
+    // Half-spaces that approach each other until they overlap, and a block in the middle.
     const double end = boxes[0].upper.x - boxes[0].lower.x;
     boxes[300] = {{-kInfinite, -kInfinite, -kInfinite}, {end * (cycle - 20), kInfinite, kInfinite}};
     boxes[301] = {{-end * cycle, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}};
@@ -144,7 +144,7 @@ TEST(BuiltinDetectors, FindTheSameInTheSameOrderOnAnyNumberOfThreads) {
   }
 }
 
-// So many that cells of the grids are crowded.
+// Enough bodies for crowds in the grids.
 TEST(BuiltinDetectors, AreExactInLargeSwarms) {
   BoxScene moving("swarms", 6000, true, 14);
   moving.CutWalls();
@@ -153,7 +153,7 @@ TEST(BuiltinDetectors, AreExactInLargeSwarms) {
     ExpectExact(all, moving.View(), "cycle " + std::to_string(cycle));
 }
 
-// More bodies than in the other tests, so that all is done on threads that is in large scenes.
+// More bodies than in the other tests, so that all code that uses threads in large scenes does so.
 class InLargeScenes : public testing::TestWithParam<const char*> {};
 
 TEST_P(InLargeScenes, BuiltinDetectorsFindTheSameInTheSameOrderOnThreads) {
@@ -241,8 +241,8 @@ TEST(BuiltinDetectors, ListNoPairThatMayNotCollide) {
     Boxes boxes;
     for (int i = 0; i < 200; ++i) {
       Filter filter;
-      if (kind == 0) filter.is_fixed = i >= 100;    // more than stand apart
-      if (kind == 1) filter.is_fixed = i % 3 == 0;  // in between
+      if (kind == 0) filter.is_fixed = i >= 100;    // more fixed bodies than can be walls
+      if (kind == 1) filter.is_fixed = i % 3 == 0;  // fixed bodies among the others
       if (kind == 2)
         filter = {.group = 1u << random() % 3, .mask = static_cast<std::uint32_t>(random() % 8)};
       boxes.Add(Cube(random() % 10, random() % 10, random() % 4, 0.7), filter);
@@ -258,7 +258,7 @@ TEST(BuiltinDetectors, ListNoPairThatMayNotCollide) {
   }
 }
 
-/// Moves a scene in ways that no physics would.
+/// Moves a scene in ways that physics does not.
 void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
   const auto uniform = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
@@ -272,7 +272,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
       for (Box& box : boxes)
         for (const auto axis : kAxes) box.upper.*axis += 0.02;
       break;
-    case 2:  // one is as large as the scene, for now
+    case 2:  // one is as large as the scene for a while
       any() = Cube(0, 0, 0, 20);
       break;
     case 3:  // all collapse into a line
@@ -297,11 +297,11 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
         box.upper.x += 0.1;
       }
       break;
-    case 9:  // sizes over five orders
+    case 9:  // sizes of five orders of magnitude
       for (Box& box : boxes)
         box = Cube(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9), std::pow(10, uniform(-4, 1)));
       break;
-    case 10:  // no number, until it is set elsewhere
+    case 10:  // NaN, until the box is set again
       any().lower.x = std::numeric_limits<double>::quiet_NaN();
       break;
     default:  // nothing happens
@@ -312,7 +312,7 @@ void Disturb(std::vector<Box>& boxes, int how, std::mt19937_64& random) {
 TEST(BuiltinDetectors, AreExactWhateverHappens) {
   std::mt19937_64 random(11);
   constexpr int kRounds = kAnySanitizer ? 9 : 36;
-  constexpr int kFewestThreads = kThreadSanitizer ? 2 : 1;  // one thread alone races with none
+  constexpr int kFewestThreads = kThreadSanitizer ? 2 : 1;  // a single thread has no data races
   for (int round = 0; round < kRounds; ++round) {
     Boxes boxes;
     const std::size_t count = 1 + random() % 400;
@@ -320,7 +320,7 @@ TEST(BuiltinDetectors, AreExactWhateverHappens) {
     if (round % 3 == 0) boxes.Add(Cube(0, -10, 0, 10), {.is_fixed = true});
     Disturb(boxes.boxes, 4, random);
     std::vector<Named> all = All(kFewestThreads + round % 2);
-    // Some ways go on for a while, as detectors learn from that.
+    // Some disturbances continue for a while, because detectors adapt to them.
     int how = 8;
     for (int cycle = 0; cycle < 120; ++cycle) {
       if (random() % 8 == 0) how = static_cast<int>(random() % 14);

@@ -1,4 +1,4 @@
-// The work of skin in a cycle, counted in boxes and pairs looked at.
+// The work of skin in a cycle, counted in boxes and pairs that were read.
 #include "library/detectors/builtin/skin.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Of each cycle but the first, which has to make a list.
+/// The work of each cycle except the first, which has to build a list.
 std::vector<double> WorkOf(std::string_view scene, std::size_t bodies, int cycles) {
   BoxScene moving(scene, bodies);
   builtin::Skin skin({});
@@ -49,7 +49,7 @@ TEST(SkinWork, GrowsWithTheBodies) {
     EXPECT_LE(std::log(sum(to) / sum(from)) / std::log(factor), 1.05) << scene;
   };
   for (const std::string_view scene : {"sparse", "dense", "cluster"}) grows(scene, 1000, 16000);
-  grows("swarms", 16000, 64000);  // from where cells are crowded
+  grows("swarms", 16000, 64000);  // from the size at which cells become crowds
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A grid whose cells are crowded finds the pairs that every pair tested finds.
+// A grid with crowds finds the same pairs as testing every pair.
 #include "library/detectors/kernels/box_grid.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ std::vector<Pair> Sorted(PairBuffer& found) {
   return pairs;
 }
 
-/// Clusters of clusters, so that crowds have crowds, a box as long as all, and some that overlap
-/// completely.
+/// Clusters of clusters, so that crowds contain crowds; a box as long as all of them; and some
+/// boxes that overlap completely.
 std::vector<Box> NestedSwarms(std::size_t count) {
   std::mt19937_64 random(3);
   std::vector<Box> boxes;
@@ -41,7 +41,7 @@ std::vector<Box> NestedSwarms(std::size_t count) {
   }
   for (std::size_t i = 0; i < 300; ++i) boxes.push_back(Cube(5e5, 0, 0, 1 + 1e-3 * near(0, 1)));
   boxes.push_back(Cube(0, 0, 0, 2e6));
-  for (Box& box : boxes)  // to floats, which the grid takes as they are
+  for (Box& box : boxes)  // rounds to floats, which the grid uses unchanged
     for (const auto corner : {&Box::lower, &Box::upper})
       for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z})
         (box.*corner).*axis = static_cast<double>(static_cast<float>((box.*corner).*axis));

@@ -1,6 +1,6 @@
-// Every kernel on random boxes with NaN, infinities and denormals, compared with scalar loops. A
-// program without test framework, as it is also built for other CPUs. Prints the faults, or one
-// digest of all results, which must be the same on every CPU.
+// Every kernel on random boxes with NaN, infinities and subnormals, compared with scalar loops.
+// This program uses no test framework, because it is also built for other CPUs. Prints the faults,
+// or a digest of all results, which must be the same on every CPU.
 
 #include <algorithm>
 #include <bit>
@@ -51,7 +51,7 @@ class Check {
   }
   void DigestFloat(float x) { Digest(x != x ? 1u : std::bit_cast<std::uint32_t>(x)); }
 
-  /// In -8 .. 8.
+  /// Uniform in -8 .. 8.
   double Uniform() { return static_cast<double>(random_() >> 11) * 0x1p-49 - 8; }
   double Special() {
     constexpr double kSpecial[] = {std::numeric_limits<double>::quiet_NaN(),
@@ -68,7 +68,8 @@ class Check {
                                    3.5e38};
     return kSpecial[random_() % std::size(kSpecial)];
   }
-  /// `kind`: 0 numbers that are floats, so that sides touch; 1 any; 2 and 3 with special ones.
+  /// `kind`: 0 numbers that are floats, so that sides touch; 1 any numbers; 2 and 3 with special
+  /// values.
   void DrawBoxes(std::size_t count, std::size_t kind) {
     boxes_.clear();
     for (std::size_t i = 0; i < count; ++i) {
@@ -104,7 +105,7 @@ class Check {
         const bool holds =
             exact ? lower == at[k] && upper == at[k + 3] : lower <= at[k] && at[k + 3] <= upper;
         Expect(holds, "narrow: corner");
-        // Two steps of a float, or of the smallest.
+        // Two steps of a float, or of the smallest float.
         const auto near = [](double x, float y) {
           return std::abs(x) > 3e38 || std::abs(x - y) <= std::abs(x) * 0x1p-21 + 1e-44;
         };
@@ -131,7 +132,7 @@ class Check {
     pairs.Clear();
   }
 
-  /// The kernels that read boxes of doubles.
+  /// Checks the kernels that read boxes of doubles.
   void CheckWide() {
     const std::size_t count = boxes_.size();
     std::vector<FatBox> fat(count);
@@ -196,7 +197,7 @@ class Check {
       to.upper[axis][k] = from.upper[axis][i];
     }
   }
-  /// The pairs of the columns of `rows`, which are in another order than the bodies.
+  /// The pairs of the columns of `rows`, whose order differs from that of the bodies.
   static std::vector<Pair> AllPairs(const Columns& columns, const std::vector<Id>& ids,
                                     std::size_t count) {
     std::vector<Pair> pairs;

@@ -1,7 +1,7 @@
 #!/bin/bash
-# The kernels of the detectors on AArch64, compiled by Debian's cross compiler and run under QEMU: they must pass the same
-# checks and give the same results to the bit as on this machine. Skipped where one of the two is not installed; with
-# CDB_REQUIRE_CROSS=1 in the environment (CI) that fails.
+# Runs the kernels of the detectors on AArch64, compiled by Debian's cross compiler and emulated by QEMU: they must pass
+# the same checks and give the same results to the bit as on this machine. Skipped if one of the two is not installed;
+# with CDB_REQUIRE_CROSS=1 in the environment (CI) that is a failure.
 #
 #   kernels_cross.sh SOURCE_DIR KERNELS_CHECK
 set -euo pipefail

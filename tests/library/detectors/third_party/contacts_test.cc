@@ -17,15 +17,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// How far off it may be, in sizes of the bodies.
+/// The permitted errors, in units of the bodies' size.
 struct Claim {
   double under = 1e-9, over = 1e-9;  ///< depth too small, too large
-  double normal = 1e-6;              ///< how far its end is from where it should be
+  double normal = 1e-6;              ///< distance of the normal's end from its exact position
   double blind = 0;                  ///< shallower overlaps may be missed
-  double missed = 0;                 ///< share of the others
+  double missed = 0;                 ///< fraction of the other overlaps that may be missed
 };
 
-/// MPR goes from centre to centre and takes the first way out.
+/// MPR searches along the line of the centres and takes the first way out.
 constexpr Claim kPortal = {.under = 1e-4, .over = 0.3, .normal = 1.4};
 
 Claim ClaimOf(std::string_view detector, bool has_ball, bool is_hull) {
@@ -34,7 +34,7 @@ Claim ClaimOf(std::string_view detector, bool has_ball, bool is_hull) {
   if (detector == "ccd_mpr") return kPortal;
   if (detector == "fcl_gjk" && is_hull) return kPortal;
   if (detector == "fcl_gjk") return {.over = has_ball ? 1e-9 : 0.05, .normal = 0.05};
-  // Trees on triangles: the mesh of a ball lies inside it.
+  // Trees of triangles: the mesh of a ball lies inside it.
   if (has_ball) return {.under = 0.03, .over = 0.03, .normal = 0.3, .blind = 0.03};
   return {};
 }
@@ -50,8 +50,8 @@ struct Case {
   objects::Pose pose_a, pose_b;
 };
 
-/// Bodies of 1 to 3 sizes that overlap by so much along the line of their centres, or are apart by
-/// it where it is negative.
+/// Bodies of 1 to 3 sizes that overlap by this depth along the line of their centres, or are apart
+/// if it is negative.
 Case DrawCase(distributions::Stream& stream, bool is_ball_a, bool is_ball_b, double size,
               double overlap) {
   Case drawn{Draw(stream, is_ball_a, size), Draw(stream, is_ball_b, size), {}, {}};
@@ -77,7 +77,7 @@ class ThirdPartyContacts : public testing::TestWithParam<schema::DetectorInfo> {
   std::unique_ptr<Detector> Make() { return MakeThirdParty(GetParam()); }
   std::string_view name() const { return GetParam().name; }
 
-  /// A detector of its own for each, as it learns the bodies once.
+  /// Creates a detector for each case, because it reads the bodies only once.
   std::vector<Contact> ContactsOf(const Case& of, CuboidAs cuboids) {
     const TwoBodies bodies(of.a, of.pose_a, of.b, of.pose_b, cuboids);
     std::vector<Contact> contacts = tests::ContactsOf(*Make(), bodies);
@@ -119,7 +119,7 @@ TEST_P(ThirdPartyContacts, TellDepthAndNormalOfBallsBoxesAndHulls) {
         }
         EXPECT_GE(-contact->distance, exact->depth - claim.under * size) << size << ' ' << kind;
         EXPECT_LE(-contact->distance, exact->depth + claim.over * size) << size << ' ' << kind;
-        if (exact->next_depth - exact->depth < 0.01 * size) continue;  // either way is as good
+        if (exact->next_depth - exact->depth < 0.01 * size) continue;  // either is as good
         const Vector3d normal(contact->normal.x, contact->normal.y, contact->normal.z);
         EXPECT_LE((normal - exact->normal).norm(), claim.normal) << size << ' ' << kind;
       }
@@ -164,7 +164,8 @@ TEST_P(ThirdPartyContacts, OfACuboidOnAFloorLieUnderIt) {
   }
 }
 
-// In one place, one far larger than the other, or thin as a sheet: nothing crashes or hangs.
+// Bodies in the same place, one far larger than the other, or thin as a sheet: nothing crashes or
+// hangs.
 TEST_P(ThirdPartyContacts, ComeBackFromPosesWithoutAnAnswer) {
   distributions::Stream stream(3);
   const double sizes[] = {1e-3, 1, 1e3};

@@ -1,5 +1,5 @@
-// Broad phases of other libraries compared with the exact pairs: the catalogue says which of them
-// may list too many pairs or miss one.
+// Broad phases of other libraries compared with the exact pairs. The catalogue lists which of them
+// may report false positives or miss a pair.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ class ThirdPartyPairs : public testing::TestWithParam<schema::DetectorInfo> {
     if (!detector_) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
   }
 
-  /// `is_strict`: it may not miss a pair, whatever it says of itself.
+  /// `is_strict`: it must not miss a pair, even if the catalogue permits that.
   void ExpectGood(const Scene& scene, const std::string& what, bool is_strict = true) {
     std::vector<Pair> pairs;
     detector_->FindPairs(scene, pairs);
@@ -85,7 +85,7 @@ TEST_P(ThirdPartyPairs, OfBoxesInOrderAlongALine) {
   for (int cycle = 0; cycle < 3; ++cycle) ExpectGood(scene.View(), "line");
 }
 
-// A dust grain among continents: what a grid's cell must not follow.
+// A grain of dust among continents: a grid must not choose its cells by either.
 TEST_P(ThirdPartyPairs, OfBoxesOfEverySize) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-3, 4), at(-1000, 1000);

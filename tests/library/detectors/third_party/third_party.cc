@@ -8,8 +8,8 @@
 #include "library/detectors/plugin.h"
 #include "tests/support/folders.h"
 
-// Read by the sanitizers. FCL frees with delete[] what it took by malloc when it copies a tree of
-// boxes, and loses the nodes of its trees in arrays.
+// Read by the sanitizers. FCL frees memory from malloc with delete[] when it copies a tree of
+// boxes, and leaks the nodes of its trees in arrays.
 extern "C" const char* __asan_default_options() { return "alloc_dealloc_mismatch=0"; }
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfcl"; }
 

@@ -1,4 +1,4 @@
-// The detectors of other libraries, for tests: those of the modules that are built.
+// The detectors of third-party libraries, for tests: those whose modules are built.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ inline void PrintTo(const schema::DetectorInfo& info, std::ostream* out) { *out 
 
 namespace cdb::tests {
 
-/// Rows of the catalogue with the phase that belong to another library.
+/// Rows of the catalogue for the phase that belong to third-party libraries.
 std::vector<schema::DetectorInfo> ThirdPartyDetectors(std::string_view phase);
 
 /// Null if the module is not built; throws instead if CDB_REQUIRE_THIRD_PARTY is set.

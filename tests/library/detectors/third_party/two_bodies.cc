@@ -9,7 +9,8 @@ using Eigen::Vector3d;
 
 Vec3 FromEigen(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-// Corner i is on the upper side of x where bit 0 is set, of y where bit 1, of z where bit 2.
+// Corner i is on the upper side along x if bit 0 is set, along y if bit 1 is, and along z if bit 2
+// is.
 constexpr Face kFaces[] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
@@ -46,7 +47,7 @@ void TwoBodies::Place(const objects::Solid& solid, const objects::Pose& pose, Cu
   poses_.push_back({FromEigen(pose.position), FromEigen(axes.col(0)), FromEigen(axes.col(1)),
                     FromEigen(axes.col(2))});
   const objects::Box box = objects::Bounds(solid, pose.orientation);
-  const Vector3d margin = Vector3d::Constant(0.02);  // as an engine's contact margin
+  const Vector3d margin = Vector3d::Constant(0.02);  // like the contact margin of an engine
   boxes_.push_back({FromEigen(pose.position + box.lower - margin),
                     FromEigen(pose.position + box.upper + margin)});
 }

@@ -1,4 +1,4 @@
-// A scene of two bodies, for narrow phases.
+// A scene of two bodies, for tests of narrow phases.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace cdb::tests {
 
-/// How a detector is told of a solid that is a cuboid.
+/// The shape as which a cuboid is passed to a detector.
 enum class CuboidAs { kBox, kHull };
 
 class TwoBodies {
@@ -31,7 +31,7 @@ class TwoBodies {
   Hull hulls_[2];
 };
 
-/// What a narrow phase says of the two, if it takes them.
+/// The contacts that a narrow phase finds, if it accepts the pair of shapes.
 std::vector<Contact> ContactsOf(Detector& detector, const TwoBodies& bodies);
 
 }  // namespace cdb::tests

@@ -1,4 +1,4 @@
-// Runs that begin with the poses of a file.
+// Runs that start with the poses of a file.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -46,7 +46,8 @@ TEST_P(PoseFilesOf, BeginARunWhereAnotherWas) {
   const std::vector<double> then = flight.ReadCycle("poses", {{1}, 0}, 7),
                             now = again.ReadCycle("poses", {{}, 0}, 0);
   ASSERT_EQ(now.size(), then.size());
-  // They stay where they are: nothing moves them. Bullet turns quaternions into matrices and back.
+  // They do not move, because no force acts on them. Bullet converts quaternions to matrices and
+  // back.
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (i % 7 < 3)
       EXPECT_EQ(now[i], then[i]) << i;

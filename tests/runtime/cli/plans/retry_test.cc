@@ -1,4 +1,5 @@
-// `cdb run --retry`, and `--only` into a file that is there: some runs again, the rest as it was.
+// `cdb run --retry`, and `--only` into an existing file: some runs are repeated, the others stay
+// unchanged.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 using store::ResultFile;
 using store::Status;
 
-/// The second of three runs fails each time.
+/// The second of the three runs always fails.
 const char kFails[] =
     "benchmark s { cycles 4; world.side 500; acceleration (0, sweep(0, -1e39, -1) as g, 0) }";
 
@@ -29,7 +30,7 @@ class Retry : public testing::Test {
   ResultFile Open() const { return ResultFile(program_.folder() / "s.h5"); }
   Status StatusOf(std::size_t i) const { return Open().ReadStatus({{i}, 0}); }
   double StartOf(std::size_t i) const { return Open().ReadReal("started", {{i}, 0}); }
-  /// What no second run would make again.
+  /// Values that a second run would not reproduce.
   std::vector<double> TimesOf(std::size_t i) const {
     std::vector<double> times = Open().ReadDuration(measure::Phase::kStep, {{i}, 0});
     times.push_back(StartOf(i));
@@ -63,7 +64,7 @@ TEST_F(Retry, OnlyRunsOneRunAgainInItsFile) {
   EXPECT_EQ(TimesOf(0), first);
   EXPECT_GT(StartOf(2), started);
   EXPECT_EQ(StatusOf(1), Status::kFailed);
-  // Without that file, as ever: the run by itself.
+  // Without that file, as usual: only this run.
   EXPECT_EQ(program_.Run({"run", "s.cdb", "--only", id, "-q"}).status, 0);
   EXPECT_TRUE(program_.Exists(id + ".h5"));
 }
@@ -71,7 +72,7 @@ TEST_F(Retry, OnlyRunsOneRunAgainInItsFile) {
 TEST_F(Retry, GoesOnAfterAKill) {
   const auto first = TimesOf(0);
   const double failed = StartOf(1);
-  // What is left where it was killed right after it had begun: what it wants, and no shard.
+  // The state after a kill right at the beginning: a record of the request, and no shard.
   fs::create_directory(program_.folder() / "s.runs");
   program_.Write("s.runs/retry", "failed");
   EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
@@ -114,7 +115,7 @@ TEST_F(Retry, LeavesFinishedRunsThatTheResultsLack) {
   EXPECT_EQ(FilesIn(program_.folder() / "s.runs"), files);
 }
 
-/// What --fresh has run when it is stopped is newer than the results beside it.
+/// Runs that --fresh has finished when it is stopped are newer than the existing results.
 TEST_F(Retry, AnInterruptedFreshGoesOn) {
   const double before = StartOf(0);
   program_.Run({"run", "s.cdb", "-q", "--fresh", "--shard", "1/3"});

@@ -1,4 +1,5 @@
-// `cdb run --until`: as few repeats as bring each interval near enough, the same for all points.
+// `cdb run --until`: the fewest repeats that make each interval narrow enough, the same number for
+// all points.
 #include "runtime/cli/plans/until.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ class Until : public testing::Test {
  protected:
   void SetUp() override { program_.Write("s.cdb", kTwoPoints); }
   ResultFile Open() const { return ResultFile(program_.folder() / "s.h5"); }
-  /// How many repeats each of the two points has; all before the first that is missing.
+  /// The number of repeats that each of the two points has, before the first missing one.
   std::uint64_t Repeats() const {
     const ResultFile file = Open();
     for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
@@ -60,12 +61,12 @@ TEST_F(Until, EndsAfterFiveRepeatsThatAreNearEnough) {
   EXPECT_NE(run.out.find("95 % interval"), std::string::npos) << run.out;
   EXPECT_EQ(Repeats(), 5u);
   EXPECT_FALSE(program_.Exists("s.runs"));
-  // Again: there is nothing to do, and nothing is done.
+  // Running it again does nothing.
   const double started = Open().ReadReal("started", {{0}, 0});
   const Finished again = program_.Run({"run", "s.cdb", "--until", "100000"});
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(Repeats(), 5u);
-  // Without it, the rest; what is there stays.
+  // Without it, the rest is run; existing results stay.
   EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 0);
   EXPECT_EQ(Repeats(), 12u);
   EXPECT_EQ(Open().ReadReal("started", {{0}, 0}), started);

@@ -29,7 +29,7 @@ TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
   EXPECT_EQ(bad.status, 3) << bad.err;
   EXPECT_LT(bad.out.find("\n  null "), bad.out.find("\n  sap ")) << bad.out;
   EXPECT_NE(bad.out.find("  wrong: misses pairs\n"), std::string::npos) << bad.out;
-  // What it prints replays it, and says so too.
+  // The command that it prints replays the run, and reports the same.
   const std::string replay = "    cdb run results/s.verify.yaml -b s --only ";
   const std::size_t at = bad.out.find(replay);
   ASSERT_NE(at, std::string::npos) << bad.out;

@@ -1,5 +1,5 @@
-// A detector inside Bullet's world: with Bullet's own pairs and contacts through the interface,
-// every body moves as it does without it, to the bit.
+// A detector in Bullet's world: with Bullet's own pairs and contacts passed through the interface,
+// every body moves exactly as without it, bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ NamedDetector Named(std::shared_ptr<Detector> detector, Phases phases = kBroad) 
   return {.name = "tested", .phases = phases, .max_bodies = 0, .detector = std::move(detector)};
 }
 
-/// All pairs in each cycle, by the referee.
+/// Lists the exact pairs in each cycle, as the referee finds them.
 class Exact : public Detector {
  public:
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
@@ -43,8 +43,8 @@ plan::Scene Sorted(plan::Scene scene) {
   return scene;
 }
 
-/// Balls that fly about in a cube, an eighth of it full. None sleeps: who does depends on which
-/// pairs are listed that do not overlap, and each of Bullet's lists others.
+/// Balls that move freely in a cube, filling an eighth of it. None sleeps: sleeping depends on
+/// which non-overlapping pairs are listed, and Bullet's detectors differ in these.
 plan::Scene Gas(std::uint64_t quantity) {
   plan::Scene scene = EngineScene(quantity, std::cbrt(static_cast<double>(quantity)) * 2);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -99,7 +99,7 @@ std::string BulletAlone(plan::Scene scene, const layouts::InitialState& state, i
   return HashAfter(scene, state, steps);
 }
 
-/// Bullet's pairs, and also its contacts, through the interface.
+/// The final state with Bullet's pairs, and its contacts, passed through the interface.
 std::string Through(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                     const char* broad, bool contacts) {
   Detectors detectors{.broad = detection::MakeDetector(broad, scene), .narrow = {}};
@@ -107,8 +107,7 @@ std::string Through(const plan::Scene& scene, const layouts::InitialState& state
   return HashAfter(scene, state, steps, &detectors);
 }
 
-/// Motion is compared in the ordinary build; what the sanitizers look for is the same in fewer
-/// steps.
+/// The ordinary build compares the motion; sanitizers check the same code in fewer steps.
 constexpr int StepsHere(int all) { return kAnySanitizer ? (all + 2) / 3 : all; }
 
 void ExpectBulletThroughTheAdapter(const plan::Scene& scene, int all_steps) {
@@ -176,7 +175,7 @@ TEST(Adapter, SweepsFindTheWallThatStandsInTheWay) {
   EXPECT_NE(BulletAlone(scene, layouts::MakeInitialState(scene), 20), through_the_wall);
 }
 
-/// Objects that sleep after so many steps.
+/// The number of sleeping objects.
 std::size_t Asleep(const world::Engine& engine) {
   std::size_t count = 0;
   for (const auto& body : engine.objects()) count += body->getActivationState() == ISLAND_SLEEPING;
@@ -270,7 +269,7 @@ TEST(Adapter, PairsListedTwiceOrTheOtherWayRoundCountOnce) {
   }
 }
 
-/// What a step with these detectors says.
+/// The error message of a step with these detectors.
 std::string MessageOf(const Detectors& detectors) {
   plan::Scene scene = Boxes(60);
   SetGroup(scene, "size", 1.1);
@@ -363,7 +362,8 @@ TEST(Adapter, ContactsMayComeInAnyOrder) {
   const plan::Scene scene = Boxes(125);
   const layouts::InitialState state = layouts::MakeInitialState(scene);
   const std::string alone = BulletAlone(scene, state, 200);
-  // Those of one pair keep theirs, as each is matched with what the manifold has by then.
+  // The contacts of one pair keep their order, because each is matched with the points already in
+  // the manifold.
   Detectors detectors{
       .broad = Named(std::make_shared<Exact>()),
       .narrow = Named(std::make_shared<ContactMeddler>([](auto, std::vector<Contact>& contacts) {

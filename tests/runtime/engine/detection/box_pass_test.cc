@@ -1,4 +1,4 @@
-// The boxes computed in one pass are those of Bullet, to the bit.
+// The boxes computed in one pass equal Bullet's, bit for bit.
 #include "runtime/engine/detection/box_pass.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,8 @@
 namespace cdb::tests {
 namespace {
 
-/// A world of bodies of every type, with Bullet's own broad phase, and the pass over the same.
+/// A world with bodies of every type and Bullet's own broad phase, and the pass over the same
+/// bodies.
 class BothBoxes {
  public:
   explicit BothBoxes(const plan::Scene& scene)
@@ -28,7 +29,8 @@ class BothBoxes {
   detection::BoxPass& pass() { return pass_; }
   const std::vector<btRigidBody*>& bodies() const { return bodies_; }
 
-  /// Both, from the present poses. The pass comes first, as Bullet switches off what is too large.
+  /// Updates both from the present poses. The pass comes first, because Bullet deactivates bodies
+  /// that are too large.
   void Update() {
     std::vector<int> states;
     for (btRigidBody* body : bodies_) states.push_back(body->getActivationState());

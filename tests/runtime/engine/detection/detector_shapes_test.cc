@@ -33,7 +33,7 @@ TEST(DetectorShapes, NameEachSolid) {
   EXPECT_EQ(cone.centre.y, 1);
 }
 
-/// Hulls reach exactly as far as the solid, and their faces look outwards.
+/// Checks that hulls extend exactly as far as the solid, and that their faces point outwards.
 void ExpectHulls(const Shape& shape, const Solid& solid) {
   ASSERT_EQ(shape.hulls.size(), solid.PieceCount());
   for (std::size_t i = 0; i < shape.hulls.size(); ++i) {

@@ -12,7 +12,7 @@
 namespace cdb::tests {
 namespace {
 
-/// Bodies of which the last may not meet any.
+/// Bodies; the last one may not collide with any.
 class Bodies {
  public:
   explicit Bodies(std::size_t count) : boxes_(count), filters_(count) { filters_.back().mask = 0; }
@@ -30,7 +30,7 @@ class Bodies {
   std::vector<Filter> filters_;
 };
 
-/// PairChanges, and what they come to.
+/// PairChanges, and the set of pairs that results from them.
 class Kept {
  public:
   bool Update(const Scene& scene, std::vector<Pair> found) {
@@ -69,14 +69,14 @@ TEST(PairChanges, ComeToTheListWhateverItsOrder) {
     std::vector<Pair> list;
     for (int cycle = 0; cycle < 300; ++cycle) {
       for (int i = 0; i < churn && !list.empty(); ++i) {
-        // As a hash does: the last takes the place of the one that goes.
+        // Like a hash table: the last pair takes the place of the removed one.
         const std::size_t at = random() % list.size();
         list[at] = list.back();
         list.pop_back();
       }
       for (int i = 0; i < churn; ++i) {
         const Pair pair = {body(), body()};
-        if (pair.a != pair.b) list.push_back(pair);  // some twice, some the other way round
+        if (pair.a != pair.b) list.push_back(pair);  // some twice, some reversed
       }
       if (cycle % 17 == 5) std::ranges::shuffle(list, random);
       if (cycle % 29 == 7) std::ranges::sort(list);
@@ -104,7 +104,7 @@ TEST(PairChanges, AreFoundInAListThatKeepsItsOrder) {
   std::vector<char> is_listed(candidates.size(), 0);
   Kept kept;
   for (int cycle = 0; cycle < 300; ++cycle) {
-    // Few, many in one place, and many everywhere.
+    // Few changes, many in one place, and many everywhere.
     const std::size_t flips = cycle % 50 == 49 ? 2000 : cycle % 7;
     for (std::size_t k = 0; k < flips; ++k) is_listed[random() % candidates.size()] ^= 1;
     if (cycle % 20 == 10)
@@ -141,7 +141,8 @@ TEST(PairChanges, OfADetectorThatListsThemAreInOrderAndEachOnce) {
   const Bodies bodies(10);
   Kept kept;
   kept.Update(bodies.View(), {{0, 1}, {2, 3}});
-  // One is kept, one is twice there, and one may not collide; of the others one is not kept.
+  // Of the new pairs one is kept, one is duplicated, and one may not collide; of the removed ones,
+  // one was not kept.
   kept.Take(bodies.View(), {{1, 0}, {7, 6}, {6, 7}, {4, 5}, {8, 9}}, {{3, 2}, {5, 6}});
   EXPECT_TRUE(std::ranges::equal(kept.changes().came(), std::vector<Pair>{{0, 1}, {4, 5}, {6, 7}}));
   EXPECT_TRUE(std::ranges::equal(kept.changes().went(), std::vector<Pair>{{2, 3}, {5, 6}}));

@@ -1,4 +1,4 @@
-// Pairs with planes that no box reaches are not listed, and no body moves otherwise for it.
+// Pairs with planes that no box reaches are not listed, which changes no motion.
 #include "runtime/engine/detection/wall_pairs.h"
 
 #include <gtest/gtest.h>
@@ -35,11 +35,11 @@ plan::Scene Large(double fall) {
   return scene;
 }
 
-/// Steps both, and expects all bodies in the same state after each step.
+/// Steps both and expects identical states of all bodies after each step.
 void ExpectSameMotion(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                       const char* detector) {
   const auto omissions = pruning::KeepEverything(scene);
-  // `simple` lists the boxes that overlap, and nothing else.
+  // `simple` lists exactly the overlapping boxes.
   world::Engine all(Sorted(scene, "simple"), state, omissions);
   world::Engine reached(Sorted(scene, detector), state, omissions);
   for (int step = 0; step < steps; ++step) {
@@ -78,7 +78,7 @@ TEST(WallPairs, LeaveTheMotionOfRandomScenesAsItIs) {
   EXPECT_GT(placed, 60u);
 }
 
-/// Pairs after one step.
+/// The number of pairs after one step.
 int Pairs(const plan::Scene& scene) {
   world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene));
   engine.Step();
@@ -120,7 +120,7 @@ TEST(WallPairs, HalfSpacesReachAsFarAsContacts) {
   EXPECT_EQ(static_cast<double>(static_cast<btScalar>(left.upper.x)), left.upper.x);
 }
 
-/// With `omit wall_pairs` and nothing else.
+/// The scene with only `omit wall_pairs`.
 plan::Scene Omitting(plan::Scene scene, const char* detector) {
   scene = Sorted(scene, detector);
   SetWorld(scene, "omit", schema::WordList{"wall_pairs"});

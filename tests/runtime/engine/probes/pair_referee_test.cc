@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A gas of 40 balls in a small cube, that comes close and parts again.
+/// A gas of 40 balls in a small cube, which approach each other and separate again.
 plan::Scene Gas(const char* detector, schema::WordList record) {
   plan::Scene scene = EngineScene(40, 300);
   SetWorld(scene, "cycles", std::uint64_t{40});
@@ -77,7 +77,7 @@ TEST(PairReferee, SeesAPairThatIsNotThere) {
   EXPECT_EQ(recording.Ints("missed_pairs")[2], -1) << "that cycle did not run";
 }
 
-/// Lists every pair that there is, and again the other way round.
+/// Lists every pair, and again in reverse.
 class Twice final : public Detector {
  public:
   void FindPairs(const cdb::Scene& scene, std::vector<Pair>& pairs) override {

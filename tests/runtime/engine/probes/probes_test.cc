@@ -1,4 +1,4 @@
-// Verdicts of runs in Bullet: a fault is noticed in the cycle in which it happens.
+// Verdicts of runs in Bullet: a fault is detected in the cycle in which it happens.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -65,8 +65,8 @@ TEST(VerdictOfRun, FreeFlightIsStable) {
 }
 
 TEST(VerdictOfRun, FarAwayBodiesAreFrozen) {
-  // |v| dt is a sixtieth; numbers lie 1 apart at 2^24 in single, at 2^53 in double precision.
-  // Bullet takes bodies out past 1e6, where double precision still moves them.
+  // |v| dt is 1/60; adjacent numbers are 1 apart at 2^24 in single precision, at 2^53 in double.
+  // Bullet deactivates bodies beyond 1e6, where double precision still moves them.
   const plan::Scene scene = DriftingObject(1);
   for (const auto& [place, verdict] :
        {std::pair{1e4, Verdict::kStable},

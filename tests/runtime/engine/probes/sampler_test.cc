@@ -105,7 +105,7 @@ TEST(Sampler, SeesHowDeepContactsAre) {
   EXPECT_GT(most, 0);
 }
 
-/// The sums over all samples of what a scene's narrow phase made of its overlaps.
+/// Sums over all samples of the narrow phase's results for the overlaps of a scene.
 struct Geometry {
   double overlaps = 0, missed = 0, depth_sum = 0, normal_sum = 0, normals = 0;
 };
@@ -129,7 +129,7 @@ Geometry GeometryOf(plan::Scene scene) {
   return sums;
 }
 
-/// One object of 10 m in a cube of 100 m that falls on the floor.
+/// An object of 10 m that falls on the floor of a cube of 100 m.
 plan::Scene OnTheFloor(const char* type, const char* wall_shape) {
   plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{60});
@@ -211,7 +211,7 @@ TEST(Geometry, LeavesOutThoseThatALinkLetsThrough) {
   const Recorded recorded = RunHere(scene);
   btRigidBody &a = *recorded.engine->objects()[0], &b = *recorded.engine->objects()[1];
   ASSERT_EQ(probes::ExactOverlaps(*recorded.engine, {{0, 1}}).size(), 1u);
-  // As a constraint without collisions between its two does.
+  // As for a constraint that disables collisions between its two bodies.
   a.setIgnoreCollisionCheck(&b, true);
   EXPECT_TRUE(probes::ExactOverlaps(*recorded.engine, {{0, 1}}).empty());
   a.setIgnoreCollisionCheck(&b, false);
@@ -237,7 +237,7 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
     EXPECT_EQ(samples.position(0, i), true_samples.position(0, i));
     EXPECT_EQ(samples.velocity(0, i), true_samples.velocity(0, i));
   }
-  // Free flight for the first fifteenth of a second, and errors of order one in the time step.
+  // Free flight for the first fifteenth of a second, with errors of first order in the time step.
   EXPECT_GT((samples.position(1, 0) - true_samples.position(1, 0)).norm(), 0);
 }
 

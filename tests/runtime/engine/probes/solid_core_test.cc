@@ -1,4 +1,4 @@
-// Points and paths in solids against the exact test for overlap.
+// Points and paths in solids compared with the exact overlap test.
 #include "runtime/engine/probes/solid_core.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Contacts of pairs that stay where they are are kept; a pair that moves gets new ones.
+// Contacts of pairs that do not move are kept; a pair that moves gets new ones.
 #include "runtime/engine/worker/contact_reuse.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST(Displacement, IsThatOfThePointFarthestFromTheAxis) {
   }
 }
 
-/// Contacts that the narrow phase has found.
+/// The number of contacts that the narrow phase has found.
 int g_found = 0;
 
 bool CountContact(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
@@ -36,7 +36,7 @@ bool CountContact(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
   return true;
 }
 
-/// Two cuboids on top of one another, on the floor.
+/// Two stacked cuboids on the floor.
 class ContactReuse : public testing::Test {
  protected:
   ContactReuse()
@@ -58,7 +58,7 @@ class ContactReuse : public testing::Test {
     SetGroup(scene, "overlap", true);
     return scene;
   }
-  /// The contacts that were found in so many steps.
+  /// The number of contacts found in this number of steps.
   int Step(int steps) {
     g_found = 0;
     for (int i = 0; i < steps; ++i) {
@@ -76,7 +76,7 @@ class ContactReuse : public testing::Test {
 TEST_F(ContactReuse, FindsHardlyAContactAnewWhereNothingMoves) {
   EXPECT_GT(Step(60), 0);
   const Eigen::Vector3d top = Position(engine_, 1);
-  // Two manifolds have at least 600 new contacts each where they are found in each step.
+  // Two manifolds would have at least 600 new contacts each if they were found in each step.
   EXPECT_LT(Step(600), 60);
   EXPECT_LT((Position(engine_, 1) - top).norm(), 0.05);
 }
@@ -95,7 +95,7 @@ TEST_F(ContactReuse, FindsTheContactsOfWhatCreeps) {
   Step(60);
   int found = 0;
   for (int step = 0; step < 30; ++step) {
-    // Less than the tolerance in a step, but more in a few.
+    // Less than the tolerance in one step, but more in several.
     engine_.objects()[1]->setLinearVelocity(btVector3(btScalar(0.05), 0, 0));
     found += Step(1);
   }

@@ -1,4 +1,4 @@
-// The series of runs whose course is known.
+// The series of runs with a known course.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -25,7 +25,7 @@ void Record(plan::Scene& scene, schema::WordList words) {
   SetWorld(scene, "record", std::move(words));
 }
 
-/// Runs the scene with its one object put somewhere, and gives the recording.
+/// Runs the scene with its one object at `position`, and returns the recording.
 measure::Recording RunOne(const plan::Scene& scene, const Vector3d& position) {
   measure::Recording recording = measure::Recording::Create(scene);
   world::Engine engine = WholeEngine(scene, OneObjectAt(scene, position));
@@ -98,7 +98,8 @@ TEST(Determinism, SameSceneSameHash) {
     plan::Scene scene = DenseScene();
     SetWorld(scene, "detector", Word(detector));
     const std::string hash = RunHere(scene).hash();
-    // Other allocations in between, so that equal addresses do not hide what depends on them.
+    // Other allocations in between, so that code that depends on addresses does not see the same
+    // ones.
     std::vector<std::unique_ptr<char[]>> litter;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 500; ++j)
@@ -112,8 +113,8 @@ TEST(Determinism, SameSceneSameHash) {
 }
 
 TEST(Determinism, TheInitialStateIsTheSameInEveryPrecision) {
-  // The same number stands in the single and the double test. FNV-1a over the bits of every place
-  // and turn; the placement takes no library's sine or logarithm.
+  // The single and the double test expect the same number. FNV-1a over the bits of every position
+  // and orientation; the placement uses no library function for sine or logarithm.
   const layouts::InitialState state = layouts::MakeInitialState(DenseScene());
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](double value) {
@@ -149,8 +150,8 @@ TEST(Series, EveryCycleHasEveryValue) {
   Record(scene, {"timing", "counts", "energy", "stability", "poses", "memory", "pairs", "boxes"});
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
-  // Nothing to say of what does not fly freely, nor of overlaps where there are none; planes have
-  // no end.
+  // These series may have no values: those of objects that fly freely, those of overlaps, and the
+  // boxes of planes, which are infinite.
   const std::set<std::string_view> may_have_none = {"motion_ratio", "fall_ratio",  "turn_ratio",
                                                     "spin_ratio",   "depth_error", "normal_error",
                                                     "boxes"};
@@ -188,7 +189,7 @@ TEST(Series, PhasesAreStampedByThemselves) {
 }
 
 TEST(Series, PairsAreTheBoxesThatOverlap) {
-  // Far apart, each object meets the six infinite walls and nothing else.
+  // The objects are far apart: each has pairs with the six infinite walls only.
   plan::Scene scene = EngineScene(100, 50000);
   SetWorld(scene, "omit", schema::WordList{"none"});
   for (const char* detector : {"simple", "sap32", "dbvt"}) {
@@ -229,9 +230,9 @@ TEST(Series, EnergyIsKeptInFreeFlight) {
   Record(scene, {"energy"});
   Recorded run = RunHere(scene);
   const auto energy = run.recording.Reals("energy");
-  // In single precision places of 1000 m are off by 1000 kEpsilon a cycle, velocities of 100 m/s by
-  // 100 kEpsilon: each moves the energy of 20 objects of up to 5 kg, 100 kg in all, by
-  // 100 (9.8 * 1000 + 100 * 100) kEpsilon a cycle.
+  // In single precision, positions of 1000 m have errors of 1000 kEpsilon a cycle, velocities of
+  // 100 m/s have errors of 100 kEpsilon: each changes the energy of 20 objects of up to 5 kg, 100
+  // kg in all, by 100 (9.8 * 1000 + 100 * 100) kEpsilon a cycle.
   for (const double e : energy) EXPECT_NEAR(e, energy[0], 300 * 100 * 2e4 * kEpsilon);
   const auto kinetic = run.recording.Reals("kinetic_energy");
   EXPECT_GT(kinetic.back(), kinetic[0]);
@@ -271,8 +272,8 @@ TEST(Series, MotionRatioIsOneWhereNothingIsInTheWay) {
   plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "cycles", std::uint64_t{60});
   measure::Recording recording = RunOne(scene, {0, 0, 0});
-  // Places below 5 m are rounded once a cycle; nothing is said below a hundredth of a side, which
-  // the object has gone after half a meter, in the eighteenth cycle.
+  // Positions below 5 m are rounded once a cycle. The ratio is undefined below a hundredth of a
+  // side, which the object has travelled after half a metre, in the eighteenth cycle.
   const auto ratios = recording.Reals("motion_ratio");
   for (std::size_t i = 0; i < ratios.size(); ++i) {
     EXPECT_EQ(std::isnan(ratios[i]), i < 18) << i;
@@ -283,7 +284,7 @@ TEST(Series, MotionRatioIsOneWhereNothingIsInTheWay) {
 }
 
 TEST(Series, MotionRatioShowsWhatPrecisionFreezes) {
-  // At 1e7 m single precision moves in steps of 1 m, and 0.1 m a cycle is lost.
+  // At 1e7 m, single precision moves in steps of 1 m, so that 0.1 m a cycle is lost.
   plan::Scene scene = EngineScene(1, 1e8);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(6, 0, 0));
@@ -291,12 +292,12 @@ TEST(Series, MotionRatioShowsWhatPrecisionFreezes) {
   const bool is_single = sizeof(btScalar) == 4;
   EXPECT_NEAR(recording.Reals("motion_ratio")[9], is_single ? 0 : 1, 1e-6);
   EXPECT_EQ(recording.Ints("frozen")[9], is_single ? 1 : 0);
-  // Of objects of 50 m.
+  // Relative to objects of 50 m.
   EXPECT_NEAR(recording.Reals("lost_way")[9], is_single ? 10 * 0.1 / 50 : 0, 1e-6);
 }
 
 TEST(Series, SmallLossesOfLargeObjectsFreezeNothing) {
-  // Neighbouring numbers are 8 mm apart, and the fall of the first cycle is 3 mm.
+  // Adjacent numbers are 8 mm apart, and the fall of the first cycle is 3 mm.
   plan::Scene scene = EngineScene(1, 3e5);
   SetWorld(scene, "cycles", std::uint64_t{60});
   measure::Recording recording = RunOne(scene, {0, 1.25e5, 0});
@@ -324,13 +325,14 @@ TEST(Series, RemovedAndNonFinite) {
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(1e9, 0, 0));
-  // A box longer than 1e6 m with the way of a cycle takes the object out of Bullet's simulation.
+  // If the box, including the movement of a cycle, is longer than 1e6 m, Bullet removes the object
+  // from its simulation.
   measure::Recording removed = RunOne(scene, {0, 0, 0});
   EXPECT_EQ(removed.Ints("removed").back(), 1);
   SetWorld(scene, "acceleration", Vector3d(1e38, 0, 0));
   SetWorld(scene, "timestep", 1e3);
   SetGroup(scene, "linear_velocity", Vector3d(1, 0, 0));
-  if (sizeof(btScalar) == 4) {  // 1e41 m/s is no number of single precision
+  if (sizeof(btScalar) == 4) {  // 1e41 m/s is not representable in single precision
     measure::Recording broken = RunOne(scene, {0, 0, 0});
     EXPECT_EQ(broken.Ints("non_finite").back(), 1);
   }
@@ -431,7 +433,7 @@ TEST(Contacts, AFileThatCannotBeWrittenFailsTheRun) {
 }
 
 TEST(Detectors, TakeAsManyBodiesAsTheySay) {
-  // The arrays have room for the objects and the six walls, and no more; sanitizers see one past.
+  // The arrays have room for exactly the objects and the six walls; sanitizers detect one more.
   for (const char* detector : {"simple", "sap", "sap32"}) {
     for (const std::uint64_t objects : {1, 2, 63}) {
       plan::Scene scene = EngineScene(objects, 1000);

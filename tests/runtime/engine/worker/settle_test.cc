@@ -66,7 +66,7 @@ TEST_F(Pile, LiesOnTheFloorAndOverlapsNowhere) {
       EXPECT_FALSE(objects::Overlap(a.solid, a.pose, b.solid, b.pose)) << i << " and " << k;
     }
   }
-  // A heap, and not the lattice of about 7 m that they were dropped from.
+  // A heap, not the lattice of about 7 m from which they were dropped.
   EXPECT_GT(highest, -19);
   EXPECT_LT(highest, -15);
 }
@@ -104,7 +104,7 @@ plan::Scene PileScene(const PileType& type, std::uint64_t quantity) {
   return scene;
 }
 
-/// Whether the object, `lower` m lower, reaches into another one or the floor.
+/// True if the object, moved down by `lower` m, overlaps another one or the floor.
 bool IsHeldFromBelow(const layouts::InitialState& state, std::size_t i, double lower) {
   const auto& object = state.objects[i];
   objects::Pose pose = object.pose;
@@ -121,7 +121,7 @@ bool IsHeldFromBelow(const layouts::InitialState& state, std::size_t i, double l
 TEST_F(Pile, LeavesNothingInTheAir) {
   for (const PileType& type : PileTypes()) {
     const layouts::InitialState state = Settled(PileScene(type, 60));
-    // Objects settle 2 % larger than they are.
+    // During settling, objects are 2 % larger.
     for (std::size_t i = 0; i < state.objects.size(); ++i)
       EXPECT_TRUE(IsHeldFromBelow(state, i, 0.05)) << type.name << " " << i;
   }
@@ -146,8 +146,8 @@ TEST_F(Pile, StaysWhereItIs) {
       engine.Step();
       EXPECT_LT(DeepestContact(engine), 0.1) << step;
     }
-    // Half a per cent of a size for each of a few layers is what it sinks when objects become
-    // themselves; one that was balanced may roll away.
+    // Objects sink by half a per cent of their size for each of a few layers when they get their
+    // final size; one that was balanced may roll away.
     int moved = 0;
     for (std::size_t i = 0; i < state.objects.size(); ++i)
       moved += (Position(engine, i) - state.objects[i].pose.position).norm() > 0.1;
@@ -162,7 +162,7 @@ TEST_F(Pile, IsTheSameForEveryDetectorAndPrecision) {
   SetWorld(scene, "omit", schema::WordList{"none"});
   SetWorld(scene, "precision",
            Word(std::string_view(world::EnginePrecision()) == "single" ? "double" : "single"));
-  // Anew, and not from the cache.
+  // Settles again, not from the cache.
   for (const auto& entry : cache_.Entries()) std::filesystem::remove(entry);
   const layouts::InitialState second = Settled(scene);
   for (std::size_t i = 0; i < 20; ++i) {

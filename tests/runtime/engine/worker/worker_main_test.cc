@@ -27,10 +27,10 @@ plan::Run WorkerRun() {
   return run;
 }
 
-/// `fd` at or above 100, so that moving it to 3, 4 or 5 overwrites none of the others.
+/// A copy of `fd` at or above 100, so that moving it to 3, 4 or 5 overwrites none of the others.
 int OutOfTheWay(int fd) { return fcntl(fd, F_DUPFD, 100); }
 
-/// Starts the worker with the text on descriptor 3 and gives its exit status.
+/// Starts the worker with the text on descriptor 3 and returns its exit status.
 int Start(const std::string& text, const measure::Recording& recording,
           const std::vector<std::string>& environment = {},
           const std::vector<std::string>& arguments = {}) {
@@ -61,7 +61,8 @@ int Start(const std::string& text, const measure::Recording& recording,
 TEST(Worker, GivesWhatTheSameRunGivesHere) {
   const plan::Run run = WorkerRun();
   const std::string expected = RunHere(run.scene).hash();
-  // Other addresses each time: the system's own, and an environment that moves the stack.
+  // The addresses differ each time: the system randomises them, and an environment of changing size
+  // moves the stack.
   for (std::size_t i = 0; i < 5; ++i) {
     measure::Recording recording = measure::Recording::Create(run.scene);
     const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
@@ -75,7 +76,7 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
   }
 }
 
-/// Two objects that do not touch and whose boxes overlap, from a seed that places them so.
+/// Two objects whose boxes overlap but which do not touch, placed so by the seed.
 plan::Scene Neighbours() {
   plan::Scene scene = EngineScene(2, 250);
   SetWorld(scene, "cycles", std::uint64_t{200});
@@ -91,7 +92,7 @@ plan::Scene Neighbours() {
 }
 
 TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
-  // When they come to rest, the way in which dbvt forgets pairs could matter.
+  // When they come to rest, the order in which dbvt removes pairs could matter.
   plan::Run run;
   run.scene = Neighbours();
   run.id = plan::RunId(run.scene, run.rep);
@@ -112,7 +113,7 @@ TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
             std::string::npos)
       << recording.header().decisions.str();
   EXPECT_EQ(recording.header().cycles_done.load(), 200u);
-  // A list is held to its word.
+  // An explicit list is followed exactly.
   SetWorld(run.scene, "omit", schema::WordList{"walls"});
   run.id = plan::RunId(run.scene, run.rep);
   ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);

@@ -1,4 +1,4 @@
-// Groups that may not touch: exact pairs by every detector, and what the probes make of them.
+// Groups that may not collide: exact pairs by every detector, and the results of the probes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,8 +20,8 @@ schema::Value PointsOf(const std::vector<Vector3d>& points) {
   return schema::Call{"at", {points.begin(), points.end()}};
 }
 
-/// Two balls of each group, all of them in one another; `posts` are fixed.
-///   a touches itself and walls, b touches a and posts, c touches nothing but walls
+/// Two balls of each group, all of them overlapping; `posts` are fixed.
+///   a collides with itself and walls, b with a and posts, c only with walls
 plan::Scene Heap(const char* detector) {
   plan::Scene scene = EngineScene(2, 100);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -44,7 +44,7 @@ plan::Scene Heap(const char* detector) {
   return scene;
 }
 
-/// Objects 0 and 1 are a, 2 and 3 b, 4 and 5 c, 6 and 7 posts.
+/// Objects 0 and 1 are of group a, 2 and 3 of b, 4 and 5 of c, 6 and 7 are posts.
 const BodyPairs kExpected = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3},
                              {2, 6}, {2, 7}, {3, 6}, {3, 7}};
 
@@ -81,7 +81,7 @@ TEST_P(CollidesWith, IsNoFaultOfTheDetector) {
   ASSERT_TRUE(recorded.done()) << recorded.message();
   for (const char* fault : {"missed_pairs", "duplicate_pairs", "missed_contacts", "passed"})
     for (const std::int32_t count : recorded.recording.Ints(fault)) EXPECT_EQ(count, 0) << fault;
-  // Pairs of objects; of planes, a, b's none and c's.
+  // The nine pairs of objects; and pairs of planes with a and c, but not with b.
   EXPECT_GE(recorded.recording.Ints("exact_pairs")[0], 9);
 }
 
@@ -106,7 +106,7 @@ TEST(CollidesWithWalls, LetsOthersFallThrough) {
     ASSERT_TRUE(recorded.done()) << recorded.message();
     EXPECT_NEAR(Position(*recorded.engine, 0).y(), -9, 0.01) << omit;
     EXPECT_LT(Position(*recorded.engine, 1).y(), -50) << omit;
-    // It was never meant to be held.
+    // No wall was supposed to stop it.
     EXPECT_EQ(recorded.recording.Ints("escaped").back(), 0) << omit;
   }
 }
@@ -117,7 +117,7 @@ TEST(CollidesWithOmissions, MoveAlike) {
     SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
     SetWorld(scene, "cycles", std::uint64_t{120});
     RunPaired(scene);
-    // Far apart, so that much can be left out.
+    // Far apart, so that many components can be omitted.
     for (std::size_t i = 0; i < 4; ++i) {
       const double x = 12 * static_cast<double>(i);
       SetGroup(scene, "location", PointsOf({{x, 0, 0}, {x, 20, 0}}), i);

@@ -1,4 +1,4 @@
-// Compounds in Bullet against the library's solids and closed forms.
+// Compounds in Bullet compared with the library's solids and with closed forms.
 #include <gtest/gtest.h>
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using objects::Shape;
 using objects::Solid;
 
-/// An angle of two boxes, which leans in its own principal axes.
+/// An L-shape of two boxes, which is inclined in its principal axes.
 Solid Angle(const Vector3d& sides) {
   using meshes::ConvexHull;
 
@@ -40,7 +40,7 @@ Eigen::Quaterniond Upright(const Solid& solid) {
 }
 
 TEST(Compounds, BulletsShapeIsTheSolidWhateverItsSides) {
-  // Slanted faces and unequal sides, with the support function that planes ask.
+  // Oblique faces and unequal sides, with the support function that planes use.
   distributions::Stream stream(3);
   world::ShapePool pool;
   objects::SolidFactory maker;
@@ -67,7 +67,7 @@ TEST(Compounds, MarginIsInsideOfTheFaces) {
       EXPECT_LE(reach, d.dot(solid.Support(d)) + 50 * kEpsilon);
       EXPECT_GE(reach, d.dot(solid.Support(d)) - 0.74 * margin - 50 * kEpsilon);
     }
-    // Faces stay where they are, margin and all.
+    // Faces keep their positions, including the margin.
     for (int axis = 0; axis < 3; ++axis) {
       const Vector3d d = solid.compound->from_mesh().col(axis);
       const auto reach = [&](const Vector3d& along) {
@@ -110,14 +110,14 @@ TEST(Compounds, OnePieceIsConvex) {
   EXPECT_LE((ToEigen(lower) + Vector3d(1.5, 1, 0.5)).norm(), 20 * kEpsilon);
 }
 
-/// One angle over the floor, its mesh upright.
+/// One L-shape above the floor, with its mesh upright.
 struct OneAngle {
   explicit OneAngle(double gap) : scene(EngineScene(1, 20)), solid(Angle({2, 2, 1})) {
     SetWorld(scene, "world.walls", Word("floor"));
     state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].solid = solid;
     state.objects[0].pose.orientation = Upright(solid);
-    // The centre of mass of three cubes in an angle is 5/6 up.
+    // The centre of mass of three cubes in an L-shape is 5/6 above its base.
     state.objects[0].pose.position = {0, -10 + 5.0 / 6 + gap, 0};
   }
   plan::Scene scene;
@@ -129,15 +129,15 @@ TEST(Compounds, AnAngleRestsOnItsLongSide) {
   const OneAngle one(0);
   world::Engine engine = WholeEngine(one.scene, one.state);
   Steps(engine, 300);
-  // It rocks a little as four corners take turns, and comes to rest within Bullet's slop.
+  // It rocks a little as its four corners touch in turn, and comes to rest within Bullet's slop.
   EXPECT_NEAR(Position(engine).y(), one.state.objects[0].pose.position.y(), 0.01);
   EXPECT_NEAR(Position(engine).x(), 0, 0.01);
   EXPECT_EQ(engine.objects()[0]->getActivationState(), ISLAND_SLEEPING);
 }
 
 TEST(Compounds, TwoInEachOthersCornerDoNotTouch) {
-  // The second's outer corner is in the first one's missing quarter: boxes and hulls overlap, the
-  // bodies do not.
+  // The second's outer corner is in the missing quarter of the first: boxes and hulls overlap, but
+  // the bodies do not.
   OneAngle one(0);
   SetGroup(one.scene, "quantity", std::uint64_t{2});
   SetWorld(one.scene, "acceleration", Vector3d(0, 0, 0));

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A crowd of all shapes, thrown about in a small cube, with everything in touch.
+/// Objects of all shapes that move in a small cube and touch each other.
 plan::Scene CrowdScene() {
   plan::Scene scene = EngineScene(40, 280);
   SetWorld(scene, "cycles", std::uint64_t{150});
@@ -54,7 +54,7 @@ plan::Scene With(plan::Scene scene, const Change& change) {
 std::map<std::string, Variation> Variations() {
   const plan::Scene crowd = CrowdScene();
   const plan::Scene resting = [] {
-    // Rolls so slowly that it would be put to sleep.
+    // It rolls so slowly that it would fall asleep.
     plan::Scene scene = EngineScene(1, 500);
     SetWorld(scene, "cycles", std::uint64_t{400});
     SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -112,7 +112,7 @@ std::map<std::string, Variation> Variations() {
   };
 }
 
-/// Rows that must not change where the objects end, and why the engine does not see them.
+/// Rows that must not change the final state, and the reason.
 const std::map<std::string, std::string> kNotTheEngines = {
     {"seed", "is in the plan's stream seeds"},
     {"precision", "chooses the worker"},
@@ -133,7 +133,7 @@ TEST(Parameters, EachOfTheEnginesChangesTheEnd) {
   for (const schema::Parameter& parameter : schema::Schema()) {
     const std::string name = parameter.FullName();
     if (kNotTheEngines.contains(name)) continue;
-    if (parameter.name.starts_with("accuracy.")) continue;  // of a pass of its own: sampler_test.cc
+    if (parameter.name.starts_with("accuracy.")) continue;  // of a separate pass: sampler_test.cc
     const auto found = variations.find(name);
     ASSERT_NE(found, variations.end()) << "no test shows that `" << name << "` takes effect";
     const Recorded before = RunHere(found->second.scene);

@@ -1,4 +1,4 @@
-// Objects that move whatever they meet.
+// Kinematic objects, which move regardless of collisions.
 #include "runtime/engine/world/kinematics.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// One object of 1 m at rest, and the kinematic group `mover`, at these points of a cube of 40 m.
+/// One object of 1 m at rest, and the kinematic group `mover`, at these positions in a cube of 40
+/// m.
 plan::Scene MoverScene(const Vector3d& object, const Vector3d& mover) {
   plan::Scene scene = LayoutScene(1, 40, Points({object}));
   SetWorld(scene, "precision", Word(world::EnginePrecision()));
@@ -30,7 +31,7 @@ plan::Scene MoverScene(const Vector3d& object, const Vector3d& mover) {
   return scene;
 }
 
-/// As RunScene does it, with a look after each step.
+/// Steps as RunScene does, and calls `look` after each step.
 template <typename Look>
 void RunMoved(const plan::Scene& scene, std::uint64_t steps, const Look& look) {
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
@@ -58,7 +59,8 @@ TEST(Kinematics, FollowTheirVelocitiesWithoutDrift) {
   });
 }
 
-/// What lies on a lift rises with it, and touches it: contacts are found between poses of one time.
+/// An object on a lift rises with it and stays in touch: contacts are computed from poses of the
+/// same time.
 TEST(Kinematics, CarryWhatLiesOnThem) {
   plan::Scene scene = MoverScene({0, 1.01, 0}, {0, 0, 0});
   SetGroup(scene, "aspect", schema::Ratio{Vector3d(4, 1, 4)}, 1);
@@ -82,7 +84,7 @@ TEST(Kinematics, DragAsAConveyorDoes) {
     if (step == 119) {
       EXPECT_NEAR(Velocity(engine, 0).x(), 1.5, 1e-2);
     }
-    // Friction is half of the weight and half again: 0.25 g.
+    // The friction is 0.5 * 0.5 of the weight: 0.25 g.
     if (step == 9) {
       EXPECT_NEAR(Velocity(engine, 0).x(), 0.25 * 9.8 * 10 / 60, 0.1);
     }
@@ -164,7 +166,7 @@ TEST(Kinematics, NothingIsLeftOutThatTheyReach) {
   }
 }
 
-/// But for sap and sap32: they drop a pair, and with it the last impulses, when one box has moved
+/// Except sap and sap32, which drop a pair, and with it the last impulses, when one box has moved
 /// and the other has not yet.
 TEST(Kinematics, EveryDetectorMovesAlike) {
   plan::Scene scene = LayoutScene(40, 12, Word("uniform"));
@@ -172,7 +174,7 @@ TEST(Kinematics, EveryDetectorMovesAlike) {
   SetWorld(scene, "pair_order", Word("sorted"));
   SetWorld(scene, "sleeping", false);
   SetWorld(scene, "cycles", std::uint64_t{150});
-  // As the last body it is one of the few that detectors take for walls.
+  // As the last body, it is one of the few that detectors treat as walls.
   const std::size_t group = AddGroup(scene, "mover", 1, Points({{0, -5.4, 0}}));
   SetGroup(scene, "type", Word("cuboid"), group);
   SetGroup(scene, "aspect", schema::Ratio{Vector3d(10, 1, 1)}, group);
@@ -182,7 +184,8 @@ TEST(Kinematics, EveryDetectorMovesAlike) {
               {"dbvt", "sweep", "grid", "hierarchical_grid", "kd_tree", "octree", "skin", "auto"});
 }
 
-/// Pairs with what sleeps are found, though only the mover moves, the first or last of the bodies.
+/// Pairs with sleeping bodies are found, although only the mover moves, which is the first or the
+/// last body.
 TEST(Kinematics, MeetWhatSleeps) {
   for (const bool is_last : {false, true}) {
     SCOPED_TRACE(is_last);

@@ -27,7 +27,7 @@ plan::Scene LinkedScene(std::uint64_t quantity, const char* type) {
   return scene;
 }
 
-/// With w dt = `w_dt` for a mass of 1 kg.
+/// Springs with w dt = `w_dt` for a mass of 1 kg.
 plan::Scene SpringScene(std::uint64_t quantity, double w_dt) {
   plan::Scene scene = LinkedScene(quantity, "spring");
   SetGroup(scene, "links.stiffness", std::pow(w_dt / kTimestep, 2));
@@ -43,7 +43,7 @@ double KineticEnergy(const world::Engine& engine) {
 
 TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
   // v' = v - w^2 x dt, x' = x + v' dt: x_n = v_0 dt sin(n a) / sin(a) with cos(a) = 1 - (w dt)^2/2,
-  // right up to w dt = 2.
+  // valid up to w dt = 2.
   for (const double w_dt : {0.01, 0.1, 1.0, 1.9}) {
     SCOPED_TRACE(w_dt);
     const plan::Scene scene = SpringScene(1, w_dt);
@@ -55,8 +55,8 @@ TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
     for (int n = 1; n <= 400; ++n) {
       engine.Step();
       const double expected = -swing * std::sin(n * angle);
-      // A step's rounding of a few kEpsilon of the swing is a swing of its own, and the frequency's
-      // adds up; near w dt = 2 both are larger by 1 / sin(a).
+      // The rounding of a step, a few kEpsilon of the amplitude, adds an oscillation, and that of
+      // the frequency accumulates; near w dt = 2 both are larger by 1 / sin(a).
       EXPECT_NEAR(Position(engine).y(), expected, 32 * n * kEpsilon * swing / std::sin(angle));
       EXPECT_EQ(Position(engine).x(), 0);
     }
@@ -107,14 +107,14 @@ TEST(Spring, BetweenTwoSwingsWithTheirReducedMass) {
     engine.Step();
     const double stretch = Position(engine, 0).y() - Position(engine, 1).y() - length;
     const double expected = -0.4 * kTimestep * std::sin(n * angle) / std::sin(angle);
-    // Places of about 4 m are rounded twice a step.
+    // Positions of about 4 m are rounded twice a step.
     EXPECT_NEAR(stretch, expected, 16 * n * kEpsilon);
     EXPECT_NEAR(Velocity(engine, 0).y() + 3 * Velocity(engine, 1).y(), 1.2, 8 * n * kEpsilon);
   }
 }
 
 TEST(Spring, IsDampedByTheWholeDamper) {
-  // Also where the damper is stronger than the spring, and against it.
+  // Also if the damper is stronger than the spring, and opposes it.
   for (const double damping : {0.5, 6.0, 60.0}) {
     SCOPED_TRACE(damping);
     plan::Scene scene = SpringScene(1, 0.3);
@@ -135,7 +135,7 @@ TEST(Spring, IsDampedByTheWholeDamper) {
 }
 
 TEST(Spring, KeepsItsEnergyWithTheIntegratorsTerm) {
-  // x and v stay on an ellipse; a chain's swings each on their own.
+  // x and v stay on an ellipse; those of a chain on one for each mode.
   plan::Scene scene = SpringScene(6, 0.5);
   SetGroup(scene, "links.end_mass", 4.0);
   layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -158,7 +158,7 @@ TEST(BallJoint, IsAPendulum) {
   state.objects[0].angular_velocity = {0, 0, 0.1};
   world::Engine engine = WholeEngine(scene, state);
   const double period = 2 * std::numbers::pi / std::sqrt(14.0);
-  // Upward passages through 0, interpolated; the first counts from 0.
+  // Upward zero crossings, interpolated; the first is counted from 0.
   double last = 0, passage = 0;
   int passages = 0;
   for (int n = 1; passages < 10 && n < 2000; ++n) {
@@ -169,11 +169,12 @@ TEST(BallJoint, IsAPendulum) {
       passage = (n - x / (x - last)) * kTimestep;
     }
     last = x;
-    // The gap of a step is mended a fifth at a time.
+    // A fifth of the gap is corrected in each step.
     EXPECT_LT(engine.links().LargestGap(), 1e-4);
   }
   ASSERT_EQ(passages, 10);
-  // (w dt)^2 / 24 = 1.6e-4 of the integrator, 4.5e-5 of the amplitude; Bullet loses some energy.
+  // (w dt)^2 / 24 = 1.6e-4 from the integrator, 4.5e-5 from the amplitude; Bullet loses some
+  // energy.
   EXPECT_NEAR(passage / 10, period, 2e-3 * period);
 }
 
@@ -206,7 +207,7 @@ TEST(FixedJoint, KeepsDistanceAndTurn) {
                                engine.objects()[1]->getWorldTransform().getRotation();
     EXPECT_LT(std::abs(static_cast<double>(apart.getAngleShortestPath())), 0.05);
   }
-  // A rigid bar whose end was hit turns: (v / 2) / (d / 2).
+  // A rigid bar that is hit at its end rotates: (v / 2) / (d / 2).
   EXPECT_GT(static_cast<double>(engine.objects()[0]->getAngularVelocity().norm()), 0.3);
 }
 

@@ -27,7 +27,7 @@ plan::Scene FreeScene(std::uint64_t quantity) {
   return scene;
 }
 
-/// As RunScene does it, with a look after each step.
+/// Steps as RunScene does, and calls `look` after each step.
 template <typename Look>
 void RunSteps(const plan::Scene& scene, std::uint64_t steps, const Look& look) {
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
@@ -44,7 +44,7 @@ TEST(Schedules, VelocitiesAreDrawnAnewEverySoManySteps) {
   SetGroup(scene, "linear_velocity",
            Every(10, Uniform(Value(Vector3d(-9, -9, -9)), Value(Vector3d(9, 9, 9)))));
   SeedStreams(scene);
-  // What a stream of the same name gives, group by group and time after time.
+  // The values of a stream of the same name, group by group and time after time.
   distributions::Draw draw(scene, scene.groups[0], "linear_velocity");
   std::vector<Vector3d> expected(3);
   RunSteps(scene, 35, [&](std::uint64_t step, const world::Engine& engine) {
@@ -63,7 +63,7 @@ TEST(Schedules, AnAccelerationTurnsSteadily) {
   Vector3d velocity = Vector3d::Zero();
   RunSteps(scene, 100, [&](std::uint64_t step, const world::Engine& engine) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(step) * dt / period;
-    // By the right hand about z, from -y to +x.
+    // By the right-hand rule about z, from -y to +x.
     velocity += 9.8 * Vector3d(std::sin(angle), -std::cos(angle), 0) * dt;
     EXPECT_LE((Velocity(engine) - velocity).norm(), 100 * kEpsilon * 10) << step;
   });
@@ -98,7 +98,7 @@ TEST(Schedules, FixedObjectsStayFixed) {
 }
 
 TEST(Schedules, NothingIsLeftOutThatAChangeCouldNeed) {
-  // Without a schedule nothing touches here, and nearly everything is left out.
+  // Without a schedule, nothing touches here, and nearly everything is omitted.
   plan::Scene scene = EngineScene(4, 2000);
   SetWorld(scene, "cycles", std::uint64_t{400});
   SetWorld(scene, "acceleration", Rotating({0, -200, 0}, {1, 0, 0}, 3));

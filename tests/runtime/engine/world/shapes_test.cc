@@ -72,7 +72,7 @@ TEST(Shapes, BoxHoldsTheTurnedSolid) {
     const double margin = 0.5;
     btVector3 lower, upper;
     pool.Get(solid, margin)->getAabb(Turned(turn), lower, upper);
-    // The margin rounds edges: a corner of the solid can stand out by (sqrt 3 - 1) margins.
+    // The margin rounds edges: a corner of the solid can protrude by (sqrt 3 - 1) margins.
     const double rounded = 0.74 * margin + 1000 * kEpsilon;
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_GE(upper[axis], exact.upper[axis] - rounded);
@@ -82,7 +82,7 @@ TEST(Shapes, BoxHoldsTheTurnedSolid) {
 }
 
 TEST(Shapes, CoreAndMarginStayCloseToTheSolid) {
-  // Bullet's support with margin against the exact one: never farther out than the margin.
+  // Bullet's support with margin, compared with the exact one: never further out than the margin.
   distributions::Stream stream(2);
   for (std::size_t i = 0; i < 2000; ++i) {
     const Solid solid{kShapes[i % std::size(kShapes)],
@@ -127,7 +127,7 @@ TEST(Shapes, MarginsThatLeaveNothingAreRefused) {
   world::ShapePool pool;
   const Solid small{Shape::kCuboid, {0.1, 1, 1}};
   EXPECT_THROW(pool.Get(small, 0.05), library::SceneError);
-  // 0.04 is Bullet's rule: a tenth of the least half extent.
+  // With 0.04, Bullet's rule applies: a tenth of the smallest half extent.
   EXPECT_NEAR(pool.Get(small, 0.04)->getMargin(), 0.005, 0.005 * kEpsilon);
   EXPECT_NEAR(pool.Get(small, 0.041)->getMargin(), 0.041, 0.041 * kEpsilon);
 }

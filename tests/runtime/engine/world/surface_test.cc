@@ -22,7 +22,8 @@ using Eigen::Vector3d;
 
 class Surfaces : public testing::Test {
  protected:
-  /// Objects of 1 m at these points, and the fixed surface about the origin, its longest side 20 m.
+  /// Objects of 1 m at these points, and the fixed surface about the origin, whose longest side is
+  /// 20 m.
   plan::Scene SurfaceScene(const std::string& obj, const std::vector<Vector3d>& points) {
     WriteFile(folder_ / "ground.obj", obj);
     return GroundScene(schema::Call{"surface",
@@ -30,7 +31,7 @@ class Surfaces : public testing::Test {
                                      schema::Text{plan::Sha256Hex(obj)}}},
                        points);
   }
-  /// The same with a height field, its cells as wide as a height of 1.
+  /// The same with a height field, whose cells are 1 wide in the unit of its heights.
   plan::Scene HeightScene(const std::string& csv, const std::vector<Vector3d>& points) {
     WriteFile(folder_ / "ground.csv", csv);
     return GroundScene(schema::Call{"heights",
@@ -57,7 +58,7 @@ class Surfaces : public testing::Test {
   TemporaryFolder folder_;
 };
 
-/// In the plane y = 0.
+/// A square in the plane y = 0.
 constexpr const char* kSquare = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n";
 /// A valley along z: two slopes of 45 degrees.
 constexpr const char* kValley =
@@ -89,7 +90,7 @@ TEST_F(Surfaces, AreWhereTheyAreDrawn) {
 }
 
 TEST_F(Surfaces, HoldWhatConvexHullsWouldFill) {
-  // The convex hull of the valley is full up to y = 5.
+  // The convex hull of the valley is solid up to y = 5.
   const plan::Scene scene = SurfaceScene(kValley, {{3, 1, 0}});
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
@@ -106,7 +107,7 @@ TEST_F(Surfaces, WhoCrossesThemHasTunnelled) {
   // Beside it, nothing is crossed.
   SetGroup(scene, "location", Points({{14, 8, 2}}));
   EXPECT_EQ(VerdictOf(scene, RunHere(scene)), measure::Verdict::kStable);
-  // Nor by what may not touch it.
+  // Nor is it crossed by an object that may not collide with it.
   SetGroup(scene, "location", Points({{1, 8, 2}}));
   SetGroup(scene, "collides_with", schema::WordList{"none"});
   EXPECT_EQ(VerdictOf(scene, RunHere(scene)), measure::Verdict::kStable);
@@ -132,7 +133,8 @@ TEST_F(Surfaces, EveryDetectorMovesBodiesAlike) {
   ExpectAlike(scene, {"sap32", "sweep", "grid", "octree", "skin", "auto"});
 }
 
-/// Bullet's triangles of a height field are ours: those that placing, verdicts and views know.
+/// Bullet's triangles of a height field are the same as cdb's, which placement, verdicts and views
+/// use.
 TEST_F(Surfaces, HeightFieldsAreTheTrianglesOfTheirGrid) {
   const plan::Scene scene = HeightScene("0,1,0,2\n3,1,2,0\n1,4,1,1\n", {{0, 15, 0}});
   const world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));

@@ -1,4 +1,4 @@
-// Temporaries: locks decide which are in use, and nothing but a file is ever written over.
+// Temporary files: locks determine which are in use, and only files are ever overwritten.
 #include "runtime/store/files/temporary_file.h"
 
 #include <fcntl.h>
@@ -33,7 +33,7 @@ std::string HostPart() {
   return std::string(".") + host.data() + ".";
 }
 
-/// Runs `body` in a process that is killed as soon as it has ended.
+/// Runs `body` in a process that is killed as soon as it returns.
 template <typename Body>
 void InKilledProcess(Body body) {
   const pid_t child = fork();
@@ -52,7 +52,7 @@ TEST(StaleTemporaries, AreThoseThatNobodyHasLocked) {
                                          "plan.yaml"};
   const TemporaryFolder folder;
   for (const std::string& name : kept) WriteFile(folder / name, "x");
-  // The id of a process that lives, or of none, means nothing.
+  // The id of a running process, or of none, does not matter.
   for (const std::string& number : {std::to_string(getpid()), std::string("999999999")})
     WriteFile(folder / (here + number + ".tmp"), "x");
   files::RemoveStaleTemporaries(folder.path());
@@ -60,7 +60,7 @@ TEST(StaleTemporaries, AreThoseThatNobodyHasLocked) {
   EXPECT_THROW(files::RemoveStaleTemporaries(folder / "nowhere"), files::StoreError);
 }
 
-/// In two containers of one host name, ids are the same and mean other processes.
+/// In two containers with the same host name, equal ids mean different processes.
 TEST(StaleTemporaries, OfALivingProcessStayWhateverTheirNumber) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out.h5";
@@ -71,7 +71,8 @@ TEST(StaleTemporaries, OfALivingProcessStayWhateverTheirNumber) {
   files::RemoveStaleTemporaries(folder.path());
   files::RemoveStaleTemporariesBeside(out);
   EXPECT_TRUE(fs::exists(of_nobody));
-  // As a file of the same name that is in use elsewhere, it is not written over either.
+  // This file stands for one of the same name that is in use elsewhere: it is not overwritten
+  // either.
   const fs::path mine = out.string() + HostPart() + std::to_string(getpid()) + ".tmp";
   WriteFile(mine, "theirs");
   TemporaryFile file(out);

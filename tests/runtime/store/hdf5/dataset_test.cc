@@ -11,8 +11,8 @@ namespace {
 
 using hdf5::Shape;
 
-/// First elements of the stored chunks of an array of 7 by 5, in chunks of 2 by 3, of which those
-/// at `places` were written.
+/// First elements of the stored chunks of an array of 7 by 5, in chunks of 2 by 3, if those at
+/// `places` were written.
 std::vector<Shape> StoredChunks(const std::vector<Shape>& places) {
   hdf5::File file = hdf5::File::CreateInMemory();
   hdf5::Dataset dataset = file.CreateDataset(

@@ -1,4 +1,5 @@
-// Runs replaced in a results file: the new ones from shards, all others to the last bit.
+// Runs replaced in a results file: the new ones come from shards, all others are unchanged to the
+// bit.
 #include "runtime/store/shards/merge_base.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Every dataset with its values, as text; without those that say when a file was made.
+/// Every dataset with its values, as text, without those that contain the time of creation.
 std::string ValuesIn(const hdf5::Group& group, const std::string& path = "") {
   std::string all;
   for (const std::string& name : group.MemberNames()) {
@@ -79,7 +80,7 @@ TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
   shards::Merge(plan_, TestProvenance(), shards_.path(), out);
   EXPECT_EQ(store::ResultFile(out).ReadStatus({crashed.at, crashed.rep}), store::Status::kCrashed);
 
-  // As it would be if the run had ended well at once.
+  // As it would be if the run had succeeded at first.
   for (const fs::path& folder : {shards_.path(), retried_.path()})
     WriteRun(crashed, store::Status::kDone, 6, folder, TestProvenance());
   shards::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "wanted.h5");

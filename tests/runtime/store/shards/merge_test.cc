@@ -1,4 +1,4 @@
-// Merging shards adds nothing and loses nothing.
+// Merging shards neither adds nor loses data.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -134,7 +134,7 @@ TEST(Merge, RunsOfOtherLengthsAndRecordsStandSideBySide) {
   EXPECT_EQ(file.cycles(), 9u);
   for (const plan::Run& run : plan.runs)
     ExpectCell(file, run, store::Status::kDone, run.scene.world.Count("cycles"));
-  // Run 2 counts contacts and does not record them.
+  // Run 2 counts contacts, but does not record them.
   EXPECT_EQ(file.ReadReal("contact_first", CellOf(plan.runs[1])), 0);
   const double none = file.ReadReal("contact_first", CellOf(plan.runs[2]));
   EXPECT_NE(none, none);

@@ -1,4 +1,4 @@
-// Shards whose values are put into their bytes hold what HDF5 would have written.
+// Shards whose values are written directly into their bytes equal those written by HDF5.
 #include "runtime/store/shards/prepared_shard.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ void ExpectSameFile(const hdf5::File& a, const hdf5::File& b, const store::Layou
     ExpectSameArray(a.OpenDataset("provenance/run_text"), b.OpenDataset("provenance/run_text"));
 }
 
-/// Where it stands: behind all else in a prepared shard.
+/// The position of the first chunk: after everything else in a prepared shard.
 std::uint64_t FirstChunk(std::span<const std::byte> shard) {
   return shards::FindIndex(shard).value().chunks.at(0).begin;
 }
@@ -90,7 +90,7 @@ TEST(PreparedShard, HoldsWhatHdf5WouldWrite) {
                  store::MakeLayout(plan, facts, nullptr, 0));
 }
 
-/// What a writer makes of the same run, at its fifth time.
+/// The shard that a writer makes of the same run the fifth time.
 std::vector<std::byte> FifthShard(const plan::Plan& plan, const store::RunResult& result) {
   const TemporaryFolder folder;
   const store::Provenance provenance;
@@ -115,7 +115,7 @@ TEST(PreparedShard, HasNothingOfEarlierRuns) {
   const auto bytes = files::ReadSealed(folder / (plan.runs[0].id + ".h5"));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   EXPECT_EQ(text.find(lost), std::string_view::npos);
-  // One that ended early has fill values behind its cycles.
+  // A run that ended early has fill values after its cycles.
   const auto early = FifthShard(plan, crashed.result);
   const hdf5::File file = hdf5::File::OpenImage(early);
   const std::vector<double> pairs = file.OpenDataset("pairs").Read();
@@ -153,7 +153,7 @@ TEST(PreparedShard, LeavesToHdf5WhatItCannotEdit) {
   };
   // HDF5 cannot open it.
   damage([](std::vector<std::byte>& image) { image.resize(image.size() / 2); });
-  // HDF5 finds its head behind a block of the user's, the editor does not.
+  // HDF5 finds the file's header after a user block, the editor does not.
   damage([](std::vector<std::byte>& image) { image.insert(image.begin(), 512, std::byte{0}); });
 }
 

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 class References : public testing::Test {
  protected:
-  /// Every number another one.
+  /// Samples in which every number is different.
   std::vector<double> SamplesOf(const plan::Run& run) const {
     std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count());
     for (std::size_t i = 0; i < samples.size(); ++i)
@@ -71,7 +71,7 @@ TEST_F(References, StandInTheMergedFileBesideTheErrors) {
   WriteRuns();
   WriteOne(plan_.references[0]);
   WriteOne(plan_.references[1]);
-  WriteOne(plan_.references[2], store::Status::kCrashed);  // and the last is missing
+  WriteOne(plan_.references[2], store::Status::kCrashed);  // the last one is missing
   shards::Merge(plan_, TestProvenance(), folder_.path(), folder_ / "out.h5");
   const store::ResultFile file(folder_ / "out.h5");
   for (std::size_t i = 0; i < 2; ++i) {

@@ -1,4 +1,4 @@
-// The index of a shard says what its HDF5 file does.
+// The index of a shard agrees with its HDF5 file.
 #include "runtime/store/shards/shard_index.h"
 
 #include <gtest/gtest.h>
@@ -22,10 +22,10 @@ plan::Plan IndexedGrid() {
                   2, {.cycles = 6, .metrics = {"position"}}, {{1, 1}});
 }
 
-/// Runs that ended in every way, one of them missing.
+/// Writes runs with every outcome, one of which is missing.
 void WriteShards(const plan::Plan& plan, const fs::path& folder) {
   for (std::size_t i = 0; i + 1 < plan.runs.size(); ++i) {
-    // The first of those that crash has no cycles, and no chunks.
+    // The first of the crashed runs has no cycles, and no chunks.
     FakeResult fake(plan.runs[i], i % 3 == 1 ? store::Status::kCrashed : store::Status::kDone,
                     i % 3 == 1 ? (i - 1) % 6 : 6);
     fake.result.models = i == 2 ? "hull 12\n" : "";
@@ -33,7 +33,7 @@ void WriteShards(const plan::Plan& plan, const fs::path& folder) {
   }
 }
 
-/// As a version without indexes would have written it.
+/// Makes the shard as a version without indexes would have written it.
 void RemoveIndex(const fs::path& shard) {
   std::vector<std::byte> bytes = files::ReadSealed(shard);
   const auto index = shards::FindIndex(bytes);
@@ -121,7 +121,7 @@ TEST(ShardIndex, OfAnotherLayoutIsPassedOver) {
   std::vector<std::byte> bytes = files::ReadSealed(shard);
   shards::ShardIndex index = *shards::FindIndex(bytes);
   bytes.resize(bytes.size() - shards::IndexBytes(index).size());
-  // A version with other arrays would have other numbers there.
+  // A version with other arrays would have a different number there.
   ++index.layout;
   for (double& number : index.numbers) number = 77;
   const std::vector<std::byte> other = shards::IndexBytes(index);
@@ -143,14 +143,14 @@ TEST(ShardIndex, WhatIsNoIndexIsNone) {
   ASSERT_TRUE(index);
   const std::size_t size = shards::IndexBytes(*index).size();
   EXPECT_FALSE(shards::FindIndex({}));
-  // Every length that the index could claim, with what then stands at its beginning.
+  // Every length that the index could state is rejected, except the right one.
   for (std::uint64_t claimed = 0; claimed < size + 100; ++claimed) {
     if (claimed == size - 16) continue;
     std::vector<std::byte> wrong = bytes;
     std::memcpy(&wrong[wrong.size() - 16], &claimed, sizeof(claimed));
     EXPECT_FALSE(shards::FindIndex(wrong)) << claimed;
   }
-  // Any byte of it changed: what comes back lies in the shard, or nothing does.
+  // With any byte changed, the ranges returned are within the shard, or there are none.
   for (std::size_t i = bytes.size() - size; i < bytes.size(); ++i) {
     std::vector<std::byte> wrong = bytes;
     wrong[i] ^= std::byte{0x81};

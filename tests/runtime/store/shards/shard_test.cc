@@ -31,7 +31,7 @@ Plan TwoAxes(const SceneSize& size = kEverything) {
                   2, size);
 }
 
-/// Every series of a cell that holds one run, value by value.
+/// Compares every series of a cell that holds one run, value by value.
 void ExpectSeries(const store::ResultFile& file, const store::ResultFile::Cell& cell,
                   const plan::Run& run, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
@@ -115,7 +115,7 @@ TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
   for (const std::uint64_t n_cycles : {0, 3}) {
     const plan::Run& run = plan.runs[n_cycles];
     FakeResult fake(run, store::Status::kCrashed, 7);
-    fake.result.n_cycles = n_cycles;  // what is after them is not to be believed
+    fake.result.n_cycles = n_cycles;  // values after them are not valid
     shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
     const store::ResultFile file(folder / (run.id + ".h5"));
     const store::ResultFile::Cell cell = {{0, 0, 0}, 0};
@@ -124,7 +124,7 @@ TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
     EXPECT_EQ(file.ReadText("message", cell), fake.result.message);
     EXPECT_EQ(file.ReadText("state_hash", cell), "");
     ExpectSeries(file, cell, run, n_cycles);
-    // Readers of the file itself find fill values after them.
+    // Readers of the file itself find fill values after these cycles.
     const hdf5::File raw = hdf5::File::OpenImage(files::ReadSealed(folder / (run.id + ".h5")));
     const std::vector<double> pairs = raw.OpenDataset("pairs").Read();
     const std::vector<double> poses = raw.OpenDataset("poses").Read();
@@ -150,7 +150,7 @@ TEST(Shard, IsNotMuchLargerThanItsValues) {
   ASSERT_TRUE(index);
   std::size_t values = 0;
   for (const shards::IndexedChunk& chunk : index->chunks) values += chunk.bytes;
-  // What a run has besides: 60 arrays with their attributes, its settings, and the index.
+  // The rest of a run: 60 arrays with their attributes, its settings, and the index.
   EXPECT_LT(shard.size(), values + 100'000);
 }
 
