@@ -36,7 +36,7 @@ What can go wrong
   - A run fails, crashes or exceeds its time limit: this is a result, as with `cdb run`. --retry
     failed,crashed,timed_out,noisy submits the tasks with such runs again, and the merge replaces only
     these runs.
-  - cdb is killed in a task: the task starts it again, up to three times, and it resumes.
+  - cdb is killed in a task: the task starts it again, and it resumes; there are three attempts in all.
   - A node dies: Slurm requeues its tasks (--requeue), and finished runs are kept.
   - A task is killed or reaches its time limit: the existing shards are merged, and the command names the
     tasks and exits with status 2. The same command submits only the tasks with missing runs.
