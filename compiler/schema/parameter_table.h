@@ -114,7 +114,7 @@ struct ParameterTable {
      "resistance to rolling",
      "rolling"},
     {"restitution", kGroup, kReal, kFraction, kDrawn, "", "0", "", kOwn,
-     "coefficient of restitution: fraction of the normal velocity that a bounce preserves; a contact uses the product of both bodies",
+     "coefficient of restitution: fraction of the normal velocity that a bounce preserves; a contact uses the product of the coefficients of both bodies",
      "bounce bounciness elasticity"},
     {"linear_damping", kGroup, kReal, kFraction, kDrawn, "", "0", "", kOwn,
      "fraction of the velocity lost per second"},
