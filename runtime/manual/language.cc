@@ -135,7 +135,7 @@ WORDS WITH ARGUMENTS
   type mesh("rock.obj")       your own model, decomposed into convex hulls; hull("rock.obj") is its
                               convex hull. The file is OBJ, PLY, STL or OFF; its path is relative to
                               the .cdb file. The plan stores the SHA-256 of the file, and
-                              mesh("rock.obj", sha256: "...") refuses a file with another one.
+                              mesh("rock.obj", sha256: "...") refuses a file with another hash.
                               any(sphere 3, mesh("rock.obj") 1) gives weights to models too.
   type surface("hill.obj")    the triangles of your own mesh, open or closed, unchanged, for ground
                               and other fixed objects: a btBvhTriangleMeshShape. It has no inside,
