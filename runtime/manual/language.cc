@@ -268,9 +268,9 @@ every decision.
   Bullet pairs every object with every plane, as its planes have infinite boxes. `wall_pairs` gives
 a plane the box of its half-space, so that only objects that reach it are in a pair with it. This
 needs `pair_order sorted`, and objects of one convex piece without ccd; otherwise it is an error.
-Under these conditions, cdb's own detectors never list the other pairs, whether `omit` names
-wall_pairs or not. Most pairs of a gas in a cube are pairs with planes, so wall_pairs changes the work
-on which a detector is measured; `auto` therefore does not include it.
+Under these conditions, detectors other than Bullet's four never list the other pairs, whether `omit`
+names wall_pairs or not. Most pairs of a gas in a cube are pairs with planes, so wall_pairs changes the
+work on which a detector is measured; `auto` therefore does not include it.
   After `omit`, `sleeping` is the part of that name; elsewhere it is the switch.
 
 )reference";
