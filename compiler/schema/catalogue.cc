@@ -10,8 +10,8 @@ namespace {
 constexpr ObjectType kObjectTypes[] = {
     {"sphere", "a ball, or an ellipsoid if the sides are unequal"},
     {"cuboid", "a box"},
-    {"cylinder", "along y; its base has the x and z sides"},
-    {"cone", "along y, apex up; its base has the x and z sides"},
+    {"cylinder", "along y; its base extends over the x and z sides"},
+    {"cone", "along y, apex up; its base extends over the x and z sides"},
     {"capsule", "along y, with round ends; a ball if it is no taller than wide"},
     {"tetrahedron", "on alternate corners of its box; regular if the sides are equal"},
     {"torus", "lies flat; its hole is along y and twice as wide as the tube; 16 convex hulls"},
@@ -48,17 +48,17 @@ constexpr FamilyInfo kFamilies[] = {
     {"k-d trees", "Bentley 1975; Friedman et al. 1977"},
     {"AABB trees", "van den Bergen 1997"},
     {"sphere trees", "Quinlan 1994",
-     "Debian has no library with them. fcl_rss is the closest: its volumes are spheres swept over "
+     "Debian has no library for them. fcl_rss is the closest: its volumes are spheres swept over "
      "a rectangle"},
     {"OBB trees", "Gottschalk et al. 1996"},
     {"k-DOP trees", "Klosowski et al. 1998"},
     {"GJK", "Gilbert et al. 1988; Gilbert and Foo 1990"},
     {"Lin-Canny", "Lin and Canny 1991",
-     "Debian has no library with it. It tracks the closest features of two convex polyhedra, which "
-     "spheres, cylinders and cones are not, and may not terminate if they overlap, as bodies in "
-     "contact do; GJK with a warm start replaces it"},
+     "Debian has no library for it. It tracks the closest features of two convex polyhedra: it "
+     "cannot handle spheres, cylinders and cones, and may not terminate if the polyhedra overlap, "
+     "as bodies in contact do; GJK with a warm start replaces it"},
     {"V-Clip", "Mirtich 1998b",
-     "Debian has no library with it. It terminates where Lin-Canny does not, but also needs "
+     "Debian has no library for it. It terminates where Lin-Canny does not, but also needs "
      "polyhedra"},
     {"continuous", "Redon et al. 2002"},
 };
@@ -66,8 +66,8 @@ constexpr FamilyInfo kFamilies[] = {
 constexpr LayoutInfo kLayouts[] = {
     {"uniform", "each coordinate is uniform between the walls"},
     {"normal",
-     "each coordinate is normal with mean 0; the standard deviation is a third of the wall's "
-     "coordinate"},
+     "each coordinate is normal with mean 0; the standard deviation is a third of the coordinate "
+     "of the wall"},
 };
 
 constexpr ClosedFormInfo kClosedForms[] = {

@@ -10,8 +10,8 @@ namespace {
 // clang-format off
 constexpr ComponentInfo kTable[] = {
     {Component::kWalls, "walls",
-     "a wall for the objects that cannot reach it, and the whole wall if none can",
-     "pairs and the broad phase are without them"},
+     "pairs of a wall and an object that cannot reach it; the whole wall if no object can",
+     "pairs and the broad phase exclude them"},
     {Component::kRaycastTree, "raycast_tree",
      "the tree for ray casts that Bullet keeps beside sap and sap32",
      "the broad phase keeps no second tree"},
@@ -20,10 +20,10 @@ constexpr ComponentInfo kTable[] = {
      "nothing is detected"},
     {Component::kSolver, "solver",
      "islands and constraint solver, if nothing can touch",
-     "solve is forces becoming velocity, and nothing else"},
+     "solve only applies forces to velocities"},
     {Component::kSleeping, "sleeping",
-     "the detection of objects at rest, if none can come to rest",
-     "step is without it"},
+     "the detection of objects at rest, if no object can come to rest",
+     "step excludes it"},
     {Component::kSweptContacts, "swept_contacts",
      "the pass that finds contacts along the paths of ccd objects", ""},
     {Component::kGravity, "gravity",
@@ -40,7 +40,7 @@ constexpr ComponentInfo kTable[] = {
      "memory for more contacts than the scene can have", ""},
     {Component::kWallPairs, "wall_pairs",
      "pairs of an object and a plane whose half-space its box does not reach; only if named",
-     "pairs and the broad phase are without them", false},
+     "pairs and the broad phase exclude them", false},
 };
 // clang-format on
 

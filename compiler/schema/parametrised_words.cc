@@ -64,10 +64,10 @@ constexpr Parameter kPair[] = {
     Argument("distance", kReal, kNotNegative, "m", "between the surfaces; 0 lets them touch")};
 constexpr Parameter kPoses[] = {
     Argument("file", kText, kAny, "", "CSV or HDF5, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; different ones are refused", {.default_text = "any", .words = "any"}),
-    Argument("cycle", kCount, kCountFromZero, "", "of a results file: after which cycle", {.default_text = "last", .words = "last"}),
-    Argument("run", kText, kAny, "", "of a results file: \"detector=dbvt, quantity=100\"; only is the one run that it has", {.default_text = "only", .words = "only"}),
-    Argument("group", kText, kAny, "", "of a results file: whose objects", {.default_text = "all", .words = "all"})};
+    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; a different file is refused", {.default_text = "any", .words = "any"}),
+    Argument("cycle", kCount, kCountFromZero, "", "for a results file: the cycle after which the poses are taken", {.default_text = "last", .words = "last"}),
+    Argument("run", kText, kAny, "", "for a results file: the run, such as \"detector=dbvt, quantity=100\"; only requires that the file has a single run", {.default_text = "only", .words = "only"}),
+    Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.default_text = "all", .words = "all"})};
 constexpr Parameter kPath[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
@@ -76,14 +76,14 @@ constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
 constexpr Parameter kHeights[] = {
-    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: a line for each row along z, its heights along x"),
+    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: each line is a row of heights along x; the lines follow each other along z"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
-    Argument("cell", kReal, kPositive, "", "from one height to the next, in the unit of the heights; unit is 1", {.default_text = "unit", .words = "unit"})};
+    Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is 1", {.default_text = "unit", .words = "unit"})};
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.default_text = "any", .words = "any"})};
 constexpr Parameter kEvery[] = {
-    Argument("cycles", kCount, kCountFromOne, "", "from one draw to the next"),
+    Argument("cycles", kCount, kCountFromOne, "", "cycles between draws"),
     Argument("value", kVector, kAny, kParametersUnit, "a vector, or a distribution, drawn each time", {.distribution = true})};
 constexpr Parameter kRotating[] = {
     Argument("vector", kVector, kAny, kParametersUnit, "at the start"),
@@ -104,16 +104,16 @@ constexpr ParametrisedWord kCalls[] = {
     {"line", "in a straight line through the centre, in order", kLine},
     {"at", "one object at this point, or at((0, 0, 0), (1, 2, 3)): one at each of several", kAt, true},
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
-    {"poses", "as a file says: positions, and orientations and velocities where it has them", kPoses},
-    {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz where it turns", kPath},
+    {"poses", "positions from a file, with orientations and velocities if it has them", kPoses},
+    {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
     {"heights", "a height field, as ground for fixed objects", kHeights},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},
-    {"density", "the mass from the volume of the object", kDensity},
-    {"every", "set again after this number of cycles", kEvery},
+    {"density", "the density of an object, from which its mass is computed", kDensity},
+    {"every", "a vector that is drawn again after this number of cycles", kEvery},
     {"rotating", "a vector that rotates at a constant rate", kRotating},
 };
 // clang-format on

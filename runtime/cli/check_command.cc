@@ -84,9 +84,9 @@ void AddCheckCommand(CLI::App& app, options::ExitStatus& status) {
   options::Subcommand command(
       app, "check", "report every error and warning in scenario files; verify results files");
   command.Required("FILE", arguments->files,
-                   "scenario files, - for standard input; results files, shards, traces");
+                   "scenario files (- for standard input), results files, shards or traces");
   command.Flag("--json", arguments->json,
-               "print a JSON object a line for each, with the fields of rustc");
+               "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Check(*arguments); });
 }

@@ -28,7 +28,7 @@ void AddCompareCommand(CLI::App& app, options::ExitStatus& status);
 void AddStabilityCommand(CLI::App& app, options::ExitStatus& status);
 /// Runs the standard suite and prints a score for each configuration and kind of application, or
 /// checks results of the suite. Safe to rerun: finished runs are skipped. Exit status 3 if runs
-/// failed or a submission is not comparable, 4 if another machine's results are not borne out.
+/// failed or a submission is not comparable, 4 if the results of another machine disagree.
 void AddSuiteCommand(CLI::App& app, options::ExitStatus& status);
 /// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
 /// Exit status 3 for a missed pair or a failed run.

@@ -178,14 +178,14 @@ void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
   command.Optional("--fail-above", arguments->fail_above,
-                   "exit status 4 if something is worse by more (5%)");
+                   "exit status 4 if something is worse by more than this (5%)");
   command.Optional("--phase", arguments->phase, "only this phase (detect)");
   command.ShortList("--select", arguments->select, "only points with this value (detector=sap)");
   command.Flag("--relative", arguments->is_relative,
                "judge each detector relative to the median of all");
-  command.Flag("--all", arguments->lists_all, "list every point, also where nothing changed");
-  command.Flag("--markdown", arguments->is_markdown, "for a pull request");
-  command.Flag("--json", arguments->is_json, "for scripts");
+  command.Flag("--all", arguments->lists_all, "list every point, also unchanged ones");
+  command.Flag("--markdown", arguments->is_markdown, "print Markdown, for a pull request");
+  command.Flag("--json", arguments->is_json, "print JSON, for scripts");
   command.Action(status, [arguments] { return CompareResults(*arguments); });
 }
 

@@ -57,7 +57,8 @@ void AddFormatCommand(CLI::App& app, options::ExitStatus& status) {
   options::Subcommand command(app, "fmt", "format scenario files");
   command.Required("FILE", arguments->files,
                    "scenario files; - reads standard input and writes standard output");
-  command.Flag("--check", arguments->check, "change nothing; exit status 1 if it would");
+  command.Flag("--check", arguments->check,
+               "change nothing; exit status 1 if a file is not formatted");
   command.Action(status, [arguments] { return FormatFiles(*arguments); });
 }
 

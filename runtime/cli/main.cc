@@ -60,7 +60,7 @@ void CheckCommandName(const CLI::App& app, const std::string& name) {
 }
 
 ExitStatus Main(int argc, char** argv) {
-  CLI::App app("cdb turns a small language into measured physics: `cdb run FILE.cdb`");
+  CLI::App app("cdb: a benchmark for collision detection. Begin with `cdb run FILE.cdb`.");
   app.set_version_flag("--version", "cdb " CDB_VERSION);
   app.require_subcommand(1);
   app.fallthrough(false);

@@ -148,7 +148,8 @@ void AddMergeCommand(CLI::App& app, options::ExitStatus& status) {
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
   command.Count("--wait", arguments->wait_s,
                 "seconds to wait for missing shards, which a network file system may show late");
-  command.Flag("--remove", arguments->removes, "remove the folder of shards once it is all merged");
+  command.Flag("--remove", arguments->removes,
+               "remove the folder of shards once all of them are merged");
   command.Action(status, [arguments] { return Merge(*arguments); });
 }
 

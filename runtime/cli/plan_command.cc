@@ -239,16 +239,14 @@ options::ExitStatus PrintPlans(const PlanArguments& arguments) {
 void AddPlanCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<PlanArguments>();
   options::Subcommand command(app, "plan", "print the expanded runs of a scenario file");
-  command.Required("FILE", arguments->file,
-                   "scenario file, or a plan; - for a scenario on standard input");
+  command.Required("FILE", arguments->file, "scenario file (- for standard input), or a plan");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "write the plan as YAML; - for standard output");
-  command.Flag("--why", arguments->why,
-               "place the objects of each run, and say what it leaves out and why");
-  command.Optional("--only", arguments->only, "with --why: this one run");
+  command.Flag("--why", arguments->why, "place the objects of each run, and explain each omission");
+  command.Optional("--only", arguments->only, "with --why: only this run");
   command.Flag("--estimate", arguments->estimate,
-               "run a few of the runs for a few cycles, and say what all will cost");
-  command.Jobs(arguments->jobs, "with --estimate: runs at a time (default: 1)");
+               "execute a few runs for a few cycles, and estimate the cost of all runs");
+  command.Jobs(arguments->jobs, "with --estimate: number of parallel runs (default: 1)");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return PrintPlans(*arguments); });
 }

@@ -71,11 +71,10 @@ void AddReportCommand(CLI::App& app, options::ExitStatus& status) {
   options::Subcommand command(app, "report",
                               "write one page of figures for a browser from results files");
   command.Required("FILE", arguments->files, "results files");
-  command.Out(arguments->out, "the page; default: the name of the first file with .html");
-  command.Optional(
-      "--baseline", arguments->baseline,
-      "the detector that the others are divided by; default: the first with all cells");
-  command.Flag("--sound", arguments->only_sound, "without runs whose timings a verdict voids");
+  command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
+  command.Optional("--baseline", arguments->baseline,
+                   "detector that ratios are relative to (default: the first that has all cells)");
+  command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
   command.Action(status, [arguments] { return WriteReport(*arguments); });
 }
 

@@ -213,24 +213,23 @@ void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
-  command.Jobs(arguments->jobs, "runs at a time (default: 1), where no times are recorded");
+  command.Jobs(arguments->jobs, "number of parallel runs (default: 1), if no times are recorded");
   command.Flag("--shared-timings", arguments->shares_timings,
-               "with --jobs: record times although runs side by side disturb them");
+               "with --jobs: record times although parallel runs disturb them");
   command.Optional("--shard", arguments->shard, "K/N: only the K-th of N parts; merge them later");
-  command.Optional("--only", arguments->only,
-                   "run this one run by itself, into RUN.h5, or again into -o if that has the "
-                   "results of FILE (ids: cdb plan)");
+  command.Optional(
+      "--only", arguments->only,
+      "execute only this run, into RUN.h5; or repeat it in -o, if that has the results of "
+      "FILE (ids: cdb plan)");
   command.ShortList("--retry", arguments->retry,
-                    "run these again, in the same file: failed, crashed, timed_out, noisy");
-  command.Count(
-      "--retry-noisy", arguments->noisy_retries,
-      "measure a run that the machine disturbed again at once, up to N times, and keep the "
-      "quietest");
+                    "repeat such runs, in the same file: failed, crashed, timed_out, noisy");
+  command.Count("--retry-noisy", arguments->noisy_retries,
+                "repeat a disturbed run at once, up to N times, and keep the quietest measurement");
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
   command.Fresh(arguments->fresh, "discard results and shards and start over");
-  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Run(*arguments); });
 }

@@ -135,26 +135,27 @@ void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ShowArguments>();
   options::Subcommand command(app, "show", "summarise a results file: tables, CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
-  command.List("--by", arguments->by, "axes that make the rows (quantity,detector)");
-  command.Optional(
-      "--baseline", arguments->baseline,
-      "the detector that the others are divided by; default: the first with all cells");
-  command.Flag("--sound", arguments->only_sound, "without runs whose timings a verdict voids");
-  command.Repeated("--select", arguments->select,
-                   "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; several: each with "
-                   "--select");
+  command.List("--by", arguments->by, "axes of the rows (quantity,detector)");
+  command.Optional("--baseline", arguments->baseline,
+                   "detector that ratios are relative to (default: the first that has all cells)");
+  command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
+  command.Repeated(
+      "--select", arguments->select,
+      "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; repeat the option for several "
+      "axes");
   command.List("--phase", arguments->phases, "only these phases (broad,step)");
   command.Optional("--stat", arguments->statistic,
-                   "the statistic over the cycles: mean (default), median, p5, p95, min, max, or "
+                   "statistic over the cycles: mean (default), median, p5, p95, min, max, or "
                    "worst (of any repeat)");
   command.Flag("--plot", arguments->plots,
-               "with plots in characters: times over the cycles and over axes of numbers");
+               "also plot, in characters, times over the cycles and over numeric axes");
   command.Optional("--error", arguments->error,
-                   "an error against run time (position, energy: cdb doc accuracy)");
+                   "print this error against run time (position, energy, …: cdb doc accuracy)");
   command.List("--each", arguments->each,
-               "with --error: axes each value of which has a table and a front of its own");
-  command.Flag("--csv", arguments->csv, "a line for each point, as comma-separated values");
-  command.Flag("--json", arguments->json, "everything as one JSON document (cdb doc document)");
+               "with --error: a separate table and front for each value of these axes");
+  command.Flag("--csv", arguments->csv, "print comma-separated values, one line per point");
+  command.Flag("--json", arguments->json,
+               "print everything as one JSON document (cdb doc document)");
   command.Action(status, [arguments] { return Show(*arguments); });
 }
 

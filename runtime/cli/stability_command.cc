@@ -93,14 +93,14 @@ void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<StabilityArguments>();
   options::Subcommand command(
       app, "stability",
-      "run the stability suite and map where each configuration stops being sound");
+      "run the stability suite, and map where each configuration stops being sound");
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
-  command.List("--precision", arguments->precisions, "default: single,double");
-  command.List("--detector", arguments->detectors, "default: dbvt");
-  command.Out(arguments->out, "folder of the results (default: stability)");
-  command.Jobs(arguments->jobs, "runs at a time (default: 1)");
+  command.List("--precision", arguments->precisions, "precisions (default: single,double)");
+  command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
+  command.Out(arguments->out, "folder for the results (default: stability)");
+  command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Fresh(arguments->fresh, "discard results and start over");
-  command.Quiet(arguments->quiet, "no progress, only the map");
+  command.Quiet(arguments->quiet, "print only the map, without progress");
   command.Action(status, [arguments] { return RunSuite(*arguments); });
 }
 

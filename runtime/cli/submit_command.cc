@@ -430,20 +430,21 @@ void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
-              "results file, or a folder for them, which every node sees (default: BENCHMARK.h5)");
+              "results file, or a folder for them, visible to every node (default: BENCHMARK.h5)");
   command.Count("--tasks", arguments->tasks,
-                "parts that runs are submitted in (default: a minute of work or more in each)");
-  command.Flag("--exclusive", arguments->job.is_exclusive, "a node for each task alone");
-  command.Optional("--partition", arguments->job.partition, "of the cluster");
-  command.Optional("--time", arguments->job.time, "limit of a task, as sbatch takes it");
-  command.Optional("--account", arguments->job.account, "account that is charged");
+                "number of tasks (default: each has a minute of work or more)");
+  command.Flag("--exclusive", arguments->job.is_exclusive, "one task per node, exclusively");
+  command.Optional("--partition", arguments->job.partition, "partition of the cluster");
+  command.Optional("--time", arguments->job.time, "time limit of a task, in the format of sbatch");
+  command.Optional("--account", arguments->job.account, "account to charge");
   command.Repeated("--sbatch", arguments->job.more,
-                   "an option of sbatch, as it is: --sbatch=--mem=2G; several: each with --sbatch");
+                   "pass an option to sbatch: --sbatch=--mem=2G; repeat the option for several");
   command.ShortList("--retry", arguments->retry,
-                    "run these again, in the same file: failed, crashed, timed_out, noisy");
-  command.Flag("--dry-run", arguments->is_dry, "print what would be submitted, as a shell script");
-  command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the end");
-  command.Quiet(arguments->quiet, "print nothing but errors");
+                    "repeat such runs, in the same file: failed, crashed, timed_out, noisy");
+  command.Flag("--dry-run", arguments->is_dry,
+               "print a shell script that submits the same jobs, and submit nothing");
+  command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the jobs");
+  command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Submitter(*arguments).Run(); });
 }

@@ -224,22 +224,24 @@ options::ExitStatus Suite(const SuiteArguments& arguments) {
 void AddSuiteCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<SuiteArguments>();
   options::Subcommand command(app, "suite", "run the standard suite, and score each configuration");
-  command.Out(arguments->out, "folder of the results (default: suite)");
-  command.List("--only", arguments->only, "kinds or scenes: games, stiff/stack (default: all)");
+  command.Out(arguments->out, "folder for the results (default: suite)");
+  command.List("--only", arguments->only,
+               "only these kinds or scenes: games, stiff/stack (default: all)");
   command.Flag("--long", arguments->choice.is_long, "three seeds and more repeats, about an hour");
-  command.Count("--seed", arguments->seed, "a fresh seed, to verify what the published one shows");
-  command.List("--detector", arguments->choice.detectors, "these too, beside those of the suite");
+  command.Count("--seed", arguments->seed, "another seed, to verify results of the published seed");
+  command.List("--detector", arguments->choice.detectors,
+               "additional detectors, beside those of the suite");
   command.Plugins(arguments->choice.plugins);
   command.ShortList("--retry", arguments->retry,
-                    "run these again, in the same files: failed, crashed, timed_out, noisy");
+                    "repeat such runs, in the same files: failed, crashed, timed_out, noisy");
   command.Count("--retry-noisy", arguments->noisy_retries,
-                "measure a run that the machine disturbed again at once, up to N times");
+                "repeat a disturbed run at once, up to N times, and keep the quietest measurement");
   command.Optional("--check", arguments->check,
-                   "whether the results in this folder are complete and comparable");
+                   "check whether the results in this folder are complete and comparable");
   command.Optional("--against", arguments->against,
-                   "verify the results in this folder, of another machine, by those of -o");
+                   "verify the results of another machine, in this folder, against those of -o");
   command.Fresh(arguments->fresh, "discard results and start over");
-  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Quiet(arguments->quiet, "print only errors");
   command.Action(status, [arguments] { return Suite(*arguments); });
 }
 

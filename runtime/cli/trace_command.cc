@@ -126,14 +126,14 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
 void AddTraceCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<TraceArguments>();
   options::Subcommand command(app, "trace",
-                              "record the boxes of runs, on which detectors can be run later");
+                              "record the boxes of runs, to time detectors on them later");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
-              "trace file, or a folder for them (default: BENCHMARK.trace.h5; of several "
+              "trace file, or a folder for them (default: BENCHMARK.trace.h5; for several "
               "points, the folder BENCHMARK.traces)");
-  command.Fresh(arguments->fresh, "write over what is there");
-  command.Quiet(arguments->quiet, "print nothing but errors");
+  command.Fresh(arguments->fresh, "overwrite existing traces");
+  command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return TracePlans(*arguments); });
 }

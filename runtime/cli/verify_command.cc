@@ -77,14 +77,14 @@ void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
       "compare the pairs and contacts of every detector with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
-  command.List(
-      "--detector", arguments->detectors,
-      "these detectors instead of those of the file; all: every one that can hold the scene");
-  command.Cycles(arguments->cycles, "so many in place of the file's own");
-  command.Out(arguments->out, "folder of BENCHMARK.verify.h5 (default: the current one)");
-  command.Jobs(arguments->jobs, "runs at a time (default: 1)");
+  command.List("--detector", arguments->detectors,
+               "these detectors instead of those of the file; all: every detector that can handle "
+               "the scene");
+  command.Cycles(arguments->cycles, "number of cycles, instead of that of the file");
+  command.Out(arguments->out, "folder for BENCHMARK.verify.h5 (default: the current one)");
+  command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Fresh(arguments->fresh, "discard results and start over");
-  command.Quiet(arguments->quiet, "no progress, only the table");
+  command.Quiet(arguments->quiet, "print only the table, without progress");
   command.Plugins(arguments->plugins);
   command.Action(status, [arguments] { return Verify(*arguments); });
 }

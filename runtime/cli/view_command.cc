@@ -234,19 +234,21 @@ void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
   const auto arguments = std::make_shared<ViewArguments>();
   options::Subcommand command(app, "view",
                               "write a page that shows a run, or the start of a scenario, in 3-D");
-  command.Required("FILE", arguments->files, "results file or scenario; two: side by side");
+  command.Required("FILE", arguments->files,
+                   "results file or scenario; two files are shown side by side");
   command.Benchmark(arguments->benchmark);
-  command.Out(arguments->out, "the page; default: BENCHMARK.scene.html");
-  command.Optional("--gltf", arguments->gltf,
-                   "OUT.glb: the scene with its motion as binary glTF 2.0; the page only with -o");
+  command.Out(arguments->out, "the page (default: BENCHMARK.scene.html)");
+  command.Optional(
+      "--gltf", arguments->gltf,
+      "OUT.glb: write the animated scene as binary glTF 2.0; the page is written only with -o");
   command.Optional("--select", arguments->select,
-                   "AXIS=VALUE…: the run of a sweep; default: the first that ran");
+                   "AXIS=VALUE…: the run of a sweep to show (default: the first that ran)");
   command.Optional("--beside", arguments->beside,
-                   "AXIS=VALUE…: a second run of the file, which differs by this");
+                   "AXIS=VALUE…: a second run beside it, which differs in these axes");
   command.Optional("--cycles", arguments->cycles, "A..B: only these cycles, from 0");
-  command.Optional("--every", arguments->every, "only every N-th of them");
+  command.Optional("--every", arguments->every, "only every N-th cycle");
   command.Flag("--serve", arguments->serve,
-               "edit the scenario in a browser: values, text, scene and runs; until Ctrl-C");
+               "edit the scenario in a browser (values, text, scene and runs) until Ctrl-C");
   command.Action(status, [arguments] { return View(*arguments); });
 }
 

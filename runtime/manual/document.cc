@@ -5,26 +5,26 @@ namespace cdb::manual {
 const std::string_view kDocumentReference = R"reference(THE RESULTS DOCUMENT
 
 `cdb show --json out.h5` prints one JSON document: the figures of `cdb show`, for scripts. The page
-of `cdb report` holds the same document, and examples/read/python and examples/read/figures.R read
+of `cdb report` embeds the same document, and examples/read/python and examples/read/figures.R read
 it. All statistics are computed by cdb (`cdb doc statistics`). Times are in ns; numbers have six
-digits; a missing one is null.
+digits; missing numbers are null.
 
   document, generator     the version of this format, 1, and the cdb that made the results
   sources, title          the file, its benchmark and its title
-  runs                    how many there are: all, good, void, failed, skipped, missing; repeats,
+  runs                    numbers of runs: all, good, void, failed, skipped, missing; repeats,
                           cycles
-  warnings                what to know before quoting a figure, the worst first: kind, text
+  warnings                caveats that affect the figures, the worst first: kind, text
   conclusions             question, answer, kind, certainty: clear (the 95 % interval of the ratio
                           excludes 1), tie (it does not), unknown (too few repeats)
-  axes                    name, label, unit, is_text, kind, doc, values, and value_labels, the same as
-                          text: long fractions are rounded, but never to the same
-  detector_axis           its place among the axes, or null
-  statistic, interval     how times and their intervals were made, in words
+  axes                    name, label, unit, is_text, kind, doc, values, and value_labels, the values
+                          as text: long fractions are rounded, but distinct values stay distinct
+  detector_axis           index of the axis of detectors, or null
+  statistic, interval     how times and their intervals are computed, in words
   phases                  name, label, definition
 
-  points                  columns of equal length, an entry for each point of the grid that some run
-                          was made at:
-    at                      the place on each axis
+  points                  columns of equal length, with an entry for each point of the grid that has
+                          a run:
+    at                      the index on each axis
     mark, is_void           `frozen`, `without walls`; whether a verdict voids its timings
     verdict, first_bad_cycle, repeats, cycles
     times.PHASE             mean with low and high, the ends of its interval; median, p5, p95, min,
@@ -39,15 +39,15 @@ digits; a missing one is null.
                             high, least, most, cells, of
   fronts                  for each error and each scene (`each`): rows with at, ms_per_s, low, high,
                           error, error_low, error_high, floor, on_front, is_tie, is_void, points
-  omissions               parts that some points ran without: parts, points, why, changes, at
-  findings                what the referee of pairs found, by detector
-  failures                place, why, and the command that runs it by itself
+  omissions               parts that some points omitted: parts, points, why, changes, at
+  findings                findings of the pair referee, by detector
+  failures                place, why, and the command that executes only this run
   noise, machine, build, provenance
 
-Of more than 5000 points, the document has the mean of step and detect alone, with four digits; `at`
-is {"grid": [[first, count], ...]}, runs of places in the grid (the last axis fastest), and a column
-with the same value throughout is {"constant": value}. More than 100,000 points are refused: --select
-takes a part.
+With more than 5000 points, the document has only the mean of step and detect, with four digits; `at`
+is {"grid": [[first, count], ...]}, ranges of indices into the grid (the last axis varies fastest), and
+a column with the same value throughout is {"constant": value}. More than 100,000 points are refused:
+--select selects a part.
 
 )reference";
 

@@ -7,49 +7,50 @@ namespace {
 
 constexpr Explanation kScenarioRows[] = {
     {&scenario::kUnknownName,
-     "A name has no meaning where it stands: no parameter, block, word, let or benchmark is called "
-     "so. `cdb doc parameters` and `cdb list` print what there is.",
+     "A name is unknown here: no parameter, block, word, let or benchmark has this name. `cdb doc "
+     "parameters` and `cdb list` print all names.",
      "benchmark b { detector spa }\n", "benchmark b { detector sap }\n"},
     {&scenario::kWrongPlace,
-     "The name has a meaning, but not here: a property of objects stands in objects { }, a "
-     "property "
-     "of the run outside.",
+     "The name is known, but not allowed here: a property of objects belongs in objects { }, a "
+     "property of the run outside of it.",
      "benchmark b { size 5 }\n", "benchmark b { objects { size 5 } }\n"},
     {&scenario::kReservedName,
-     "An axis becomes a variable of the results, and cannot have the name of another, such as "
-     "cycle "
-     "or phase.",
+     "An axis becomes a variable of the results, and cannot have the name of another variable, "
+     "such as cycle or phase.",
      "benchmark b { timestep sweep(1 / 60, 1 / 120) as cycle }\n",
      "benchmark b { timestep sweep(1 / 60, 1 / 120) as step_size }\n"},
-    {&scenario::kSetTwice, "A block sets each parameter once, and a file defines each name once.",
+    {&scenario::kSetTwice,
+     "A block can set each parameter only once, and a file can define each name only once.",
      "benchmark b {\n  cycles 5\n  cycles 6\n}\n", "benchmark b {\n  cycles 6\n}\n"},
     {&scenario::kWrongKind,
-     "The value is of another kind than the parameter takes: a number for a vector, a text for a "
-     "word, a distribution where there is one value. `cdb doc NAME` states what it takes.",
+     "The value is of another kind than the parameter takes: a number instead of a vector, a text "
+     "instead of a word, a distribution instead of a constant. `cdb doc NAME` states the kinds "
+     "that a parameter takes.",
      "benchmark b { acceleration 5 }\n", "benchmark b { acceleration (0, -5, 0) }\n"},
-    {&scenario::kOutOfDomain, "The number is outside of what the parameter takes.",
+    {&scenario::kOutOfDomain, "The number is outside the domain of the parameter.",
      "benchmark b { cycles 0 }\n", "benchmark b { cycles 1000 }\n"},
     {&scenario::kNotFinite,
      "The arithmetic has no finite result: a division by zero, or a number too large for a double.",
      "benchmark b { cycles 1 / 0 }\n", "benchmark b { cycles 1000 / 2 }\n"},
     {&scenario::kBadArguments,
-     "The arguments are not those of the word: too many, too few, unknown names, or values that do "
-     "not go together. The values of an axis must be distinct.",
+     "The arguments do not fit the word: too many, too few, unknown names, or values that exclude "
+     "each other. The values of an axis must be distinct.",
      "benchmark b { objects.mass uniform(5) }\n", "benchmark b { objects.mass uniform(5, 10) }\n"},
-    {&scenario::kBadRange,
-     "The range has no values or never ends, or its count is no whole number.",
+    {&scenario::kBadRange, "The range is empty or never ends, or its count is not a whole number.",
      "benchmark b { cycles sweep(5 .. 1) }\n", "benchmark b { cycles sweep(5 .. 1 step -1) }\n"},
     {&scenario::kMisplacedSweep,
-     "A sweep makes an axis, and cannot stand here: inside another sweep, in a condition, or for a "
-     "setting that all runs share.",
+     "A sweep makes an axis, and is not allowed here: inside another sweep, in a condition, or for "
+     "a setting that all runs share.",
      "benchmark b { repeats sweep(1, 3) }\n", "benchmark b { repeats 3 }\n"},
-    {&scenario::kMisplacedRange, "A range is a list of values and stands in a sweep.",
+    {&scenario::kMisplacedRange, "A range is a list of values, and belongs in a sweep.",
      "benchmark b { cycles 1 .. 5 }\n", "benchmark b { cycles sweep(1 .. 5) }\n"},
     {&scenario::kAxisTwice,
-     "Two sweeps would make axes of the same name. Name one by as, or use one let for both.",
+     "Two sweeps would make axes with the same name. Rename one with `as`, or use one let for "
+     "both.",
      "benchmark b { objects.friction normal(sweep(0.5, 0.6), sweep(0.1, 0.2)) }\n",
      "benchmark b { objects.friction normal(sweep(0.5, 0.6), sweep(0.1, 0.2) as deviation) }\n"},
-    {&scenario::kCircular, "A let, a benchmark or a file leads back to itself.",
+    {&scenario::kCircular,
+     "A let, a benchmark or a file refers to itself, directly or through others.",
      "let a = b\nlet b = a\nbenchmark c { cycles 5 }\n",
      "let a = b\nlet b = 5\nbenchmark c { cycles a }\n"},
     {&scenario::kNoSuchFile,
@@ -57,33 +58,33 @@ constexpr Explanation kScenarioRows[] = {
      "also found in cdb's library.",
      "use \"no_such_file\"\nbenchmark b { }\n", "benchmark b { }\n"},
     {&scenario::kTooManyRuns,
-     "The sweeps make more runs than a plan holds, or a range more values than an axis. Sweep "
-     "less, "
-     "or split the benchmark.",
+     "The sweeps make more runs than a plan can hold, or a range has more values than an axis can "
+     "hold. Sweep fewer values, or split the benchmark.",
      "benchmark b { seed sweep(1 .. 1e9) }\n", "benchmark b { seed sweep(1 .. 100) }\n"},
     {&scenario::kNoRuns,
-     "Nothing is left to run: the file has no benchmark, or skip leaves out every point.",
+     "Nothing is left to run: the file has no benchmark, or every point is skipped.",
      "benchmark b { skip when cycles > 1 }\n",
      "benchmark b { cycles sweep(10, 100); seed sweep(1, 50); skip when cycles < seed }\n"},
-    {&scenario::kCapacity, "The detector or the layout cannot hold that many objects.",
+    {&scenario::kCapacity, "The detector or the layout cannot handle that many objects.",
      "benchmark b { objects.quantity 20000; detector sap }\n",
      "benchmark b { objects.quantity 20000; detector sap32 }\n"},
     {&scenario::kUnavailable,
-     "The build lacks what the scenario names, or the file is no plug-in with detectors. "
-     "`cdb list detectors` names the package of each detector.",
+     "The scenario names something that is not part of this build, or a file that is not a plug-in "
+     "with detectors. `cdb list detectors` names the package of each detector.",
      "use detector \"wrong.cdb\"\nbenchmark b { }\n", "benchmark b { detector dbvt }\n"},
     {&scenario::kBadComparison,
-     "The two sides cannot be compared: < compares numbers, and words are compared by == and !=.",
+     "The two sides cannot be compared: < compares numbers; == and != compare words.",
      "benchmark b { cycles sweep(1, 2); detector sweep(sap, dbvt); skip when cycles < detector }\n",
      "benchmark b { cycles sweep(1, 2); seed sweep(1, 2); skip when cycles < seed }\n"},
     {&scenario::kContradiction, "Two settings exclude each other.",
      "benchmark b { accuracy { interval 1 } }\n",
      "benchmark b { accuracy { metrics energy; interval 1 } }\n"},
     {&scenario::kNeeded,
-     "The scene needs a part that omit names. `omit auto` omits all that it does not need.",
+     "The scene needs a part that `omit` names. `omit auto` omits every part that it does not "
+     "need.",
      "benchmark b { omit gravity }\n", "benchmark b { omit auto }\n"},
     {&scenario::kWrongForm,
-     "The closed form does not describe this scene, so it cannot be compared with it.",
+     "The closed form does not describe this scene, so the scene cannot be compared with it.",
      "benchmark b { accuracy { metrics position; closed_form flight } }\n",
      "benchmark b {\n  world { walls none; side 1000 }\n  sleeping off\n"
      "  objects { quantity 1; size 10; location at(0, 0, 0); linear_velocity (1, 0, 0) }\n"
@@ -93,36 +94,36 @@ constexpr Explanation kScenarioRows[] = {
      "benchmark b { world.side 100; objects { quantity 1000; size 20 } }\n",
      "benchmark b { world.side 1000; objects { quantity 1000; size 20 } }\n"},
     {&scenario::kWrongUnit,
-     "A value has a unit of another dimension than its parameter, as a mass where a length is "
-     "asked for, or adds numbers with and without a unit.",
+     "The unit of a value has another dimension than the parameter, for example a mass instead of "
+     "a length, or numbers with and without a unit are added.",
      "benchmark b { objects.size 5 kg }\n", "benchmark b { objects.size 5 m }\n"},
     {&scenario::kBadTable,
-     "A table of measured values has a row that is not a number, or not a number, a comma and its "
-     "weight; here masses.csv has `2.5 kg`. A table has plain numbers in the unit of the "
-     "parameter.",
+     "A table of measured values has an invalid row: each row is a number, or a number, a comma "
+     "and its weight. The numbers have no unit, and are in the unit of the parameter; here "
+     "masses.csv has `2.5 kg`.",
      "benchmark b { objects.mass empirical(\"masses.csv\") }\n",
      "benchmark b { objects.mass any(1.5, 2.5) }\n"},
     {&scenario::kRunsWillFail, "Some of the runs cannot be placed; the others can.",
      "benchmark b { world.side 1000; objects { size 200; quantity sweep(1, 2, 500) } }\n",
      "benchmark b { world.side 5000; objects { size 200; quantity sweep(1, 2, 500) } }\n"},
     {&scenario::kUnreachable,
-     "No run has this: skip leaves out every point of the value or the case, every case overrides "
-     "the setting, or nothing uses the sweep.",
+     "No run uses this: every point with this value or case is skipped, every case overrides the "
+     "setting, or nothing uses the sweep.",
      "benchmark b {\n  detector sweep(sap, dbvt, simple)\n  skip when detector == simple\n}\n",
      "benchmark b { detector sweep(sap, dbvt) }\n"},
     {&scenario::kEllipsoids,
-     "Each side of an object is drawn by itself, so that spheres of a drawn size are ellipsoids. "
-     "same( ) is one draw for all three sides.",
+     "Each side of an object is drawn separately, so that spheres with a drawn size become "
+     "ellipsoids. same( ) makes one draw for all three sides.",
      "benchmark b { objects { type sphere; size uniform(10, 50) } }\n",
      "benchmark b { objects { type sphere; size same(uniform(10, 50)) } }\n"},
     {&scenario::kNoEffect,
-     "A setting moves or judges nothing in any run: a velocity of fixed objects, kinematic objects "
-     "without velocity or path, what a driven scene is expected to do.",
+     "A setting has no effect in any run: a velocity of fixed objects, kinematic objects without "
+     "velocity or path, the expected behaviour of a driven scene.",
      "benchmark b { objects { mass fixed; linear_velocity (0, 1, 0) } }\n",
      "benchmark b { objects { mass kinematic; linear_velocity (0, 1, 0) } }\n"},
     {&scenario::kDefaultSize,
-     "A group has the default size, and all others are much smaller or larger. It may be an "
-     "oversight: set the size.",
+     "A group has the default size, and all other groups are much smaller or larger. This may be "
+     "an oversight: set the size.",
      "benchmark b {\n  world.side 100\n  objects pebbles { quantity 5; size 1 }\n"
      "  objects plate { quantity 1; type cuboid }\n}\n",
      "benchmark b {\n  world.side 100\n  objects pebbles { quantity 5; size 1 }\n"

@@ -21,66 +21,66 @@ constexpr Series kSeries[] = {
     {"kinetic_energy", "energy stability", kFloat64, kScalar, "J",
      "kinetic energy of translation and rotation"},
     {"energy", "energy stability", kFloat64, kScalar, "J",
-     "kinetic and potential energy, that of springs too, with the integrator's own term, dt F.v / "
-     "2"},
+     "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2"},
     {"max_penetration", "stability", kFloat64, kScalar, "m",
-     "deepest contact; 0 where none overlaps"},
+     "depth of the deepest contact; 0 if none overlaps"},
     {"penetration_ratio", "stability", kFloat64, kScalar, "",
-     "deepest contact over the least side of the smaller object"},
+     "depth of the deepest contact over the least side of the smaller object"},
     {"max_speed", "stability", kFloat64, kScalar, "m/s",
      "highest speed of any object's centre of mass"},
     {"escaped", "stability", kInt32, kScalar, "", "objects with their centre beyond a wall"},
     {"asleep", "stability", kInt32, kScalar, "", "objects that Bullet has put to sleep"},
     {"removed", "stability", kInt32, kScalar, "",
      "objects that Bullet has switched off, or whose box it cannot hold"},
-    {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not a number"},
+    {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not finite"},
     {"displacement", "stability", kFloat64, kScalar, "",
      "largest displacement of an object since the first cycle, over its least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
-     "way gone over way to go, |v| dt, since it was last pushed, of the object where it is "
-     "farthest "
-     "from 1"},
+     "distance moved over the expected distance, |v| dt, since the object was last pushed, of the "
+     "object where this is farthest from 1"},
     {"fall_ratio", "stability", kFloat64, kScalar, "",
-     "least gain of speed over what gravity gives, dv / (g dt), since the last contact"},
+     "least gain of speed over that due to gravity, dv / (g dt), since the last contact"},
     {"frozen", "stability", kInt32, kScalar, "",
-     "objects whose way or fall is off by more than a tenth, by rounding"},
+     "objects whose displacement or fall is off by more than a tenth, because of rounding"},
     {"lost_way", "stability", kFloat64, kScalar, "",
-     "largest way that rounding gave or took of an object since it was last pushed, over its least "
-     "side"},
+     "largest distance that rounding added to or took from the motion of an object since it was "
+     "last pushed, over its least side"},
     {"turn_ratio", "stability", kFloat64, kScalar, "",
-     "least angle turned over angle to turn, of the objects that turn"},
+     "least angle turned over the expected angle, of the objects that rotate"},
     {"spin_ratio", "stability", kFloat64, kScalar, "",
-     "energy of turning over that before the first cycle, of the object without any contact since "
-     "where it is farthest from 1"},
+     "rotational energy over that before the first cycle, of the object without any contact since "
+     "then for which this is farthest from 1"},
     {"passed", "stability", kInt32, kScalar, "",
-     "objects whose middle has passed through another object, seen in this cycle"},
+     "objects whose centre of mass has passed through another object, detected in this cycle"},
     {"pressed", "stability", kInt32, kScalar, "",
      "pairs of bodies that a load presses into each other, by more than a quarter of the smaller "
      "one's least side"},
     {"inverted", "stability", kInt32, kScalar, "",
-     "pairs of objects of which the one that lay on the other is now below it"},
+     "pairs of objects in which the object that lay on top is now below the other"},
     {"unheld", "stability", kInt32, kScalar, "",
      "objects asleep in the air or on a slope that does not hold them"},
     {"lost_energy", "stability", kFloat64, kScalar, "",
-     "energy lost that neither friction nor inelastic bounces nor sleep took, over the largest "
-     "kinetic energy so far and that of a small fall"},
+     "energy lost, except to friction, inelastic bounces and sleep, over the largest kinetic "
+     "energy "
+     "so far and that of a small fall"},
     {"heap", "memory", kFloat64, kScalar, "bytes", "heap in use after the cycle", true},
     {"joint_gap", "stability", kFloat64, kScalar, "m",
      "largest gap of a joint: distance of its two pivots"},
     {"poses", "poses", kFloat64, kPose, "",
      "centre of mass and orientation quaternion after the cycle"},
     {"boxes", "boxes", kFloat64, kBox, "m",
-     "boxes as the broad phase was given them in the cycle; a plane's is infinite, a wall that is "
-     "left out has none"},
+     "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted "
+     "wall "
+     "has none"},
     {"box_filters", "boxes", kFloat64, kFilter, "",
-     "bits of the body's group and of the groups it may meet, and 1 if it is fixed; float64, as "
-     "masks have 32 bits"},
+     "bits of the group of the body and of the groups that it may collide with, and 1 if it is "
+     "fixed; float64, as masks have 32 bits"},
     {"exact_pairs", "pairs", kInt32, kScalar, "",
-     "pairs that may collide and whose boxes overlap, by brute force in double", true},
+     "pairs that may collide and whose boxes overlap, by brute force in double precision", true},
     {"missed_pairs", "pairs", kInt32, kScalar, "", "exact pairs that the detector did not list",
      true},
     {"phantom_pairs", "pairs", kInt32, kScalar, "",
-     "pairs that the detector listed and whose boxes do not overlap", true},
+     "pairs that the detector listed although their boxes do not overlap", true},
     {"duplicate_pairs", "pairs", kInt32, kScalar, "", "pairs that the detector listed again", true},
     {"missed_contacts", "pairs", kInt32, kScalar, "",
      "overlaps known in closed form that have no contact"},
@@ -105,7 +105,7 @@ constexpr DimensionInfo kDimensions[] = {
     {"pose", "centre of mass and orientation quaternion", kPoseComponents, "m m m 1 1 1 1"},
     {"box_body", "object as of `body`, then the walls -x +x -y +y -z +z"},
     {"bound", "side of a box", kBounds},
-    {"filter", "what decides whom a body may meet", kFilterComponents},
+    {"filter", "collision filter of a body", kFilterComponents},
     {"sample", "simulated time of a sample, warm-up included"},
 };
 

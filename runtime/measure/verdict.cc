@@ -26,24 +26,27 @@ constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 constexpr double kLate = 0.25;
 
 constexpr VerdictInfo kVerdicts[] = {
-    {kUnknown, "unknown", "it did not run, or did not record stability"},
-    {kStable, "stable", "nothing of what is listed above"},
+    {kUnknown, "unknown", "the run was not executed, or did not record stability"},
+    {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
-     "energy changed: a rise of 0.01, a loss of 0.1; late speed > 0.02 sqrt(g S) at rest"},
+     "energy rose by 0.01 or fell by 0.1; late speed > 0.02 sqrt(g S) if the scene must rest"},
     {kPenetrating, "penetrating",
-     "late depth or joint gap > 0.05 S; pressed in, or at rest any depth, > 0.25 S"},
+     "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
+     "S"},
     {kCollapsed, "collapsed",
-     "what must rest moved by > 0.25 S; a load ends below its bearer; an object sleeps unheld"},
+     "an object that must rest moved by > 0.25 S; a load ends below its support; an object sleeps "
+     "unheld"},
     {kClamped, "clamped",
      "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",
-     "a centre passed through another object, or is beyond a wall at the end"},
+     "a centre of mass passed through another object, or is beyond a wall at the end"},
     {kExploded, "exploded", "energy rose by more than its scale"},
     {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
-    {kRemoved, "removed", "a box with its way passes 1e6, or Bullet switched the object off"},
-    {kNonFinite, "non_finite", "a state that is not a number"},
-    {kTimedOut, "timed_out", "it took longer than its timeout"},
-    {kCrashed, "crashed", "its process did not end by itself"},
+    {kRemoved, "removed",
+     "a box, extended by its displacement, exceeds 1e6 m, or Bullet disabled the object"},
+    {kNonFinite, "non_finite", "the state of an object is not finite"},
+    {kTimedOut, "timed_out", "the run exceeded its timeout"},
+    {kCrashed, "crashed", "the process of the run ended abnormally"},
 };
 
 /// Applies every criterion to one run. Each returns the first bad cycle, or -1.

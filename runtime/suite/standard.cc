@@ -8,7 +8,7 @@ namespace {
 constexpr Kind kKinds[] = {
     {"games", "many objects in motion, at 240 steps a second"},
     {"granular", "grains and heaps: dense, lasting contacts"},
-    {"robotics", "logistics and bin picking: stacks, parts and what pushes them"},
+    {"robotics", "logistics and bin picking: stacks, parts and moving pushers"},
     {"haptics", "one probe among fixed bodies, a thousand steps a second"},
     {"planning", "movers among thousands of fixed obstacles: is there contact?"},
     {"extreme", "unequal sizes, a large world, a fast gas"},
@@ -23,17 +23,17 @@ constexpr Kind kKinds[] = {
 constexpr auto kPenetrating = measure::Verdict::kPenetrating;
 constexpr StandardScene kScenes[] = {
     {"games", "debris", "3000 pieces of debris in orbit", "pairs_missed", 0, kPenetrating},
-    {"games", "rubble", "800 chunks of rubble that come down", "pairs_missed", 0, kPenetrating},
-    {"granular", "drum", "600 grains in a drum that turns", "pairs_missed", 0, kPenetrating},
-    {"granular", "heap", "a heap of 400 things that already lies", "pairs_missed", 0, kPenetrating},
+    {"games", "rubble", "800 falling chunks of rubble", "pairs_missed", 0, kPenetrating},
+    {"granular", "drum", "600 grains in a turning drum", "pairs_missed", 0, kPenetrating},
+    {"granular", "heap", "a settled heap of 400 objects", "pairs_missed", 0, kPenetrating},
     {"robotics", "warehouse", "1000 stacked boxes and a vehicle", "pairs_missed", 0, kPenetrating},
     {"robotics", "bin", "a finger that pushes 300 parts", "pairs_missed", 0, kPenetrating},
     {"haptics", "probe", "a probe on 2000 fixed bumps, at 1 kHz", "pairs_missed", 0},
     {"planning", "clutter", "20 movers among 4000 obstacles", "pairs_missed", 0},
-    {"extreme", "sizes", "2000 bodies of very unequal size", "pairs_missed", 0, kPenetrating},
+    {"extreme", "sizes", "2000 bodies of very different sizes", "pairs_missed", 0, kPenetrating},
     {"extreme", "large_world", "2000 bodies in a world of 25 km", "pairs_missed", 0, kPenetrating},
     {"extreme", "swarm", "a fast gas of 3000 balls", "pairs_missed", 0, kPenetrating},
-    {"stiff", "stack", "a stack of five boxes that should stand", "position", 0.02},
+    {"stiff", "stack", "a stack of five boxes that should remain standing", "position", 0.02},
     {"stiff", "bounce", "a ball that bounces without loss", "energy", 0.1},
     {"stiff", "pendulum", "a pendulum on a ball joint", "energy", 0.05},
 };

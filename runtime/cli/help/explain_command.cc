@@ -54,7 +54,7 @@ void AddExplainCommand(CLI::App& app, options::ExitStatus& status) {
   const auto code = std::make_shared<std::string>();
   options::Subcommand command(app, "explain",
                               "explain an error or a warning, with a wrong and a right example");
-  command.Optional("CODE", *code, "such as E0201, or its name; without it, all are listed");
+  command.Optional("CODE", *code, "a code such as E0201, or a name; without it, all are listed");
   command.Action(status, [code] { return Explain(*code); });
 }
 

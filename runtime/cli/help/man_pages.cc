@@ -96,7 +96,9 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
   text += Item("1", "an error in the scenario");
   text += Item("2", "environment or usage error: disk, files, command line");
   text += Item("3", "complete, but a run failed or its timings do not count");
-  text += Item("4", "cdb compare found something worse");
+  text += Item(
+      "4",
+      "cdb compare found something worse, or cdb suite --against found a result that disagrees");
   text += ".SH ENVIRONMENT\n";
   text += Item(Bold("CDB_CACHE"),
                "the folder of decomposed meshes and settled piles, in place of ~/.cache/cdb");

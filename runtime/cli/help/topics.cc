@@ -77,7 +77,7 @@ std::string AllComponents() {
   terminal::Table table;
   table.KeepWhole();
   table.AddColumn("component", false);
-  table.AddColumn("what it is", false);
+  table.AddColumn("what is omitted", false);
   table.AddColumn("without it", false);
   for (const schema::ComponentInfo& info : schema::Components())
     table.AddRow({std::string(info.name), std::string(info.doc),
@@ -187,36 +187,35 @@ std::string Scenarios() {
 }
 
 constexpr Topic kTopics[] = {
-    {"language", "how a .cdb file is written",
+    {"language", "the language of .cdb files",
      [] { return std::string(manual::kLanguageReference); }},
     {"parameters", "every parameter with its default", AllParameters},
-    {"omit", "the parts of the engine that a run omits, and when",
+    {"omit", "the parts of the engine that a run omits",
      [] { return std::string(manual::kOmitReference) + AllComponents() + "\n"; }},
-    {"lints", "numbers that Bullet cannot follow, before anything runs",
+    {"lints", "warnings of scenes that Bullet cannot simulate well",
      [] { return std::string(manual::kLintsReference) + AllLints() + "\n"; }},
-    {"accuracy", "errors, and the truth that runs are compared with",
+    {"accuracy", "errors, and the ground truth that runs are compared with",
      [] { return std::string(manual::kAccuracyReference) + AllErrors(); }},
     {"results", "the contents of a results file",
      [] { return std::string(manual::kResultsReference) + AllStatuses() + AllSeriesText(); }},
-    {"statistics", "how cdb show and cdb compare make their figures and intervals",
+    {"statistics", "figures and intervals of cdb show and cdb compare",
      [] { return std::string(manual::kStatisticsReference); }},
     {"document", "the JSON of cdb show --json and of pages",
      [] { return std::string(manual::kDocumentReference); }},
-    {"traces", "recorded boxes, and detectors that are run on them",
+    {"traces", "recorded boxes, and timing detectors on them",
      [] { return std::string(manual::kTracesReference); }},
-    {"verdicts", "how a run can end, and by which measure", AllVerdicts},
-    {"noise", "whether a run had the machine to itself",
+    {"verdicts", "the verdicts on a run, and their criteria", AllVerdicts},
+    {"noise", "disturbances by other programs, and repeating disturbed runs",
      [] { return std::string(manual::kNoiseReference); }},
-    {"suite", "the standard suite: scenes, score, and what makes results comparable",
-     AllStandardScenes},
+    {"suite", "the standard suite: scenes, scores and comparable results", AllStandardScenes},
     {"limits", "limits of time and memory, and confinement",
      [] { return std::string(manual::kLimitsReference); }},
     {"cluster", "a sweep on many machines: Slurm, GNU parallel, ssh",
      [] { return std::string(manual::kClusterReference); }},
     {"objects", "the object types", manual::ObjectReference},
     {"detectors", "the detectors, and how they are timed", manual::DetectorReference},
-    {"layouts", "how objects can be placed", manual::LayoutReference},
-    {"schedules", "how a vector changes while a run goes on", manual::ScheduleReference},
+    {"layouts", "the layouts, which place objects", manual::LayoutReference},
+    {"schedules", "the schedules, which change a vector during a run", manual::ScheduleReference},
     {"scenarios", "the scenarios that come with cdb, for `cdb run` and `use`", Scenarios},
 };
 

@@ -76,7 +76,7 @@ void Subcommand::Quiet(bool& quiet, const std::string& help) {
 void Subcommand::Plugins(std::vector<std::string>& plugins) {
   command_
       .add_option("--plugin", plugins,
-                  "a shared library with detectors of your own; several: each with --plugin")
+                  "shared library with your own detectors; repeat the option for several libraries")
       ->allow_extra_args(false);
 }
 

@@ -186,7 +186,7 @@ std::string ShownError(const statistics::ErrorOptions& options) {
 
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   EXPECT_EQ(ShownError({"position", {}, {}}), R"(A plan for tests – µ
-  position: distance from the true place, in sizes of the object; root of the mean square over objects and samples
+  position: distance from the true position, in sizes of the object; root mean square over objects and samples
   1 without a place in it:
     hz 240, precision double: a test
   1 did not end well, marked and not on the front:

@@ -151,8 +151,8 @@ TEST(Show, SaysWhatRunsDidWithout) {
   const std::string some = Shown([](std::size_t detector, std::size_t, store::RunResult& result) {
     result.omitted = detector == 0 ? "walls raycast_tree solver pools" : "walls solver";
   });
-  EXPECT_NE(some.find("\n  Left out in all 4 runs: walls (pairs and the broad phase are without "
-                      "them), solver (solve is forces becoming velocity, and nothing else).\n"
+  EXPECT_NE(some.find("\n  Left out in all 4 runs: walls (pairs and the broad phase exclude "
+                      "them), solver (solve only applies forces to velocities).\n"
                       "  Left out in 2 of 4 runs: raycast_tree (the broad phase keeps no second "
                       "tree). omit none times everything.\n"),
             std::string::npos)
