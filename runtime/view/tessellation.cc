@@ -183,9 +183,12 @@ std::vector<Part> Tessellation::PartsOf(const objects::Solid& solid) {
         return ConeMesh(segments_);
       case Shape::kTetrahedron:
         return TetrahedronMesh();
-      default:
-        return BallMesh("sphere", -kRight, kRight, segments_);
+      case Shape::kEllipsoid:
+      case Shape::kCapsule:
+      case Shape::kCompound:
+        break;
     }
+    return BallMesh("sphere", -kRight, kRight, segments_);
   });
   return {{mesh, solid.sides, Eigen::Quaterniond::Identity(), 0}};
 }

@@ -131,7 +131,7 @@ class SuiteResults : public testing::Test {
 
 TEST_F(SuiteResults, AreScoredAndWritten) {
   EXPECT_EQ(run_.status, 0) << run_.err;
-  ExpectSays(run_.out, "Standard suite 1, short");
+  ExpectSays(run_.out, fmt::format("Standard suite {}, short", suite::kSuiteVersion));
   ExpectSays(run_.out, "stiff: settings of Bullet");
   ExpectSays(run_.out, "\n  bullet");
   ExpectSays(run_.out, "steps_240");
