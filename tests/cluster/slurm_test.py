@@ -60,8 +60,11 @@ def a_task_and_the_merge_are_killed(cdb, slurm):
     wait_until(lambda: shards("small.runs") and slurm.programs("n1", cdb.path), "a task")
     first = next(line for line in slurm.active() if "RUNNING" in line).split()[0].split("_")[1]
     for pid in slurm.processes("n1"):
-        if "slurmstepd" not in pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8"):
-            os.kill(pid, signal.SIGKILL)
+        try:
+            if "slurmstepd" not in pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8"):
+                os.kill(pid, signal.SIGKILL)
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # a run's process that has ended meanwhile
     wait_until(lambda: not slurm.active(), "the end of the jobs")
     states = cdb.states("small.h5")
     missing = sum(" missing " in line for line in states)
