@@ -109,7 +109,7 @@ class Scenario {
  private:
   const ScenarioFile* Load(const std::string& path, const dsl::Use* use,
                            dsl::Diagnostics& diagnostics);
-  /// Loads what `file` uses: files, and plug-ins.
+  /// Loads the files and plug-ins that `file` uses.
   void LoadUsed(ScenarioFile& file, dsl::Diagnostics& diagnostics);
   /// Finds `wanted` of the file `path`: beside it, else in the library of scenarios; with
   /// `extension`.

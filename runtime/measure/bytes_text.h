@@ -3,16 +3,17 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <iterator>
 #include <string>
 
 namespace cdb::measure {
 
-/// In three digits: `2 GB`, `524 MB`.
+/// With three significant digits: `2 GB`, `524 MB`.
 inline std::string BytesText(double bytes) {
   constexpr const char* kUnits[] = {"B", "kB", "MB", "GB", "TB", "PB"};
   std::size_t unit = 0;
-  // What rounds to 1000 is one of the next unit.
+  // A value that rounds to 1000 uses the next unit.
   for (; bytes >= 999.5 && unit + 1 < std::size(kUnits); ++unit) bytes /= 1000;
   return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
 }

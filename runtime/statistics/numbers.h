@@ -1,4 +1,4 @@
-// Missing numbers, and means.
+// The value that stands for a missing number, and means.
 #pragma once
 
 #include <cmath>

@@ -192,7 +192,8 @@ void Dataset::ForEachStoredChunk(const VisitPart& visit) const {
   const Id space(H5Dget_space(id_.get()), H5Sclose, "read an array's shape");
   hsize_t stored = 0;
   Check(H5Dget_num_chunks(id_.get(), space.get(), &stored), "count the chunks");
-  // HDF5 finds the chunk of an index in time linear in the index, and that of a place in less.
+  // Looking up a chunk by index walks all chunks before it, so this is only done if there are few;
+  // looking up a position takes logarithmic time.
   if (stored * stored <= places) {
     for (hsize_t i = 0; i < stored; ++i) {
       std::vector<hsize_t> start(chunk.size());
@@ -211,7 +212,7 @@ void Dataset::ForEachStoredChunk(const VisitPart& visit) const {
     for (std::size_t d = chunk.size(); d-- > 0; rest /= chunks[d])
       start[d] = rest % chunks[d] * chunk[d];
     hsize_t bytes = 0;
-    // Fails if there is no such chunk.
+    // Fails if the file holds no chunk there.
     if (H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) >= 0 && bytes > 0)
       visit_at(start);
   }

@@ -59,9 +59,10 @@ class Dataset : public Object {
   void Write(const Shape& start, const Shape& count, const std::byte* data,
              const Shape& data_shape);
 
-  /// Of an array in chunks. Chunks that were never written hold fill values, and a small file can
-  /// claim any number of them.
   using VisitPart = std::function<void(const Shape& start, const Shape& count)>;
+  /// Calls `visit` for every chunk that the file holds; the dataset must be chunked. Chunks that
+  /// were never written are left out: they hold fill values, and a small file can claim any number
+  /// of them.
   void ForEachStoredChunk(const VisitPart& visit) const;
   /// `start` is the chunk's first element. False if the file holds no such chunk.
   bool ReadChunk(const Shape& start, RawChunk& chunk) const;

@@ -215,7 +215,6 @@ TEST(CompareStatistics, FindsWhatIsPlantedAndNothingElse) {
 }
 
 TEST(CompareStatistics, FindsWhatIsPlantedAmongSlowRuns) {
-  if (kAddressSanitizer) GTEST_SKIP() << "a tenth of the experiments is too few for these rates";
   const MadeUpNoise shared = {.repeat = 0.002, .run = 0.01, .slow_runs = 0.4};
   const Rates null = RatesOf(45, shared, 1, 40), planted = RatesOf(45, shared, 1.05, 40);
   EXPECT_LE(null.false_alarms, 0.05);
