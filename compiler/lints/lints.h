@@ -77,7 +77,7 @@ struct LintNumber {
 /// two microseconds per group.
 std::vector<LintNumber> LintScene(const plan::Scene& scene);
 
-/// `the stack will fall: ... is 0.2, the limit is 0.015`, with a remedy.
+/// `the stack will slide or fall: 0.2 is above the limit of 0.025 for ...`, and the remedy.
 std::string LintMessage(const LintNumber& number);
 std::string LintRemedy(const LintNumber& number);
 

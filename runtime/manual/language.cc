@@ -393,10 +393,10 @@ library that has changed.
 
 )reference";
 
-const std::string_view kLintsReference = R"reference(NUMBERS THAT BULLET CANNOT FOLLOW
+const std::string_view kLintsReference = R"reference(SCENES THAT BULLET CANNOT SIMULATE ACCURATELY
 
 A valid scene can be beyond what Bullet computes well. `cdb check` computes these numbers for every
-run and warns: `will` from the limit on, `may` from a third of it. Each warning is given once for a
+run and warns: `will` from the limit up, `may` from a third of it. Each warning is given once for a
 benchmark, for the worst run, at the setting that causes it, and suggests a remedy. `cdb run` and
 `cdb plan` name the warnings in one line. None is an error, and no setting is changed.
   Distributions are judged by their bounds, a normal distribution by three standard deviations. The

@@ -30,8 +30,7 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why);
 /// file of that name in the library, with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
-/// The detail in which lints are printed: numbers that Bullet cannot follow
-/// (compiler/lints/lints.h).
+/// The detail in which lints (compiler/lints/lints.h) are printed.
 enum class LintText { kNone, kOneLine, kWhole };
 
 /// In colour on a terminal, and at most 20 errors.
