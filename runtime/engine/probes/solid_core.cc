@@ -20,6 +20,19 @@ double SquareAcross(const Vector3d& point, const Vector3d& half) {
   return std::pow(point.x() / half.x(), 2) + std::pow(point.z() / half.z(), 2);
 }
 
+/// The shortest rotation of the y axis to `direction`. Computes as Quaterniond::FromTwoVectors,
+/// whose singular value decomposition, for opposite vectors, takes seconds to compile.
+Eigen::Quaterniond FromYAxisTo(const Vector3d& direction) {
+  constexpr double kOpposite = 1e-12;
+  const Vector3d to = direction.normalized();
+  if (to.y() < -1 + kOpposite) return {0, 1, 0, 0};
+  const double s = std::sqrt((1 + to.y()) * 2);
+  Eigen::Quaterniond rotation;
+  rotation.vec() = Vector3d::UnitY().cross(to) * (1 / s);
+  rotation.w() = s * 0.5;
+  return rotation;
+}
+
 }  // namespace
 
 bool Contains(const Solid& solid, const Vector3d& point) {
@@ -55,10 +68,9 @@ bool MeetsPath(const Solid& solid, const Vector3d& from, const Vector3d& to, dou
   const double width = 2 * std::max(radius, kThin * length);
   if (!(width > 0)) return Contains(solid, from);
   const Solid path{Shape::kCapsule, {width, length + 2 * radius, width}};
-  return objects::Overlap(solid, {}, path,
-                          {(from + to) / 2, length > 0 ? Eigen::Quaterniond::FromTwoVectors(
-                                                             Vector3d::UnitY(), to - from)
-                                                       : Eigen::Quaterniond::Identity()});
+  const Eigen::Quaterniond along =
+      length > 0 ? FromYAxisTo(to - from) : Eigen::Quaterniond::Identity();
+  return objects::Overlap(solid, {}, path, {(from + to) / 2, along});
 }
 
 Solid CoreOf(const Solid& solid, double part) {

@@ -144,8 +144,9 @@ TEST(ExactContact, WithAHalfSpaceIsOfTheDeepestPoint) {
       // Raised by its depth, it stands on the plane; a box as wide as the world gives the same
       // result.
       const objects::Solid ground{objects::Shape::kCuboid, Vector3d::Constant(100)};
-      objects::Pose below{normal * (offset - 50),
-                          Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitY(), normal)};
+      const Eigen::AngleAxisd from_y(std::acos(normal.y()),
+                                     Vector3d::UnitY().cross(normal).normalized());
+      objects::Pose below{normal * (offset - 50), Eigen::Quaterniond(from_y)};
       objects::Pose lifted = pose;
       lifted.position += (exact->depth + 1e-6) * normal;
       EXPECT_FALSE(objects::Overlap(solid, lifted, ground, below));
