@@ -26,6 +26,11 @@ inline std::uint64_t Aligned(std::uint64_t bytes) {
   return (bytes + kAlignment - 1) / kAlignment * kAlignment;
 }
 
+/// To search in.
+inline std::string_view AsText(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 template <typename Number>
 Number Get(std::span<const std::byte> bytes, std::size_t at) {
   Number number;

@@ -32,7 +32,7 @@ void CheckHeap(std::span<const std::byte> heap) {
 }  // namespace
 
 void CheckGlobalHeaps(std::span<const std::byte> file) {
-  const std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
+  const std::string_view bytes = AsText(file);
   for (std::size_t at = 0; (at = bytes.find(kHeapSignature, at)) != bytes.npos; ++at)
     if (at + kHeapHead <= bytes.size()) CheckHeap(file.subspan(at));
 }

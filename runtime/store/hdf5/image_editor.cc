@@ -75,10 +75,11 @@ std::optional<std::uint64_t> FindChunkEntry(std::span<const std::byte> image,
   Append(entry, std::uint32_t{0});
   entry.resize(AddressOfEntry(rank));
   Append(entry, chunk.begin);
-  const auto found = std::ranges::search(image, entry);
-  if (found.empty() || !std::ranges::search(std::span(found.end(), image.end()), entry).empty())
+  const std::string_view text = AsText(image), wanted = AsText(entry);
+  const std::size_t found = text.find(wanted);
+  if (found == text.npos || text.find(wanted, found + wanted.size()) != text.npos)
     return std::nullopt;
-  return static_cast<std::uint64_t>(found.begin() - image.begin());
+  return found;
 }
 
 std::vector<std::byte> Filtered(std::span<const std::byte> values, std::size_t item_bytes) {
