@@ -46,8 +46,8 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
         std::ranges::find(names, diagnostic.kind->id) == names.end())
       names.push_back(diagnostic.kind->id);
   if (names.empty()) return {};
-  return fmt::format("{}: Bullet may not simulate this accurately: {}; `cdb check {}` says why\n", file,
-                     fmt::join(names, ", "), file);
+  return fmt::format("{}: Bullet may not simulate this accurately: {}; `cdb check {}` says why\n",
+                     file, fmt::join(names, ", "), file);
 }
 
 /// The path is removed from the message, because the compiler names the file itself.
