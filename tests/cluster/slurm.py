@@ -113,6 +113,12 @@ class Slurm:
         except ProcessLookupError:
             pass
 
+    def kill_at_once(self, pids):
+        """Stops all of them first, so that none sees another end."""
+        for number in (signal.SIGSTOP, signal.SIGKILL):
+            for pid in pids:
+                self._kill(pid, number)
+
     def _stop(self, name, number=signal.SIGTERM):
         pid = self._pid(name)
         if pid is None:
@@ -158,8 +164,7 @@ class Slurm:
 
         def is_dead():
             left = self.processes(node)
-            for pid in left:
-                self._kill(pid)
+            self.kill_at_once(left)
             return not left
         wait_until(is_dead, f"the end of {node}")
 

@@ -51,6 +51,13 @@ def a_node_dies(cdb, slurm):
     check("is complete" in cdb.run(*command).stderr, "nothing is left to submit")
 
 
+def command_of(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8").strip()
+    except (FileNotFoundError, ProcessLookupError):
+        return ""  # a run's process that has ended meanwhile
+
+
 def a_task_and_the_merge_are_killed(cdb, slurm):
     """The rest is merged, and the same command submits just what is missing. Then the merge is lost, and the command merges."""
     command = ("submit", "small.cdb", "--tasks", "3")
@@ -59,12 +66,7 @@ def a_task_and_the_merge_are_killed(cdb, slurm):
     array, merge = submitted("small.runs")
     wait_until(lambda: shards("small.runs") and slurm.programs("n1", cdb.path), "a task")
     first = next(line for line in slurm.active() if "RUNNING" in line).split()[0].split("_")[1]
-    for pid in slurm.processes("n1"):
-        try:
-            if "slurmstepd" not in pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8"):
-                os.kill(pid, signal.SIGKILL)
-        except (FileNotFoundError, ProcessLookupError):
-            pass  # a run's process that has ended meanwhile
+    slurm.kill_at_once([pid for pid in slurm.processes("n1") if command_of(pid) not in ("", "slurmstepd")])
     wait_until(lambda: not slurm.active(), "the end of the jobs")
     states = cdb.states("small.h5")
     missing = sum(" missing " in line for line in states)
