@@ -113,7 +113,7 @@ class Slurm:
         except ProcessLookupError:
             pass
 
-    def kill_at_once(self, pids):
+    def kill_together(self, pids):
         """Stops all of them first, so that none sees another end."""
         for number in (signal.SIGSTOP, signal.SIGKILL):
             for pid in pids:
@@ -133,6 +133,14 @@ class Slurm:
         lines = subprocess.run(["sinfo", "-h", "-N", "-o", "%N %T"], capture_output=True, text=True, check=False).stdout
         return dict(line.split() for line in lines.splitlines())
 
+    @staticmethod
+    def is_daemon(pid):
+        """Whether it is the daemon that waits for a job; false if it has ended."""
+        try:
+            return pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8").startswith("slurmstepd")
+        except OSError:
+            return False
+
     def processes(self, node=None):
         """Of jobs of this Slurm, with the daemons that wait for them: by the environment that Slurm gives them."""
         ours = f"SLURM_CONF={self.folder}/slurm.conf".encode()
@@ -148,7 +156,7 @@ class Slurm:
                     continue
                 found.add(int(entry.name))
                 parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-                if pathlib.Path(f"/proc/{parent}/comm").read_text().startswith("slurmstepd"):
+                if self.is_daemon(parent):
                     found.add(parent)
             except (OSError, IndexError):
                 continue
@@ -164,7 +172,7 @@ class Slurm:
 
         def is_dead():
             left = self.processes(node)
-            self.kill_at_once(left)
+            self.kill_together(left)
             return not left
         wait_until(is_dead, f"the end of {node}")
 

@@ -3,7 +3,6 @@
 
   slurm_test.py CDB RESULT_STATES
 """
-import os
 import pathlib
 import re
 import signal
@@ -39,8 +38,7 @@ def a_node_dies(cdb, slurm):
     array, _ = submitted(runs)
     first.send_signal(signal.SIGTERM)
     check(f"job {array} goes on without this command" in finish(first, 143), "how to follow it again")
-    for pid in slurm.programs("n1", cdb.path):
-        os.kill(pid, signal.SIGKILL)
+    slurm.kill_together(slurm.programs("n1", cdb.path))
     slurm.kill_node("n2")
     second = cdb.start(*command)
     text = finish(second, 0)
@@ -51,13 +49,6 @@ def a_node_dies(cdb, slurm):
     check("is complete" in cdb.run(*command).stderr, "nothing is left to submit")
 
 
-def command_of(pid):
-    try:
-        return pathlib.Path(f"/proc/{pid}/comm").read_text(encoding="utf-8").strip()
-    except (FileNotFoundError, ProcessLookupError):
-        return ""  # a run's process that has ended meanwhile
-
-
 def a_task_and_the_merge_are_killed(cdb, slurm):
     """The rest is merged, and the same command submits just what is missing. Then the merge is lost, and the command merges."""
     command = ("submit", "small.cdb", "--tasks", "3")
@@ -66,7 +57,7 @@ def a_task_and_the_merge_are_killed(cdb, slurm):
     array, merge = submitted("small.runs")
     wait_until(lambda: shards("small.runs") and slurm.programs("n1", cdb.path), "a task")
     first = next(line for line in slurm.active() if "RUNNING" in line).split()[0].split("_")[1]
-    slurm.kill_at_once([pid for pid in slurm.processes("n1") if command_of(pid) not in ("", "slurmstepd")])
+    slurm.kill_together([pid for pid in slurm.processes("n1") if not slurm.is_daemon(pid)])
     wait_until(lambda: not slurm.active(), "the end of the jobs")
     states = cdb.states("small.h5")
     missing = sum(" missing " in line for line in states)

@@ -20,8 +20,9 @@ double SquareAcross(const Vector3d& point, const Vector3d& half) {
   return std::pow(point.x() / half.x(), 2) + std::pow(point.z() / half.z(), 2);
 }
 
-/// The shortest rotation of the y axis to `direction`. Computes as Quaterniond::FromTwoVectors,
-/// whose singular value decomposition, for opposite vectors, takes seconds to compile.
+/// The shortest rotation of the y axis to `direction`. The same formula as in Eigen's
+/// FromTwoVectors, which takes seconds to compile because it decomposes singular values where the
+/// vectors are opposite.
 Eigen::Quaterniond FromYAxisTo(const Vector3d& direction) {
   constexpr double kOpposite = 1e-12;
   const Vector3d to = direction.normalized();
