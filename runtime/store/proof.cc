@@ -37,6 +37,15 @@ void ReadShard(const hdf5::File& file, const std::string& name) {
 
 }  // namespace
 
+files::WorkLimits LimitsForEveryValue(std::uint64_t bytes) {
+  // The file may be mostly its plan: yaml-cpp takes 42 bytes for one of the text, and the plan has
+  // as many again.
+  constexpr std::uint64_t kPlanMemory = 80;
+  files::WorkLimits limits = files::LimitsForFile(bytes);
+  limits.memory_bytes += kPlanMemory * bytes;
+  return limits;
+}
+
 bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
                const std::function<void(bool reads_values)>& read) {
   const files::SealState seal = files::CheckSeal(path);
@@ -53,9 +62,8 @@ bool ProveFile(const fs::path& path, std::string_view remedy, ProofOf of,
     if (reads_values) hdf5::CheckGlobalHeaps(path);
     read(reads_values);
   };
-  files::WorkLimits limits = files::LimitsForFile(error ? 0 : bytes);
-  if (of == ProofOf::kEveryValue && !error) limits.memory_bytes += kPlanMemory * bytes;
-  const std::string why = files::RunLimited(prove, limits);
+  const auto limits_for = of == ProofOf::kEveryValue ? LimitsForEveryValue : files::LimitsForFile;
+  const std::string why = files::RunLimited(prove, limits_for(error ? 0 : bytes));
   if (why.empty()) return seal == files::SealState::kGood;
   if (why.starts_with(path.string() + ": ")) throw files::StoreError(why);
   throw files::StoreError(

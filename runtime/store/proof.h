@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "runtime/store/files/limited_process.h"
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/store.h"
 
@@ -21,6 +23,9 @@ inline constexpr std::string_view kDigestText =
 
 /// Size limit for ProofOf::kFewValues.
 inline constexpr std::uintmax_t kMostProven = 64 << 20;
+
+/// The limits for reading a results file of `bytes` with all its values and its plan.
+files::WorkLimits LimitsForEveryValue(std::uint64_t bytes);
 
 /// Compares the file with its seal, if it has one. Then runs `read` in a process with limits
 /// (limited_process.h): it opens the file and reads its structure, and all values if its argument

@@ -10,17 +10,22 @@
 #include <filesystem>
 #include <functional>
 #include <new>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/store/files/limited_process.h"
 #include "runtime/store/files/seal.h"
+#include "runtime/store/proof.h"
 #include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
+#include "tests/support/sanitizers.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {
@@ -249,6 +254,28 @@ TEST(LimitedProcess, SaysHowItsWorkEnded) {
                   },
                   limits),
               HasSubstr("takes longer than the 1 s"));
+}
+
+// At 33 MB, the plan of 20,000 runs, a limit without room for the plan's tree refused good files.
+TEST(LimitedProcess, HasRoomForAPlanOfAnyLength) {
+  if (kAnySanitizer) GTEST_SKIP() << "a sanitizer has no limit of memory";
+  std::vector<double> masses(1000);
+  std::iota(masses.begin(), masses.end(), 1.0);
+  plan::Plan plan = MakePlan({NumberAxis("objects_mass", masses)}, 1, {});
+  for (plan::Run& run : plan.runs) {
+    run.scene = DefaultScene(3, 100);
+    SetGroup(run.scene, "mass", masses[run.at[0]]);
+    run.id = plan::RunId(run.scene, run.rep);
+  }
+  const std::string text = yaml::ToYaml(plan);
+  ASSERT_GT(text.size(), 1u << 20);
+  const auto read = [&](files::WorkLimits limits, const files::WorkLimits& least) {
+    limits.memory_bytes -= least.memory_bytes;
+    return files::RunLimited([&] { yaml::FromYaml(text, "plan"); }, limits);
+  };
+  EXPECT_EQ(read(store::LimitsForEveryValue(text.size()), store::LimitsForEveryValue(0)), "");
+  EXPECT_THAT(read(files::LimitsForFile(text.size()), files::LimitsForFile(0)),
+              HasSubstr("more memory than such a file needs"));
 }
 
 }  // namespace
