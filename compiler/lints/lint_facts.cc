@@ -7,6 +7,7 @@
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/kinematic.h"
 #include "compiler/analysis/surface.h"
+#include "compiler/schema/catalogue.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 
@@ -68,26 +69,24 @@ void AddLinks(GroupFacts& objects) {
   objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
 
-/// The fraction of its bounding box that an object fills, roughly.
-double FillOf(std::string_view type) {
-  constexpr std::pair<std::string_view, double> kFills[] = {
-      {"sphere", 0.52}, {"cuboid", 1}, {"cylinder", 0.79}, {"cone", 0.26}, {"tetrahedron", 0.33}};
-  for (const auto& [name, fill] : kFills)
-    if (name == type) return fill;
-  return 0.5;
+/// About the fraction of its bounding box that an object of the type fills.
+double FillOf(const schema::Value& type) {
+  constexpr double kOfAMesh = 0.5;
+  const schema::Word* word = schema::AsWord(type);
+  if (word == nullptr) return kOfAMesh;
+  const auto found =
+      std::ranges::find(schema::ObjectTypes(), word->text, &schema::ObjectType::name);
+  CDB_CHECK(found != schema::ObjectTypes().end());
+  return found->fill;
 }
 
 Bounds FillBounds(const schema::Value& types) {
   const schema::Distribution* drawn = schema::AsDistribution(types);
-  const auto fill_of = [](const schema::Value& type) {
-    const schema::Word* word = schema::AsWord(type);
-    return FillOf(word != nullptr ? word->text : "");
-  };
-  if (drawn == nullptr) return {fill_of(types), fill_of(types)};
+  if (drawn == nullptr) return {FillOf(types), FillOf(types)};
   Bounds fills{1, 0};
   for (const schema::Value& type : drawn->arguments) {
-    fills.least = std::min(fills.least, fill_of(type));
-    fills.most = std::max(fills.most, fill_of(type));
+    fills.least = std::min(fills.least, FillOf(type));
+    fills.most = std::max(fills.most, FillOf(type));
   }
   return fills;
 }

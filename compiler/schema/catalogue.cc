@@ -8,16 +8,17 @@ namespace cdb::schema {
 namespace {
 
 constexpr ObjectType kObjectTypes[] = {
-    {"sphere", "a ball, or an ellipsoid if the sides are unequal"},
-    {"cuboid", "a box"},
-    {"cylinder", "along y; its base extends over the x and z sides"},
-    {"cone", "along y, apex up; its base extends over the x and z sides"},
-    {"capsule", "along y, with round ends; a ball if it is no taller than wide"},
-    {"tetrahedron", "on alternate corners of its box; regular if the sides are equal"},
-    {"torus", "lies flat; its hole is along y and twice as wide as the tube; 16 convex hulls"},
-    {"bunny", "the Stanford Bunny; convex hulls"},
-    {"armadillo", "the Stanford Armadillo; convex hulls"},
-    {"teapot", "the Utah teapot; convex hulls"},
+    {"sphere", "a ball, or an ellipsoid if the sides are unequal", 0.52},
+    {"cuboid", "a box", 1},
+    {"cylinder", "along y; its base extends over the x and z sides", 0.79},
+    {"cone", "along y, apex up; its base extends over the x and z sides", 0.26},
+    {"capsule", "along y, with round ends; a ball if it is no taller than wide", 0.52},
+    {"tetrahedron", "on alternate corners of its box; regular if the sides are equal", 0.33},
+    {"torus", "lies flat; its hole is along y and twice as wide as the tube; 16 convex hulls",
+     0.46},
+    {"bunny", "the Stanford Bunny; convex hulls", 0.5},
+    {"armadillo", "the Stanford Armadillo; convex hulls", 0.5},
+    {"teapot", "the Utah teapot; convex hulls", 0.5},
 };
 
 // The optional parts of this build.

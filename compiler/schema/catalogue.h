@@ -11,6 +11,7 @@ namespace cdb::schema {
 struct ObjectType {
   std::string_view name;
   std::string_view doc;
+  double fill;  ///< about the fraction of its bounding box that it fills
 };
 
 /// Known errors of a third-party detector.
