@@ -190,7 +190,7 @@ std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
     }
     table.AddRow(std::move(row));
   }
-  return "Which one to take\n" + table.Text();
+  return "Which one to use\n" + table.Text();
 }
 
 std::string AnswerText(const SceneFigures& scene) {

@@ -1,4 +1,4 @@
-// The extension of VS Code packs, and holds what its manifest names.  extension.mjs CDB SOURCE CMAKE
+// The extension for VS Code can be packed, and contains the files that its manifest names.  extension.mjs CDB SOURCE CMAKE
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";

@@ -20,7 +20,7 @@ const registry = new textmate.Registry({
 });
 const grammar = await registry.loadGrammar("source.cdb");
 
-// [text, innermost scope] of each token that is not plain.
+// [text, innermost scope] of each token that has a scope.
 const tokens = (text) => {
   let state = textmate.INITIAL;
   const all = [];
@@ -57,7 +57,7 @@ assert.equal(scopeOf("seed 0xAA_BB", "0xAA_BB"), "constant.numeric.cdb");
 assert.equal(scopeOf("timestep 1.5e-3", "1.5e-3"), "constant.numeric.cdb");
 assert.equal(scopeOf("any(bottom 3)", "bottom"), undefined, "part of a word");
 
-// In no example does a parameter or a statement stay plain.
+// In the examples, every parameter and statement has a scope.
 for (const name of readdirSync(examples).filter((one) => one.endsWith(".cdb"))) {
   const seen = new Set(tokens(readFileSync(join(examples, name), "utf8")).map(([token]) => token));
   for (const word of ["benchmark"]) assert.ok(seen.has(word), name);

@@ -1,4 +1,4 @@
-// `cdb lsp` with a real client: the sequence of messages of an editor, over pipes.  session.mjs CDB
+// `cdb lsp` with a real client that sends an editor's sequence of messages over pipes.  session.mjs CDB
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -41,7 +41,7 @@ assert.equal(capabilities.positionEncoding, "utf-16");
 assert.equal(capabilities.textDocumentSync.change, 2);
 await connection.sendNotification("initialized", {});
 
-// Opened with a fault behind a character of two UTF-16 units.
+// Opened with an error after a character of two UTF-16 units.
 await connection.sendNotification("textDocument/didOpen", { textDocument: { uri, languageId: "cdb", version: 1,
   text: "use \"base\"\nlet n = sweep(10, 100)\nbenchmark b \"😀\" { colour red }\n" } });
 let found = await diagnostics();
@@ -51,7 +51,7 @@ const fault = found.diagnostics.find((one) => one.code === "E0201");
 assert.deepEqual(fault.range, range(2, 19, 25));
 assert.equal(found.diagnostics.find((one) => one.code === "W0203").severity, 2);
 
-// Typed a character at a time: the diagnostics come once, when it rests.
+// Typed one character at a time: the diagnostics come once, after a pause.
 let column = 19;
 await connection.sendNotification("textDocument/didChange", { textDocument: { uri, version: 2 },
   contentChanges: [{ range: range(2, 19, 29), text: "" }] });

@@ -1,4 +1,4 @@
-// A headless browser that counts everything that a page must not do.
+// A headless browser that records everything that a page must not do.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -68,8 +68,7 @@ export const settle = (tab) =>
   tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 /**
- * What of a page could be seen to be wrong: marks without a place, tick labels that overlap, a page wider than the
- * screen.
+ * Visible faults of a page: marks without a position, tick labels that overlap, a page wider than the screen.
  */
 export async function blemishes(tab) {
   return tab.evaluate(() => {
@@ -101,7 +100,7 @@ export async function blemishes(tab) {
   });
 }
 
-/** Saves a file by a button of a figure. @returns {Promise<Buffer>} */
+/** Clicks a figure's button that saves a file. @returns {Promise<Buffer>} */
 export async function saveFile(tab, figure, format) {
   const target = `${folder}/downloads`;
   mkdirSync(target, { recursive: true });
@@ -135,7 +134,7 @@ export const parseCsv = (text) =>
         .slice(0, line.endsWith(',') ? undefined : -1),
     );
 
-/** Of each mark of a figure: its centre in px and the row of its data. */
+/** For each mark of a figure: its centre in px and its row of the data. */
 export const marksOf = (tab, figure) =>
   tab.evaluate(
     (id) =>

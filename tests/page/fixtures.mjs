@@ -7,7 +7,7 @@ const phases = ['broad', 'narrow', 'detect', 'solve', 'integrate', 'step'].map((
 }));
 const shares = { broad: 0.2, narrow: 0.3, detect: 0.5, solve: 0.4, integrate: 0.1, step: 1 };
 
-/** Every combination of indices, the last axis the fastest. */
+/** Every combination of indices; the last axis varies fastest. */
 function grid(axes) {
   return axes.reduce((places, axis) => places.flatMap((place) => axis.values.map((_, i) => [...place, i])), [[]]);
 }
@@ -185,7 +185,7 @@ export const first = () =>
     },
   );
 
-/** Void points, marks, verdicts, failures, findings and omissions; a third axis that is pooled; a hole. */
+/** Void points, marks, verdicts, failures, findings and omissions; a third axis that is pooled; a missing point. */
 export function mixed() {
   const document = documentOf(
     [texts('detector', detectors.slice(0, 3)), numbers('speed', [1, 10, 100, 1000]), numbers('seed', [1, 2])],
@@ -257,7 +257,7 @@ export function accuracy() {
 }
 
 const script = '<script>window.hacked = 1</script><img src=x onerror="window.hacked = 1">';
-/** Markup, quotes, changes of direction and long names wherever text can be. */
+/** Markup, quotes, bidirectional characters and long names wherever there can be text. */
 export function hostile() {
   const evil = [script, '"\'`&amp;</script><!--', '\u202eright to left\u202c עברית', 'x'.repeat(500), '=1+1', ''];
   const document = documentOf(

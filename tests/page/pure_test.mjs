@@ -134,7 +134,7 @@ test('void points stand apart, and a hole leaves its cell out of every mark of i
   assert.equal(isUnmatched, false);
   for (const each of groups) {
     assert.ok(each.points.every((p) => doc.isVoid[p] === each.isVoid));
-    // Simple has no time at speed 10, seed 2: the sound marks have seed 1 alone,
+    // Simple has no time at speed 10, seed 2: the sound marks only have seed 1,
     // and the void ones seed 2, as one of them has no other.
     assert.equal(each.points.length, 1);
   }

@@ -1,4 +1,4 @@
-// The page of `cdb report` in a browser: what it draws against the numbers of its document, its controls, its cases.
+// The page of `cdb report` in a browser: compares the figures with the numbers of the document; controls; special cases.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import {

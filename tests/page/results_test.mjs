@@ -1,4 +1,4 @@
-// Pages that `cdb report` writes of real results: what they draw against what `cdb show --json` or the page itself has.
+// Pages that `cdb report` writes for real results: compares the figures with `cdb show --json` and the document in the page.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
@@ -45,7 +45,7 @@ async function clean(name) {
   await tab.screenshot({ path: `${folder}/result-${name}.png`, fullPage: true });
 }
 
-/** Each value of a figure's CSV is the document's, in ns. */
+/** Each value of a figure's CSV is that of the document, in ns. */
 async function compareTimes(document, axes) {
   const [header, ...rows] = parseCsv(String(await saveFile(tab, 'times', 'CSV')));
   const column = header.findIndex((label) => label.startsWith('time of step'));

@@ -20,7 +20,7 @@ async function clean(name) {
   await tab.screenshot({ path: `${folder}/${name}.png`, fullPage: true });
 }
 
-/** Of `cdb suite`: two detectors in one scene; sap32 is wrong. @param {string} [what] */
+/** As written by `cdb suite`: two detectors in one scene; sap32 is wrong. @param {string} [what] */
 const suiteOf = (what = 'debris') => {
   const configuration = (name, more) => ({
     name,

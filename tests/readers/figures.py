@@ -31,7 +31,7 @@ def save(ax, name):
     ax.figure.savefig(f"{folder}/figure_{name}.png", dpi=80)
 
 
-# Of points whose repeats are all sound, the statistic follows from the file in one line.
+# For points whose repeats are all sound, one line computes the statistic from the file.
 assert figures.axis_names == ["quantity", "size", "detector"], figures.axis_names
 whole = [i for i, n in enumerate(figures.points["repeats"]) if n == 2]
 for phase in ("broad", "step"):
@@ -75,7 +75,7 @@ for i in figures.find(size=figures.axes["size"]["values"][0]):
     checked += 1
 save(ax, "stability")
 
-# Errors, of a real scene.
+# Errors of a real scene.
 result = folder + "/accuracy.h5"
 subprocess.run([program, "run", "-q", "--fresh", "-b", "accuracy", "-o", result, scenario], check=True,
                stdout=subprocess.DEVNULL)
@@ -87,7 +87,7 @@ check([c.lines[0].get_ydata()[0] for c in ax.containers], [row["error"] for row 
 check([row["error"] for row in rows],
       [float(errors.position.sel(row["at"]).squeeze()) for row in rows])
 duration = xarray.open_dataset(result).duration.sel(phase="step")
-# Runs of 60 Hz are the shortest, so that NaN pads them.
+# Runs at 60 Hz have the fewest cycles, so they are padded with NaN.
 check([c.lines[0].get_xdata()[0] for c in ax.containers],
       [1e9 / float(duration.sel(row["at"]).median("rep").mean("cycle")) / row["at"]["hz"]
        for row in rows])

@@ -31,7 +31,7 @@ with open(folder + "/labels.tsv", encoding="utf-8") as lines:
         found += 1
 assert set(groups) == {"", "run", "accuracy", "accuracy/reference"}, groups
 for group, data in groups.items():
-    # A name that a dataset has by itself would hide the variable.
+    # An attribute of a dataset with this name would hide the variable.
     hidden = [name for name in data.variables if hasattr(xarray.Dataset, name)]
     assert not hidden, (group, hidden)
 assert groups["accuracy"].sample.attrs["units"] == "s"

@@ -70,7 +70,7 @@ class Fixture {
     return cell * kRepeats + rep;
   }
 
-  /// Every value another one.
+  /// Every value is different.
   static double SampleOf(std::size_t reference, std::size_t index) {
     return static_cast<double>(1000 * reference + index) + 0.5;
   }

@@ -32,13 +32,13 @@ const browser = await puppeteer.launch({
   args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 });
 
-// A page whose every message on the console is an error of the test.
+// Any message on the page's console fails the test.
 async function open(name, hash = '', { width = 1100, height = 800, scheme = 'light' } = {}) {
   const page = await browser.newPage();
   page.setDefaultTimeout(180_000); // a busy machine is no error
   const troubles = [];
   page.on('console', (message) => {
-    // Of software rendering, which the browser remarks on.
+    // The browser warns of software rendering.
     if (!/GPU stall|swiftshader|software WebGL/i.test(message.text())) troubles.push(message.text());
   });
   page.on('pageerror', (error) => troubles.push(String(error)));
@@ -61,7 +61,7 @@ async function pickTyped(page, body) {
   }, String(body));
 }
 
-// The position in the panel is that of the file, in float32.
+// The panel shows the position in the file, in float32.
 async function expectPosition(page, cycle, body, at = coarse) {
   const shown = (await text(page, 'fact-position')).replace(' m', '').split(' ').map(Number);
   const expected = pose(cycle, body, at).slice(0, 3).map((value) => Number(Math.fround(value).toPrecision(7)));
@@ -69,7 +69,7 @@ async function expectPosition(page, cycle, body, at = coarse) {
     `cycle ${cycle}, body ${body}: ${shown} instead of ${expected}`));
 }
 
-// Each component is exact to what the document says of orientations.
+// Each component is as exact as the document says for orientations.
 async function expectTurn(page, cycle, body) {
   const shown = (await text(page, 'fact-turn')).split(' ').slice(0, 4).map(Number);
   const expected = pose(cycle, body).slice(3);
@@ -104,7 +104,7 @@ async function seeksByKeyboard() {
   await page.close();
 }
 
-// A click on the time line seeks, and the address leads back to the same view.
+// A click on the time line seeks, and the address restores the same view.
 async function keepsItsStateInTheAddress() {
   const { page } = await open('scene.html');
   const line = await (await page.$('.timeline canvas')).boundingBox();
@@ -126,7 +126,7 @@ async function keepsItsStateInTheAddress() {
   await other.close();
 }
 
-// The middle of the scene is not one colour.
+// The middle of the scene has more than one colour.
 async function drawsBodies() {
   const { page, troubles } = await open('scene.html', '#colour=shape', { scheme: 'dark' });
   const colours = await page.evaluate(() => {
@@ -145,7 +145,7 @@ async function drawsBodies() {
   await page.close();
 }
 
-// Both runs stand at the same simulated time.
+// Both runs show the same simulated time.
 async function showsTwoRunsInTime() {
   const { page, troubles } = await open('beside.html', '#time=0.2');
   equal(await text(page, 'clock'), `A cycle 11 of ${cycles}, 0.2 s · B cycle 23 of ${cycles}, 0.2 s`);

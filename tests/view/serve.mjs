@@ -15,7 +15,7 @@ const [line] = await once(server.stdout, 'data');
 const address = String(line).trim();
 ok(/^http:\/\/127\.0\.0\.1:\d+\/[0-9a-f]{32}\/$/.test(address), address);
 
-// Without the token, or by another name of this machine, nothing is to be had.
+// Requests without the token, or to another name of this machine, are refused.
 function statusOf(url, headers = {}, method = 'GET') {
   return new Promise((resolve, reject) => {
     http.request(url, { headers, method }, (response) => { response.resume(); resolve(response.statusCode); })
@@ -55,7 +55,7 @@ try {
   await put('[data-name="things.quantity"]', '40', 'change');
   await holds('#text', 'quantity        40');
   await holds('header', '41 objects');
-  // What is wrong is said, and the scene stays.
+  // An error is shown, and the scene stays.
   await put('[data-name="things.size"]', 'huge', 'change');
   await holds('#diagnostics', "'size' cannot be");
   await holds('header', '41 objects');

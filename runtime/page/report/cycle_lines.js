@@ -56,7 +56,7 @@ export function describeLines(doc, view, { theme: plain }, chosen) {
   const phase = phaseOf(doc, view);
   const title = `Time of ${phase} in each cycle`;
   const values = doc.raw.cycles[phase];
-  if (!values) return { title, empty: `The file has no times of ${phase} of single cycles.` };
+  if (!values) return { title, empty: `The file has no times of ${phase} of individual cycles.` };
   const bins = usedBins(doc.raw.cycles, chosen);
   const { unit, factor } = timeUnit(extent(chosen.flatMap(({ entry }) => values[entry] ?? []))[1]);
   const series = chosen.map((each) => ({
@@ -96,7 +96,7 @@ export function describePhaseLines(doc, view, { theme, width }, chosen) {
     chosen.some(({ entry }) => cycles[name]?.[entry]?.some((value) => value !== null)),
   );
   const title = 'Phases of each cycle';
-  if (names.length === 0) return { title, empty: 'The file has no times of single cycles.' };
+  if (names.length === 0) return { title, empty: 'The file has no times of individual cycles.' };
   const all = chosen.flatMap(({ entry }) => names.flatMap((name) => cycles[name][entry] ?? []));
   const { unit, factor } = timeUnit(extent(all)[1]);
   const y = scale(

@@ -84,7 +84,7 @@ export function describeStack(doc, view, { theme, width }, chosen) {
   const bins = usedBins(cycles, chosen);
   const names = parts.filter((name) => cycles[name]?.some((values) => values?.some((value) => value !== null)));
   const title = 'Phases of each cycle';
-  if (names.length === 0) return { title, empty: 'The file has no times of single cycles.' };
+  if (names.length === 0) return { title, empty: 'The file has no times of individual cycles.' };
   const totals = chosen.flatMap(({ entry }) =>
     bins.map((_, b) => names.reduce((sum, name) => sum + (cycles[name]?.[entry]?.[b] ?? 0), 0)),
   );

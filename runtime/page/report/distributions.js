@@ -112,7 +112,7 @@ export function describeDistributions(doc, view, { theme, width }) {
   if (!quantiles || chosen.length === 0) return { title, empty: 'This document has no distributions.' };
   const { unit, factor } = timeUnit(extent(chosen.flatMap(({ entry }) => quantiles[entry] ?? []))[1]);
   const rows = quantileRows(doc, chosen, quantiles, factor);
-  if (rows.length === 0) return { title, empty: `The file has no times of ${phase} of single cycles.` };
+  if (rows.length === 0) return { title, empty: `The file has no times of ${phase} of individual cycles.` };
   const ends = rows.flatMap((row) => [row.min, row.max]);
   const x = scale(ends, view.yScale, { ratio: 8, room: roomOf(width) });
   const label = `time of ${phase}, ${unit}`;
@@ -175,10 +175,10 @@ export function describeRepeats(doc, view, { theme, width }) {
   const title = `Time of ${phase}: spread over the repeats`;
   const chosen = chosenOf(doc, view);
   const means = doc.raw.distributions?.repeat_means?.[phase];
-  if (!means || chosen.length === 0) return { title, empty: 'This document has no figures of single repeats.' };
+  if (!means || chosen.length === 0) return { title, empty: 'This document has no times of individual repeats.' };
   const rows = repeatRows(doc, chosen, means);
   if (rows.length === 0)
-    return { title, empty: 'Each point has one repeat: nothing says how much a repeat differs from the next.' };
+    return { title, empty: 'Each point has one repeat, so the spread between repeats is unknown.' };
   const percents = rows.map((row) => row.percent);
   const x = scale(percents, 'linear', { fromZero: false, room: roomOf(width) });
   const label = 'from the median repeat, %';

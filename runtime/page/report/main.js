@@ -76,7 +76,7 @@ function sectionsOf(doc, figures, key) {
       isSingle(doc) ? 'Phases' : 'Over the axes',
       isSingle(doc) ? take('phases') : take('times', 'phases'),
     ],
-    has.ratios(doc) && ['paired', 'Rivals', take('rivals')],
+    has.ratios(doc) && ['paired', 'Detectors compared', take('rivals')],
     has.errors(doc) && ['accuracy', 'Error against run time', take('errors')],
     (has.cycles(doc) || doc.raw.distributions) && [
       'over-cycles',

@@ -34,7 +34,7 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
   const statistic = isTime
     ? statisticText(doc, view)
     : quantity.dimension === 'ratio'
-      ? `Paired: each point over the one of ${short(doc.raw.ratios.baseline, 40)} at the same place.`
+      ? `Paired: each point divided by that of ${short(doc.raw.ratios.baseline, 40)} at the same point.`
       : `Mean over the cycles.`;
   return {
     title,

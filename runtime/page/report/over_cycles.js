@@ -9,7 +9,7 @@ export function describeCycles(doc, view, how) {
   const { cycles } = doc.raw;
   const available = cycles?.points ?? (cycles ? doc.at.map((_, i) => i) : []);
   if (!cycles || available.length === 0)
-    return { title: 'Over the cycles', empty: 'This document has no times of single cycles.' };
+    return { title: 'Over the cycles', empty: 'This document has no times of individual cycles.' };
   const chosen = representatives(doc, view, available);
   const drawing = describers[view.cycles](doc, view, how, chosen);
   if (drawing.empty) return drawing;

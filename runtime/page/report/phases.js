@@ -85,7 +85,7 @@ function describeStackedRows(doc, view, { theme, width }) {
   if (names.length < 2) return { title: 'Phases', empty: '' };
   const { rows: found, totals, axis, grouped } = stackedRows(doc, { ...view, statistic: 'mean' }, names);
   const title = `Phases over ${axis?.name ?? 'the axis'}`;
-  if (found.length === 0) return { title, empty: 'No sound point has times of single phases.' };
+  if (found.length === 0) return { title, empty: 'No sound point has times of individual phases.' };
   const { unit, factor } = timeUnit(Math.max(...totals.values()));
   const labels = [...totals.keys()].sort((a, b) => totals.get(a) - totals.get(b));
   const margin = labelMargin(labels, width);

@@ -153,13 +153,13 @@ function notesOf(doc, rows, { fixed, mean }) {
     mean && `Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over them.`;
   return [
     fixed && `At ${fixed}.`,
-    'Paired: a time over the baseline’s in the same cell.',
+    'Paired: each time divided by the baseline’s in the same cell.',
     cells,
     hasIntervals ? intervalText(doc) : 'No intervals: one repeat.',
     kinds.has('quadrature') && 'Bars of pooled cells: half-widths in quadrature, in logarithms.',
     kinds.has('range') && 'Bars of pooled cells without intervals: the range over them.',
     rows.some((row) => !row.isMatched || row.isVoid) &&
-      'Hollow: not all detectors have this cell, sound and with the same omissions.',
+      'Hollow: not all detectors have a sound run of this cell with the same omissions.',
   ].filter(Boolean);
 }
 
@@ -176,7 +176,7 @@ const columnsOf = (detector) => [
 
 export function describeRatios(doc, view, { theme, width }) {
   const { ratios } = doc.raw;
-  const title = 'Rivals';
+  const title = 'Detectors compared';
   if (!ratios || doc.detectorAxis < 0 || !Object.keys(ratios.phases ?? {}).length)
     return { title, empty: 'There are no ratios: the sweep has no axis of detectors.' };
   const phase = phaseOfRatios(doc, view);
@@ -187,7 +187,7 @@ export function describeRatios(doc, view, { theme, width }) {
   const means = fixed ? [] : meanRows(doc, view, phase);
   const groups = groupsOf(facetRows(doc, view, columnsOfRatio(doc, ratios.phases[phase]), facet), means, facet);
   const all = groups.flatMap(([, own]) => own);
-  if (all.length === 0) return { title, empty: 'No two detectors have a time in the same place.' };
+  if (all.length === 0) return { title, empty: 'No two detectors have times for the same point.' };
   const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // not a mean, but the only cell
   const titleOf = (value) => {
     if (value === 'mean') return isAlone ? '' : 'geometric mean';
@@ -208,7 +208,7 @@ export function describeRatios(doc, view, { theme, width }) {
     };
   });
   return {
-    title: `Rivals: ${phase} over that of ${short(ratios.baseline, 40)}`,
+    title: `Detectors compared: ${phase} over that of ${short(ratios.baseline, 40)}`,
     columns: columnsOf(detectors.name),
     rows,
     panels,

@@ -182,7 +182,7 @@ function phaseTexts(doc) {
 const judgements = {
   quiet: 'The machine was quiet.',
   noisy: 'The machine was noisy.',
-  unknown: 'Nothing was recorded of how quiet the machine was.',
+  unknown: 'How quiet the machine was is not recorded.',
 };
 
 export function machine(doc) {
@@ -223,7 +223,7 @@ export function omissions(doc) {
     'left out',
     'points',
     'why',
-    ...(list.some((row) => row.changes) ? ['what the figures are without'] : []),
+    ...(list.some((row) => row.changes) ? ['not included in the figures'] : []),
   ];
   const rows = list.map((row) => [row.parts, places(doc, row), row.why, row.changes ?? null].slice(0, columns.length));
   return [

@@ -170,7 +170,7 @@ function notesOf(doc, view, rows, parts) {
     ...(fixed.length ? [`At ${fixed.join(', ')}.`] : []),
     ...(parts.worstOver.length ? [`The worst over ${parts.worstOver.map((a) => doc.axes[a].name).join(', ')}.`] : []),
     ...(rows.some((row) => row.level >= severity('frozen'))
-      ? ['From frozen on, bodies did not move as they were told, and times do not count.']
+      ? ['From the verdict frozen on, bodies did not move as they should have, and times do not count.']
       : []),
   ];
 }

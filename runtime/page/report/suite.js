@@ -56,14 +56,14 @@ function recommendations(suite, linkOf) {
         ...suite.budgets.map((name) => ({ label: `of all, in ${name}` })),
       ],
       rows,
-      'Which one to take',
+      'Which one to use',
     ),
     h(
       'p',
       { class: 'note' },
-      'Of the configurations that are right and whose slow steps (the 99th percentile) fit into the time: the most ',
+      'Of the configurations that are correct and whose slow steps (the 99th percentile) fit the time: the most ',
       'accurate, and of equally accurate ones the fastest. 1.18× is 1.18 times as fast as the baseline, which is dbvt, ',
-      'or Bullet with its own settings. After “or”: what cannot be told from it. A scene leads to its report.',
+      'or Bullet with its own settings. Configurations after “or” cannot be told from it. Each scene links to its report.',
     ),
   ];
 }
@@ -218,7 +218,7 @@ export function suiteParts(suite, linkOf) {
   return {
     head: [head(suite), warnings],
     sections: [
-      ['take', 'Which one to take', recommendations(suite, linkOf)],
+      ['take', 'Which one to use', recommendations(suite, linkOf)],
       ['scores', 'Scores', kinds(suite)],
       ['scenes', 'Scenes', scenes(suite, linkOf)],
       ['submission', 'What ran, and where', submission(suite)],

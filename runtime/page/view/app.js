@@ -45,7 +45,7 @@ export class App {
       this.stage = null;
       this.canvas.remove();
       this.stageBox.append(element('p', { class: 'notice' },
-        'This browser has no WebGL, so that the bodies cannot be drawn; the time line works.'));
+        'This browser has no WebGL, so the bodies cannot be drawn; the time line still works.'));
     }
   }
 
@@ -146,7 +146,7 @@ export class App {
     if (switches.contacts) {
       const counts = this.recordings.map((r, i) => (r.contacts ? r.contactRange(frames[i])[1] - r.contactRange(frames[i])[0] : 0));
       const depth = Math.max(...this.stage.panels.map(({ overlays }) => overlays.maxDepth));
-      words.push(`${counts.join(' / ')} contacts: blue with a gap, yellow to red by depth, at most ${Number(depth.toPrecision(3))} m in the run.`);
+      words.push(`${counts.join(' / ')} contacts: blue if apart, yellow to red by depth, at most ${Number(depth.toPrecision(3))} m in the run.`);
     }
     return words.join(' ');
   }

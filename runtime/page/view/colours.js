@@ -130,7 +130,7 @@ export const kColourModes = [
       ...categorical(['moves', 'unmoved'],
         (recording, frame) => (body) => (recording.isUnmoved(frame, body) ? 1 : 0)),
       legend: { swatches: [{ name: 'moves', colour: kCategories[0] }, { name: 'unmoved', colour: kCategories[1] }],
-        note: 'unmoved: the pose of the cycle before to the last bit, as of a sleeping object; '
+        note: 'unmoved: the same pose as in the previous cycle, to the last bit, like a sleeping object; '
           + 'which objects sleep is not recorded' },
     }) },
 ];

@@ -49,8 +49,8 @@ export class Controls {
         element('div', { class: 'buttons' },
           element('button', { type: 'button', id: 'frame', onclick: () => app.frameAll() }, 'Frame all'),
           element('button', { type: 'button', id: 'png', onclick: () => app.savePng() }, 'Save PNG')),
-        element('small', {}, 'Drag: turn. Right button or two fingers: move. Wheel: zoom. Space: play. ← →: a frame '
-          + '(shift: ten). Home, End. [ ]: slower, faster. Click a body: its data.')));
+        element('small', {}, 'Drag: rotate. Right button or two fingers: pan. Wheel: zoom. Space: play. ← →: one frame '
+          + '(shift: ten). Home, End. [ ]: slower, faster. Click a body to see its data.')));
   }
 
   makeBodyPanel() {
@@ -101,7 +101,7 @@ export class Controls {
   // The data of the picked body in this frame.
   setFacts(picked, frames) {
     if (!picked) {
-      this.facts.replaceChildren(element('dd', {}, 'Click one, or type its index.'));
+      this.facts.replaceChildren(element('dd', {}, 'Click a body, or type its index.'));
       return;
     }
     const { run, body } = picked;
@@ -118,7 +118,7 @@ export class Controls {
     };
     if (recording.frames > 1) facts.speed = `${number(recording.speeds(frame)[body])} m/s`;
     if (recording.contacts) facts.contacts = `${recording.contactCounts(frame)[body]}`;
-    if (!recording.isStart) facts.unmoved = recording.isUnmoved(frame, body) ? 'since the cycle before' : 'no';
+    if (!recording.isStart) facts.unmoved = recording.isUnmoved(frame, body) ? 'since the previous cycle' : 'no';
     this.facts.replaceChildren(...Object.entries(facts).flatMap(([name, value]) =>
       [element('dt', {}, name), element('dd', { id: `fact-${name}` }, value)]));
   }

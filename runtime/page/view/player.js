@@ -23,8 +23,8 @@ export class Player {
     this.object = element('footer', { class: recordings.length > 1 ? 'two' : '' },
       element('div', { class: 'bar' },
         ...(isStill ? [] : [button('home', '«', 'first frame (Home)', () => app.seek(0)),
-          button('back', '‹', 'a frame back (←)', () => app.step(-1)), this.play,
-          button('forward', '›', 'a frame on (→)', () => app.step(1)),
+          button('back', '‹', 'previous frame (←)', () => app.step(-1)), this.play,
+          button('forward', '›', 'next frame (→)', () => app.step(1)),
           button('end', '»', 'last frame (End)', () => app.seek(Infinity)), this.speed]),
         this.clock, element('span', { class: 'gap' }), ...this.timeline.legend(), this.series),
       ...(recordings.some(({ run }) => run.cycles > 0) ? [this.timeline.object] : []));
