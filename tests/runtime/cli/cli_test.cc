@@ -654,10 +654,11 @@ TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
     EXPECT_NE(text.find("\n# Look at "), std::string::npos) << file;
   }
   EXPECT_GE(count, 5);
-  const std::string words = program
-                                .Shell("cat '" + examples.string() +
-                                       "'/*.cdb | grep -v '^#' | tr -cs 'a-z_' '\\n' | sort -u")
-                                .out;
+  const std::string words =
+      program
+          .Shell("cat '" + examples.string() +
+                 "'/*.cdb | grep -v '^#' | tr -cs 'A-Za-z0-9_' '\\n' | sort -u")
+          .out;
   for (const auto& parameter : schema::Schema()) {
     const std::string name(parameter.name.substr(parameter.name.rfind('.') + 1));
     EXPECT_NE(words.find("\n" + name + "\n"), std::string::npos) << name << " is in no example";

@@ -258,7 +258,7 @@ TEST(LimitedProcess, SaysHowItsWorkEnded) {
 
 // At 33 MB, the plan of 20,000 runs, a limit without room for the plan's tree refused good files.
 TEST(LimitedProcess, HasRoomForAPlanOfAnyLength) {
-  if (kAnySanitizer) GTEST_SKIP() << "a sanitizer has no limit of memory";
+  if (kAnySanitizer) GTEST_SKIP() << "memory is not limited under a sanitizer";
   std::vector<double> masses(1000);
   std::iota(masses.begin(), masses.end(), 1.0);
   plan::Plan plan = MakePlan({NumberAxis("objects_mass", masses)}, 1, {});
