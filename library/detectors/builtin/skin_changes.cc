@@ -1,10 +1,16 @@
 #include "library/detectors/builtin/skin_changes.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <iterator>
 
 namespace cdb::builtin {
+namespace {
+
+constexpr std::size_t kWord = 64;  ///< flags in an element
+
+}  // namespace
 
 void SkinChanges::Forget() {
   knows_last_ = has_flags_ = false;
@@ -15,8 +21,10 @@ void SkinChanges::Forget() {
 void SkinChanges::Replace(std::span<const Pair> candidates) {
   if (!has_flags_) return;
   has_flags_ = false;
-  for (std::size_t i = 0; i < met_.size(); ++i)
-    if (met_[i] != 0) replaced_.push_back(candidates[i]);
+  for (std::size_t word = 0; word < met_.size(); ++word)
+    for (std::uint64_t bits = met_[word]; bits != 0; bits &= bits - 1)
+      replaced_.push_back(
+          candidates[word * kWord + static_cast<std::size_t>(std::countr_zero(bits))]);
 }
 
 bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
@@ -28,10 +36,12 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
     met_count_ = 0;
     has_flags_ = true;
   }
-  met_.resize(size, 0);
+  const std::size_t words = (size + kWord - 1) / kWord;
+  met_.resize(words, 0);
   parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-    const std::size_t begin = size * part / parts, end = size * (part + 1) / parts;
-    kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + begin,
+    const std::size_t first = words * part / parts, begin = first * kWord;
+    const std::size_t end = std::min(size, words * (part + 1) / parts * kWord);
+    kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + first,
                          end - begin, found.sink());
   });
   changed_.clear();

@@ -38,8 +38,8 @@ class SkinChanges {
 
   kernels::PairParts& parts_;
   bool knows_last_ = false;
-  bool has_flags_ = false;         ///< met_ has the flags of the candidates in use
-  std::vector<std::uint8_t> met_;  ///< a flag for each candidate
+  bool has_flags_ = false;          ///< met_ has the flags of the candidates in use
+  std::vector<std::uint64_t> met_;  ///< a bit for each candidate; see Kernels::find_changed
   std::size_t met_count_ = 0;
   std::vector<Pair> replaced_;  ///< candidates that overlapped when they were replaced
   std::vector<Pair> rest_;      ///< of the last call

@@ -107,8 +107,9 @@ struct Kernels {
   std::size_t (*find_outside)(const Box* boxes, std::size_t count, const Box& room, Id* outside);
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
-  /// The pairs for which `met` differs from whether their boxes overlap, in double. Updates `met`.
-  void (*find_changed)(const Box* boxes, const Pair* pairs, std::uint8_t* met, std::size_t count,
+  /// The pairs for which `met` differs from whether their boxes overlap, in double. Updates `met`:
+  /// a bit for each pair, 64 in an element, lowest first; bits beyond the last pair are zero.
+  void (*find_changed)(const Box* boxes, const Pair* pairs, std::uint64_t* met, std::size_t count,
                        PairSink& sink);
   /// Pairs of the boxes 0 to `count` with `walls` bodies that share a box, from the id `first_wall`
   /// on; in double.

@@ -263,46 +263,71 @@ std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, 
   return found;
 }
 
+constexpr std::size_t kBits = 64;
+
+/// A bit for each of the items `begin` to `end`, at most kBits of them.
+///
+/// All of them are tested before any is written. The place to write to depends on the tests before,
+/// and a processor that reads nothing ahead of a store to an unknown address would wait for each
+/// test (on an AMD EPYC 7003 11.6 ns a pair instead of 2.1).
+template <typename Test>
+[[gnu::always_inline]] inline std::uint64_t BitsWhere(std::size_t begin, std::size_t end,
+                                                      const Test& test) {
+  std::uint64_t bits = 0;
+  for (std::size_t i = begin; i < end; ++i) bits |= std::uint64_t{test(i)} << (i - begin);
+  return bits;
+}
+
+/// Calls put(i) for each set bit of the items from `begin` on.
+template <typename Put>
+[[gnu::always_inline]] inline void ForEachBit(std::uint64_t bits, std::size_t begin,
+                                              const Put& put) {
+  for (; bits != 0; bits &= bits - 1) put(begin + static_cast<std::size_t>(__builtin_ctzll(bits)));
+}
+
 std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id* outside) {
   const InnerProbe probe(room);
   std::size_t found = 0;
-  for (std::size_t i = 0; i < count; ++i) {  // written, and kept if outside: no branch
-    outside[found] = static_cast<Id>(i);
-    found += !probe.Holds(boxes[i]);
+  for (std::size_t begin = 0; begin < count; begin += kBits) {
+    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+    const auto bits = BitsWhere(begin, end, [&](std::size_t i) { return !probe.Holds(boxes[i]); });
+    ForEachBit(bits, begin, [&](std::size_t i) { outside[found++] = static_cast<Id>(i); });
   }
   return found;
 }
 
-/// Puts the pairs for which `is_wanted(i)` holds. Each pair is written, and kept if wanted, without
-/// a branch.
-template <typename Wanted>
-[[gnu::always_inline]] inline void PutWanted(const Pair* pairs, std::size_t count, PairSink& sink,
-                                             const Wanted& is_wanted) {
-  constexpr std::size_t kBlock = 64;
-  for (std::size_t begin = 0; begin < count; begin += kBlock) {
-    const std::size_t end = begin + kBlock < count ? begin + kBlock : count;
-    while (static_cast<std::size_t>(sink.end - sink.at) < kBlock) sink.grow(sink);
-    Pair* out = sink.at;
-    for (std::size_t i = begin; i < end; ++i) {
-      *out = pairs[i];
-      out += is_wanted(i);
-    }
-    sink.at = out;
-  }
+[[gnu::always_inline]] inline void PutPairs(const Pair* pairs, std::uint64_t bits,
+                                            std::size_t begin, PairSink& sink) {
+  while (static_cast<std::size_t>(sink.end - sink.at) < kBits) sink.grow(sink);
+  Pair* out = sink.at;
+  ForEachBit(bits, begin, [&](std::size_t i) { *out++ = pairs[i]; });
+  sink.at = out;
+}
+
+/// The bits of the pairs `begin` to `end` whose boxes overlap.
+[[gnu::always_inline]] inline std::uint64_t MeetBits(const Box* boxes, const Pair* pairs,
+                                                     std::size_t begin, std::size_t end) {
+  return BitsWhere(begin, end,
+                   [&](std::size_t i) { return Meet(boxes[pairs[i].a], boxes[pairs[i].b]); });
 }
 
 void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
-  PutWanted(pairs, count, sink,
-            [&](std::size_t i) { return Meet(boxes[pairs[i].a], boxes[pairs[i].b]); });
+  for (std::size_t begin = 0; begin < count; begin += kBits) {
+    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+    PutPairs(pairs, MeetBits(boxes, pairs, begin, end), begin, sink);
+  }
 }
 
-void FindChanged(const Box* boxes, const Pair* pairs, std::uint8_t* met, std::size_t count,
+void FindChanged(const Box* boxes, const Pair* pairs, std::uint64_t* met, std::size_t count,
                  PairSink& sink) {
-  PutWanted(pairs, count, sink, [&](std::size_t i) {
-    const std::uint8_t before = met[i];
-    met[i] = Meet(boxes[pairs[i].a], boxes[pairs[i].b]);
-    return before ^ met[i];
-  });
+  for (std::size_t begin = 0; begin < count; begin += kBits) {
+    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+    const std::uint64_t bits = MeetBits(boxes, pairs, begin, end);
+    const std::uint64_t changed = bits ^ met[begin / kBits];
+    if (changed == 0) continue;
+    met[begin / kBits] = bits;
+    PutPairs(pairs, changed, begin, sink);
+  }
 }
 
 void MeetWall(const Box* boxes, std::size_t count, const Box& wall, Id first_wall,

@@ -165,11 +165,13 @@ class Check {
     kernels_.filter(boxes_.data(), candidates.data(), candidates.size(), pairs_.sink());
     ExpectPairs(pairs_, expected, true, "filter");
     expected.clear();
-    std::vector<std::uint8_t> met(candidates.size()), meet(candidates.size());
+    std::vector<std::uint64_t> met(candidates.size() / 64 + 1), meet(met.size());
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      met[i] = random_() % 2;
-      meet[i] = Overlap(boxes_[candidates[i].a], boxes_[candidates[i].b]);
-      if (met[i] != meet[i]) expected.push_back(candidates[i]);
+      const bool did = random_() % 2 != 0;
+      const bool does = Overlap(boxes_[candidates[i].a], boxes_[candidates[i].b]);
+      met[i / 64] |= std::uint64_t{did} << i % 64;
+      meet[i / 64] |= std::uint64_t{does} << i % 64;
+      if (did != does) expected.push_back(candidates[i]);
     }
     kernels_.find_changed(boxes_.data(), candidates.data(), met.data(), candidates.size(),
                           pairs_.sink());
