@@ -27,6 +27,35 @@ btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
   return {half.x() * (x / length), 0, half.z() * (z / length)};
 }
 
+/// The scalar products of a direction with the corners of a tetrahedron: with the one in the octant
+/// of all positive coordinates, and with those of which only one coordinate is positive.
+struct CornerDots {
+  btScalar all, x, y, z;
+
+  CornerDots(const btVector3& half, const btVector3& direction) {
+    const btVector3 at = direction * half;
+    all = at.x() + at.y() + at.z();
+    x = at.x() - at.y() - at.z();
+    y = -at.x() + at.y() - at.z();
+    z = -at.x() - at.y() + at.z();
+  }
+};
+
+/// The first corner of a tetrahedron that is farthest along `direction`. Looked up, as branches
+/// could not be predicted.
+btVector3 FarthestCorner(const btVector3& half, const btVector3& direction) {
+  static constexpr btScalar kAll[] = {1, 1, 1}, kX[] = {1, -1, -1}, kY[] = {-1, 1, -1},
+                            kZ[] = {-1, -1, 1};
+  /// By whether the dot of x, of y and of z exceeds those before it.
+  static constexpr const btScalar* kCorners[] = {kAll, kX, kY, kY, kZ, kZ, kZ, kZ};
+  const CornerDots dots(half, direction);
+  const btScalar most = std::max(dots.all, dots.x);
+  const unsigned exceeding = unsigned{dots.x > dots.all} | unsigned{dots.y > most} << 1 |
+                             unsigned{dots.z > std::max(most, dots.y)} << 2;
+  const btScalar* sign = kCorners[exceeding];
+  return {sign[0] * half.x(), sign[1] * half.y(), sign[2] * half.z()};
+}
+
 /// A hull that refers to its points. When asked for a single direction, as for contacts with
 /// planes, Bullet's own shape ignores the scaling in its search for the farthest point.
 class PieceShape : public btConvexPointCloudShape {
@@ -118,15 +147,8 @@ btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& dir
       point.setY(point.y() + (direction.y() < 0 ? -straight : straight));
       return point;
     }
-    case Shape::kTetrahedron: {
-      btVector3 farthest = core_;
-      for (int axis = 0; axis < 3; ++axis) {
-        btVector3 corner = -core_;
-        corner[axis] = core_[axis];
-        if (direction.dot(corner) > direction.dot(farthest)) farthest = corner;
-      }
-      return farthest;
-    }
+    case Shape::kTetrahedron:
+      return FarthestCorner(core_, direction);
     case Shape::kCuboid:
     case Shape::kCompound:  // made by MakeCompound
       break;
@@ -148,28 +170,31 @@ void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVecto
   for (int i = 0; i < count; ++i) points[i] = localGetSupportingVertexWithoutMargin(directions[i]);
 }
 
-SolidShape::Extent SolidShape::ExtentOfTetrahedron(const btVector3& direction) const {
-  const btVector3 at = direction * core_;
-  const btScalar x = at.x(), y = at.y(), z = at.z();
-  // The corners; each sum has the order of a scalar product.
-  const btScalar corners[] = {x + y + z, x - y - z, -x + y - z, -x - y + z};
-  Extent extent = {corners[0], corners[0]};
-  for (const btScalar corner : corners) {
-    if (corner < extent.least) extent.least = corner;
-    if (corner > extent.most) extent.most = corner;
-  }
-  return extent;
-}
-
+// The extents along an axis are the scalar products with the farthest points along it and against
+// it, to the bit.
 SolidShape::Extent SolidShape::ExtentAlong(const btVector3& direction) const {
-  if (solid_.shape == Shape::kTetrahedron) return ExtentOfTetrahedron(direction);
+  switch (solid_.shape) {
+    case Shape::kTetrahedron: {
+      const CornerDots dots(core_, direction);
+      const auto [least, most] = std::minmax({dots.all, dots.x, dots.y, dots.z});
+      return {least, most};
+    }
+    case Shape::kCone: {
+      const btScalar tip = direction.y() * (core_shift_ + core_.y());
+      const btScalar base = direction.y() * (core_shift_ - core_.y());
+      const btVector3 rim = EllipsePoint(core_, direction);
+      const btScalar x = direction.x() * rim.x(), z = direction.z() * rim.z();
+      return {std::min(-x + base - z, tip), std::max(x + base + z, tip)};
+    }
+    default:
+      break;
+  }
   const auto farthest = [&](const btVector3& along) {
     return direction.dot(SolidShape::localGetSupportingVertexWithoutMargin(along));
   };
   const btScalar most = farthest(direction);
   // Every other solid has equal extents on both sides, unless a support point is arbitrary.
-  const bool is_symmetric = solid_.shape != Shape::kCone && most > 0;
-  return {is_symmetric ? -most : farthest(-direction), most};
+  return {most > 0 ? -most : farthest(-direction), most};
 }
 
 void SolidShape::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {

@@ -42,7 +42,6 @@ class SolidShape : public btConvexInternalShape {
     btScalar least, most;
   };
   Extent ExtentAlong(const btVector3& direction) const;
-  Extent ExtentOfTetrahedron(const btVector3& direction) const;
 
   objects::Solid solid_;
   btVector3 core_;       ///< half extents of the core
