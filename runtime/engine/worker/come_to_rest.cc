@@ -78,9 +78,10 @@ double Falling::Timestep() const {
                   std::sqrt(kFallOfStep * least_half_extent / gravity));
 }
 
-void ComeToRest(world::Engine& engine, const Falling& falling,
+bool ComeToRest(world::Engine& engine, const Falling& falling,
                 std::vector<ContactReuse::Body> bodies,
-                const std::function<void(std::size_t at_rest)>& tell) {
+                const std::function<void(std::size_t at_rest)>& tell,
+                const std::function<bool()>& is_clear) {
   const std::size_t count = falling.objects.size();
   const auto few = static_cast<std::size_t>(kRestless * static_cast<double>(count));
   const double fall = std::sqrt(2 * engine.side() / falling.gravity);
@@ -92,7 +93,9 @@ void ComeToRest(world::Engine& engine, const Falling& falling,
   std::size_t restless = count;
   int checks = 0;
   bool is_fallen = false;
-  for (double time = 0; time < seconds && checks < kRestChecks; time += steps * timestep) {
+  for (double time = 0; time < seconds; time += steps * timestep) {
+    if (checks >= kRestChecks && is_clear()) return true;
+    if (checks >= kRestChecks + kClearingTime) return false;
     resting.StepUnit(left, steps);
     restless = resting.CountFarther(kRestDisplacement);
     tell(count - restless);
@@ -100,11 +103,11 @@ void ComeToRest(world::Engine& engine, const Falling& falling,
     is_fallen = is_fallen || resting.CountFarther(kFallDisplacement) <= few;
     if (is_fallen) left = std::max(kLeastLeft, left * kLessLeft);
   }
-  if (checks < kRestChecks)
-    throw library::SceneError(
-        fmt::format("the pile does not come to rest: after {:.4g} s {} of {} objects still move; "
-                    "more friction or rolling_friction, or fewer objects, would help",
-                    seconds, restless, count));
+  if (checks >= kRestChecks) return is_clear();
+  throw library::SceneError(
+      fmt::format("the pile does not come to rest: after {:.4g} s {} of {} objects still move; "
+                  "more friction or rolling_friction, or fewer objects, would help",
+                  seconds, restless, count));
 }
 
 }  // namespace cdb::worker

@@ -18,6 +18,9 @@ namespace cdb::worker {
 inline constexpr double kRestDisplacement = 0.03;
 inline constexpr double kRestless = 0.02;  ///< fraction of the objects
 inline constexpr int kRestChecks = 3;
+/// Units of time that objects at rest have to come clear of one another: the few that still roll
+/// may press into what they hit.
+inline constexpr int kClearingTime = 40;
 /// Units of time, in addition to that of the fall, after which settling fails.
 inline constexpr double kSettleTime = 400;
 
@@ -35,13 +38,15 @@ struct Falling {
   double Timestep() const;
 };
 
-/// Steps `engine`, whose time step is that of `falling`, until the objects are at rest. Damping is
-/// so weak that they find their places, and is increased once nearly all have stopped falling; an
-/// object that nothing holds still falls. `bodies` are all objects of the engine. Calls `tell` with
-/// the number of objects at rest, once per unit of time. Throws library::SceneError if they do not
-/// come to rest.
-void ComeToRest(world::Engine& engine, const Falling& falling,
+/// Steps `engine`, whose time step is that of `falling`, until the objects are at rest and
+/// `is_clear`, which is asked only then. Damping is so weak that they find their places, and is
+/// increased once nearly all have stopped falling; an object that nothing holds still falls.
+/// `bodies` are all objects of the engine. Calls `tell` with the number of objects at rest, once
+/// per unit of time. False if they stay at rest but do not come clear. Throws library::SceneError
+/// if they do not come to rest.
+bool ComeToRest(world::Engine& engine, const Falling& falling,
                 std::vector<ContactReuse::Body> bodies,
-                const std::function<void(std::size_t at_rest)>& tell);
+                const std::function<void(std::size_t at_rest)>& tell,
+                const std::function<bool()>& is_clear);
 
 }  // namespace cdb::worker

@@ -270,26 +270,32 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
 
 InitialState Settled(const Settling& settling) {
   const plan::Scene quiet = QuietScene(settling);
+  InitialState settled;
   std::string overlap;
   for (const double growth : kSettleGrowth) {
     world::Engine engine(quiet, QuietState(settling, growth), pruning::KeepEverything(quiet));
-    ComeToRest(
-        engine, settling.falling, BodiesOf(settling.dropped, growth),
-        [&](std::size_t at_rest) { settling.Tell(measure::SettlingPhase::kSettling, at_rest); });
-    InitialState settled = StateOf(settling, engine);
-    try {
-      CheckClearance(settling.scene, settled);
+    const auto is_clear = [&] {
+      settled = StateOf(settling, engine);
+      try {
+        CheckClearance(settling.scene, settled);
+        return true;
+      } catch (const SceneError& error) {
+        overlap = error.what();
+        return false;
+      }
+    };
+    const auto tell = [&](std::size_t at_rest) {
+      settling.Tell(measure::SettlingPhase::kSettling, at_rest);
+    };
+    if (ComeToRest(engine, settling.falling, BodiesOf(settling.dropped, growth), tell, is_clear))
       return settled;
-    } catch (const SceneError& error) {
-      overlap = error.what();
-    }
   }
   throw SceneError(fmt::format("the pile pressed its objects into one another: {}", overlap));
 }
 
 constexpr std::string_view kKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "3";
+constexpr std::string_view kVersion = "4";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.
