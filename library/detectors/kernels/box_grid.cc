@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace cdb::kernels {
@@ -15,6 +16,7 @@ constexpr std::size_t kMoreTooLong = 32;
 constexpr std::size_t kWorthThreads = 10000;
 /// Smallest number of elements that a step processes; a multiple of the kernels' width.
 constexpr std::size_t kLeast = 64;
+constexpr std::size_t kPlaceBlock = 64;
 
 }  // namespace
 
@@ -179,7 +181,7 @@ void BoxGrid::Execute(std::size_t begin, std::size_t end) {
     case Stage::kMoveCrowds:
       return MoveCrowds(begin, end);
     case Stage::kPlace:
-      for (std::size_t i = begin; i < end; ++i) Place(i);
+      Place(begin, end);
       if (end == boxes_) Finish(sums_.squares);
       return;
     case Stage::kNest:
@@ -204,14 +206,33 @@ void BoxGrid::Sum(std::size_t begin, std::size_t end, Sums& sums) {
   }
 }
 
-void BoxGrid::Place(std::size_t i) {
+// All places of a block are known before anything is written there; see BitsWhere in
+// kernels_impl.h.
+void BoxGrid::Place(std::span<const Id> boxes) {
   const Columns &from = loose_.get(), &to = sorted_.get();
-  const std::uint32_t at = starts_[cells_[i] + 1]++;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    to.lower[axis][at] = from.lower[axis][i];
-    to.upper[axis][at] = from.upper[axis][i];
+  std::uint32_t places[kPlaceBlock];
+  for (; !boxes.empty(); boxes = boxes.subspan(std::min(boxes.size(), kPlaceBlock))) {
+    const std::span<const Id> block = boxes.first(std::min(boxes.size(), kPlaceBlock));
+    for (std::size_t k = 0; k < block.size(); ++k) places[k] = starts_[cells_[block[k]] + 1]++;
+    for (std::size_t k = 0; k < block.size(); ++k) {
+      const Id i = block[k];
+      const std::uint32_t at = places[k];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        to.lower[axis][at] = from.lower[axis][i];
+        to.upper[axis][at] = from.upper[axis][i];
+      }
+      ids_[at] = i;
+    }
   }
-  ids_[at] = static_cast<Id>(i);
+}
+
+void BoxGrid::Place(std::size_t begin, std::size_t end) {
+  Id boxes[kPlaceBlock];
+  for (; begin < end; begin += kPlaceBlock) {
+    const std::span<Id> block = std::span(boxes).first(std::min(end - begin, kPlaceBlock));
+    std::iota(block.begin(), block.end(), static_cast<Id>(begin));
+    Place(block);
+  }
 }
 
 void BoxGrid::Finish(std::size_t squares) {

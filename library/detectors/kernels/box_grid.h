@@ -140,7 +140,8 @@ class BoxGrid {
   void Execute(std::size_t begin, std::size_t end);
   void Bin(std::size_t begin, std::size_t end);
   void Sum(std::size_t begin, std::size_t end, Sums& sums);
-  void Place(std::size_t i);
+  void Place(std::size_t begin, std::size_t end);
+  void Place(std::span<const Id> boxes);
   void Finish(std::size_t squares);
   bool BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& pool);
   void PrepareThreads(unsigned parts);

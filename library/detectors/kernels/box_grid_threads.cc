@@ -120,7 +120,7 @@ void BoxGrid::SortBucket(unsigned bucket) {
   Sums sums = {it.first_box, 0};
   Sum(it.first_cell + 1, it.end_cell + 1, sums);
   it.squares = sums.squares;
-  for (std::uint32_t k = it.first_box; k < it.end_box; ++k) Place(order_[k]);
+  Place(std::span(order_).subspan(it.first_box, it.end_box - it.first_box));
 }
 
 }  // namespace cdb::kernels
