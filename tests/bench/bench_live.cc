@@ -1,8 +1,9 @@
 // Broad phases in live scenes: Bullet's dbvt and sap32 alone, dbvt behind cdb's interface, and
 // cdb's own, each in a world of its own in one program, in blocks of cycles in turn. Broad is
 // boxes moved and pairs found and lost, as the series of that name. Pairs are in the order
-// `sorted`, and nothing sleeps where sleep would depend on the list of pairs; so all worlds that
-// list what there is have to be in the same state after every block, else the scene is marked.
+// `sorted`, and nothing sleeps where sleep would depend on the list of pairs (but in `asleep`); so
+// all worlds that list what there is have to be in the same state after every block, else the scene
+// is marked.
 // Times are processor time of the thread, so that other programs on the machine disturb them less.
 //
 // Usage: bench_live_f32 [-r ROUNDS] [-c CYCLES] [-d DETECTOR]... [-s SCENE]...
@@ -58,11 +59,10 @@ plan::Scene Gas(std::uint64_t quantity) {
   return Balls(quantity, 2 * std::cbrt(static_cast<double>(quantity)), 5, 0);
 }
 
-plan::Scene OfFile(const std::string& file) {
-  const auto compiled =
-      compiler::Compile(CDB_SOURCE_DIR "/library/scenarios/" + file, compiler::ReadFromDisk, {});
+plan::Scene OfFile(const std::string& file, bool sleeping = false) {
+  const auto compiled = compiler::Compile(CDB_SOURCE_DIR "/" + file, compiler::ReadFromDisk, {});
   plan::Scene scene = compiled.plans.front().runs.back().scene;
-  tests::SetWorld(scene, "sleeping", false);
+  tests::SetWorld(scene, "sleeping", sleeping);
   return scene;
 }
 
@@ -81,10 +81,11 @@ std::vector<LiveScene> Scenes() {
       {"gas 5000", 40, [] { return Gas(5000); }},
       {"open gas 5000", 40, [=] { return open(Gas(5000)); }},
       {"dense 5000", 40, [] { return Balls(5000, std::cbrt(3.5 * 5000), 60, 0); }},
-      {"rubble falling", 40, [] { return OfFile("application/rubble.cdb"); }},
-      {"rubble 1500", 400, [] { return OfFile("application/rubble.cdb"); }},
-      {"heap 400", 20, [] { return OfFile("application/heap.cdb"); }},
-      {"warehouse 1001", 60, [] { return OfFile("application/warehouse.cdb"); }},
+      {"rubble falling", 40, [] { return OfFile("library/scenarios/application/rubble.cdb"); }},
+      {"rubble 1500", 400, [] { return OfFile("library/scenarios/application/rubble.cdb"); }},
+      {"heap 400", 20, [] { return OfFile("library/scenarios/application/heap.cdb"); }},
+      {"warehouse 1001", 60, [] { return OfFile("library/scenarios/application/warehouse.cdb"); }},
+      {"asleep 5100", 180, [] { return OfFile("tests/bench/asleep.cdb", true); }},
       {"pile 216", 200, [=] { return pile(216); }},
       {"pile 1000", 200, [=] { return pile(1000); }},
       {"pile 5000", 200, [=] { return pile(5000); }},

@@ -96,7 +96,10 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 }
 
 bool Skin::FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) {
-  if (!Follow(scene) && changes_.knows_last()) return true;
+  if (!Follow(scene) && changes_.knows_last()) {
+    changes_.Skip(scene);
+    return true;
+  }
   parts_are_pairs_ = false;
   rest_.Clear();
   AppendRest(scene, rest_);

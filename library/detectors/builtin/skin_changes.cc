@@ -14,6 +14,7 @@ constexpr std::size_t kWord = 64;  ///< flags in an element
 
 void SkinChanges::Forget() {
   knows_last_ = has_flags_ = false;
+  awake_.Forget();
   replaced_.clear();
   rest_.clear();
 }
@@ -21,6 +22,7 @@ void SkinChanges::Forget() {
 void SkinChanges::Replace(std::span<const Pair> candidates) {
   if (!has_flags_) return;
   has_flags_ = false;
+  awake_.ForgetIndex();
   for (std::size_t word = 0; word < met_.size(); ++word)
     for (std::uint64_t bits = met_[word]; bits != 0; bits &= bits - 1)
       replaced_.push_back(
@@ -30,22 +32,20 @@ void SkinChanges::Replace(std::span<const Pair> candidates) {
 bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
                        std::span<const Pair> candidates, std::span<const Pair> rest,
                        std::vector<Pair>& came, std::vector<Pair>& went) {
-  const std::size_t size = candidates.size();
-  if (!has_flags_) {
+  const bool had_flags = has_flags_;
+  if (!had_flags) {
     met_.clear();
     met_count_ = 0;
     has_flags_ = true;
   }
-  const std::size_t words = (size + kWord - 1) / kWord;
-  met_.resize(words, 0);
-  parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-    const std::size_t first = words * part / parts, begin = first * kWord;
-    const std::size_t end = std::min(size, words * (part + 1) / parts * kWord);
-    kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + first,
-                         end - begin, found.sink());
-  });
+  met_.resize((candidates.size() + kWord - 1) / kWord, 0);
   changed_.clear();
-  parts_.AppendTo(changed_);
+  awake_.See(scene);
+  if (had_flags && awake_.AreFew(scene, candidates))
+    FindAwake(scene, candidates);
+  else
+    FindAll(scene, kernels, candidates);
+  awake_.Tested();
   const auto overlaps = [&](const Pair& pair) {
     return Overlap(scene.boxes[pair.a], scene.boxes[pair.b]);
   };
@@ -58,6 +58,28 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
   const bool did_know = knows_last_;
   knows_last_ = true;
   return did_know;
+}
+
+void SkinChanges::FindAll(const Scene& scene, const kernels::Kernels& kernels,
+                          std::span<const Pair> candidates) {
+  const std::size_t size = candidates.size();
+  parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+    const std::size_t first = met_.size() * part / parts, begin = first * kWord;
+    const std::size_t end = std::min(size, met_.size() * (part + 1) / parts * kWord);
+    kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + first,
+                         end - begin, found.sink());
+  });
+  parts_.AppendTo(changed_);
+}
+
+void SkinChanges::FindAwake(const Scene& scene, std::span<const Pair> candidates) {
+  awake_.ForEach(candidates, [&](std::size_t i) {
+    const Pair& pair = candidates[i];
+    const std::uint64_t bit = std::uint64_t{1} << i % kWord;
+    if (Overlap(scene.boxes[pair.a], scene.boxes[pair.b]) == ((met_[i / kWord] & bit) != 0)) return;
+    met_[i / kWord] ^= bit;
+    changed_.push_back(pair);
+  });
 }
 
 void SkinChanges::FindRest(const Scene& scene, std::span<const Pair> rest, std::vector<Pair>& came,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "library/detectors/builtin/skin_awake.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels/kernels.h"
 #include "library/detectors/kernels/pair_parts.h"
@@ -13,8 +14,8 @@
 namespace cdb::builtin {
 
 /// Keeps a flag for each candidate: whether its boxes overlapped in the last call. Cost: testing
-/// the candidates, plus the number of changes. Errors: bad_alloc. Threads: one caller; the tests
-/// use the threads of `parts`.
+/// the candidates, of few awake bodies if most sleep, plus the number of changes. Errors:
+/// bad_alloc. Threads: one caller; the tests use the threads of `parts`.
 class SkinChanges {
  public:
   explicit SkinChanges(kernels::PairParts& parts) : parts_(parts) {}
@@ -27,12 +28,17 @@ class SkinChanges {
   /// last call; `rest` are the pairs of overlapping boxes that are not candidates.
   bool Find(const Scene& scene, const kernels::Kernels& kernels, std::span<const Pair> candidates,
             std::span<const Pair> rest, std::vector<Pair>& came, std::vector<Pair>& went);
+  /// Call in a cycle in which the pairs are the same as in the last one, instead of Find.
+  void Skip(const Scene& scene) { awake_.See(scene); }
   /// True if Find has been called since the last Forget.
   bool knows_last() const { return knows_last_; }
   /// Number of pairs in the last call of Find.
   std::size_t size() const { return met_count_ + rest_.size(); }
 
  private:
+  void FindAll(const Scene& scene, const kernels::Kernels& kernels,
+               std::span<const Pair> candidates);
+  void FindAwake(const Scene& scene, std::span<const Pair> candidates);
   void FindRest(const Scene& scene, std::span<const Pair> rest, std::vector<Pair>& came,
                 std::vector<Pair>& went);
 
@@ -44,6 +50,7 @@ class SkinChanges {
   std::vector<Pair> replaced_;  ///< candidates that overlapped when they were replaced
   std::vector<Pair> rest_;      ///< of the last call
   std::vector<Pair> changed_;
+  SkinAwake awake_;
 };
 
 }  // namespace cdb::builtin

@@ -47,12 +47,13 @@ class ActivationState : public btCollisionObject {
 };
 
 /// Fetches what Update reads, as bodies are larger than the caches next to the processor.
-void Prefetch(const btRigidBody& body, bool needs_basis) {
+void Prefetch(const btRigidBody& body, bool needs_basis, bool was_asleep) {
 #if defined(__GNUC__)
+  __builtin_prefetch(ActivationState::Of(body));
+  if (was_asleep) return;
   if (needs_basis) __builtin_prefetch(&body.getWorldTransform());
   __builtin_prefetch(&body.getWorldTransform().getOrigin());
   __builtin_prefetch(&body.getInterpolationWorldTransform().getOrigin());
-  __builtin_prefetch(ActivationState::Of(body));
 #endif
 }
 
@@ -270,7 +271,8 @@ bool BoxPass::Write(const ShapeBox& shape, const Body& at, Box& box) {
 void BoxPass::Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep) {
   const std::size_t size = bodies_.size();
   for (std::size_t i = 0; i < size; ++i) {
-    if (i + kAhead < size) Prefetch(*bodies_[i + kAhead].body, bodies_[i + kAhead].needs_basis);
+    if (const std::size_t ahead = i + kAhead; ahead < size)
+      Prefetch(*bodies_[ahead].body, bodies_[ahead].needs_basis, is_asleep[ahead] != 0);
     const Body& at = bodies_[i];
     // A kinematic body is moved by others, asleep or not.
     const bool sleeps =

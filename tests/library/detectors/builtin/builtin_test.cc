@@ -110,6 +110,30 @@ TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
   }
 }
 
+// A body that falls asleep has still moved in that cycle.
+TEST(BuiltinDetectors, AreExactWhereMostBodiesSleep) {
+  for (const std::string_view name : {"dense", "pile", "shots"}) {
+    BoxScene moving(name, 300, true, 14);
+    std::vector<Named> all = All();
+    std::mt19937 random(15);
+    std::vector<Box> boxes(moving.View().boxes.begin(), moving.View().boxes.end());
+    std::vector<std::uint8_t> is_asleep(boxes.size(), 1);
+    for (int cycle = 0; cycle < 200; ++cycle, moving.Move()) {
+      Scene scene = moving.View();
+      // Now and then most are awake for a cycle, and now and then none.
+      const unsigned most = cycle % 40 == 20 ? 1000 : cycle % 15 == 0 ? 0 : 40;
+      for (std::size_t i = 0; i < 300; ++i) {
+        const std::uint8_t was_asleep = is_asleep[i];
+        is_asleep[i] = random() % 1000 >= most;
+        if (was_asleep == 0 || is_asleep[i] == 0) boxes[i] = scene.boxes[i];
+      }
+      scene.boxes = boxes;
+      scene.is_asleep = is_asleep;
+      ExpectExact(all, scene, std::string(name) + ", cycle " + std::to_string(cycle));
+    }
+  }
+}
+
 TEST(BuiltinDetectors, AreExactWhereWallsMoveOrStandAmongTheBodies) {
   BoxScene moving("dense", 300, true, 12);
   std::vector<Named> all = All();

@@ -1,0 +1,65 @@
+#include "library/detectors/builtin/skin_awake.h"
+
+#include <algorithm>
+
+namespace cdb::builtin {
+namespace {
+
+/// One in so many bodies may have moved.
+constexpr std::size_t kFew = 8;
+/// Cycles with few moved bodies before the index is made.
+constexpr unsigned kPatience = 4;
+/// One in so many candidates may have been appended to those in the index.
+constexpr std::size_t kAppended = 8;
+
+}  // namespace
+
+void SkinAwake::See(const Scene& scene) {
+  const bool did_know = last_asleep_.size() == scene.size;
+  if (may_have_moved_.empty()) {
+    is_known_ = true;
+    may_have_moved_.assign(scene.size, 0);
+  }
+  if (scene.is_asleep.empty() || !did_know) {
+    is_known_ = false;
+  } else {
+    for (std::size_t i = 0; i < scene.size; ++i)
+      may_have_moved_[i] |= static_cast<std::uint8_t>(scene.is_asleep[i] == 0) |
+                            static_cast<std::uint8_t>(last_asleep_[i] == 0);
+  }
+  last_asleep_.assign(scene.is_asleep.begin(), scene.is_asleep.end());
+}
+
+bool SkinAwake::AreFew(const Scene& scene, std::span<const Pair> candidates) {
+  const bool are_few = is_known_ && kFew * static_cast<std::size_t>(std::ranges::count(
+                                               may_have_moved_, std::uint8_t{1})) <=
+                                        scene.size;
+  if (!are_few) {
+    few_cycles_ = 0;
+    return false;
+  }
+  if (++few_cycles_ < kPatience) return false;
+  if (indexed_ == 0 || kAppended * (candidates.size() - indexed_) > candidates.size())
+    MakeIndex(scene, candidates);
+  moved_.clear();
+  for (std::size_t i = 0; i < scene.size; ++i)
+    if (may_have_moved_[i] != 0) moved_.push_back(static_cast<Id>(i));
+  return true;
+}
+
+void SkinAwake::MakeIndex(const Scene& scene, std::span<const Pair> candidates) {
+  begins_.assign(scene.size + 2, 0);
+  for (const auto& [a, b] : candidates) {
+    ++begins_[a + 2];
+    ++begins_[b + 2];
+  }
+  for (std::size_t body = 2; body < begins_.size(); ++body) begins_[body] += begins_[body - 1];
+  entries_.resize(2 * candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i)
+    for (const Id id : {candidates[i].a, candidates[i].b})
+      entries_[begins_[id + 1]++] = static_cast<std::uint32_t>(i);
+  begins_.pop_back();
+  indexed_ = candidates.size();
+}
+
+}  // namespace cdb::builtin
