@@ -112,13 +112,14 @@ TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
 
 // A body that falls asleep has still moved in that cycle.
 TEST(BuiltinDetectors, AreExactWhereMostBodiesSleep) {
+  constexpr int kCycles = kAnySanitizer ? 60 : 200;
   for (const std::string_view name : {"dense", "pile", "shots"}) {
     BoxScene moving(name, 300, true, 14);
     std::vector<Named> all = All();
     std::mt19937 random(15);
     std::vector<Box> boxes(moving.View().boxes.begin(), moving.View().boxes.end());
     std::vector<std::uint8_t> is_asleep(boxes.size(), 1);
-    for (int cycle = 0; cycle < 200; ++cycle, moving.Move()) {
+    for (int cycle = 0; cycle < kCycles; ++cycle, moving.Move()) {
       Scene scene = moving.View();
       // Now and then most are awake for a cycle, and now and then none.
       const unsigned most = cycle % 40 == 20 ? 1000 : cycle % 15 == 0 ? 0 : 40;
