@@ -15,35 +15,25 @@ constexpr std::size_t kAppended = 8;
 }  // namespace
 
 void SkinAwake::See(const Scene& scene) {
-  const bool did_know = last_asleep_.size() == scene.size;
-  if (may_have_moved_.empty()) {
-    is_known_ = true;
-    may_have_moved_.assign(scene.size, 0);
-  }
-  if (scene.is_asleep.empty() || !did_know) {
-    is_known_ = false;
-  } else {
+  if (last_asleep_.size() == scene.size && scene.is_asleep.size() == scene.size) {
     for (std::size_t i = 0; i < scene.size; ++i)
       may_have_moved_[i] |= static_cast<std::uint8_t>(scene.is_asleep[i] == 0) |
                             static_cast<std::uint8_t>(last_asleep_[i] == 0);
+  } else {
+    may_have_moved_.assign(scene.size, 1);
   }
   last_asleep_.assign(scene.is_asleep.begin(), scene.is_asleep.end());
 }
 
 bool SkinAwake::AreFew(const Scene& scene, std::span<const Pair> candidates) {
-  const bool are_few = is_known_ && kFew * static_cast<std::size_t>(std::ranges::count(
-                                               may_have_moved_, std::uint8_t{1})) <=
-                                        scene.size;
-  if (!are_few) {
+  const auto moved = std::ranges::count(may_have_moved_, std::uint8_t{1});
+  if (kFew * static_cast<std::size_t>(moved) > scene.size) {
     few_cycles_ = 0;
     return false;
   }
   if (++few_cycles_ < kPatience) return false;
   if (indexed_ == 0 || kAppended * (candidates.size() - indexed_) > candidates.size())
     MakeIndex(scene, candidates);
-  moved_.clear();
-  for (std::size_t i = 0; i < scene.size; ++i)
-    if (may_have_moved_[i] != 0) moved_.push_back(static_cast<Id>(i));
   return true;
 }
 

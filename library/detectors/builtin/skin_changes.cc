@@ -6,11 +6,8 @@
 #include <iterator>
 
 namespace cdb::builtin {
-namespace {
 
-constexpr std::size_t kWord = 64;  ///< flags in an element
-
-}  // namespace
+using kernels::kMetBits;
 
 void SkinChanges::Forget() {
   knows_last_ = has_flags_ = false;
@@ -26,7 +23,7 @@ void SkinChanges::Replace(std::span<const Pair> candidates) {
   for (std::size_t word = 0; word < met_.size(); ++word)
     for (std::uint64_t bits = met_[word]; bits != 0; bits &= bits - 1)
       replaced_.push_back(
-          candidates[word * kWord + static_cast<std::size_t>(std::countr_zero(bits))]);
+          candidates[word * kMetBits + static_cast<std::size_t>(std::countr_zero(bits))]);
 }
 
 bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
@@ -38,7 +35,7 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
     met_count_ = 0;
     has_flags_ = true;
   }
-  met_.resize((candidates.size() + kWord - 1) / kWord, 0);
+  met_.resize((candidates.size() + kMetBits - 1) / kMetBits, 0);
   changed_.clear();
   awake_.See(scene);
   if (had_flags && awake_.AreFew(scene, candidates))
@@ -64,8 +61,8 @@ void SkinChanges::FindAll(const Scene& scene, const kernels::Kernels& kernels,
                           std::span<const Pair> candidates) {
   const std::size_t size = candidates.size();
   parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-    const std::size_t first = met_.size() * part / parts, begin = first * kWord;
-    const std::size_t end = std::min(size, met_.size() * (part + 1) / parts * kWord);
+    const std::size_t first = met_.size() * part / parts, begin = first * kMetBits;
+    const std::size_t end = std::min(size, met_.size() * (part + 1) / parts * kMetBits);
     kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + first,
                          end - begin, found.sink());
   });
@@ -75,9 +72,10 @@ void SkinChanges::FindAll(const Scene& scene, const kernels::Kernels& kernels,
 void SkinChanges::FindAwake(const Scene& scene, std::span<const Pair> candidates) {
   awake_.ForEach(candidates, [&](std::size_t i) {
     const Pair& pair = candidates[i];
-    const std::uint64_t bit = std::uint64_t{1} << i % kWord;
-    if (Overlap(scene.boxes[pair.a], scene.boxes[pair.b]) == ((met_[i / kWord] & bit) != 0)) return;
-    met_[i / kWord] ^= bit;
+    const std::uint64_t bit = std::uint64_t{1} << i % kMetBits;
+    if (Overlap(scene.boxes[pair.a], scene.boxes[pair.b]) == ((met_[i / kMetBits] & bit) != 0))
+      return;
+    met_[i / kMetBits] ^= bit;
     changed_.push_back(pair);
   });
 }

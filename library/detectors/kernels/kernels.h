@@ -72,6 +72,9 @@ struct FatteningTerms {
   double from, to, most_way, margin;
 };
 
+/// Bits in an element of `met` of find_changed.
+inline constexpr std::size_t kMetBits = 64;
+
 struct Kernels {
   const char* name;
   /// Fills the columns; true if every number is representable as float, so that nothing was
@@ -108,7 +111,7 @@ struct Kernels {
   /// The pairs whose boxes overlap, in double.
   void (*filter)(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink);
   /// The pairs for which `met` differs from whether their boxes overlap, in double. Updates `met`:
-  /// a bit for each pair, 64 in an element, lowest first; bits beyond the last pair are zero.
+  /// a bit for each pair, kMetBits in an element, lowest first; bits beyond the last pair are zero.
   void (*find_changed)(const Box* boxes, const Pair* pairs, std::uint64_t* met, std::size_t count,
                        PairSink& sink);
   /// Pairs of the boxes 0 to `count` with `walls` bodies that share a box, from the id `first_wall`

@@ -263,9 +263,7 @@ std::size_t FindEscaped(const Box* boxes, const FatBox* fat, std::size_t count, 
   return found;
 }
 
-constexpr std::size_t kBits = 64;
-
-/// A bit for each of the items `begin` to `end`, at most kBits of them.
+/// A bit for each of the items `begin` to `end`, at most kMetBits of them.
 ///
 /// All of them are tested before any is written. The place to write to depends on the tests before,
 /// and a processor that reads nothing ahead of a store to an unknown address would wait for each
@@ -288,8 +286,8 @@ template <typename Put>
 std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id* outside) {
   const InnerProbe probe(room);
   std::size_t found = 0;
-  for (std::size_t begin = 0; begin < count; begin += kBits) {
-    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+  for (std::size_t begin = 0; begin < count; begin += kMetBits) {
+    const std::size_t end = begin + kMetBits < count ? begin + kMetBits : count;
     const auto bits = BitsWhere(begin, end, [&](std::size_t i) { return !probe.Holds(boxes[i]); });
     ForEachBit(bits, begin, [&](std::size_t i) { outside[found++] = static_cast<Id>(i); });
   }
@@ -298,7 +296,7 @@ std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id
 
 [[gnu::always_inline]] inline void PutPairs(const Pair* pairs, std::uint64_t bits,
                                             std::size_t begin, PairSink& sink) {
-  while (static_cast<std::size_t>(sink.end - sink.at) < kBits) sink.grow(sink);
+  while (static_cast<std::size_t>(sink.end - sink.at) < kMetBits) sink.grow(sink);
   Pair* out = sink.at;
   ForEachBit(bits, begin, [&](std::size_t i) { *out++ = pairs[i]; });
   sink.at = out;
@@ -312,20 +310,20 @@ std::size_t FindOutside(const Box* boxes, std::size_t count, const Box& room, Id
 }
 
 void Filter(const Box* boxes, const Pair* pairs, std::size_t count, PairSink& sink) {
-  for (std::size_t begin = 0; begin < count; begin += kBits) {
-    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+  for (std::size_t begin = 0; begin < count; begin += kMetBits) {
+    const std::size_t end = begin + kMetBits < count ? begin + kMetBits : count;
     PutPairs(pairs, MeetBits(boxes, pairs, begin, end), begin, sink);
   }
 }
 
 void FindChanged(const Box* boxes, const Pair* pairs, std::uint64_t* met, std::size_t count,
                  PairSink& sink) {
-  for (std::size_t begin = 0; begin < count; begin += kBits) {
-    const std::size_t end = begin + kBits < count ? begin + kBits : count;
+  for (std::size_t begin = 0; begin < count; begin += kMetBits) {
+    const std::size_t end = begin + kMetBits < count ? begin + kMetBits : count;
     const std::uint64_t bits = MeetBits(boxes, pairs, begin, end);
-    const std::uint64_t changed = bits ^ met[begin / kBits];
+    const std::uint64_t changed = bits ^ met[begin / kMetBits];
     if (changed == 0) continue;
-    met[begin / kBits] = bits;
+    met[begin / kMetBits] = bits;
     PutPairs(pairs, changed, begin, sink);
   }
 }

@@ -28,7 +28,8 @@ btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
 }
 
 /// The scalar products of a direction with the corners of a tetrahedron: with the one in the octant
-/// of all positive coordinates, and with those of which only one coordinate is positive.
+/// of all positive coordinates, and with those of which only one coordinate is positive. To the
+/// bit: each sum has the order of a scalar product.
 struct CornerDots {
   btScalar all, x, y, z;
 
