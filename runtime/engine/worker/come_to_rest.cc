@@ -11,8 +11,9 @@ namespace cdb::worker {
 namespace {
 
 constexpr double kStepsOfUnit = 20;
-/// g dt^2 in least half extents.
-constexpr double kFallOfStep = 0.015;
+/// g dt^2, in enlargements of the least half extent. Objects sink into one another in proportion
+/// to it. Larger enlargements than this allow no longer steps.
+constexpr double kFallOfStep = 0.75, kMostEnlargement = 0.02;
 
 /// In mean diameters. An object that moves farther in a unit of time is falling.
 constexpr double kFallDisplacement = 0.3;
@@ -73,13 +74,13 @@ class Resting {
 
 }  // namespace
 
-double Falling::Timestep() const {
-  return std::min(UnitOfTime() / kStepsOfUnit,
-                  std::sqrt(kFallOfStep * least_half_extent / gravity));
+double Falling::Timestep(double growth) const {
+  const double enlargement = std::min(growth - 1, kMostEnlargement) * least_half_extent;
+  return std::min(UnitOfTime() / kStepsOfUnit, std::sqrt(kFallOfStep * enlargement / gravity));
 }
 
 bool ComeToRest(world::Engine& engine, const Falling& falling,
-                std::vector<ContactReuse::Body> bodies,
+                std::vector<ContactReuse::Body> bodies, int clearing_time,
                 const std::function<void(std::size_t at_rest)>& tell,
                 const std::function<bool()>& is_clear) {
   const std::size_t count = falling.objects.size();
@@ -95,7 +96,7 @@ bool ComeToRest(world::Engine& engine, const Falling& falling,
   bool is_fallen = false;
   for (double time = 0; time < seconds; time += steps * timestep) {
     if (checks >= kRestChecks && is_clear()) return true;
-    if (checks >= kRestChecks + kClearingTime) return false;
+    if (checks >= kRestChecks + clearing_time) return false;
     resting.StepUnit(left, steps);
     restless = resting.CountFarther(kRestDisplacement);
     tell(count - restless);

@@ -18,9 +18,6 @@ namespace cdb::worker {
 inline constexpr double kRestDisplacement = 0.03;
 inline constexpr double kRestless = 0.02;  ///< fraction of the objects
 inline constexpr int kRestChecks = 3;
-/// Units of time that objects at rest have to come clear of one another: the few that still roll
-/// may press into what they hit.
-inline constexpr int kClearingTime = 40;
 /// Units of time, in addition to that of the fall, after which settling fails.
 inline constexpr double kSettleTime = 400;
 
@@ -34,18 +31,20 @@ struct Falling {
 
   /// The time in which an object falls half a diameter from rest, s.
   double UnitOfTime() const { return std::sqrt(diameter / gravity); }
-  /// Short enough for impacts, and to keep thin objects from sinking into one another; s.
-  double Timestep() const;
+  /// Short enough for impacts, and to keep objects that are enlarged by the factor `growth` from
+  /// sinking into one another at their true size; s.
+  double Timestep(double growth) const;
 };
 
 /// Steps `engine`, whose time step is that of `falling`, until the objects are at rest and
 /// `is_clear`, which is asked only then. Damping is so weak that they find their places, and is
 /// increased once nearly all have stopped falling; an object that nothing holds still falls.
 /// `bodies` are all objects of the engine. Calls `tell` with the number of objects at rest, once
-/// per unit of time. False if they stay at rest but do not come clear. Throws library::SceneError
-/// if they do not come to rest.
+/// per unit of time. False if they stay at rest for `clearing_time` units but do not come clear:
+/// the few that still roll may press into what they hit. Throws library::SceneError if they do not
+/// come to rest.
 bool ComeToRest(world::Engine& engine, const Falling& falling,
-                std::vector<ContactReuse::Body> bodies,
+                std::vector<ContactReuse::Body> bodies, int clearing_time,
                 const std::function<void(std::size_t at_rest)>& tell,
                 const std::function<bool()>& is_clear);
 

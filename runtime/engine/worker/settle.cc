@@ -18,6 +18,7 @@
 #include <memory>
 #include <new>
 #include <numeric>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -90,36 +91,35 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
   return settling;
 }
 
-plan::Scene QuietScene(const Settling& settling) {
+plan::Scene QuietScene(const Settling& settling, double growth) {
   plan::Scene scene = yaml::SettlingScene(settling.scene);
-  scene.world.Set("timestep", settling.falling.Timestep());
+  scene.world.Set("timestep", settling.falling.Timestep(growth));
   return scene;
 }
 
-InitialState QuietState(const Settling& settling, double growth) {
+/// The objects without bounces; those outside the pile stand still.
+InitialState QuietState(const Settling& settling) {
   InitialState state = settling.dropped;
   for (ObjectState& object : state.objects) {
     object.mass = 0;
-    object.is_kinematic = false;  // objects outside the pile stand still
+    object.is_kinematic = false;
   }
-  std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
+  for (const std::uint32_t i : settling.falling.objects) {
+    ObjectState& object = state.objects[i];
+    object.mass = settling.dropped.objects[i].mass;
+    object.restitution = 0;
+    object.ccd = false;
+  }
+  return state;
+}
+
+/// Pushed to the side and spinning.
+InitialState PushedState(const Settling& settling) {
+  InitialState state = QuietState(settling);
   const Falling& falling = settling.falling;
   const double push = 0.5 * std::sqrt(falling.gravity * falling.diameter);
   for (const std::uint32_t i : falling.objects) {
     ObjectState& object = state.objects[i];
-    object.mass = settling.dropped.objects[i].mass;
-    object.solid.sides *= growth;
-    if (const auto& compound = settling.dropped.objects[i].solid.compound) {
-      auto& shared = grown[compound.get()];
-      if (shared == nullptr)
-        shared =
-            std::make_shared<const objects::Compound>(compound->shared_form(), object.solid.sides);
-      object.solid.compound = shared;
-    }
-    object.restitution = 0;
-    // Corners rounded by Bullet's margin would sink into the object below.
-    object.margin = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
-    object.ccd = false;
     const std::string& group = settling.scene.groups[object.group].name;
     // A stream for each object, so that its numbers do not depend on the other objects in the pile.
     distributions::Stream stream(
@@ -128,6 +128,36 @@ InitialState QuietState(const Settling& settling, double growth) {
     object.linear_velocity = {drawn(push), 0, drawn(push)};
     const double spin = push / falling.diameter;
     object.angular_velocity = {drawn(spin), drawn(spin), drawn(spin)};
+  }
+  return state;
+}
+
+/// Without motion, in the poses of `settled`.
+InitialState RestingState(const Settling& settling, const InitialState& settled) {
+  InitialState state = QuietState(settling);
+  for (const std::uint32_t i : settling.falling.objects) {
+    ObjectState& object = state.objects[i];
+    object.pose = settled.objects[i].pose;
+    object.linear_velocity.setZero();
+    object.angular_velocity.setZero();
+  }
+  return state;
+}
+
+InitialState Enlarged(const Settling& settling, InitialState state, double growth) {
+  std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
+  for (const std::uint32_t i : settling.falling.objects) {
+    ObjectState& object = state.objects[i];
+    object.solid.sides *= growth;
+    if (const auto& compound = settling.dropped.objects[i].solid.compound) {
+      auto& shared = grown[compound.get()];
+      if (shared == nullptr)
+        shared =
+            std::make_shared<const objects::Compound>(compound->shared_form(), object.solid.sides);
+      object.solid.compound = shared;
+    }
+    // Corners rounded by Bullet's margin would sink into the object below.
+    object.margin = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
   }
   return state;
 }
@@ -268,16 +298,19 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   return answer;
 }
 
-InitialState Settled(const Settling& settling) {
-  const plan::Scene quiet = QuietScene(settling);
-  InitialState settled;
+/// Where the objects come to rest from `start`, enlarged by the first of `growths` that keeps them
+/// clear of one another. Throws SceneError if none does, or if they do not come to rest.
+InitialState Rested(const Settling& settling, const InitialState& start,
+                    std::span<const double> growths, int clearing_time) {
+  InitialState rested;
   std::string overlap;
-  for (const double growth : kSettleGrowth) {
-    world::Engine engine(quiet, QuietState(settling, growth), pruning::KeepEverything(quiet));
+  for (const double growth : growths) {
+    const plan::Scene quiet = QuietScene(settling, growth);
+    world::Engine engine(quiet, Enlarged(settling, start, growth), pruning::KeepEverything(quiet));
     const auto is_clear = [&] {
-      settled = StateOf(settling, engine);
+      rested = StateOf(settling, engine);
       try {
-        CheckClearance(settling.scene, settled);
+        CheckClearance(settling.scene, rested);
         return true;
       } catch (const SceneError& error) {
         overlap = error.what();
@@ -287,15 +320,27 @@ InitialState Settled(const Settling& settling) {
     const auto tell = [&](std::size_t at_rest) {
       settling.Tell(measure::SettlingPhase::kSettling, at_rest);
     };
-    if (ComeToRest(engine, settling.falling, BodiesOf(settling.dropped, growth), tell, is_clear))
-      return settled;
+    if (ComeToRest(engine, settling.falling, BodiesOf(settling.dropped, growth), clearing_time,
+                   tell, is_clear))
+      return rested;
   }
   throw SceneError(fmt::format("the pile pressed its objects into one another: {}", overlap));
 }
 
+InitialState Settled(const Settling& settling) {
+  InitialState settled =
+      Rested(settling, PushedState(settling), kSettleGrowth, kSettleClearingTime);
+  try {
+    settled = Rested(settling, RestingState(settling, settled), kCloseGrowth, kCloseClearingTime);
+  } catch (const SceneError&) {
+    // It keeps the wider gaps.
+  }
+  return settled;
+}
+
 constexpr std::string_view kKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "4";
+constexpr std::string_view kVersion = "5";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.

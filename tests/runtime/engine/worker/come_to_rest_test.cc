@@ -9,6 +9,7 @@
 namespace cdb::tests {
 namespace {
 
+constexpr int kClearingTime = 10;
 constexpr worker::Falling kFalling = {
     .objects = {}, .diameter = 1, .least_half_extent = 0.5, .gravity = 9.8};
 
@@ -17,7 +18,7 @@ class ComeToRest : public testing::Test {
  protected:
   ComeToRest() {
     scene_ = EngineScene(3, 10);
-    SetWorld(scene_, "timestep", kFalling.Timestep());
+    SetWorld(scene_, "timestep", kFalling.Timestep(1.02));
     SetWorld(scene_, "world.walls", Word("floor"));
     SetWorld(scene_, "sleeping", false);
     SetGroup(scene_, "type", Word("cuboid"));
@@ -32,7 +33,8 @@ class ComeToRest : public testing::Test {
     worker::Falling falling = kFalling;
     falling.objects = {0, 1, 2};
     return worker::ComeToRest(
-        *engine_, falling, {3, {0.9, 1e-3}}, [this](std::size_t at_rest) { at_rest_ = at_rest; },
+        *engine_, falling, {3, {0.9, 1e-3}}, kClearingTime,
+        [this](std::size_t at_rest) { at_rest_ = at_rest; },
         [&] {
           EXPECT_EQ(at_rest_, 3u);
           return ++asked_ == clear_at;
@@ -58,7 +60,7 @@ TEST_F(ComeToRest, GoesOnUntilTheyAreClear) {
 
 TEST_F(ComeToRest, GivesUpIfTheyDoNotComeClear) {
   EXPECT_FALSE(Rest(0));
-  EXPECT_EQ(asked_, worker::kClearingTime + 1);
+  EXPECT_EQ(asked_, kClearingTime + 1);
 }
 
 }  // namespace
