@@ -9,12 +9,12 @@ namespace cdb::builtin {
 namespace {
 
 // In nanoseconds, measured once on one machine: of a mover; of a candidate.
-constexpr double kMarkCost = 3, kFattenCost = 14, kQueryCost = 24, kListedCost = 4;
+constexpr double kMarkCost = 3, kFattenCost = 14, kQueryCost = 18, kListedCost = 8;
 constexpr double kOccupancyCost = 0.25;  ///< of each box in the cell of one that is looked up
 /// Fraction of the cycles until a list is used that its fat boxes need not cover. A body that turns
 /// round in these cycles is not where it was predicted to be.
 constexpr double kHeadStart = 1;
-constexpr double kLearnCost = 15;  ///< of a mover in the sample
+constexpr double kSampleCost = 80;  ///< of a mover in the sample, whose boxes are far apart
 constexpr double kFirstCost = 60;
 /// Safety factor: the next list may cost more than the last.
 constexpr double kSurplus = 1.1;
@@ -83,7 +83,8 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
     stage_ = Stage::kFatten;
   } else {
     next_->grid.TakeShape(last->grid);
-    stage_ = Stage::kLearn;
+    motion_.StartSampling();
+    stage_ = Stage::kSample;
   }
 }
 
@@ -110,10 +111,8 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
       case Stage::kIdle:
       case Stage::kDone:
         return false;
-      case Stage::kLearn:
-        motion_.Learn(scene, movers_, last_->past, cycle);
-        left -= kLearnCost * static_cast<double>(SkinMotion::SampleSize(movers_));
-        stage_ = Stage::kFatten;
+      case Stage::kSample:
+        Sample(scene, cycle, left);
         break;
       case Stage::kFatten:
         Fatten(scene, cycle, left);
@@ -133,6 +132,14 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
   budget = left;
   spent_ += before - left;
   return stage_ == Stage::kDone;
+}
+
+void SkinListBuilder::Sample(const Scene& scene, std::uint32_t cycle, double& budget) {
+  const double count = std::ceil(
+      std::min(budget / kSampleCost, static_cast<double>(SkinMotion::SampleSize(movers_))));
+  if (motion_.Sample(scene, movers_, last_->past, cycle, static_cast<std::size_t>(count)))
+    stage_ = Stage::kFatten;
+  budget -= kSampleCost * count;
 }
 
 void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& budget) {

@@ -80,8 +80,9 @@ class SkinListBuilder {
   double CostLeft() const;
 
  private:
-  enum class Stage { kIdle, kLearn, kFatten, kArrange, kQuery, kDone };
+  enum class Stage { kIdle, kSample, kFatten, kArrange, kQuery, kDone };
 
+  void Sample(const Scene& scene, std::uint32_t cycle, double& budget);
   void Fatten(const Scene& scene, std::uint32_t cycle, double& budget);
   void Query(const Scene& scene, const kernels::Bodies& bodies, double& budget);
   bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end);

@@ -8,7 +8,7 @@ namespace cdb::builtin {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastSample = 64, kMostSample = 256;
+constexpr std::size_t kLeastSample = 64, kMostSpread = 256;
 /// The 75th percentile of deviations times this covers nearly all bodies that jitter uniformly.
 constexpr double kMarginFactor = 1.6;
 /// The same for the median.
@@ -56,7 +56,7 @@ Spread SpreadOf(const Scene& scene, std::size_t movers) {
   Spread spread;
   for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
     std::vector<double> corners;
-    const std::size_t size = std::min(movers, kMostSample);
+    const std::size_t size = std::min(movers, kMostSpread);
     for (std::size_t k = 0; k < size; ++k) {
       const Box& box = scene.boxes[size < movers ? kernels::SamplePlace(k, movers) : k];
       const double side = box.upper.*axis - box.lower.*axis;
@@ -136,42 +136,49 @@ double SkinMotion::Observe(const Scene& scene, std::size_t movers, const PastBox
   return *most > 0 ? margin_ / *most : kInfinity;
 }
 
-// Judges both motion models by the displacements of a sample.
-void SkinMotion::Learn(const Scene& scene, std::size_t movers, const PastBoxes& past,
-                       std::uint32_t cycle) {
-  double resting[kMostSample], going[kMostSample], speed = 0;
-  std::size_t size = 0;
-  for (std::size_t k = 0; k < SampleSize(movers); ++k) {
-    const std::size_t i = SampledBody(k, movers);
+bool SkinMotion::Sample(const Scene& scene, std::size_t movers, const PastBoxes& past,
+                        std::uint32_t cycle, std::size_t count) {
+  const std::size_t all = SampleSize(movers), end = sampled_ + std::min(count, all - sampled_);
+  for (; sampled_ < end; ++sampled_) {
+    const std::size_t i = SampledBody(sampled_, movers);
     const double cycles = cycle - past.CycleOf(i);
     if (cycles == 0) continue;
     const Vec3 shift = Shift(past.boxes[i], scene.boxes[i]);
     const std::uint32_t observed = observed_in_ - past.CycleOf(i);
     const Vec3 velocity = observed_.empty() || observed == 0
                               ? VelocityOf(motions_[i])
-                              : Scaled(Shift(past.boxes[i], observed_[k]), 1. / observed);
+                              : Scaled(Shift(past.boxes[i], observed_[sampled_]), 1. / observed);
     const double stayed = Length(shift), went = Length(Rest(shift, velocity, cycles));
     if (!std::isfinite(stayed + went)) continue;
-    resting[size] = stayed;
-    going[size++] = went;
-    speed += stayed / cycles;
+    resting_[sample_size_] = stayed;
+    going_[sample_size_++] = went;
+    sample_speed_ += stayed / cycles;
   }
+  if (sampled_ < all) return false;
+  Judge();
+  return true;
+}
+
+/// Judges both motion models by the sample.
+void SkinMotion::Judge() {
   observed_.clear();
+  const std::size_t size = sample_size_;
   if (size == 0) return;
-  const auto at = [size](double* values, double share) {
-    const auto place = static_cast<std::size_t>(share * static_cast<double>(size));
-    std::nth_element(values, values + place, values + size);
-    return values[place];
+  const auto at = [size](std::array<double, kMostSample>& values, double share) {
+    const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(size));
+    const auto end = values.begin() + static_cast<std::ptrdiff_t>(size);
+    std::nth_element(values.begin(), values.begin() + place, end);
+    return *(values.begin() + place);
   };
-  goes_on_ = at(going, 0.75) < at(resting, 0.75) / 2 || at(going, 0.5) < at(resting, 0.5) / 2;
-  double* deviations = goes_on_ ? going : resting;
+  goes_on_ = at(going_, 0.75) < at(resting_, 0.75) / 2 || at(going_, 0.5) < at(resting_, 0.5) / 2;
+  std::array<double, kMostSample>& deviations = goes_on_ ? going_ : resting_;
   margin_ = kMarginFactor * at(deviations, 0.75);
   // Many bodies turn round during a long list; they must not decide for the others.
   if (goes_on_) margin_ = std::min(margin_, kHalfMarginFactor * at(deviations, 0.5));
   // If boxes keep their velocity, a body that deviated has turned round once, and will not do so in
   // every cycle.
   most_margin_ = goes_on_ ? margin_ : kMarginFactor * at(deviations, 0.95);
-  most_speed_ = 16 * speed / static_cast<double>(size);
+  most_speed_ = 16 * sample_speed_ / static_cast<double>(size);
 }
 
 void SkinMotion::Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle) {

@@ -2,6 +2,7 @@
 // to enlarge them for the next one.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,7 +36,7 @@ struct PastBoxes {
 class SkinMotion {
  public:
   explicit SkinMotion(const kernels::Kernels& kernels) : kernels_(kernels) {}
-  /// Number of bodies that Observe and Learn sample.
+  /// Number of bodies that Observe and Sample look at.
   static std::size_t SampleSize(std::size_t movers);
   /// Discards everything that was learnt.
   void Prepare(std::size_t movers);
@@ -50,8 +51,15 @@ class SkinMotion {
   /// cycles from the guess for which its margin is enough for nearly all.
   double Observe(const Scene& scene, std::size_t movers, const PastBoxes& past,
                  std::uint32_t cycle);
-  /// Judges the models by the displacements of a sample since `past`, recorded for the last list.
-  void Learn(const Scene& scene, std::size_t movers, const PastBoxes& past, std::uint32_t cycle);
+  /// Begins to judge the models anew.
+  void StartSampling() {
+    sampled_ = sample_size_ = 0;
+    sample_speed_ = 0;
+  }
+  /// Records the displacements of `count` more bodies of the sample since `past`, recorded for the
+  /// last list. True if the sample is complete; the models are then judged by it.
+  bool Sample(const Scene& scene, std::size_t movers, const PastBoxes& past, std::uint32_t cycle,
+              std::size_t count);
   /// Records the positions of movers `begin` to `end`, to measure the velocities of those that
   /// turned round.
   void Mark(const Scene& scene, std::size_t begin, std::size_t end, std::uint32_t cycle);
@@ -71,6 +79,10 @@ class SkinMotion {
               kernels::FatBox* fat, const kernels::Columns& columns, PastBoxes& past) const;
 
  private:
+  static constexpr std::size_t kMostSample = 256;
+
+  void Judge();
+
   const kernels::Kernels& kernels_;
   bool goes_on_ = false;
   double margin_ = 0;  ///< covers the remaining motion of most boxes
@@ -81,6 +93,10 @@ class SkinMotion {
   PastBoxes marks_;
   std::vector<Box> observed_;  ///< a sample, in a cycle after the guess; empty without a guess
   std::uint32_t observed_in_ = 0;
+  // Displacements of the sample: whole ones, and deviations from constant velocities.
+  std::array<double, kMostSample> resting_ = {}, going_ = {};
+  std::size_t sampled_ = 0, sample_size_ = 0;
+  double sample_speed_ = 0;  ///< sum
 };
 
 }  // namespace cdb::builtin

@@ -118,6 +118,7 @@ double BoxGrid::CostOf(Stage stage) const {
     case Stage::kClear:
       return 0.2;
     case Stage::kPlace:
+      return 10;
     case Stage::kMeasureCrowds:
     case Stage::kMoveCrowds:
       return 5;
