@@ -62,7 +62,7 @@ class KdTree final : public Detector {
   bool ChooseCut(std::size_t begin, const Box& cell, double Vec3::*& best, double& plane) {
     const std::size_t all = bodies_.size() - begin, size = std::min(all, kSample);
     const auto corner_of = [&](std::size_t k, double Vec3::*axis) {
-      const std::size_t i = begin + (size < all ? kernels::SamplePlace(k, all) : k);
+      const std::size_t i = begin + (size < all ? kernels::SampleIndex(k, all) : k);
       return std::max(bodies_[i].box.lower.*axis, cell.lower.*axis);
     };
     double widest = 0;

@@ -25,25 +25,28 @@ Vec3 Shift(const Box& from, const Box& to) {
           (to.lower.y - from.lower.y + to.upper.y - from.upper.y) / 2,
           (to.lower.z - from.lower.z + to.upper.z - from.upper.z) / 2};
 }
-double Length(const Vec3& way) {
-  return std::max(std::max(std::fabs(way.x), std::fabs(way.y)), std::fabs(way.z));
+double Length(const Vec3& displacement) {
+  return std::max(std::max(std::fabs(displacement.x), std::fabs(displacement.y)),
+                  std::fabs(displacement.z));
 }
 /// The part of a displacement that is not explained by a constant velocity.
 Vec3 Rest(const Vec3& shift, const Vec3& velocity, double cycles) {
   return {shift.x - velocity.x * cycles, shift.y - velocity.y * cycles,
           shift.z - velocity.z * cycles};
 }
-Vec3 Scaled(const Vec3& way, double by) { return {way.x * by, way.y * by, way.z * by}; }
+Vec3 Scaled(const Vec3& displacement, double by) {
+  return {displacement.x * by, displacement.y * by, displacement.z * by};
+}
 
 /// The largest displacement by which a box is enlarged, in m. Infinite ones would make NaN boxes.
-constexpr double kMostWay = 1e300;
+constexpr double kMostDisplacement = 1e300;
 
 Vec3 VelocityOf(const kernels::BodyMotion& motion) {
   return {motion.velocity[0], motion.velocity[1], motion.velocity[2]};
 }
 
 std::size_t SampledBody(std::size_t k, std::size_t movers) {
-  return SkinMotion::SampleSize(movers) < movers ? kernels::SamplePlace(k, movers) : k;
+  return SkinMotion::SampleSize(movers) < movers ? kernels::SampleIndex(k, movers) : k;
 }
 
 /// A sample of the finite boxes: the mean of their sides, and twice the distance between their
@@ -58,7 +61,7 @@ Spread SpreadOf(const Scene& scene, std::size_t movers) {
     std::vector<double> corners;
     const std::size_t size = std::min(movers, kMostSpread);
     for (std::size_t k = 0; k < size; ++k) {
-      const Box& box = scene.boxes[size < movers ? kernels::SamplePlace(k, movers) : k];
+      const Box& box = scene.boxes[size < movers ? kernels::SampleIndex(k, movers) : k];
       const double side = box.upper.*axis - box.lower.*axis;
       if (!std::isfinite(side)) continue;
       corners.push_back(box.lower.*axis);
@@ -219,7 +222,8 @@ void SkinMotion::Fatten(const Scene& scene, std::size_t begin, std::size_t end, 
       scene.boxes.data() + begin, motions_.data() + begin, end - begin,
       {.from = share * span.from,
        .to = to,
-       .most_way = std::isfinite(most_speed_) ? std::min(most_speed_ * to, kMostWay) : 0,
+       .most_displacement =
+           std::isfinite(most_speed_) ? std::min(most_speed_ * to, kMostDisplacement) : 0,
        .margin = (goes_on_ ? std::max(span.longer, 1.) : 1) * span.share},
       fat + begin, kernels::From(columns, begin), past.boxes.data() + begin);
 }

@@ -40,7 +40,7 @@ double Sweep::ForeseenTests(const Scene& scene) {
   for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
     std::vector<double> lower, upper;
     for (std::size_t k = 0; k < size; ++k) {
-      const Box& box = scene.boxes[size < count ? kernels::SamplePlace(k, count) : k];
+      const Box& box = scene.boxes[size < count ? kernels::SampleIndex(k, count) : k];
       const double side = box.upper.*axis - box.lower.*axis;
       if (!std::isfinite(side) || side < 0) continue;
       lower.push_back(box.lower.*axis);

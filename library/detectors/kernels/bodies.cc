@@ -43,7 +43,7 @@ Vec3 MiddleOf(std::span<const Box> boxes) {
   Vec3 sum = {0, 0, 0};
   double count = 0;
   for (std::size_t k = 0; k < std::min(boxes.size(), kSample); ++k) {
-    const Box& box = boxes[SamplePlace(k, boxes.size())];
+    const Box& box = boxes[SampleIndex(k, boxes.size())];
     const Vec3 at = {box.lower.x / 2 + box.upper.x / 2, box.lower.y / 2 + box.upper.y / 2,
                      box.lower.z / 2 + box.upper.z / 2};
     if (!std::isfinite(at.x + at.y + at.z)) continue;

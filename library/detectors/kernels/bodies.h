@@ -14,7 +14,7 @@ namespace cdb::kernels {
 
 /// The k-th body of a sample. The sample is evenly spread, but without a constant stride, which
 /// could coincide with a pattern of the ids.
-inline std::size_t SamplePlace(std::size_t k, std::size_t count) {
+inline std::size_t SampleIndex(std::size_t k, std::size_t count) {
   const auto turn = static_cast<std::uint32_t>((k + 1) * 2654435769u);  // golden ratio
   return static_cast<std::size_t>(std::uint64_t{turn} * count >> 32);
 }

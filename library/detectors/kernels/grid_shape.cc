@@ -41,7 +41,7 @@ void GridShapeChooser::TakeSample(std::size_t count) {
   sample_.size = 0;
   const std::size_t size = std::min(count, std::clamp(count / 8, kMinSample, kMaxSample));
   for (std::size_t k = 0; k < size; ++k) {
-    const std::size_t i = size < count ? SamplePlace(k, count) : k;
+    const std::size_t i = size < count ? SampleIndex(k, count) : k;
     bool is_finite = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float lower = boxes_.lower[axis][i], extent = boxes_.upper[axis][i] - lower;

@@ -67,9 +67,9 @@ struct MotionTerms {
 };
 
 /// Terms by which boxes are enlarged: the displacements from `from` to `to` cycles from now, each
-/// at most `most_way`, and `margin` times the body's margin.
+/// at most `most_displacement`, and `margin` times the body's margin.
 struct FatteningTerms {
-  double from, to, most_way, margin;
+  double from, to, most_displacement, margin;
 };
 
 /// Bits in an element of `met` of find_changed.

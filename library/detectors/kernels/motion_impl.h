@@ -39,9 +39,9 @@ template <typename T>
   shift = (lower - past_lower + upper - past_upper) * 0.5;
 }
 
-[[gnu::always_inline]] inline double LongestOf(const Lanes4& way) {
+[[gnu::always_inline]] inline double LongestOf(const Lanes4& displacement) {
   const Bits4 magnitude = Bits4{} + std::numeric_limits<std::int64_t>::max();
-  const Lanes4 size = Lanes4(Bits4(way) & magnitude);
+  const Lanes4 size = Lanes4(Bits4(displacement) & magnitude);
   const double longer = size[0] < size[1] ? size[1] : size[0];
   return longer < size[2] ? size[2] : longer;
 }
@@ -87,7 +87,8 @@ void Learn(const Box* boxes, const Box* past, const Box* marks, std::size_t coun
                                              Float4& last) {
   Lanes4 velocity;
   Load(&motion, velocity);
-  const Lanes4 most = Lanes4{} + terms.most_way, least = Lanes4{} - terms.most_way;
+  const Lanes4 most = Lanes4{} + terms.most_displacement,
+               least = Lanes4{} - terms.most_displacement;
   Lanes4 begin = velocity * terms.from, end = velocity * terms.to;
   begin = begin < least ? least : begin;
   begin = most < begin ? most : begin;
