@@ -37,4 +37,6 @@ double ProcessorCount() {
                                                      : std::numeric_limits<double>::quiet_NaN();
 }
 
+double OnlineProcessorCount() { return static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)); }
+
 }  // namespace cdb::machine

@@ -285,7 +285,8 @@ with the reason in `noise_cause`). It is noisy if
   - other virtual machines stole more than 1 % of the time,
   - other programs used more than a tenth of a processor meanwhile (and more than 30 ms), on any
     processor: they share caches, memory and frequency with the run,
-  - the load average of the minute before the run was above the number of processors, or
+  - the load average of the minute before the run was above the number of processors of the machine,
+    or
   - a few long pauses make the mean step more than twice the median, while nine in ten steps are
     within 1.5 medians.
 `cdb show` begins with the number of noisy runs and the causes. Their times stay in the figures:

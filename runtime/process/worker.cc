@@ -139,8 +139,7 @@ machine::NoiseJudgement NoiseOf(const plan::Run& run, const store::RunResult& re
   const auto steps =
       duration.empty() ? duration
                        : duration.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
-  // The load is that of the whole machine, so all its processors count, not only the worker's.
-  return machine::JudgeNoise(result.scalars, {result.load, machine::ProcessorCount()},
+  return machine::JudgeNoise(result.scalars, {result.load, machine::OnlineProcessorCount()},
                              run.scene.world.Count("threads"), steps);
 }
 

@@ -39,7 +39,7 @@ void MakeResultsFolder(const fs::path& folder) {
 /// Only on a terminal, where a user can wait for a quiet machine. The results record the load in
 /// any case.
 void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
-  const double load = machine::LoadAverage(), processors = machine::ProcessorCount();
+  const double load = machine::LoadAverage(), processors = machine::OnlineProcessorCount();
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
       !(load > processors))
     return;
