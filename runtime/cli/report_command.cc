@@ -9,6 +9,7 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/document/results_document.h"
+#include "runtime/measure/bytes_text.h"
 #include "runtime/page/page.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
@@ -59,8 +60,8 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   const std::string page = page::Assemble(page::ReportTemplate(), title,
                                           fmt::format("{{\"documents\":[{}]}}", documents));
   files::WriteWhole(page, PageName(arguments));
-  terminal::Print(fmt::format("{}: {:.1f} MB; open it in a browser\n", PageName(arguments),
-                              static_cast<double>(page.size()) / 1e6));
+  terminal::Print(fmt::format("{}: {}; open it in a browser\n", PageName(arguments),
+                              measure::BytesText(static_cast<double>(page.size()))));
   return bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 

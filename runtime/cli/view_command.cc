@@ -14,6 +14,7 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/serve_scenario.h"
+#include "runtime/measure/bytes_text.h"
 #include "runtime/page/page.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
@@ -168,8 +169,8 @@ void CheckOptions(const ViewArguments& arguments) {
 
 void Write(const std::string& file, const std::string& bytes, const char* use) {
   files::WriteWhole(bytes, file);
-  terminal::Say(
-      fmt::format("{}: {:.1f} MB; {}\n", file, static_cast<double>(bytes.size()) / 1e6, use));
+  terminal::Say(fmt::format("{}: {}; {}\n", file,
+                            measure::BytesText(static_cast<double>(bytes.size())), use));
 }
 
 void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>& recordings) {
