@@ -16,9 +16,12 @@ constexpr std::size_t kAppended = 8;
 
 void SkinAwake::See(const Scene& scene) {
   if (last_asleep_.size() == scene.size && scene.is_asleep.size() == scene.size) {
-    for (std::size_t i = 0; i < scene.size; ++i)
-      may_have_moved_[i] |= static_cast<std::uint8_t>(scene.is_asleep[i] == 0) |
-                            static_cast<std::uint8_t>(last_asleep_[i] == 0);
+    // Bytes may alias what the vectors point to, unless the pointers are local.
+    const std::uint8_t *asleep = scene.is_asleep.data(), *was_asleep = last_asleep_.data();
+    std::uint8_t* moved = may_have_moved_.data();
+    for (std::size_t i = 0, size = scene.size; i < size; ++i)
+      moved[i] |=
+          static_cast<std::uint8_t>(asleep[i] == 0) | static_cast<std::uint8_t>(was_asleep[i] == 0);
   } else {
     may_have_moved_.assign(scene.size, 1);
   }

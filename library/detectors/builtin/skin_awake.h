@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -35,16 +36,22 @@ class SkinAwake {
   /// those appended since the index was made. After AreFew.
   template <typename Test>
   void ForEach(std::span<const Pair> candidates, const Test& test) const {
-    for (std::size_t id = 0; id < may_have_moved_.size(); ++id) {
-      if (may_have_moved_[id] == 0) continue;
+    for (std::size_t id = NextMoved(0); id < may_have_moved_.size(); id = NextMoved(id + 1))
       for (std::uint32_t at = begins_[id]; at < begins_[id + 1]; ++at) test(entries_[at]);
-    }
     for (std::size_t i = indexed_; i < candidates.size(); ++i) test(i);
   }
   /// All candidates have been tested, or those of ForEach.
   void Tested() { std::ranges::fill(may_have_moved_, std::uint8_t{0}); }
 
  private:
+  /// The first body from `id` on that may have moved; the number of bodies if none has.
+  std::size_t NextMoved(std::size_t id) const {
+    const std::size_t size = may_have_moved_.size();
+    const void* at = std::memchr(may_have_moved_.data() + id, 1, size - id);
+    return at == nullptr ? size
+                         : static_cast<std::size_t>(static_cast<const std::uint8_t*>(at) -
+                                                    may_have_moved_.data());
+  }
   void MakeIndex(const Scene& scene, std::span<const Pair> candidates);
 
   std::vector<std::uint8_t> last_asleep_;     ///< in the last cycle; empty if unknown

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace cdb::kernels {
 namespace {
 
 constexpr std::size_t kMaxWalls = 64;
+/// If fewer than one in so many movers are free, these alone are tested with walls.
+constexpr std::size_t kFewFree = 8;
 
 bool AreSame(const Filter& a, const Filter& b) {
   return a.group == b.group && a.mask == b.mask && a.is_fixed == b.is_fixed;
@@ -65,10 +68,14 @@ void Bodies::Learn(const Scene& scene) {
       std::ranges::all_of(movers, [&](const Filter& f) { return AreSame(f, movers[0]); }) &&
       (movers_ == 0 || scene.MayCollide(0, 0));
   middle_ = MiddleOf(scene.boxes.first(movers_));
+  free_.clear();
+  for (Id id = 0; id < movers_; ++id)
+    if (!scene.filters[id].is_fixed) free_.push_back(id);
 }
 
 bool Bodies::AllSleep(const Scene& scene) const {
-  return !scene.is_asleep.empty() && std::ranges::find(scene.is_asleep, 0) == scene.is_asleep.end();
+  return !scene.is_asleep.empty() &&
+         std::memchr(scene.is_asleep.data(), 0, scene.is_asleep.size()) == nullptr;
 }
 
 void Bodies::MeasureRoom(const Scene& scene) {
@@ -108,9 +115,14 @@ void Bodies::MeetOthers(const Scene& scene, const Kernels& kernels, PairBuffer& 
            AreSame(scene.boxes[others_[end]], scene.boxes[wall]) &&
            AreSame(scene.filters[others_[end]], scene.filters[wall]))
       ++end;
-    if (!movers_collide_ || (movers_ > 0 && scene.MayCollide(0, wall)))
+    if (kFewFree * free_.size() < movers_) {
+      for (const Id id : free_)
+        for (std::size_t i = at; i < end; ++i)
+          if (Overlap(scene.boxes[id], scene.boxes[others_[i]])) pairs.Add({id, others_[i]});
+    } else if (!movers_collide_ || (movers_ > 0 && scene.MayCollide(0, wall))) {
       kernels.meet_wall(scene.boxes.data(), movers_, scene.boxes[wall], wall, end - at,
                         pairs.sink());
+    }
     at = end;
   }
   if (movers_collide_) return;

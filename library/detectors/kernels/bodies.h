@@ -61,6 +61,7 @@ class Bodies {
   Box room_ = {};
   std::vector<Id> bounds_, others_;  ///< walls
   std::vector<Id> outside_;          ///< movers
+  std::vector<Id> free_;             ///< movers that are not fixed: the others never meet walls
 };
 
 }  // namespace cdb::kernels

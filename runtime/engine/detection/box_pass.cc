@@ -249,6 +249,7 @@ BoxPass::BoxPass(std::span<btRigidBody* const> bodies) {
     const auto [place, is_new] =
         places.try_emplace(shape, static_cast<std::uint32_t>(shapes_.size()));
     if (is_new) shapes_.push_back(Describe(*shape));
+    visited_.push_back(static_cast<std::uint32_t>(bodies_.size()));
     bodies_.push_back({body, place->second, shapes_[place->second].kind != Kind::kBall,
                        body->isStaticObject(), body->isKinematicObject()});
   }
@@ -269,19 +270,26 @@ bool BoxPass::Write(const ShapeBox& shape, const Body& at, Box& box) {
 }
 
 void BoxPass::Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep) {
-  const std::size_t size = bodies_.size();
-  for (std::size_t i = 0; i < size; ++i) {
-    if (const std::size_t ahead = i + kAhead; ahead < size)
+  const std::size_t size = visited_.size();
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    if (k + kAhead < size) {
+      const std::uint32_t ahead = visited_[k + kAhead];
       Prefetch(*bodies_[ahead].body, bodies_[ahead].needs_basis, is_asleep[ahead] != 0);
+    }
+    const std::uint32_t i = visited_[k];
     const Body& at = bodies_[i];
     // A kinematic body is moved by others, asleep or not.
     const bool sleeps =
         at.body->getActivationState() == ISLAND_SLEEPING && !at.is_static && !at.is_kinematic;
     const bool still_sleeps = sleeps && is_asleep[i] != 0;
     is_asleep[i] = sleeps || at.is_static;
-    if (still_sleeps || !(updates_all || at.body->isActive())) continue;
-    if (!Write(shapes_[at.shape], at, boxes[i])) at.body->setActivationState(DISABLE_SIMULATION);
+    const bool is_written = !still_sleeps && (updates_all || at.body->isActive());
+    if (is_written && !Write(shapes_[at.shape], at, boxes[i]))
+      at.body->setActivationState(DISABLE_SIMULATION);
+    if (!(is_written && at.is_static)) visited_[kept++] = i;
   }
+  visited_.resize(kept);
 }
 
 }  // namespace cdb::detection

@@ -19,12 +19,13 @@ namespace cdb::detection {
 class BoxPass {
  public:
   /// The bodies, their shapes and the sizes of those must outlive it and not change; nor may a body
-  /// become fixed or kinematic, or cease to be.
+  /// become fixed or kinematic, or cease to be, or a fixed body move.
   explicit BoxPass(std::span<btRigidBody* const> bodies);
 
   /// Writes the boxes of active bodies, and, if `updates_all`, of the others. Skips those that were
-  /// asleep in the last call too: they have not moved. `is_asleep` has the last call's values and
-  /// gets this one's; fixed bodies are always asleep, kinematic ones never. A body whose box
+  /// asleep in the last call too, as they have not moved, and fixed ones whose box it has written.
+  /// `is_asleep` has the last call's values and gets this one's; fixed bodies are always asleep,
+  /// kinematic ones never. A body whose box
   /// exceeds Bullet's limit of 10^6 m keeps its box and is switched off, as by Bullet. Both spans
   /// have a value for each body.
   void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
@@ -60,6 +61,7 @@ class BoxPass {
 
   std::vector<ShapeBox> shapes_;  ///< each once
   std::vector<Body> bodies_;
+  std::vector<std::uint32_t> visited_;  ///< bodies of Update: all but fixed ones that are written
 };
 
 }  // namespace cdb::detection
