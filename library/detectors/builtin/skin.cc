@@ -54,8 +54,9 @@ void Skin::Prepare(const Scene& scene) {
   last_tried_ = 0;
 }
 
-/// Updates the list to the boxes; false if the pairs are the same as in the last call.
-bool Skin::Follow(const Scene& scene) {
+/// Updates the list to the boxes; false if the pairs are the same as in the last call. `awake` may
+/// be null, if it is not known which bodies have moved since the last call.
+bool Skin::Follow(const Scene& scene, const SkinAwake* awake) {
   if (scene.size != list_->past.boxes.size()) Prepare(scene);
   bodies_.MeasureRoom(scene);
   work_ = 0;
@@ -65,7 +66,7 @@ bool Skin::Follow(const Scene& scene) {
     ++age_;
     if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) return false;
     BuildAhead(scene);
-    if (!TrackEscaped(scene)) MakeList(scene);
+    if (!TrackEscaped(scene, awake)) MakeList(scene);
     FollowWalls(scene);
   } else {
     MakeList(scene);
@@ -80,7 +81,7 @@ bool Skin::Follow(const Scene& scene) {
 }
 
 void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
-  if (Follow(scene) || !parts_are_pairs_) {
+  if (Follow(scene, nullptr) || !parts_are_pairs_) {
     const std::span<const Pair> all = list_->candidates.pairs();
     const std::size_t size = all.size();
     parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
@@ -96,10 +97,8 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 }
 
 bool Skin::FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) {
-  if (!Follow(scene) && changes_.knows_last()) {
-    changes_.Skip(scene);
-    return true;
-  }
+  const SkinAwake& awake = changes_.See(scene);
+  if (!Follow(scene, &awake) && changes_.knows_last()) return true;
   parts_are_pairs_ = false;
   rest_.Clear();
   AppendRest(scene, rest_);

@@ -65,12 +65,13 @@ class Skin final : public Detector {
   }
 
  private:
-  bool Follow(const Scene& scene);
+  bool Follow(const Scene& scene, const SkinAwake* awake);
   void AppendRest(const Scene& scene, kernels::PairBuffer& pairs);
   void MakeList(const Scene& scene);
   void BuildAhead(const Scene& scene);
-  std::size_t FindEscaped(const Scene& scene);
-  bool TrackEscaped(const Scene& scene);
+  std::size_t FindEscaped(const Scene& scene, const SkinAwake* awake);
+  std::size_t FindEscapedOf(const Scene& scene, const SkinAwake& awake);
+  bool TrackEscaped(const Scene& scene, const SkinAwake* awake);
   void LearnCost(double life);
   void UseNewList(const Scene& scene);
   double CyclesLeft() const;
@@ -102,7 +103,7 @@ class Skin final : public Detector {
   std::uint32_t begin_ = 0;    ///< the cycle from which the next list is to be used
 
   std::size_t made_ = 0;  ///< candidates when the list was made
-  std::vector<Id> escaped_;
+  std::vector<Id> escaped_, suspects_;
   std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
   std::vector<Box> untracked_boxes_;
   std::size_t untracked_ = 0;  ///< of the last cycle

@@ -5,8 +5,6 @@
 namespace cdb::builtin {
 namespace {
 
-/// One in so many bodies may have moved.
-constexpr std::size_t kFew = 8;
 /// Cycles with few moved bodies before the index is made.
 constexpr unsigned kPatience = 4;
 /// One in so many candidates may have been appended to those in the index.
@@ -25,12 +23,12 @@ void SkinAwake::See(const Scene& scene) {
   } else {
     may_have_moved_.assign(scene.size, 1);
   }
+  moved_count_ = static_cast<std::size_t>(std::ranges::count(may_have_moved_, std::uint8_t{1}));
   last_asleep_.assign(scene.is_asleep.begin(), scene.is_asleep.end());
 }
 
 bool SkinAwake::AreFew(const Scene& scene, std::span<const Pair> candidates) {
-  const auto moved = std::ranges::count(may_have_moved_, std::uint8_t{1});
-  if (kFew * static_cast<std::size_t>(moved) > scene.size) {
+  if (!AreFewMoved()) {
     few_cycles_ = 0;
     return false;
   }

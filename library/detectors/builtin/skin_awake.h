@@ -29,6 +29,14 @@ class SkinAwake {
   }
   /// Notes which bodies may have moved since the last cycle; call once in every cycle.
   void See(const Scene& scene);
+  /// True if few bodies may have moved since the candidates were tested.
+  bool AreFewMoved() const { return kFew * moved_count_ <= may_have_moved_.size(); }
+  /// Calls visit(id) for each body that may have moved since the candidates were tested.
+  template <typename Visit>
+  void ForEachMoved(const Visit& visit) const {
+    for (std::size_t id = NextMoved(0); id < may_have_moved_.size(); id = NextMoved(id + 1))
+      visit(static_cast<Id>(id));
+  }
   /// True if so few bodies may have moved, for several cycles, that ForEach is worthwhile. Makes
   /// the index.
   bool AreFew(const Scene& scene, std::span<const Pair> candidates);
@@ -36,14 +44,21 @@ class SkinAwake {
   /// those appended since the index was made. After AreFew.
   template <typename Test>
   void ForEach(std::span<const Pair> candidates, const Test& test) const {
-    for (std::size_t id = NextMoved(0); id < may_have_moved_.size(); id = NextMoved(id + 1))
+    ForEachMoved([&](Id id) {
       for (std::uint32_t at = begins_[id]; at < begins_[id + 1]; ++at) test(entries_[at]);
+    });
     for (std::size_t i = indexed_; i < candidates.size(); ++i) test(i);
   }
   /// All candidates have been tested, or those of ForEach.
-  void Tested() { std::ranges::fill(may_have_moved_, std::uint8_t{0}); }
+  void Tested() {
+    std::ranges::fill(may_have_moved_, std::uint8_t{0});
+    moved_count_ = 0;
+  }
 
  private:
+  /// One in so many bodies may have moved.
+  static constexpr std::size_t kFew = 8;
+
   /// The first body from `id` on that may have moved; the number of bodies if none has.
   std::size_t NextMoved(std::size_t id) const {
     const std::size_t size = may_have_moved_.size();
@@ -56,10 +71,11 @@ class SkinAwake {
 
   std::vector<std::uint8_t> last_asleep_;     ///< in the last cycle; empty if unknown
   std::vector<std::uint8_t> may_have_moved_;  ///< since the candidates were tested
-  unsigned few_cycles_ = 0;                   ///< in a row, with these candidates
-  std::size_t indexed_ = 0;                   ///< candidates in the index; 0 without one
-  std::vector<std::uint32_t> begins_;         ///< of the entries of each body; and the end
-  std::vector<std::uint32_t> entries_;        ///< candidates by body, each twice
+  std::size_t moved_count_ = 0;
+  unsigned few_cycles_ = 0;             ///< in a row, with these candidates
+  std::size_t indexed_ = 0;             ///< candidates in the index; 0 without one
+  std::vector<std::uint32_t> begins_;   ///< of the entries of each body; and the end
+  std::vector<std::uint32_t> entries_;  ///< candidates by body, each twice
 };
 
 }  // namespace cdb::builtin

@@ -37,7 +37,6 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
   }
   met_.resize((candidates.size() + kMetBits - 1) / kMetBits, 0);
   changed_.clear();
-  awake_.See(scene);
   if (had_flags && awake_.AreFew(scene, candidates))
     FindAwake(scene, candidates);
   else

@@ -24,12 +24,16 @@ class SkinChanges {
   void Forget();
   /// Call before the candidates are replaced or reordered.
   void Replace(std::span<const Pair> candidates);
+  /// Notes which bodies may have moved since the last cycle; call once in a cycle, before Find or
+  /// in its place if the pairs are the same as in the last cycle.
+  const SkinAwake& See(const Scene& scene) {
+    awake_.See(scene);
+    return awake_;
+  }
   /// Lists the changes as Detector::FindChanges does. Candidates may have been appended since the
   /// last call; `rest` are the pairs of overlapping boxes that are not candidates.
   bool Find(const Scene& scene, const kernels::Kernels& kernels, std::span<const Pair> candidates,
             std::span<const Pair> rest, std::vector<Pair>& came, std::vector<Pair>& went);
-  /// Call in a cycle in which the pairs are the same as in the last one, instead of Find.
-  void Skip(const Scene& scene) { awake_.See(scene); }
   /// True if Find has been called since the last Forget.
   bool knows_last() const { return knows_last_; }
   /// Number of pairs in the last call of Find.

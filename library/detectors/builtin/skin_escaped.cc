@@ -81,7 +81,8 @@ std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box
 }  // namespace
 
 /// Lists the bodies that have left their fat boxes, in order. Each thread searches a part of them.
-std::size_t Skin::FindEscaped(const Scene& scene) {
+std::size_t Skin::FindEscaped(const Scene& scene, const SkinAwake* awake) {
+  if (awake != nullptr && age_ > 0 && awake->AreFewMoved()) return FindEscapedOf(scene, *awake);
   const std::size_t movers = bodies_.movers();
   const auto find = [&](std::size_t begin, std::size_t end) {
     return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
@@ -99,21 +100,39 @@ std::size_t Skin::FindEscaped(const Scene& scene) {
   return count;
 }
 
+/// The same if only a few bodies may have moved since the last cycle: of the others, the untracked
+/// ones are still outside their fat boxes.
+std::size_t Skin::FindEscapedOf(const Scene& scene, const SkinAwake& awake) {
+  suspects_.assign(escaped_.begin(), escaped_.begin() + static_cast<std::ptrdiff_t>(untracked_));
+  awake.ForEachMoved([&](Id id) {
+    if (id < bodies_.movers()) suspects_.push_back(id);
+  });
+  std::ranges::sort(suspects_);
+  const auto twice = std::ranges::unique(suspects_);
+  suspects_.erase(twice.begin(), twice.end());
+  const auto has_left = [&](Id id) {
+    Id first = 0;
+    return kernels_.find_escaped(&scene.boxes[id], &list_->fat[id], 1, &first) == 1;
+  };
+  const auto end = std::ranges::copy_if(suspects_, escaped_.begin(), has_left).out;
+  return static_cast<std::size_t>(end - escaped_.begin());
+}
+
 /// Finds the bodies that have left their fat boxes and tracks them; false if a new list costs less.
-bool Skin::TrackEscaped(const Scene& scene) {
+bool Skin::TrackEscaped(const Scene& scene, const SkinAwake* awake) {
   const std::size_t movers = bodies_.movers();
   const double limit = kListCost * static_cast<double>(movers);
   const auto is_too_much = [&](std::size_t escaped) {
     return escape_cost_ + CostOfEscaped(escaped, std::min(escaped, untracked_)) > limit;
   };
-  std::size_t escaped = FindEscaped(scene);
+  std::size_t escaped = FindEscaped(scene, awake);
   if (is_too_much(escaped)) {
     if (!builder_.is_half_done()) return false;
     double budget = SkinListBuilder::kUnlimited;
     builder_.Advance(scene, bodies_, cycle_, budget);
     work_ += SkinListBuilder::kUnlimited - budget;
     UseNewList(scene);
-    escaped = FindEscaped(scene);
+    escaped = FindEscaped(scene, awake);
     if (is_too_much(escaped)) return false;
   }
   untracked_ = RegrowEscaped(scene, escaped);

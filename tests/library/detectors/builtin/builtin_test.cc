@@ -89,6 +89,25 @@ TEST(BuiltinDetectors, AreExactBetweenHalfSpaces) {
   }
 }
 
+TEST(BuiltinDetectors, AreExactWhereMostBodiesAreFixed) {
+  for (const bool cuts_walls : {false, true}) {
+    BoxScene moving("dense", 300, true, 16);
+    if (cuts_walls) moving.CutWalls();
+    std::vector<Named> all = All();
+    const Scene start = moving.View();
+    std::vector<Box> boxes(start.boxes.begin(), start.boxes.end());
+    std::vector<Filter> filters(start.filters.begin(), start.filters.end());
+    for (std::size_t i = 0; i < 300; ++i) filters[i].is_fixed = i % 20 != 0;
+    for (int cycle = 0; cycle < 60; ++cycle, moving.Move()) {
+      Scene scene = moving.View();
+      for (std::size_t i = 0; i < 300; i += 20) boxes[i] = scene.boxes[i];
+      scene.boxes = boxes;
+      scene.filters = filters;
+      ExpectExact(all, scene, "cycle " + std::to_string(cycle));
+    }
+  }
+}
+
 TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
   for (const bool cuts_walls : {false, true}) {
     BoxScene moving("dense", 300, true, 13);
