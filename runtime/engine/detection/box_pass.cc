@@ -2,6 +2,7 @@
 
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
@@ -243,16 +244,24 @@ bool BoxPass::Agrees(const ShapeBox& shape) {
 
 BoxPass::BoxPass(std::span<btRigidBody* const> bodies) {
   std::map<const btCollisionShape*, std::uint32_t> places;
-  bodies_.reserve(bodies.size());
+  Id id = 0;
   for (btRigidBody* body : bodies) {
     const btCollisionShape* shape = body->getCollisionShape();
     const auto [place, is_new] =
         places.try_emplace(shape, static_cast<std::uint32_t>(shapes_.size()));
     if (is_new) shapes_.push_back(Describe(*shape));
-    visited_.push_back(static_cast<std::uint32_t>(bodies_.size()));
-    bodies_.push_back({body, place->second, shapes_[place->second].kind != Kind::kBall,
-                       body->isStaticObject(), body->isKinematicObject()});
+    (body->isStaticObject() ? unwritten_ : moving_)
+        .push_back({body, place->second, id++, shapes_[place->second].kind != Kind::kBall,
+                    body->isStaticObject(), body->isKinematicObject()});
   }
+}
+
+std::size_t BoxPass::CountComputed() const {
+  const auto is_computed = [this](const Body& body) {
+    return shapes_[body.shape].kind != Kind::kVirtual;
+  };
+  return static_cast<std::size_t>(std::ranges::count_if(moving_, is_computed) +
+                                  std::ranges::count_if(unwritten_, is_computed));
 }
 
 /// False where the box is beyond Bullet's limit.
@@ -269,27 +278,30 @@ bool BoxPass::Write(const ShapeBox& shape, const Body& at, Box& box) {
   return true;
 }
 
+/// True if the box is written.
+bool BoxPass::Visit(const Body& at, bool updates_all, std::span<Box> boxes,
+                    std::span<std::uint8_t> is_asleep) const {
+  // A kinematic body is moved by others, asleep or not.
+  const bool sleeps =
+      at.body->getActivationState() == ISLAND_SLEEPING && !at.is_static && !at.is_kinematic;
+  const bool still_sleeps = sleeps && is_asleep[at.id] != 0;
+  is_asleep[at.id] = sleeps || at.is_static;
+  if (still_sleeps || !(updates_all || at.body->isActive())) return false;
+  if (!Write(shapes_[at.shape], at, boxes[at.id])) at.body->setActivationState(DISABLE_SIMULATION);
+  return true;
+}
+
 void BoxPass::Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep) {
-  const std::size_t size = visited_.size();
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < size; ++k) {
-    if (k + kAhead < size) {
-      const std::uint32_t ahead = visited_[k + kAhead];
-      Prefetch(*bodies_[ahead].body, bodies_[ahead].needs_basis, is_asleep[ahead] != 0);
+  std::erase_if(unwritten_,
+                [&](const Body& at) { return Visit(at, updates_all, boxes, is_asleep); });
+  const std::size_t size = moving_.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    if (i + kAhead < size) {
+      const Body& ahead = moving_[i + kAhead];
+      Prefetch(*ahead.body, ahead.needs_basis, is_asleep[ahead.id] != 0);
     }
-    const std::uint32_t i = visited_[k];
-    const Body& at = bodies_[i];
-    // A kinematic body is moved by others, asleep or not.
-    const bool sleeps =
-        at.body->getActivationState() == ISLAND_SLEEPING && !at.is_static && !at.is_kinematic;
-    const bool still_sleeps = sleeps && is_asleep[i] != 0;
-    is_asleep[i] = sleeps || at.is_static;
-    const bool is_written = !still_sleeps && (updates_all || at.body->isActive());
-    if (is_written && !Write(shapes_[at.shape], at, boxes[i]))
-      at.body->setActivationState(DISABLE_SIMULATION);
-    if (!(is_written && at.is_static)) visited_[kept++] = i;
+    Visit(moving_[i], updates_all, boxes, is_asleep);
   }
-  visited_.resize(kept);
 }
 
 }  // namespace cdb::detection

@@ -30,8 +30,8 @@ class BoxPass {
   /// have a value for each body.
   void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
 
-  /// Whether the boxes of this body are computed here.
-  bool IsComputed(Id id) const { return shapes_[bodies_[id].shape].kind != Kind::kVirtual; }
+  /// The number of bodies whose boxes are computed here, before the first Update.
+  std::size_t CountComputed() const;
 
  private:
   enum class Kind : std::uint8_t {
@@ -49,7 +49,8 @@ class BoxPass {
   struct Body {
     btRigidBody* body;
     std::uint32_t shape;  ///< in shapes_
-    bool needs_basis;     ///< not only the place of its pose
+    Id id;
+    bool needs_basis;  ///< not only the place of its pose
     bool is_static, is_kinematic;
   };
   struct Corners;
@@ -58,10 +59,12 @@ class BoxPass {
   static Corners Around(const ShapeBox& shape, const btTransform& pose);
   static bool Agrees(const ShapeBox& shape);
   static bool Write(const ShapeBox& shape, const Body& at, Box& box);
+  bool Visit(const Body& at, bool updates_all, std::span<Box> boxes,
+             std::span<std::uint8_t> is_asleep) const;
 
   std::vector<ShapeBox> shapes_;  ///< each once
-  std::vector<Body> bodies_;
-  std::vector<std::uint32_t> visited_;  ///< bodies of Update: all but fixed ones that are written
+  std::vector<Body> moving_;
+  std::vector<Body> unwritten_;  ///< fixed bodies whose box is not yet written
 };
 
 }  // namespace cdb::detection
