@@ -11,7 +11,7 @@ namespace cdb::suite {
 
 /// Increase it with every change of a scene, of a bound or of the score: results of different
 /// versions are not comparable. tests/golden/suite/ has the plans of each version.
-inline constexpr int kSuiteVersion = 1;
+inline constexpr int kSuiteVersion = 2;
 
 /// A kind of application. Its scenes sweep the same configurations.
 struct Kind {

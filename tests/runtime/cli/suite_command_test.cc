@@ -168,8 +168,9 @@ TEST_F(SuiteResults, ThatAreTamperedWithAreRefusedByName) {
 
   const fs::path better = Copy("better");
   std::string summary = ReadFile(better / "suite.json");
-  const std::string was = "\"suite\": 1";
-  summary.replace(summary.find(was), was.size(), "\"suite\": 2");
+  const std::string was = fmt::format("\"suite\": {}", suite::kSuiteVersion);
+  summary.replace(summary.find(was), was.size(),
+                  fmt::format("\"suite\": {}", suite::kSuiteVersion + 1));
   WriteFile(better / "suite.json", summary);
   ExpectSays(program_->Run({"suite", "--check", "better"}).out,
              "suite.json: it is not the summary of these results");
@@ -187,8 +188,9 @@ TEST_F(SuiteResults, OfOtherRunsAreRefusedByName) {
           ->Run({"run", "-q", "short.cdb", "-b", "standard_p", "-o", "own/standard_pendulum.h5"})
           .status,
       0);
-  ExpectSays(program_->Run({"suite", "--check", "own"}).out,
-             "stiff/pendulum: it is not of version 1 of the suite");
+  ExpectSays(
+      program_->Run({"suite", "--check", "own"}).out,
+      fmt::format("stiff/pendulum: it is not of version {} of the suite", suite::kSuiteVersion));
   ExpectSays(program_->Run({"suite", "--only", "pendulum", "-o", "own", "-q"}).err, "another plan");
 }
 
