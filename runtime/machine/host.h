@@ -21,8 +21,8 @@ TimeOfAllProcessors ReadTimeOfAllProcessors();
 
 /// The number of processors that this process may run on; NaN if the system does not report it.
 double ProcessorCount();
-/// The number of processors that are in use by the system, whether or not this process may run on
-/// them: the load average counts the programs on all of them.
+/// The number of online processors of this machine, whether or not this process may run on them.
+/// The load average counts the programs on all of them.
 double OnlineProcessorCount();
 
 }  // namespace cdb::machine

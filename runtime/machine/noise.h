@@ -40,7 +40,7 @@ inline constexpr double kMostOthers = 0.1;
 
 struct MachineLoad {
   double load = 0;        ///< one-minute load average when the run began
-  double processors = 0;  ///< of the machine, also those that the runner may not use
+  double processors = 0;  ///< online on the machine, whether or not the runner may use them
 };
 
 /// `steps`: the time of each cycle, ns. `threads`: the number that the detector may use. With

@@ -18,7 +18,8 @@
 // much longer than the others (skin_list.h). If boxes move in an unforeseen way, all of it is built
 // at once.
 //
-// Cost: reading the boxes and testing the candidates, and a part of a grid. Memory: about 380 bytes
+// Cost: reading the boxes and testing the candidates, or only those of the bodies that may have
+// moved if these are few, and a part of a grid. Memory: about 380 bytes
 // a body and 17 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
 // use Options::threads; the pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
@@ -70,7 +71,7 @@ class Skin final : public Detector {
   void MakeList(const Scene& scene);
   void BuildAhead(const Scene& scene);
   std::size_t FindEscaped(const Scene& scene, const SkinAwake* awake);
-  std::size_t FindEscapedOf(const Scene& scene, const SkinAwake& awake);
+  std::size_t FindEscapedOfMoved(const Scene& scene, const SkinAwake& awake);
   bool TrackEscaped(const Scene& scene, const SkinAwake* awake);
   void LearnCost(double life);
   void UseNewList(const Scene& scene);
@@ -103,7 +104,7 @@ class Skin final : public Detector {
   std::uint32_t begin_ = 0;    ///< the cycle from which the next list is to be used
 
   std::size_t made_ = 0;  ///< candidates when the list was made
-  std::vector<Id> escaped_, suspects_;
+  std::vector<Id> escaped_, may_be_escaped_;
   std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
   std::vector<Box> untracked_boxes_;
   std::size_t untracked_ = 0;  ///< of the last cycle

@@ -14,7 +14,7 @@ constexpr std::size_t kAppended = 8;
 
 void SkinAwake::See(const Scene& scene) {
   if (last_asleep_.size() == scene.size && scene.is_asleep.size() == scene.size) {
-    // Bytes may alias what the vectors point to, unless the pointers are local.
+    // Writes of bytes may change the members, but not local pointers: so the loop is vectorized.
     const std::uint8_t *asleep = scene.is_asleep.data(), *was_asleep = last_asleep_.data();
     std::uint8_t* moved = may_have_moved_.data();
     for (std::size_t i = 0, size = scene.size; i < size; ++i)
@@ -27,8 +27,8 @@ void SkinAwake::See(const Scene& scene) {
   last_asleep_.assign(scene.is_asleep.begin(), scene.is_asleep.end());
 }
 
-bool SkinAwake::AreFew(const Scene& scene, std::span<const Pair> candidates) {
-  if (!AreFewMoved()) {
+bool SkinAwake::UpdateIndex(const Scene& scene, std::span<const Pair> candidates) {
+  if (!HaveFewMoved()) {
     few_cycles_ = 0;
     return false;
   }

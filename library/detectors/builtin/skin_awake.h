@@ -30,18 +30,18 @@ class SkinAwake {
   /// Notes which bodies may have moved since the last cycle; call once in every cycle.
   void See(const Scene& scene);
   /// True if few bodies may have moved since the candidates were tested.
-  bool AreFewMoved() const { return kFew * moved_count_ <= may_have_moved_.size(); }
+  bool HaveFewMoved() const { return kFew * moved_count_ <= may_have_moved_.size(); }
   /// Calls visit(id) for each body that may have moved since the candidates were tested.
   template <typename Visit>
   void ForEachMoved(const Visit& visit) const {
     for (std::size_t id = NextMoved(0); id < may_have_moved_.size(); id = NextMoved(id + 1))
       visit(static_cast<Id>(id));
   }
-  /// True if so few bodies may have moved, for several cycles, that ForEach is worthwhile. Makes
-  /// the index.
-  bool AreFew(const Scene& scene, std::span<const Pair> candidates);
+  /// Makes the index if few bodies may have moved for several cycles. True if there is one: call
+  /// ForEach.
+  bool UpdateIndex(const Scene& scene, std::span<const Pair> candidates);
   /// Calls test(i) for every candidate with a body that may have moved, for some twice, and for
-  /// those appended since the index was made. After AreFew.
+  /// those appended since the index was made. After UpdateIndex.
   template <typename Test>
   void ForEach(std::span<const Pair> candidates, const Test& test) const {
     ForEachMoved([&](Id id) {
@@ -71,11 +71,11 @@ class SkinAwake {
 
   std::vector<std::uint8_t> last_asleep_;     ///< in the last cycle; empty if unknown
   std::vector<std::uint8_t> may_have_moved_;  ///< since the candidates were tested
-  std::size_t moved_count_ = 0;
-  unsigned few_cycles_ = 0;             ///< in a row, with these candidates
-  std::size_t indexed_ = 0;             ///< candidates in the index; 0 without one
-  std::vector<std::uint32_t> begins_;   ///< of the entries of each body; and the end
-  std::vector<std::uint32_t> entries_;  ///< candidates by body, each twice
+  std::size_t moved_count_ = 0;               ///< bodies in may_have_moved_
+  unsigned few_cycles_ = 0;                   ///< in a row, with these candidates
+  std::size_t indexed_ = 0;                   ///< candidates in the index; 0 without one
+  std::vector<std::uint32_t> begins_;         ///< of the entries of each body; and the end
+  std::vector<std::uint32_t> entries_;        ///< candidates by body, each twice
 };
 
 }  // namespace cdb::builtin

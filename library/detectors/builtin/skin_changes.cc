@@ -37,7 +37,7 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
   }
   met_.resize((candidates.size() + kMetBits - 1) / kMetBits, 0);
   changed_.clear();
-  if (had_flags && awake_.AreFew(scene, candidates))
+  if (had_flags && awake_.UpdateIndex(scene, candidates))
     FindAwake(scene, candidates);
   else
     FindAll(scene, kernels, candidates);

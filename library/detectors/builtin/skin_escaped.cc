@@ -82,7 +82,8 @@ std::optional<kernels::FatBox> Larger(const kernels::FatBox& fat, const Box& box
 
 /// Lists the bodies that have left their fat boxes, in order. Each thread searches a part of them.
 std::size_t Skin::FindEscaped(const Scene& scene, const SkinAwake* awake) {
-  if (awake != nullptr && age_ > 0 && awake->AreFewMoved()) return FindEscapedOf(scene, *awake);
+  if (awake != nullptr && age_ > 0 && awake->HaveFewMoved())
+    return FindEscapedOfMoved(scene, *awake);
   const std::size_t movers = bodies_.movers();
   const auto find = [&](std::size_t begin, std::size_t end) {
     return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
@@ -100,21 +101,22 @@ std::size_t Skin::FindEscaped(const Scene& scene, const SkinAwake* awake) {
   return count;
 }
 
-/// The same if only a few bodies may have moved since the last cycle: of the others, the untracked
-/// ones are still outside their fat boxes.
-std::size_t Skin::FindEscapedOf(const Scene& scene, const SkinAwake& awake) {
-  suspects_.assign(escaped_.begin(), escaped_.begin() + static_cast<std::ptrdiff_t>(untracked_));
+/// The same if few bodies may have moved since the last cycle. Of the others, only the untracked
+/// ones are outside their fat boxes, as they were then.
+std::size_t Skin::FindEscapedOfMoved(const Scene& scene, const SkinAwake& awake) {
+  may_be_escaped_.assign(escaped_.begin(),
+                         escaped_.begin() + static_cast<std::ptrdiff_t>(untracked_));
   awake.ForEachMoved([&](Id id) {
-    if (id < bodies_.movers()) suspects_.push_back(id);
+    if (id < bodies_.movers()) may_be_escaped_.push_back(id);
   });
-  std::ranges::sort(suspects_);
-  const auto twice = std::ranges::unique(suspects_);
-  suspects_.erase(twice.begin(), twice.end());
+  std::ranges::sort(may_be_escaped_);
+  const auto twice = std::ranges::unique(may_be_escaped_);
+  may_be_escaped_.erase(twice.begin(), twice.end());
   const auto has_left = [&](Id id) {
     Id first = 0;
     return kernels_.find_escaped(&scene.boxes[id], &list_->fat[id], 1, &first) == 1;
   };
-  const auto end = std::ranges::copy_if(suspects_, escaped_.begin(), has_left).out;
+  const auto end = std::ranges::copy_if(may_be_escaped_, escaped_.begin(), has_left).out;
   return static_cast<std::size_t>(end - escaped_.begin());
 }
 

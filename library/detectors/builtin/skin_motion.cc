@@ -8,7 +8,7 @@ namespace cdb::builtin {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastSample = 64, kMostSpread = 256;
+constexpr std::size_t kLeastSample = 64;
 /// The 75th percentile of deviations times this covers nearly all bodies that jitter uniformly.
 constexpr double kMarginFactor = 1.6;
 /// The same for the median.
@@ -56,10 +56,11 @@ struct Spread {
   bool is_known = false;
 };
 Spread SpreadOf(const Scene& scene, std::size_t movers) {
+  constexpr std::size_t kMost = 256;
   Spread spread;
   for (const auto axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
     std::vector<double> corners;
-    const std::size_t size = std::min(movers, kMostSpread);
+    const std::size_t size = std::min(movers, kMost);
     for (std::size_t k = 0; k < size; ++k) {
       const Box& box = scene.boxes[size < movers ? kernels::SampleIndex(k, movers) : k];
       const double side = box.upper.*axis - box.lower.*axis;

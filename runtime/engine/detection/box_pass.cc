@@ -2,7 +2,6 @@
 
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 
-#include <algorithm>
 #include <cstring>
 #include <map>
 
@@ -250,18 +249,12 @@ BoxPass::BoxPass(std::span<btRigidBody* const> bodies) {
     const auto [place, is_new] =
         places.try_emplace(shape, static_cast<std::uint32_t>(shapes_.size()));
     if (is_new) shapes_.push_back(Describe(*shape));
+    const Kind kind = shapes_[place->second].kind;
+    computed_ += kind != Kind::kVirtual;
     (body->isStaticObject() ? unwritten_ : moving_)
-        .push_back({body, place->second, id++, shapes_[place->second].kind != Kind::kBall,
-                    body->isStaticObject(), body->isKinematicObject()});
+        .push_back({body, place->second, id++, kind != Kind::kBall, body->isStaticObject(),
+                    body->isKinematicObject()});
   }
-}
-
-std::size_t BoxPass::CountComputed() const {
-  const auto is_computed = [this](const Body& body) {
-    return shapes_[body.shape].kind != Kind::kVirtual;
-  };
-  return static_cast<std::size_t>(std::ranges::count_if(moving_, is_computed) +
-                                  std::ranges::count_if(unwritten_, is_computed));
 }
 
 /// False where the box is beyond Bullet's limit.

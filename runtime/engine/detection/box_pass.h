@@ -19,19 +19,18 @@ namespace cdb::detection {
 class BoxPass {
  public:
   /// The bodies, their shapes and the sizes of those must outlive it and not change; nor may a body
-  /// become fixed or kinematic, or cease to be, or a fixed body move.
+  /// become fixed or kinematic, or cease to be. Fixed bodies must not move.
   explicit BoxPass(std::span<btRigidBody* const> bodies);
 
   /// Writes the boxes of active bodies, and, if `updates_all`, of the others. Skips those that were
-  /// asleep in the last call too, as they have not moved, and fixed ones whose box it has written.
-  /// `is_asleep` has the last call's values and gets this one's; fixed bodies are always asleep,
-  /// kinematic ones never. A body whose box
-  /// exceeds Bullet's limit of 10^6 m keeps its box and is switched off, as by Bullet. Both spans
-  /// have a value for each body.
+  /// asleep in the last call too, because they have not moved, and fixed ones whose boxes are
+  /// written. `is_asleep` has the last call's values and gets this one's; fixed bodies are always
+  /// asleep, kinematic ones never. A body whose box exceeds Bullet's limit of 10^6 m keeps its box
+  /// and is switched off, as by Bullet. Both spans have a value for each body.
   void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
 
-  /// The number of bodies whose boxes are computed here, before the first Update.
-  std::size_t CountComputed() const;
+  /// The number of bodies whose boxes are computed here.
+  std::size_t computed() const { return computed_; }
 
  private:
   enum class Kind : std::uint8_t {
@@ -64,7 +63,8 @@ class BoxPass {
 
   std::vector<ShapeBox> shapes_;  ///< each once
   std::vector<Body> moving_;
-  std::vector<Body> unwritten_;  ///< fixed bodies whose box is not yet written
+  std::vector<Body> unwritten_;  ///< fixed bodies whose boxes are not written yet
+  std::size_t computed_ = 0;
 };
 
 }  // namespace cdb::detection

@@ -11,8 +11,8 @@ namespace cdb::worker {
 namespace {
 
 constexpr double kStepsOfUnit = 20;
-/// g dt^2, in enlargements of the least half extent. Objects sink into one another in proportion
-/// to it. Larger enlargements than this allow no longer steps.
+/// g dt^2 as a fraction of the enlargement of the least half extent: objects sink into one another
+/// in proportion to it. An enlargement above kMostEnlargement permits no longer time step.
 constexpr double kFallOfStep = 0.75, kMostEnlargement = 0.02;
 
 /// In mean diameters. An object that moves farther in a unit of time is falling.

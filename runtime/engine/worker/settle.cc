@@ -333,7 +333,7 @@ InitialState Settled(const Settling& settling) {
   try {
     settled = Rested(settling, RestingState(settling, settled), kCloseGrowth, kCloseClearingTime);
   } catch (const SceneError&) {
-    // It keeps the wider gaps.
+    // The pile keeps its wider gaps.
   }
   return settled;
 }

@@ -16,7 +16,7 @@ namespace cdb::worker {
 /// Objects settle slightly enlarged, so that they do not overlap at their true size: the first
 /// factor, and those tried if it was not enough.
 inline constexpr double kSettleGrowth[] = {1.02, 1.04, 1.08};
-/// The same when they settle again, from their places in the pile, almost without gaps.
+/// The same when they settle again, almost without gaps, from their positions in the pile.
 inline constexpr double kCloseGrowth[] = {1.002, 1.005};
 /// Units of time in which objects at rest have to come clear of one another, for each factor.
 inline constexpr int kSettleClearingTime = 40, kCloseClearingTime = 10;
@@ -36,8 +36,8 @@ using SettlingListener = std::function<void(const SettlingProgress&)>;
 ///
 /// With gaps of 2 % between its objects, a pile would collapse in the first second of a run (400
 /// cubes: a quarter of them moved by more than a twentieth of their size). It therefore settles a
-/// second time with gaps of 0.2 % (0 of 400). If it does not come clear of overlaps then, as some
-/// piles of thin plates do not, it keeps the gaps of 2 %.
+/// second time with gaps of 0.2 % (4 of 400). If overlaps remain then, as in some piles of thin
+/// plates, it keeps the gaps of 2 %.
 ///
 /// In the single-precision build, the double-precision worker beside this program does it. Results
 /// are taken from the cache if present (library/content_cache.h); of several processes that need

@@ -93,7 +93,7 @@ TEST(BoxPass, IsBulletsToTheBitForEveryShape) {
     if (!is_odd) SetGroup(scene, "size", 0.9);
     if (is_odd) SetGroup(scene, "aspect", schema::Ratio{Eigen::Vector3d(1, 2.5, 0.4)});
     BothBoxes both(scene);
-    EXPECT_GT(both.pass().CountComputed(), is_odd ? 10u : 50u);
+    EXPECT_GT(both.pass().computed(), is_odd ? 10u : 50u);
     for (int step = 0; step < 60; ++step) {
       both.Update();
       both.ExpectSame("step " + std::to_string(step));
