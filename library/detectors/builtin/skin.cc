@@ -29,8 +29,12 @@ constexpr double kMarkedShare = 0.25;
 constexpr double kMoreEscapes = 1.3;
 /// Smallest and largest factor between the present lifetime and the next one that is tried.
 constexpr double kLeastStep = 1.12, kMostStep = 1.5;
-/// Greatest age of a list in cycles. A new list lets the fat boxes of bodies at rest shrink again.
+/// Greatest age of a list, in cycles in which more than a few bodies moved. A new list lets the fat
+/// boxes of bodies at rest shrink again.
 constexpr unsigned kMaxAge = 256;
+/// Cost of a body in a cycle in which few bodies move, with a part of the next list. It may exceed
+/// the cost of such a cycle, because a list would otherwise take thousands of cycles to build.
+constexpr double kCostIfFewMoved = 0.5;
 /// Age at which a first list is observed; it is replaced as soon as the next one is built.
 constexpr unsigned kSeen = 1;
 
@@ -65,7 +69,12 @@ bool Skin::Follow(const Scene& scene, const SkinAwake* awake) {
   if (is_built_) {
     ++age_;
     if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) return false;
-    BuildAhead(scene);
+    const bool have_few_moved = awake != nullptr && awake->HaveFewMoved();
+    if (have_few_moved)
+      ++list_->end;
+    else
+      ++worn_;
+    BuildAhead(scene, have_few_moved);
     if (!TrackEscaped(scene, awake)) MakeList(scene);
     FollowWalls(scene);
   } else {
@@ -115,11 +124,12 @@ void Skin::AppendRest(const Scene& scene, kernels::PairBuffer& pairs) {
   if (untracked_ > 0) AppendUntracked(scene, pairs);
 }
 
-/// Number of cycles after which this list ends, because of its age or of escaped boxes.
+/// Number of cycles after which this list ends, because of its age or of escaped boxes. Cycles in
+/// which few bodies move do not count.
 double Skin::CyclesLeft() const {
-  double left = kMaxAge - static_cast<double>(age_);
+  double left = kMaxAge - static_cast<double>(worn_);
   if (list_->goes_on) left = std::min(list_->end + 1 - cycle_, left);
-  if (list_->is_guess) left = std::min(list_->life - age_, left);
+  if (list_->is_guess) left = std::min(list_->life - worn_, left);
   const double limit = kListCost * static_cast<double>(bodies_.movers());
   if (last_escape_cost_ <= 0) return left;
   return std::min(left, (limit - escape_cost_) / (kMoreEscapes * last_escape_cost_));
@@ -127,7 +137,7 @@ double Skin::CyclesLeft() const {
 
 // Builds the next list as late as possible, because its fat boxes must last from the cycle in which
 // they are made.
-void Skin::BuildAhead(const Scene& scene) {
+void Skin::BuildAhead(const Scene& scene, bool have_few_moved) {
   if (list_->is_guess && age_ < kSeen) return;
   if (list_->is_guess && age_ == kSeen) return builder_.Observe(scene, cycle_, *list_);
   const double left = CyclesLeft();
@@ -136,6 +146,7 @@ void Skin::BuildAhead(const Scene& scene) {
                  last_escape_cost_;
   // The lists after a guess may have far fewer candidates: their cycles should not be long either.
   if (list_->is_guess) usual = std::min(usual, kMostOfGuess * movers);
+  if (have_few_moved) usual = kCostIfFewMoved * movers;
   if (!builder_.is_building()) {
     const double life = kBuildingLife * (age_ + std::max(left, 0.));
     building_share_ = list_->is_guess
@@ -196,7 +207,7 @@ void Skin::UseNewList(const Scene& scene) {
             list_->past.boxes.begin() + static_cast<std::ptrdiff_t>(movers));
   AddWalls(scene);
   made_ = list_->candidates.size();
-  age_ = 0;
+  age_ = worn_ = 0;
   is_built_ = true;
   escape_cost_ = last_escape_cost_ = 0;
   untracked_ = 0;
@@ -233,7 +244,8 @@ void Skin::LearnCost(double life) {
     last_tried_ = 0;
     // If boxes keep their velocity from now on, the next list may last as long as this one,
     // provided that tests are few.
-    if (making_cost_ > 4 * tests || list_->is_guess) horizon_ = std::max(horizon_, life);
+    if (making_cost_ > 4 * tests || list_->is_guess)
+      horizon_ = std::max(horizon_, std::min<double>(life, kMaxAge));
   } else if (life < list_->horizon) {  // ended by escaped bodies
     horizon_ = std::max(life / 1.25, 1.);
     step_ = 1.2;

@@ -69,7 +69,7 @@ class Skin final : public Detector {
   bool Follow(const Scene& scene, const SkinAwake* awake);
   void AppendRest(const Scene& scene, kernels::PairBuffer& pairs);
   void MakeList(const Scene& scene);
-  void BuildAhead(const Scene& scene);
+  void BuildAhead(const Scene& scene, bool have_few_moved);
   std::size_t FindEscaped(const Scene& scene, const SkinAwake* awake);
   std::size_t FindEscapedOfMoved(const Scene& scene, const SkinAwake& awake);
   bool TrackEscaped(const Scene& scene, const SkinAwake* awake);
@@ -100,6 +100,7 @@ class Skin final : public Detector {
   Box last_room_ = {};              ///< the room in the last call
   std::uint32_t cycle_ = 0;
   unsigned age_ = 0;           ///< cycles of this list
+  unsigned worn_ = 0;          ///< those of them in which more than a few bodies moved
   double building_share_ = 0;  ///< fraction of a cycle's work that building the next list may add
   std::uint32_t begin_ = 0;    ///< the cycle from which the next list is to be used
 

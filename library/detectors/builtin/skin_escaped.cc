@@ -236,7 +236,7 @@ void Skin::FollowWalls(const Scene& scene) {
 
 void Skin::AddWalls(const Scene& scene) {
   if (bodies_.bounds().empty()) return;
-  for (Id id = 0; id < bodies_.movers(); ++id) AddWallsOf(scene, id, nullptr);
+  for (const Id id : bodies_.free()) AddWallsOf(scene, id, nullptr);
 }
 
 /// Adds the pairs of a body and the walls that bound the room and overlap its fat box, except those

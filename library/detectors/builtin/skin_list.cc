@@ -14,7 +14,8 @@ constexpr double kOccupancyCost = 0.25;  ///< of each box in the cell of one tha
 /// Fraction of the cycles until a list is used that its fat boxes need not cover. A body that turns
 /// round in these cycles is not where it was predicted to be.
 constexpr double kHeadStart = 1;
-constexpr double kSampleCost = 80;  ///< of a mover in the sample, whose boxes are far apart
+constexpr double kLookUpCost = 100;  ///< of a mover that is looked up on its own
+constexpr double kSampleCost = 80;   ///< of a mover in the sample, whose boxes are far apart
 constexpr double kFirstCost = 60;
 /// Safety factor: the next list may cost more than the last.
 constexpr double kSurplus = 1.1;
@@ -75,11 +76,12 @@ void SkinListBuilder::Start(const Scene& scene, const kernels::Bodies& bodies, c
   // Recovers from a reduced share gradually: bodies that jump about would get boxes as large as the
   // scene.
   share_ = std::min(4 * share_, 1.);
-  cursor_ = learnt_ = 0;
+  cursor_ = learnt_ = found_ = 0;
   spent_ = 0;
   if (last == nullptr) {
     motion_.Guess(scene, movers_);
     learnt_ = movers_;
+    last_found_ = 0;
     stage_ = Stage::kFatten;
   } else {
     next_->grid.TakeShape(last->grid);
@@ -125,7 +127,7 @@ bool SkinListBuilder::Advance(const Scene& scene, const kernels::Bodies& bodies,
         break;
       case Stage::kQuery:
         Query(scene, bodies, left);
-        if (stage_ == Stage::kQuery && cursor_ == next_->grid.Size()) stage_ = Stage::kDone;
+        if (stage_ == Stage::kQuery && cursor_ == LookUps(bodies)) stage_ = Stage::kDone;
         break;
     }
   }
@@ -168,45 +170,28 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   stage_ = Stage::kArrange;
 }
 
-void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, double& budget) {
-  const double seen = static_cast<double>(next_->candidates.size()) /
-                      static_cast<double>(std::max<std::size_t>(cursor_, 1));
-  const double last = last_ == nullptr ? 0
-                                       : static_cast<double>(last_->candidates.size()) /
-                                             static_cast<double>(std::max<std::size_t>(movers_, 1));
-  const double listed = kListedCost * std::max(seen, last);
-  const std::size_t left = std::min(next_->grid.Size() - cursor_, kChunk);
-  std::size_t step = 0;
-  double cost = 0;
-  while (step < left && cost + listed * static_cast<double>(step) <= budget) {
-    const auto occupancy = static_cast<double>(next_->grid.OccupancyAt(cursor_ + step));
-    const std::size_t size = std::min(left - step, occupancy < kCrowded ? kGlance : kGlance / 8);
-    cost += (kQueryCost + kOccupancyCost * occupancy) * static_cast<double>(size);
-    step += size;
-  }
-  const std::size_t before = next_->candidates.size();
-  if (!FindCandidates(scene, bodies, cursor_ + step)) return Shrink();
-  cursor_ += step;
-  budget -= cost + kListedCost * static_cast<double>(next_->candidates.size() - before);
-}
-
-/// Finds the candidates of the boxes from the cursor to `end`; false if boxes are too fat.
+/// Calls look_up(from, to, pairs) for slices from the cursor to `end`, and appends what it finds to
+/// the candidates; false if boxes are too fat.
+template <typename LookUp>
 bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& bodies,
-                                     std::size_t end) {
+                                     std::size_t end, const LookUp& look_up) {
   const std::size_t begin = cursor_;
   std::atomic<bool> is_crowd = false;
+  std::atomic<std::size_t> listed = 0;
   parts_.Run(end - begin, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
     // Slices are the same for any number of parts.
     const std::size_t slices = (end - begin + kSlice - 1) / kSlice;
     for (std::size_t i = slices * part / parts; i < slices * (part + 1) / parts; ++i) {
       const std::size_t from = begin + i * kSlice, size = found.size();
       if (is_crowd) return;
-      next_->grid.Query(from, std::min(from + kSlice, end), found.sink());
+      look_up(from, std::min(from + kSlice, end), found);
       if (share_ > 0 && found.size() - size > kMostOfSlice) is_crowd = true;
     }
+    listed += found.size();
     bodies.Sieve(scene, true, found);
   });
   if (is_crowd) return false;
+  found_ += listed;
   parts_.AppendTo(next_->candidates);
   // A guess assumes that boxes are spread evenly, and makes them too fat if they are not.
   const double most = next_->is_guess && share_ == 1
@@ -216,12 +201,69 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
          static_cast<double>(next_->candidates.size()) <= most * static_cast<double>(end + kSlice);
 }
 
+/// Number of bodies whose pairs are looked up in the grid.
+std::size_t SkinListBuilder::LookUps(const kernels::Bodies& bodies) const {
+  return bodies.HasFewFree() ? bodies.free().size() : next_->grid.Size();
+}
+
+void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, double& budget) {
+  if (bodies.HasFewFree()) return QueryFree(scene, bodies, budget);
+  const double seen =
+      static_cast<double>(found_) / static_cast<double>(std::max<std::size_t>(cursor_, 1));
+  const double listed = kListedCost * std::max(seen, last_found_);
+  const std::size_t left = std::min(next_->grid.Size() - cursor_, kChunk);
+  std::size_t step = 0;
+  double cost = 0;
+  while (step < left && cost + listed * static_cast<double>(step) <= budget) {
+    const auto occupancy = static_cast<double>(next_->grid.OccupancyAt(cursor_ + step));
+    const double each = kQueryCost + kOccupancyCost * occupancy;
+    const double spare = budget - cost - listed * static_cast<double>(step);
+    const auto affordable = static_cast<std::size_t>(std::min(spare / (each + listed), 1e6)) + 1;
+    const std::size_t size =
+        std::min({left - step, occupancy < kCrowded ? kGlance : kGlance / 8, affordable});
+    cost += each * static_cast<double>(size);
+    step += size;
+  }
+  const std::size_t before = found_;
+  const auto look_up = [&](std::size_t from, std::size_t to, kernels::PairBuffer& found) {
+    next_->grid.Query(from, to, found.sink());
+  };
+  if (!FindCandidates(scene, bodies, cursor_ + step, look_up)) return Shrink();
+  cursor_ += step;
+  budget -= cost + kListedCost * static_cast<double>(found_ - before);
+}
+
+/// Looks up only the bodies that are not fixed, if these are few.
+void SkinListBuilder::QueryFree(const Scene& scene, const kernels::Bodies& bodies, double& budget) {
+  const std::vector<Id>& free = bodies.free();
+  const double affordable = std::min(budget / kLookUpCost, static_cast<double>(kChunk)) + 1;
+  const std::size_t step = std::min(free.size() - cursor_, static_cast<std::size_t>(affordable));
+  const auto look_up = [&](std::size_t from, std::size_t to, kernels::PairBuffer& found) {
+    const std::size_t before = found.size();
+    for (std::size_t i = from; i < to; ++i)
+      next_->grid.QueryOne(next_->fat[free[i]], free[i], found.sink());
+    // A pair of two of them is found from both.
+    const std::span<Pair> pairs = found.pairs().subspan(before);
+    const auto rest = std::ranges::remove_if(pairs, [&](const Pair& pair) {
+      return pair.a == pair.b || (pair.b < pair.a && !scene.filters[pair.b].is_fixed);
+    });
+    found.Cut(found.size() - rest.size());
+    for (Pair& pair : found.pairs().subspan(before))
+      if (pair.b < pair.a) std::swap(pair.a, pair.b);
+  };
+  const std::size_t before = found_;
+  if (!FindCandidates(scene, bodies, cursor_ + step, look_up)) return Shrink();
+  cursor_ += step;
+  budget -=
+      kLookUpCost * static_cast<double>(step) + kListedCost * static_cast<double>(found_ - before);
+}
+
 void SkinListBuilder::Shrink() {
   share_ = share_ > kLeastShare ? share_ / 4 : 0;
   spent_ = 0;  // the work so far is discarded
   next_->grid.Reshape();
   next_->candidates.Clear();
-  cursor_ = 0;
+  cursor_ = found_ = 0;
   stage_ = Stage::kFatten;
 }
 
@@ -233,6 +275,8 @@ void SkinListBuilder::Take(std::unique_ptr<SkinList>& list) {
   const double fewer =
       next_->is_guess ? std::max(listed - kUsualCandidates * static_cast<double>(movers_), 0.) : 0;
   whole_cost_ = kSurplus * (spent_ - kListedCost * fewer);
+  last_found_ =
+      static_cast<double>(found_) / static_cast<double>(std::max<std::size_t>(movers_, 1));
   stage_ = Stage::kIdle;
   last_ = nullptr;
   motion_.ForgetMarks();

@@ -85,7 +85,11 @@ class SkinListBuilder {
   void Sample(const Scene& scene, std::uint32_t cycle, double& budget);
   void Fatten(const Scene& scene, std::uint32_t cycle, double& budget);
   void Query(const Scene& scene, const kernels::Bodies& bodies, double& budget);
-  bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end);
+  void QueryFree(const Scene& scene, const kernels::Bodies& bodies, double& budget);
+  std::size_t LookUps(const kernels::Bodies& bodies) const;
+  template <typename LookUp>
+  bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end,
+                      const LookUp& look_up);
   void Shrink();
 
   std::unique_ptr<SkinList> next_;
@@ -95,6 +99,10 @@ class SkinListBuilder {
   Plan plan_ = {};
   Stage stage_ = Stage::kIdle;
   std::size_t movers_ = 0, cursor_ = 0, learnt_ = 0;
+  /// Pairs of overlapping fat boxes so far, with those that may not collide; for each mover in the
+  /// last list.
+  std::size_t found_ = 0;
+  double last_found_ = 0;
   double share_ = 1;  ///< fraction of the expected motion that this list covers
   double spent_ = 0, whole_cost_ = 0;
 };

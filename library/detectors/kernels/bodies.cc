@@ -9,8 +9,6 @@ namespace cdb::kernels {
 namespace {
 
 constexpr std::size_t kMaxWalls = 64;
-/// If fewer than one in so many movers are free, these alone are tested with walls.
-constexpr std::size_t kFewFree = 8;
 
 bool AreSame(const Filter& a, const Filter& b) {
   return a.group == b.group && a.mask == b.mask && a.is_fixed == b.is_fixed;
@@ -115,7 +113,7 @@ void Bodies::MeetOthers(const Scene& scene, const Kernels& kernels, PairBuffer& 
            AreSame(scene.boxes[others_[end]], scene.boxes[wall]) &&
            AreSame(scene.filters[others_[end]], scene.filters[wall]))
       ++end;
-    if (kFewFree * free_.size() < movers_) {
+    if (HasFewFree()) {
       for (const Id id : free_)
         for (std::size_t i = at; i < end; ++i)
           if (Overlap(scene.boxes[id], scene.boxes[others_[i]])) pairs.Add({id, others_[i]});

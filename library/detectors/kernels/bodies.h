@@ -31,6 +31,9 @@ class Bodies {
     if (scene.size != size_) Learn(scene);
   }
   std::size_t movers() const { return movers_; }
+  /// The movers that are not fixed, in order; only these can meet fixed ones.
+  const std::vector<Id>& free() const { return free_; }
+  bool HasFewFree() const { return kFewFree * free_.size() < movers_; }
 
   /// Appends the pairs of movers and walls. Cost: one pass over the movers, and a test of each that
   /// is not well inside the room.
@@ -55,6 +58,9 @@ class Bodies {
   void Sieve(const Scene& scene, bool is_exact, PairBuffer& pairs) const;
 
  private:
+  /// One mover in so many.
+  static constexpr std::size_t kFewFree = 8;
+
   std::size_t size_ = static_cast<std::size_t>(-1), movers_ = 0;
   bool movers_collide_ = true;  ///< any two movers may collide
   Vec3 middle_ = {};            ///< of the finite boxes of movers, when they were learnt

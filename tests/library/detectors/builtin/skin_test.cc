@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -50,6 +52,62 @@ TEST(SkinWork, GrowsWithTheBodies) {
   };
   for (const std::string_view scene : {"sparse", "dense", "cluster"}) grows(scene, 1000, 16000);
   grows("swarms", 16000, 64000);  // from the size at which cells become crowds
+}
+
+/// A probe circles over 1000 bodies of a lattice, one pair with each that it touches.
+class Probed {
+ public:
+  explicit Probed(bool are_fixed) : is_asleep_(kBodies + 1, 1) {
+    for (std::size_t i = 0; i < kBodies; ++i)
+      boxes_.Add(Cube(double(i % 32), double(i / 32), 0, 0.6), {.is_fixed = are_fixed});
+    boxes_.Add(Cube(0, 0, 0, 1));
+    is_asleep_.back() = 0;
+  }
+  void Move(int cycle) {
+    boxes_.boxes.back() = Cube(16 + 10 * std::cos(0.02 * cycle), 16 + 10 * std::sin(0.02 * cycle),
+                               std::sin(0.1 * cycle), 1);
+  }
+  Scene View() const {
+    Scene scene = boxes_.View();
+    scene.is_asleep = is_asleep_;
+    return scene;
+  }
+  /// Pairs of the probe, in order.
+  std::set<Pair> PairsOfProbe() const {
+    std::set<Pair> pairs;
+    for (Id i = 0; i < kBodies; ++i)
+      if (Overlap(boxes_.boxes[i], boxes_.boxes.back())) pairs.insert({i, kBodies});
+    return pairs;
+  }
+
+  static constexpr Id kBodies = 1000;
+
+ private:
+  Boxes boxes_;
+  std::vector<std::uint8_t> is_asleep_;
+};
+
+TEST(SkinWork, IsSpreadWhereOneBodyMovesAmongThousands) {
+  for (const bool are_fixed : {true, false}) {
+    Probed probed(are_fixed);
+    builtin::Skin skin({});
+    std::set<Pair> pairs;
+    std::vector<double> work;
+    for (int cycle = 0; cycle < 3000; ++cycle) {
+      probed.Move(cycle);
+      std::vector<Pair> came, went;
+      if (!skin.FindChanges(probed.View(), came, went)) pairs.clear();
+      for (const Pair& pair : went) pairs.erase(pair);
+      pairs.insert(came.begin(), came.end());
+      std::set<Pair> of_probe;
+      std::ranges::copy_if(pairs, std::inserter(of_probe, of_probe.end()),
+                           [](const Pair& pair) { return pair.b == Probed::kBodies; });
+      ASSERT_EQ(of_probe, probed.PairsOfProbe()) << "cycle " << cycle;
+      if (cycle > 1) work.push_back(skin.Work());
+    }
+    std::ranges::sort(work);
+    EXPECT_LE(work.back(), work.front() + 1.0 * Probed::kBodies) << "fixed: " << are_fixed;
+  }
 }
 
 }  // namespace
