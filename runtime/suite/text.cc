@@ -84,15 +84,21 @@ bool HasDisturbed(const KindFigures& kind) {
 }
 
 /// Width of the names in a table that fits a terminal.
-constexpr std::size_t kNamesWidth = 20;
+constexpr std::size_t kNamesWidth = 25;
 
-/// `skin`, `grid or auto, skin`, `skin or 3 more`; `-` for none.
-std::string NamesOf(const std::vector<const ConfigurationFigures*>& of) {
+/// `skin`, `auto, grid or skin`, `any but dbvt` if only the baseline is not among them, `skin or 3
+/// others` if they are too long; `-` for none.
+std::string NamesOf(const std::vector<const ConfigurationFigures*>& of, const SceneFigures& scene) {
   if (of.empty()) return "-";
+  const ConfigurationFigures& baseline = scene.configurations[0];
+  if (of.size() > 1 && of.size() + 1 == scene.configurations.size() &&
+      std::ranges::find(of, &baseline) == of.end())
+    return "any but " + baseline.name;
   std::string names = of[0]->name;
-  for (std::size_t i = 1; i < of.size(); ++i) names += (i == 1 ? " or " : ", ") + of[i]->name;
+  for (std::size_t i = 1; i < of.size(); ++i)
+    names += (i + 1 == of.size() ? " or " : ", ") + of[i]->name;
   return names.size() <= kNamesWidth ? names
-                                     : fmt::format("{} or {} more", of[0]->name, of.size() - 1);
+                                     : fmt::format("{} or {} others", of[0]->name, of.size() - 1);
 }
 
 /// The recommendation without a time budget.
@@ -100,16 +106,15 @@ std::vector<const ConfigurationFigures*> Best(const SceneFigures& scene, bool on
   return Recommend(scene, std::numeric_limits<double>::infinity(), only_bullets_own);
 }
 
-/// ` sap32 and sap are as fast.`; empty for one.
+/// ` sap32 and sap tie with it.`; empty for one.
 std::string TiesText(const std::vector<const ConfigurationFigures*>& best) {
   if (best.size() < 2) return {};
   std::vector<std::string> names;
   for (std::size_t i = 1; i < best.size(); ++i) names.push_back(best[i]->name);
   const std::string last = names.back();
   names.pop_back();
-  return names.empty()
-             ? fmt::format(" {} cannot be told from it.", last)
-             : fmt::format(" {} and {} cannot be told from it.", fmt::join(names, ", "), last);
+  return names.empty() ? fmt::format(" {} ties with it.", last)
+                       : fmt::format(" {} and {} tie with it.", fmt::join(names, ", "), last);
 }
 
 std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures& baseline) {
@@ -153,12 +158,12 @@ std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
   std::string text =
       slow.empty()
           ? fmt::format(
-                "In none of {} scenes is another choice of Bullet's own surely faster than "
-                "its default.",
+                "In none of {} scenes is another of Bullet's configurations significantly faster "
+                "than its default.",
                 known)
           : fmt::format(
-                "Bullet's default is surely slower than another choice of its own in {} of "
-                "{} scenes: {}.",
+                "Another of Bullet's configurations is significantly faster than its default in "
+                "{} of {} scenes: {}.",
                 slow.size(), known, fmt::join(slow, ", "));
   if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
   return text;
@@ -169,7 +174,7 @@ std::string ScoreText(const std::vector<KindFigures>& kinds) {
   for (const KindFigures& kind : kinds) {
     text += fmt::format("{}: {}\n", kind.kind->name, kind.kind->doc);
     text += KindTable(kind) + FaultLines(kind);
-    text += fmt::format("  1 is {}; 2 is twice as fast.{}\n\n", kind.baseline,
+    text += fmt::format("  Speed relative to {}: 2 is twice as fast.{}\n\n", kind.baseline,
                         HasDisturbed(kind) ? " In brackets: disturbed runs." : "");
   }
   return text;
@@ -179,18 +184,23 @@ std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
   terminal::Table table;
   table.AddColumn("scene", false);
   table.AddColumn("best of all", false);
-  table.AddColumn("of Bullet's own", false);
+  table.AddColumn("best of Bullet's", false);
   for (const Budget& budget : kBudgets) table.AddColumn(std::string(budget.name), false);
   for (const SceneFigures& scene : scenes) {
     const auto best = Best(scene, false);
-    std::vector<std::string> row = {scene.scene->Id(), NamesOf(best), NamesOf(Best(scene, true))};
+    std::vector<std::string> row = {scene.scene->Id(), NamesOf(best, scene),
+                                    NamesOf(Best(scene, true), scene)};
     for (const Budget& budget : kBudgets) {
       const auto fitting = Recommend(scene, budget.seconds, false);
-      row.push_back(!fitting.empty() && fitting == best ? "the best" : NamesOf(fitting));
+      row.push_back(!fitting.empty() && fitting == best ? "same" : NamesOf(fitting, scene));
     }
     table.AddRow(std::move(row));
   }
-  return "Which one to use\n" + table.Text();
+  return "Which one to use\n" + table.Text() +
+         "  Best: the most accurate of the correct ones, and of equally accurate ones the "
+         "fastest.\n"
+         "  Under a time: the best whose slow steps fit into it; same: the best of all; -: none "
+         "fits.\n";
 }
 
 std::string AnswerText(const SceneFigures& scene) {
@@ -203,7 +213,7 @@ std::string AnswerText(const SceneFigures& scene) {
   std::string text = fmt::format("{}: {} a step, {}.{}", best[0]->name, TimeText(best[0]->step_ns),
                                  SpeedOver(*best[0], baseline), TiesText(best));
   if (!own.empty() && own[0] != best[0])
-    text += fmt::format(" Of Bullet's own: {}, {} a step, {}.{}", own[0]->name,
+    text += fmt::format(" Of Bullet's: {}, {} a step, {}.{}", own[0]->name,
                         TimeText(own[0]->step_ns), SpeedOver(*own[0], baseline), TiesText(own));
   return text;
 }

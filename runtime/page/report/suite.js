@@ -34,7 +34,7 @@ function bar(value, most) {
   );
 }
 
-/** The recommendation for each scene: among Bullet's own configurations, and within each time budget. */
+/** The recommendation for each scene: among Bullet's configurations, and within each time budget. */
 function recommendations(suite, linkOf) {
   const pick = (scene, names) => {
     if (names.length === 0) return h('span', { class: 'muted' }, 'none');
@@ -52,8 +52,8 @@ function recommendations(suite, linkOf) {
     table(
       [
         { label: 'scene' },
-        { label: `of Bullet's own, in ${suite.budgets[0]}` },
-        ...suite.budgets.map((name) => ({ label: `of all, in ${name}` })),
+        { label: `Bullet's best in ${suite.budgets[0]}` },
+        ...suite.budgets.map((name) => ({ label: `best of all in ${name}` })),
       ],
       rows,
       'Which one to use',
@@ -63,7 +63,8 @@ function recommendations(suite, linkOf) {
       { class: 'note' },
       'Of the configurations that are correct and whose slow steps (the 99th percentile) fit the time: the most ',
       'accurate, and of equally accurate ones the fastest. 1.18× is 1.18 times as fast as the baseline, which is dbvt, ',
-      'or Bullet with its own settings. Configurations after “or” cannot be told from it. Each scene links to its report.',
+      'or Bullet with its own settings. Configurations after “or” tie with it: the 95 % interval of the ratio of their ',
+      'times includes 1. Each scene links to its report.',
     ),
   ];
 }
@@ -112,7 +113,7 @@ function kinds(suite) {
     h(
       'p',
       { class: 'note' },
-      `1 is ${short(kind.baseline)}; 2 is twice as fast.`,
+      `Speed relative to ${short(kind.baseline)}: 2 is twice as fast.`,
       isDisturbed(suite, kind.kind) ? ' In brackets: disturbed runs.' : null,
     ),
   ]);
