@@ -43,8 +43,8 @@ Speedups of disturbed runs are shown in brackets and are not part of any score.
 WHICH ONE TO TAKE
 
 The suite recommends the most accurate of the correct configurations whose slow steps fit into the time
-budget; of equally accurate ones, the fastest, and those that tie with it: the 95 % interval of the ratio
-of their times includes 1. A slow step is the 99th percentile over the cycles, each the median of its
+budget; of equally accurate ones, the fastest, and those that tie with it: the 95 % intervals of the
+ratios of their times include 1. A slow step is the 99th percentile over the cycles, each the median of its
 repeats. In 1/30 s at 60 Hz, two such steps must fit. The whole budget is available to the physics.
 
 WHAT MAKES RESULTS COMPARABLE: --check

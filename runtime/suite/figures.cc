@@ -309,15 +309,19 @@ std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, do
     return std::pair(of->error, of->ms_per_s.value);
   });
   const ConfigurationFigures& best = *fitting[0];
+  std::erase_if(fitting, [&](const ConfigurationFigures* of) { return of->error > best.error; });
   const statistics::Bootstrap bootstrap(best.ms_per_s.things);
-  std::erase_if(fitting, [&](const ConfigurationFigures* of) {
-    if (of == &best) return false;
-    if (of->error > best.error) return true;
-    const statistics::Interval ratio =
-        bootstrap.IntervalOf(statistics::RatioOf(of->ms_per_s, best.ms_per_s));
-    return !(ratio.low <= 1);
-  });
-  return fitting;
+  const auto is_slower = [&](const ConfigurationFigures& of, const ConfigurationFigures& other) {
+    // Without repeats there is no interval, and no tie.
+    return !(bootstrap.IntervalOf(statistics::RatioOf(of.ms_per_s, other.ms_per_s)).low <= 1);
+  };
+  std::vector<const ConfigurationFigures*> recommended;
+  for (const ConfigurationFigures* of : fitting)
+    if (of == &best || std::ranges::none_of(fitting, [&](const ConfigurationFigures* other) {
+          return of != other && is_slower(*of, *other);
+        }))
+      recommended.push_back(of);
+  return recommended;
 }
 
 }  // namespace cdb::suite

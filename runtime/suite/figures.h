@@ -86,8 +86,9 @@ struct Budget {
 inline constexpr Budget kBudgets[] = {{"1/30 s", 1.0 / 30}, {"1/60 s", 1.0 / 60}, {"1 ms", 0.001}};
 
 /// The configurations of least error among those that are right and fit into `period_s`: first the
-/// fastest of them, then those that tie with it, that is, the interval of the ratio of their times
-/// includes 1. Empty if none fits. `only_bullets_own`: only those with is_bullets_own.
+/// fastest of them, then those that tie with it: none of them is slower than another beyond the
+/// interval, that is, the interval of the ratio of their times includes 1. Empty if none fits.
+/// `only_bullets_own`: only those with is_bullets_own.
 std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, double period_s,
                                                    bool only_bullets_own);
 

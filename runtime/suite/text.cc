@@ -126,13 +126,16 @@ std::string SpeedOver(const ConfigurationFigures& of, const ConfigurationFigures
                          : fmt::format(" (95 % interval {})", RangeText(of.speedup_interval)));
 }
 
-/// The fastest of Bullet's own configurations that is clearly faster than the baseline, and no less
-/// accurate; null if there is none.
+/// Speedup below which a change is not worth mentioning.
+constexpr double kWorthwhile = 1.05;
+
+/// The fastest of Bullet's own configurations that is worth a change from the baseline: faster
+/// beyond the interval, and no less accurate; null if there is none.
 const ConfigurationFigures* FindFaster(const SceneFigures& scene) {
   const ConfigurationFigures* fastest = nullptr;
   for (const ConfigurationFigures& of : scene.configurations)
     if (of.is_bullets_own && of.HasScore() && of.error <= scene.configurations[0].error &&
-        of.speedup_interval.low > 1 &&
+        of.speedup.value >= kWorthwhile && of.speedup_interval.low > 1 &&
         (fastest == nullptr || of.speedup.value > fastest->speedup.value))
       fastest = &of;
   return fastest;
@@ -158,13 +161,13 @@ std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
   std::string text =
       slow.empty()
           ? fmt::format(
-                "In none of {} scenes is another of Bullet's configurations significantly faster "
-                "than its default.",
-                known)
+                "In none of {} scenes is another of Bullet's configurations at least {:.0f} % "
+                "faster than its default.",
+                known, 100 * (kWorthwhile - 1))
           : fmt::format(
-                "Another of Bullet's configurations is significantly faster than its default in "
-                "{} of {} scenes: {}.",
-                slow.size(), known, fmt::join(slow, ", "));
+                "Another of Bullet's configurations is at least {:.0f} % faster than its default, "
+                "beyond the noise, in {} of {} scenes: {}.",
+                100 * (kWorthwhile - 1), slow.size(), known, fmt::join(slow, ", "));
   if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
   return text;
 }

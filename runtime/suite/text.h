@@ -16,7 +16,7 @@ std::string ScoreText(const std::vector<KindFigures>& kinds);
 std::string RecommendationText(const std::vector<SceneFigures>& scenes);
 
 /// One or two sentences: the scenes in which Bullet's default is wrong, or in which another of
-/// Bullet's own configurations is faster, beyond the interval, and no less accurate.
+/// Bullet's own configurations is at least 5 % faster, beyond the interval, and no less accurate.
 std::string DefaultsText(const std::vector<SceneFigures>& scenes);
 
 /// The best configuration for a scene, and its advantage:

@@ -63,8 +63,8 @@ function recommendations(suite, linkOf) {
       { class: 'note' },
       'Of the configurations that are correct and whose slow steps (the 99th percentile) fit the time: the most ',
       'accurate, and of equally accurate ones the fastest. 1.18× is 1.18 times as fast as the baseline, which is dbvt, ',
-      'or Bullet with its own settings. Configurations after “or” tie with it: the 95 % interval of the ratio of their ',
-      'times includes 1. Each scene links to its report.',
+      'or Bullet with its own settings. Configurations after “or” tie with it: the 95 % intervals of the ratios of their ',
+      'times include 1. Each scene links to its report.',
     ),
   ];
 }
