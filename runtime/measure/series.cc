@@ -35,6 +35,8 @@ constexpr Series kSeries[] = {
     {"non_finite", "stability", kInt32, kScalar, "", "objects with a state that is not finite"},
     {"displacement", "stability", kFloat64, kScalar, "",
      "largest displacement of an object since the first cycle, over its least side"},
+    {"displaced", "stability", kInt32, kScalar, "",
+     "objects displaced since the first cycle by more than a quarter of their least side"},
     {"motion_ratio", "stability", kFloat64, kScalar, "",
      "distance moved over the expected distance, |v| dt, since the object was last pushed, of the "
      "object where this is farthest from 1"},

@@ -16,11 +16,11 @@ using enum Verdict;
 
 // Thresholds found by measurement. Lengths are in sides of the object, energies in the run's energy
 // scale.
-constexpr double kFrozenPart = 0.01;  ///< fraction of the objects
+constexpr double kFrozenPart = 0.01, kCollapsedPart = 0.01;  ///< fractions of the objects
 constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kSpinDrift = 0.03;
-constexpr double kCollapse = 0.25, kLateDepth = 0.05, kPeakDepth = 0.25;
+constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
@@ -29,13 +29,16 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "the run was not executed, or did not record stability"},
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01 or fell by 0.1; late speed > 0.02 sqrt(g S) if the scene must rest"},
+     "energy rose by 0.01 or fell by 0.1; if the scene must rest, late speed > 0.02 sqrt(g S), or "
+     "an "
+     "object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
      "S"},
     {kCollapsed, "collapsed",
-     "an object that must rest moved by > 0.25 S; a load ends below its support; an object sleeps "
-     "unheld"},
+     "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
+     "its "
+     "support; an object sleeps unheld"},
     {kClamped, "clamped",
      "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",
@@ -68,9 +71,7 @@ class Case {
       case kRemoved:
         return FirstCount("removed");
       case kFrozen:
-        return FirstIn(Ints("frozen"), [this](std::int32_t count) {
-          return count > 0 && count >= kFrozenPart * scales_.moving_objects;
-        });
+        return FirstShare("frozen", kFrozenPart);
       case kExploded:
         return FirstRise(kExplosion);
       case kTunnelled:
@@ -80,7 +81,7 @@ class Case {
                        FirstCount("frozen"));
       case kCollapsed:
         return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
-                       MustRest() ? FirstAbove("displacement", kCollapse) : -1);
+                       MustRest() ? FirstShare("displaced", kCollapsedPart) : -1);
       case kPenetrating:
         return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
                                LateAbove("joint_gap", kLateDepth * scales_.least_side)),
@@ -127,6 +128,13 @@ class Case {
   }
   std::int64_t FirstCount(const char* series) const {
     return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
+  }
+
+  /// The first cycle in which the count is at least this fraction of the objects that can move.
+  std::int64_t FirstShare(const char* series, double share) const {
+    return FirstIn(Ints(series), [&](std::int32_t count) {
+      return count > 0 && count >= share * scales_.moving_objects;
+    });
   }
 
   /// Bad if the median of the late part is above the limit; returns the first late cycle above it.
@@ -181,9 +189,9 @@ class Case {
     first = Earlier(first, FirstAbove("lost_energy", kLost));
     first = Earlier(
         first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
-    if (MustRest())
-      first = Earlier(first, LateAbove("max_speed", kLateSpeed * scales_.speed_scale));
-    return first;
+    if (!MustRest()) return first;
+    return Earlier(first, Earlier(LateAbove("max_speed", kLateSpeed * scales_.speed_scale),
+                                  FirstCount("displaced")));
   }
 
   const plan::Scene& scene_;

@@ -165,8 +165,8 @@ std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
                 "faster than its default.",
                 known, 100 * (kWorthwhile - 1))
           : fmt::format(
-                "Another of Bullet's configurations is at least {:.0f} % faster than its default, "
-                "beyond the noise, in {} of {} scenes: {}.",
+                "Another of Bullet's configurations is at least {:.0f} % faster than its default "
+                "in {} of {} scenes (95 % interval above 1): {}.",
                 100 * (kWorthwhile - 1), slow.size(), known, fmt::join(slow, ", "));
   if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
   return text;

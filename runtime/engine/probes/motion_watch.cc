@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLeastWay = 0.01;   ///< sides
+constexpr double kDisplaced = 0.25;  ///< sides
 constexpr double kFrozen = 0.1;      ///< fraction of its motion, lost or gained
 constexpr double kLeastTurn = 0.05;  ///< rad
 constexpr double kLeastCycles = 4;
@@ -139,9 +140,10 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     Track& track = tracks_[i];
     const btTransform& pose = body.getWorldTransform();
     const Step step = StepOf(body, track);
-    seen.displacement =
-        std::max(seen.displacement,
-                 (world::ToEigen(pose.getOrigin()) - track.start).norm() / track.least_piece);
+    const double displacement =
+        (world::ToEigen(pose.getOrigin()) - track.start).norm() / track.least_piece;
+    seen.displacement = std::max(seen.displacement, displacement);
+    seen.displaced += displacement > kDisplaced;
     if (body.isActive() && !step.is_swept)
       seen.turn_ratio = std::fmin(seen.turn_ratio, TurnRatio(body, track, step.spin));
     track.position = pose.getOrigin();

@@ -34,6 +34,8 @@ class MotionWatch {
     /// Largest displacement of an object from its position at Begin, before rounding to Bullet's
     /// precision, over the least side of its thinnest convex piece.
     double displacement = 0;
+    /// Number of objects for which it is more than a quarter.
+    std::int32_t displaced = 0;
     /// Number of frozen objects: by displacement, outside 0.9 .. 1.1 of |v| dt, or by fall, less
     /// than 0.9 of g dt.
     std::int32_t frozen = 0;

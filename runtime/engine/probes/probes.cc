@@ -99,7 +99,8 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       pressed_(recording.Ints("pressed")),
       inverted_(recording.Ints("inverted")),
       unheld_(recording.Ints("unheld")),
-      frozen_(recording.Ints("frozen")) {
+      frozen_(recording.Ints("frozen")),
+      displaced_(recording.Ints("displaced")) {
   if (motion_ratio_.empty()) return;
   motion_watch_.emplace(engine, is_driven_);
   touches_.resize(engine.objects().size() + pruning::kWallCount);
@@ -275,6 +276,7 @@ void Probes::RecordMotion(std::uint64_t cycle) {
   fall_ratio_[cycle] = seen.fall_ratio;
   lost_way_[cycle] = seen.lost_way;
   frozen_[cycle] = seen.frozen;
+  displaced_[cycle] = seen.displaced;
   turn_ratio_[cycle] = seen.turn_ratio;
   spin_ratio_[cycle] = seen.spin_ratio;
 }

@@ -52,7 +52,7 @@ class Probes {
   std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
       poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_, lost_way_;
   std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_,
-      passed_, pressed_, inverted_, unheld_, frozen_;
+      passed_, pressed_, inverted_, unheld_, frozen_, displaced_;
   std::optional<MotionWatch> motion_watch_;  ///< for `record stability`, as is the next member
   std::optional<Soundness> soundness_;
   std::vector<char> touches_;        ///< by body, including walls: has a contact in this cycle

@@ -38,7 +38,7 @@ class VerdictTest : public testing::Test {
     recording_.header().scales.least_side = 2;
     recording_.header().scales.moving_objects = 3;
     for (const char* name : {"non_finite", "removed", "escaped", "contacts", "passed", "pressed",
-                             "inverted", "unheld", "frozen"})
+                             "inverted", "unheld", "frozen", "displaced"})
       std::ranges::fill(recording_.Ints(name), 0);
     for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
       std::ranges::fill(recording_.Reals(name), 0);
@@ -148,10 +148,19 @@ TEST_F(VerdictTest, Clamped) {
 }
 
 TEST_F(VerdictTest, WhatMustRestMayNotMove) {
-  Set("displacement", 11, 0.26);
+  SetCount("displaced", 11, 1);
   ExpectVerdict(Verdict::kStable, -1);
   Expect("rest");
   ExpectVerdict(Verdict::kCollapsed, 11);
+}
+
+TEST_F(VerdictTest, AFewOfHundredsThatMoveAreNoCollapse) {
+  recording_.header().scales.moving_objects = 400;
+  Expect("rest");
+  SetCount("displaced", 11, 3);
+  ExpectVerdict(Verdict::kDrifting, 11);
+  SetCount("displaced", 20, 4);
+  ExpectVerdict(Verdict::kCollapsed, 20);
 }
 
 TEST_F(VerdictTest, PenetrationLateOrAtRest) {

@@ -201,10 +201,9 @@ TEST(SuiteRecommendation, SaysWhereBulletsDefaultIsNotTheBestOfItsOwn) {
   });
   const auto text = [](const Scene& scene) { return suite::DefaultsText({scene.figures}); };
   // skin is not one of Bullet's detectors.
-  EXPECT_EQ(
-      text(faster),
-      "Another of Bullet's configurations is at least 5 % faster than its default, beyond the "
-      "noise, in 1 of 1 scenes: games/debris (sap32 2.00).");
+  EXPECT_EQ(text(faster),
+            "Another of Bullet's configurations is at least 5 % faster than its default in 1 of 1 "
+            "scenes (95 % interval above 1): games/debris (sap32 2.00).");
   const Scene hardly(kFirst, [](std::size_t detector, std::uint64_t) {
     return Made{.ns = detector == 1 ? 0.96e6 : 1e6};
   });
