@@ -16,12 +16,12 @@
 //
 // A new list is built while the last one is in use, a part in each cycle, so that no cycle takes
 // much longer than the others (skin_list.h). If boxes move in an unforeseen way, all of it is built
-// at once.
+// at once. Cycles in which few bodies move do not age a list, and build little of the next one.
 //
 // Cost: reading the boxes and testing the candidates, or only those of the bodies that may have
-// moved if these are few, and a part of a grid. Memory: about 380 bytes
-// a body and 17 a candidate. Errors: bad_alloc. Threads: building a list and testing large lists
-// use Options::threads; the pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
+// moved if these are few, and a part of a grid. Memory: about 380 bytes a body and 17 a candidate.
+// Errors: bad_alloc. Threads: building a list and testing large lists use Options::threads; the
+// pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
 #include <cstdint>
