@@ -32,8 +32,8 @@ constexpr double kLeastStep = 1.12, kMostStep = 1.5;
 /// Greatest age of a list, in cycles in which more than a few bodies moved. A new list lets the fat
 /// boxes of bodies at rest shrink again.
 constexpr unsigned kMaxAge = 256;
-/// Cost of a body in a cycle in which few bodies move, with a part of the next list. It may exceed
-/// the cost of such a cycle, because a list would otherwise take thousands of cycles to build.
+/// The cost of a body from which follows how much of the next list is built in a cycle in which few
+/// bodies move. Such a cycle costs less, but a list would then take thousands of cycles to build.
 constexpr double kCostIfFewMoved = 0.5;
 /// Age at which a first list is observed; it is replaced as soon as the next one is built.
 constexpr unsigned kSeen = 1;
@@ -69,6 +69,7 @@ bool Skin::Follow(const Scene& scene, const SkinAwake* awake) {
   if (is_built_) {
     ++age_;
     if (still_sleeps || (pairs_are_of_past_ && IsUnchanged(scene))) return false;
+    // Bodies at rest do not leave their fat boxes, so these cycles do not age the list.
     const bool have_few_moved = awake != nullptr && awake->HaveFewMoved();
     if (have_few_moved)
       ++list_->end;

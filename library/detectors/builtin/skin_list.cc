@@ -170,17 +170,19 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   stage_ = Stage::kArrange;
 }
 
-/// Calls look_up(from, to, pairs) for slices from the cursor to `end`, and appends what it finds to
-/// the candidates; false if boxes are too fat.
+/// Calls look_up(from, to, pairs) for slices of the next `step` look-ups and appends what it finds
+/// to the candidates. Reduces the budget by `cost` and by that of listing pairs; makes the fat
+/// boxes smaller instead if they are too fat.
 template <typename LookUp>
-bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& bodies,
-                                     std::size_t end, const LookUp& look_up) {
-  const std::size_t begin = cursor_;
+void SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& bodies,
+                                     std::size_t step, double cost, const LookUp& look_up,
+                                     double& budget) {
+  const std::size_t begin = cursor_, end = begin + step;
   std::atomic<bool> is_crowd = false;
   std::atomic<std::size_t> listed = 0;
-  parts_.Run(end - begin, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+  parts_.Run(step, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
     // Slices are the same for any number of parts.
-    const std::size_t slices = (end - begin + kSlice - 1) / kSlice;
+    const std::size_t slices = (step + kSlice - 1) / kSlice;
     for (std::size_t i = slices * part / parts; i < slices * (part + 1) / parts; ++i) {
       const std::size_t from = begin + i * kSlice, size = found.size();
       if (is_crowd) return;
@@ -190,15 +192,18 @@ bool SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
     listed += found.size();
     bodies.Sieve(scene, true, found);
   });
-  if (is_crowd) return false;
-  found_ += listed;
+  if (is_crowd) return Shrink();
   parts_.AppendTo(next_->candidates);
   // A guess assumes that boxes are spread evenly, and makes them too fat if they are not.
   const double most = next_->is_guess && share_ == 1
                           ? std::min<double>(kFarMore * motion_.guessed(), kMostCandidates)
                           : kMostCandidates;
-  return share_ == 0 ||
-         static_cast<double>(next_->candidates.size()) <= most * static_cast<double>(end + kSlice);
+  if (share_ > 0 &&
+      static_cast<double>(next_->candidates.size()) > most * static_cast<double>(end + kSlice))
+    return Shrink();
+  found_ += listed;
+  cursor_ = end;
+  budget -= cost + kListedCost * static_cast<double>(listed);
 }
 
 /// Number of bodies whose pairs are looked up in the grid.
@@ -224,13 +229,10 @@ void SkinListBuilder::Query(const Scene& scene, const kernels::Bodies& bodies, d
     cost += each * static_cast<double>(size);
     step += size;
   }
-  const std::size_t before = found_;
   const auto look_up = [&](std::size_t from, std::size_t to, kernels::PairBuffer& found) {
     next_->grid.Query(from, to, found.sink());
   };
-  if (!FindCandidates(scene, bodies, cursor_ + step, look_up)) return Shrink();
-  cursor_ += step;
-  budget -= cost + kListedCost * static_cast<double>(found_ - before);
+  FindCandidates(scene, bodies, step, cost, look_up, budget);
 }
 
 /// Looks up only the bodies that are not fixed, if these are few.
@@ -251,11 +253,7 @@ void SkinListBuilder::QueryFree(const Scene& scene, const kernels::Bodies& bodie
     for (Pair& pair : found.pairs().subspan(before))
       if (pair.b < pair.a) std::swap(pair.a, pair.b);
   };
-  const std::size_t before = found_;
-  if (!FindCandidates(scene, bodies, cursor_ + step, look_up)) return Shrink();
-  cursor_ += step;
-  budget -=
-      kLookUpCost * static_cast<double>(step) + kListedCost * static_cast<double>(found_ - before);
+  FindCandidates(scene, bodies, step, kLookUpCost * static_cast<double>(step), look_up, budget);
 }
 
 void SkinListBuilder::Shrink() {

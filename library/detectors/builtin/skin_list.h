@@ -88,8 +88,8 @@ class SkinListBuilder {
   void QueryFree(const Scene& scene, const kernels::Bodies& bodies, double& budget);
   std::size_t LookUps(const kernels::Bodies& bodies) const;
   template <typename LookUp>
-  bool FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t end,
-                      const LookUp& look_up);
+  void FindCandidates(const Scene& scene, const kernels::Bodies& bodies, std::size_t step,
+                      double cost, const LookUp& look_up, double& budget);
   void Shrink();
 
   std::unique_ptr<SkinList> next_;
@@ -99,11 +99,10 @@ class SkinListBuilder {
   Plan plan_ = {};
   Stage stage_ = Stage::kIdle;
   std::size_t movers_ = 0, cursor_ = 0, learnt_ = 0;
-  /// Pairs of overlapping fat boxes so far, with those that may not collide; for each mover in the
-  /// last list.
+  /// Pairs of overlapping fat boxes found so far, including those that may not collide.
   std::size_t found_ = 0;
-  double last_found_ = 0;
-  double share_ = 1;  ///< fraction of the expected motion that this list covers
+  double last_found_ = 0;  ///< for each mover, when the last list was built
+  double share_ = 1;       ///< fraction of the expected motion that this list covers
   double spent_ = 0, whole_cost_ = 0;
 };
 

@@ -33,6 +33,7 @@ class Bodies {
   std::size_t movers() const { return movers_; }
   /// The movers that are not fixed, in order; only these can meet fixed ones.
   const std::vector<Id>& free() const { return free_; }
+  /// True if so few movers are free that it is faster to visit these alone.
   bool HasFewFree() const { return kFewFree * free_.size() < movers_; }
 
   /// Appends the pairs of movers and walls. Cost: one pass over the movers, and a test of each that
