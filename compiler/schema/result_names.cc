@@ -15,8 +15,7 @@ constexpr ResultNames kNames[] = {
     {"a series of the results",
      "duration pairs manifolds contacts kinetic_energy energy max_penetration penetration_ratio "
      "max_speed escaped asleep removed non_finite displacement displaced motion_ratio "
-     "fall_ratio frozen lost_way "
-     "turn_ratio spin_ratio passed pressed inverted unheld lost_energy "
+     "fall_ratio frozen lost_way turn_ratio spin_ratio passed pressed inverted unheld lost_energy "
      "heap joint_gap poses boxes box_filters exact_pairs missed_pairs phantom_pairs "
      "duplicate_pairs missed_contacts depth_error normal_error"},
     {"an array of contacts in the results",

@@ -325,7 +325,8 @@ exit status is 3. Runs with milder verdicts are named, and are part of the summa
 that it moved since it was last pushed lies outside 0.9 .. 1.1 of |v| dt, counted from a hundredth of
 its least side on, or in flight it gains less than 0.9 g dt. The series lost_way has the largest
 distance lost, in least sides. If fewer than 1 % of the objects are frozen, the work of collision
-detection is not affected, and the verdict is `clamped`.
+detection is not affected, and the verdict is `clamped`. The series displaced counts the objects that
+moved by > 0.25 S; if they must rest and are fewer than 1 %, the verdict is `drifting`.
   `expect` states the expected behaviour of a scene. By default (auto), a scene of stacks, pyramids or
 piles must rest if nothing moves initially and gravity points down; a scene of elastic, rigid objects
 without friction and damping must conserve its energy; and so must any other scene until the first

@@ -4,7 +4,7 @@ namespace cdb::manual {
 
 const std::string_view kSuiteReference = R"reference(THE STANDARD SUITE
 
-  cdb suite                       runs all scenes, in about eight minutes; resumes where it stopped
+  cdb suite                       runs all scenes, in less than eight minutes; resumes where it stopped
   cdb suite --only games,stack    these kinds and scenes
   cdb suite --long -o long        11 repeats and three seeds in place of 5 and one
   cdb suite --detector mine --plugin libmine.so    adds a detector of your own to those of the suite
@@ -28,7 +28,7 @@ SCORE
 
 Both times are run times of a simulated second, the mean step over the time step (`cdb doc statistics`).
 They come from the same file, and so from the same machine. The 95 % intervals are by the bootstrap over
-whole repeats, paired between the configurations. Of few repeats, an interval may begin or end at the
+whole repeats, paired between the configurations. With few repeats, an interval may begin or end at the
 figure itself. There is no score over all kinds, as no application is of all kinds.
   A configuration that is wrong in one scene has no score in its kind, and the table says why:
   not run                               a scene of the kind has no results
@@ -44,8 +44,8 @@ WHICH ONE TO TAKE
 
 The suite recommends the most accurate of the correct configurations whose slow steps fit into the time
 budget; of equally accurate ones, the fastest, and those that tie with it: the 95 % intervals of the
-ratios of their times include 1. A slow step is the 99th percentile over the cycles, each the median of its
-repeats. In 1/30 s at 60 Hz, two such steps must fit. The whole budget is available to the physics.
+ratios of their times include 1. A slow step is the 99th percentile over the cycles, each the median of
+its repeats. In 1/30 s at 60 Hz, two such steps must fit. The whole budget is available to the physics.
 
 WHAT MAKES RESULTS COMPARABLE: --check
 

@@ -30,15 +30,13 @@ constexpr VerdictInfo kVerdicts[] = {
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
      "energy rose by 0.01 or fell by 0.1; if the scene must rest, late speed > 0.02 sqrt(g S), or "
-     "an "
-     "object moved by > 0.25 S"},
+     "an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
      "S"},
     {kCollapsed, "collapsed",
      "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
-     "its "
-     "support; an object sleeps unheld"},
+     "its support; an object sleeps unheld"},
     {kClamped, "clamped",
      "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",

@@ -202,8 +202,7 @@ std::string RecommendationText(const std::vector<SceneFigures>& scenes) {
   return "Which one to use\n" + table.Text() +
          "  Best: the most accurate of the correct ones, and of equally accurate ones the "
          "fastest.\n"
-         "  Under a time: the best whose slow steps fit into it; same: the best of all; -: none "
-         "fits.\n";
+         "  Time budgets: the best whose slow steps fit; same: the best of all; -: none fits.\n";
 }
 
 std::string AnswerText(const SceneFigures& scene) {
