@@ -11,14 +11,12 @@
 //
 // Usage: bench_detectors [-t THREADS] [-c CYCLES] [-b BLOCK] [-r REPEATS] [-s SCENE]... [-o
 // NAME]...
-//                        [-w] [-g] [-p] [-i] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
+//                        [-w] [-g] [-i] [-d FOLDER WITH SHARED LIBRARIES] [N ...]
 // -w: six walls whose boxes are infinite. -o: only these detectors, and dbvt. -g: without dbvt,
 // with few cycles, 1000 to 10^6 bodies unless N is given, and at the end how the cost of a cycle
 // grows: the exponents of processor time, instructions (see tests/bench/instructions.h; without
-// counters in the processor they need Valgrind, and -r 1) and the worst cycle. -p: with -t, the
-// processor time of the calling thread: its parts and all that only it does, which is the elapsed
-// time if every thread has an idle core. -i: counts instructions in place of time, where 1 ms
-// stands for a million of them.
+// counters in the processor they need Valgrind, and -r 1) and the worst cycle. -i: counts
+// instructions in place of time, where 1 ms stands for a million of them.
 
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
@@ -140,7 +138,7 @@ struct Settings {
   Options options;
   std::size_t cycles = 0, block = 20, repeats = 3;
   std::vector<std::string> scenes, only, libraries;
-  bool walls = false, grows = false, times_caller = false, counts = false;
+  bool walls = false, grows = false, counts = false;
 };
 
 /// Bodies up to which the pairs are checked, which takes longer than all detectors together.
@@ -290,7 +288,7 @@ struct GrowthPoint {
 
 void RunScene(const Settings& settings, std::string_view name, std::size_t objects,
               std::vector<GrowthPoint>& growth) {
-  const bool is_elapsed = settings.options.threads > 1 && !settings.times_caller;
+  const bool is_elapsed = settings.options.threads > 1;
   Timer timer = {is_elapsed ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID};
   timer.counts_instructions = settings.counts;
   InstructionCounter counter;
@@ -375,7 +373,7 @@ void PrintGrowth(const std::vector<GrowthPoint>& growth) {
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder;
-  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgpi")) != -1;) {
+  for (int option; (option = getopt(argc, argv, "t:c:b:r:s:o:d:wgi")) != -1;) {
     switch (option) {
       case 't':
         settings.options.threads = static_cast<unsigned>(std::atoi(optarg));
@@ -388,9 +386,6 @@ int Main(int argc, char** argv) {
         break;
       case 'r':
         settings.repeats = static_cast<std::size_t>(std::max(1, std::atoi(optarg)));
-        break;
-      case 'p':
-        settings.times_caller = true;
         break;
       case 'g':
         settings.grows = true;

@@ -7,6 +7,9 @@
 namespace cdb::builtin {
 namespace {
 
+/// Cost of looking up the pairs of a body, in nanoseconds.
+constexpr double kBodyCost = 20;
+
 class Grid final : public Detector {
  public:
   Grid(const Options& options, const kernels::Kernels& kernels)
@@ -16,11 +19,13 @@ class Grid final : public Detector {
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     bodies_.LearnOnce(scene);
+    const auto session = parts_.Begin(2 * kBodyCost * static_cast<double>(bodies_.movers()));
     const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers(), &parts_.pool());
-    parts_.Run(bodies_.movers(), [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
-      grid_.QueryPart(part, parts, found.sink());
-      bodies_.Sieve(scene, is_exact, found);
-    });
+    parts_.Run(kBodyCost * static_cast<double>(bodies_.movers()),
+               [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
+                 grid_.QueryPart(part, parts, found.sink());
+                 bodies_.Sieve(scene, is_exact, found);
+               });
     bodies_.MeetWalls(scene, kernels_, parts_.last());
     parts_.AppendTo(pairs);
   }

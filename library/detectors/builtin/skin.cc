@@ -91,13 +91,15 @@ bool Skin::Follow(const Scene& scene, const SkinAwake* awake) {
 }
 
 void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
+  const auto session = parts_.Begin(work_);
   if (Follow(scene, nullptr) || !parts_are_pairs_) {
     const std::span<const Pair> all = list_->candidates.pairs();
     const std::size_t size = all.size();
-    parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-      const std::size_t begin = size * part / parts, end = size * (part + 1) / parts;
-      kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
-    });
+    parts_.Run(kTestCost * static_cast<double>(size),
+               [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+                 const std::size_t begin = size * part / parts, end = size * (part + 1) / parts;
+                 kernels_.filter(scene.boxes.data(), all.data() + begin, end - begin, found.sink());
+               });
     AppendRest(scene, parts_.last());
     found_ = parts_.size();
     parts_are_pairs_ = true;
@@ -107,6 +109,7 @@ void Skin::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
 }
 
 bool Skin::FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) {
+  const auto session = parts_.Begin(work_);
   const SkinAwake& awake = changes_.See(scene);
   if (!Follow(scene, &awake) && changes_.knows_last()) return true;
   parts_are_pairs_ = false;

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "library/detectors/builtin/skin_costs.h"
+
 namespace cdb::builtin {
 
 using kernels::kMetBits;
@@ -59,12 +61,13 @@ bool SkinChanges::Find(const Scene& scene, const kernels::Kernels& kernels,
 void SkinChanges::FindAll(const Scene& scene, const kernels::Kernels& kernels,
                           std::span<const Pair> candidates) {
   const std::size_t size = candidates.size();
-  parts_.Run(size / 16, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
-    const std::size_t first = met_.size() * part / parts, begin = first * kMetBits;
-    const std::size_t end = std::min(size, met_.size() * (part + 1) / parts * kMetBits);
-    kernels.find_changed(scene.boxes.data(), candidates.data() + begin, met_.data() + first,
-                         end - begin, found.sink());
-  });
+  parts_.Run(kTestCost * static_cast<double>(size),
+             [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+               const std::size_t first = met_.size() * part / parts, begin = first * kMetBits;
+               const std::size_t end = std::min(size, met_.size() * (part + 1) / parts * kMetBits);
+               kernels.find_changed(scene.boxes.data(), candidates.data() + begin,
+                                    met_.data() + first, end - begin, found.sink());
+             });
   parts_.AppendTo(changed_);
 }
 

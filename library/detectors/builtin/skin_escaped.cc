@@ -14,8 +14,8 @@
 namespace cdb::builtin {
 namespace {
 
-/// The number of bodies from which several threads find escaped ones faster than one.
-constexpr std::size_t kWorthThreads = 16000;
+/// Cost of looking whether a body has left its fat box, in nanoseconds.
+constexpr double kLookCost = 1;
 /// The most times that a body gets a larger fat box in one list; after that it is untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
 /// The most candidates that a larger fat box may have.
@@ -89,15 +89,19 @@ std::size_t Skin::FindEscaped(const Scene& scene, const SkinAwake* awake) {
     return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
                                  escaped_.data() + begin);
   };
-  if (movers < kWorthThreads || parts_.pool().size() == 1) return find(0, movers);
-  const unsigned parts = parts_.pool().size();
-  std::vector<std::size_t> found(parts);
-  const auto begin_of = [&](std::size_t part) { return movers * part / parts; };
-  parts_.pool().Run([&](unsigned part) { found[part] = find(begin_of(part), begin_of(part + 1)); });
-  std::size_t count = 0;
-  for (unsigned part = 0; part < parts; ++part)
-    for (std::size_t i = 0; i < found[part]; ++i)
-      escaped_[count++] = static_cast<Id>(escaped_[begin_of(part) + i] + begin_of(part));
+  struct Found {
+    std::size_t begin, count;
+  };
+  std::vector<Found> found(parts_.most());
+  const unsigned parts =
+      parts_.ForEach(kLookCost * static_cast<double>(movers), 0, movers, PastBoxes::kBlock,
+                     [&](unsigned part, std::size_t begin, std::size_t end) {
+                       found[part] = {begin, find(begin, end)};
+                     });
+  std::size_t count = found[0].count;
+  for (const auto& [begin, size] : std::span(found).first(parts).subspan(1))
+    for (std::size_t i = 0; i < size; ++i)
+      escaped_[count++] = static_cast<Id>(escaped_[begin + i] + begin);
   return count;
 }
 

@@ -156,14 +156,16 @@ void SkinListBuilder::Fatten(const Scene& scene, std::uint32_t cycle, double& bu
   const std::uint32_t age =
       last_ != nullptr && begin < movers_ ? cycle - last_->past.CycleOf(begin) : 1;
   const SkinMotion::Span span = {until_begin, cycles, cycles / std::max(age, 1u), share_};
-  parts_.ForEach(begin, end, PastBoxes::kBlock, [&](std::size_t from, std::size_t to) {
-    if (last_ != nullptr && learnt_ <= from)
-      motion_.LearnBodies(scene, from, to, last_->past, cycle);
-    motion_.Fatten(scene, from, to, span, next_->fat.data(), room, next_->past);
-    next_->past.SetCycle(from, to, cycle);
-  });
+  const double work = kFattenCost * static_cast<double>(end - begin);
+  parts_.ForEach(work, begin, end, PastBoxes::kBlock,
+                 [&](unsigned, std::size_t from, std::size_t to) {
+                   if (last_ != nullptr && learnt_ <= from)
+                     motion_.LearnBodies(scene, from, to, last_->past, cycle);
+                   motion_.Fatten(scene, from, to, span, next_->fat.data(), room, next_->past);
+                   next_->past.SetCycle(from, to, cycle);
+                 });
   learnt_ = std::max(learnt_, end);
-  budget -= kFattenCost * static_cast<double>(end - begin);
+  budget -= work;
   cursor_ = end;
   if (cursor_ < movers_) return;
   next_->grid.StartArranging(movers_);
@@ -180,7 +182,7 @@ void SkinListBuilder::FindCandidates(const Scene& scene, const kernels::Bodies& 
   const std::size_t begin = cursor_, end = begin + step;
   std::atomic<bool> is_crowd = false;
   std::atomic<std::size_t> listed = 0;
-  parts_.Run(step, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
+  parts_.Run(cost, [&](std::size_t part, std::size_t parts, kernels::PairBuffer& found) {
     // Slices are the same for any number of parts.
     const std::size_t slices = (step + kSlice - 1) / kSlice;
     for (std::size_t i = slices * part / parts; i < slices * (part + 1) / parts; ++i) {

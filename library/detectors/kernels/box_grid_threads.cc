@@ -33,16 +33,16 @@ bool BoxGrid::BuildOnThreads(const Box* boxes, std::size_t count, ThreadPool& po
     if (!kernels_.narrow(boxes + begin, end - begin, From(room, begin))) is_exact = false;
   };
   const bool has_shape = stage_ == Stage::kBin;
-  if (!has_shape) pool.Run(narrow);
+  if (!has_shape) pool.Run(parts, narrow);
   for (bool is_first = true;; is_first = false) {
     for (; stage_ != Stage::kBin; stage_ = Next(stage_)) Execute(0, SizeOf(stage_));
     PrepareThreads(parts);
-    pool.Run([&](unsigned part) {
+    pool.Run(parts, [&](unsigned part) {
       if (has_shape && is_first) narrow(part);
       BinPart(part, parts);
     });
     SplitForThreads(pool);
-    pool.Run([&](unsigned part) { SortBucket(part); });
+    pool.Run(parts, [&](unsigned part) { SortBucket(part); });
     if (!NeedsShape(starts_[shape_.cells() + 1] - starts_[shape_.cells()])) break;
     stage_ = Stage::kSample;
   }
@@ -101,7 +101,7 @@ void BoxGrid::SplitForThreads(ThreadPool& pool) {
     it.first_cell = cell;
     it.end_cell = cell = std::max(cell, it.end_cell);
   }
-  pool.Run([&](unsigned part) {
+  pool.Run(parts, [&](unsigned part) {
     const std::size_t begin = BeginOf(part, parts, boxes_), end = BeginOf(part + 1, parts, boxes_);
     std::vector<std::uint32_t> at(parts);
     for (unsigned bucket = 0; bucket < parts; ++bucket)

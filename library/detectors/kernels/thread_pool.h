@@ -1,8 +1,8 @@
-// A small pool of threads that execute the parts of one loop.
+// A small pool of threads that share the tasks of one loop.
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -12,9 +12,14 @@
 
 namespace cdb::kernels {
 
-/// `threads` threads including the caller's. Between two calls of Run the others spin for some
-/// microseconds, because the loops of one cycle follow each other closely, and then sleep. They end
-/// with the pool. Errors: Run rethrows the exception of a part, that of the caller's part first.
+/// `threads` threads including the caller's. Each takes the next task that nobody has taken, so
+/// that the caller waits only for tasks that are being executed, never for a thread to wake up,
+/// which takes some 60 us on a virtual machine. The others sleep if there is no task for that time,
+/// except during a Session. They end with the pool.
+///
+/// If the system interrupts the caller, or a task that it waits for, because other programs need
+/// the processors, that takes milliseconds. The caller then works alone for a while: the longer,
+/// the more often it happens. Errors: Run rethrows the exception of a task, after all tasks.
 /// Threads: one caller.
 class ThreadPool {
  public:
@@ -24,19 +29,51 @@ class ThreadPool {
   ThreadPool& operator=(const ThreadPool&) = delete;
 
   unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }
-  /// Calls part(0) to part(size() - 1), each on a different thread, and waits for all.
-  void Run(const std::function<void(unsigned)>& part);
+  /// True if another thread is awake and would take a task at once.
+  bool IsAwake() const { return rest_ == 0 && sleeping_ < threads_.size(); }
+  /// While it lives, the other threads stay awake for the tasks that follow; they are woken without
+  /// waiting for them.
+  class Session {
+   public:
+    explicit Session(ThreadPool* pool);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+   private:
+    ThreadPool* pool_;
+    std::chrono::nanoseconds lost_ = {};
+  };
+  /// Calls task(0) to task(tasks - 1), at most kMostTasks, each once and on any thread. Returns
+  /// when all are done. Threads that are asleep are woken.
+  void Run(unsigned tasks, const std::function<void(unsigned)>& task);
+  static constexpr unsigned kMostTasks = 0xffff;
 
  private:
-  void Work(unsigned place);
+  static constexpr unsigned kFirstRest = 256, kLongestRest = 1 << 16;
 
-  std::mutex mutex_;
-  std::condition_variable begin_, end_;
-  const std::function<void(unsigned)>* part_ = nullptr;
-  std::atomic<std::uint64_t> round_ = 0;  ///< changed with mutex_ held, as is working_
-  std::atomic<unsigned> working_ = 0;
-  bool is_over_ = false;
+  void Wake();
+  void AwaitOthers(unsigned tasks, std::chrono::nanoseconds own);
+  void Rest();
+  bool HasTasks() const;
+  void Execute(const std::function<void(unsigned)>& task, unsigned index);
+  bool ExecuteNext();
+  void RunAlone(unsigned tasks, const std::function<void(unsigned)>& task);
+  void RunShared(unsigned tasks, const std::function<void(unsigned)>& task);
+  void Work();
+
+  /// The round, the number of its tasks and the next one of them, in one number, so that no thread
+  /// takes a task of a round that has ended.
+  std::atomic<std::uint64_t> next_ = 0;
+  std::atomic<const std::function<void(unsigned)>*> task_ = nullptr;  ///< set before next_
+  std::atomic<unsigned> done_ = 0;
+  std::atomic<std::uint32_t> calls_ = 0;  ///< to wake up; sleeping threads wait for a change
+  std::atomic<std::size_t> sleeping_ = 0;
+  std::atomic<bool> stays_awake_ = false, is_over_ = false;
+  std::mutex error_mutex_;
   std::exception_ptr error_;
+  unsigned rest_ = 0;  ///< calls of Run for which the other threads are not used
+  unsigned next_rest_ = kFirstRest;
   std::vector<std::thread> threads_;
 };
 
