@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "runtime/store/hdf5/bytes.h"
+#include "runtime/store/hdf5/checksums.h"
 
 namespace cdb::hdf5 {
 namespace {
@@ -26,26 +27,6 @@ template <typename Number>
 void Append(std::vector<std::byte>& bytes, Number number) {
   const auto raw = std::as_bytes(std::span(&number, 1));
   bytes.insert(bytes.end(), raw.begin(), raw.end());
-}
-
-/// Computed as in HDF5: over big-endian words of 16 bits, with an odd last byte as the high one;
-/// sums are reduced every 360 words, before they overflow.
-std::uint32_t Fletcher32(std::span<const std::byte> bytes) {
-  constexpr std::size_t kWords = 360;
-  std::uint32_t sum = 0, sum_of_sums = 0;
-  const auto reduce = [](std::uint32_t value) { return (value & 0xffff) + (value >> 16); };
-  while (!bytes.empty()) {
-    const std::size_t now = std::min(bytes.size(), 2 * kWords);
-    for (std::size_t i = 0; i < now; i += 2) {
-      sum += std::to_integer<std::uint32_t>(bytes[i]) << 8;
-      if (i + 1 < now) sum += std::to_integer<std::uint32_t>(bytes[i + 1]);
-      sum_of_sums += sum;
-    }
-    sum = reduce(sum);
-    sum_of_sums = reduce(sum_of_sums);
-    bytes = bytes.subspan(now);
-  }
-  return reduce(sum_of_sums) << 16 | reduce(sum);
 }
 
 }  // namespace
