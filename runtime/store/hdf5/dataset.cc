@@ -250,12 +250,6 @@ std::optional<ChunkPlace> Dataset::FindChunk(const Shape& start) const {
   return ChunkPlace{mask, address, bytes};
 }
 
-std::optional<std::uint64_t> Dataset::FindValues() const {
-  const haddr_t address = H5Dget_offset(id_.get());
-  if (address == HADDR_UNDEF) return std::nullopt;
-  return address;
-}
-
 void Dataset::MakeScale(const std::string& name) {
   Check(H5DSset_scale(id_.get(), name.c_str()), "make a dimension scale");
 }

@@ -71,9 +71,6 @@ class Dataset : public Object {
   /// chunks of the dataset, so use it only for datasets with few chunks.
   std::optional<ChunkPlace> FindChunk(const Shape& start) const;
 
-  /// The address of its values in the file; nullopt if they are chunked or have no address yet.
-  std::optional<std::uint64_t> FindValues() const;
-
   /// Makes it a dimension scale with that name.
   void MakeScale(const std::string& name);
 
@@ -83,12 +80,18 @@ class Dataset : public Object {
   Shape shape_;
 };
 
+/// Bytes of values in a header.
+inline constexpr std::uint64_t kMostInHeader = 512;
+
 struct DatasetSpec {
   std::string name;
   Type type = Type::kFloat64;
   Shape shape;      ///< empty: a scalar
   Shape chunk;      ///< empty: contiguous; else shuffled, compressed, with checksums
   double fill = 0;  ///< numbers only
+  /// For files in memory, which are small: few values that are not chunked are in the header, which
+  /// has neither times nor an order of attributes.
+  bool is_small = false;
 };
 
 }  // namespace cdb::hdf5

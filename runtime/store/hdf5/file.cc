@@ -14,6 +14,7 @@
 #include "runtime/store/hdf5/calls.h"
 #include "runtime/store/hdf5/foreign.h"
 #include "runtime/store/hdf5/sink.h"
+#include "runtime/store/hdf5/superblock.h"
 
 namespace cdb::hdf5 {
 namespace {
@@ -31,36 +32,30 @@ void SetUpLibrary() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Version bounds of the library that every reader since HDF5 1.8 understands.
-void SetBounds(const Id& access) {
-  Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
-}
-
-/// Keeps the file in memory. By default, HDF5 would allocate blocks of 2 kB, and leave the unused
-/// rest of them in the file.
+/// Keeps the file in memory, in the form of HDF5 1.10, whose headers and indexes of chunks are
+/// smaller. By default, HDF5 would allocate blocks of 2 kB, and leave the unused rest of them in
+/// the file.
 void KeepInMemory(const Id& access, std::size_t increment) {
+  Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110), "set up HDF5");
   Check(H5Pset_fapl_core(access.get(), increment, false), "set up HDF5");
   Check(H5Pset_meta_block_size(access.get(), 0), "set up HDF5");
   Check(H5Pset_small_data_block_size(access.get(), 0), "set up HDF5");
 }
 
 /// Links and attributes of a group, in the order of creation.
-void SetUpGroup(const Id& creation) {
+void SetUpGroup(const Id& creation, const ExpectedMembers& members = {}) {
+  Check(H5Pset_est_link_info(creation.get(), members.count, members.name_bytes), "set up HDF5");
   Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
   Check(H5Pset_link_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
   Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
   Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
 }
 
-Id FileCreation() {
+Id FileCreation(const ExpectedMembers& members = {}) {
   Id creation = NewProperties(H5P_FILE_CREATE);
-  SetUpGroup(creation);
+  SetUpGroup(creation, members);
   return creation;
 }
-
-/// Half the number of chunks in a node of a dataset's index. HDF5's default of 32 makes nodes of 4
-/// kB, and a shard has few chunks in each of many datasets.
-constexpr unsigned kSmallChunkIndex = 2;
 
 /// HDF5 takes two files in memory for the same file if their names are equal.
 std::string UniqueName() {
@@ -103,8 +98,17 @@ Dataset Group::OpenDataset(const std::string& name) const {
 
 Dataset Group::CreateDataset(const DatasetSpec& spec) {
   const Id creation = NewProperties(H5P_DATASET_CREATE);
-  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-  Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+  if (spec.is_small) {
+    Check(H5Pset_obj_track_times(creation.get(), false), "set up HDF5");
+    if (spec.chunk.empty() && Product(spec.shape) * ItemBytes(spec.type) <= kMostInHeader) {
+      Check(H5Pset_layout(creation.get(), H5D_COMPACT), "set up HDF5");
+      // HDF5 reserves 256 bytes for a header with attributes; two blocks take less.
+      Check(H5Pset_dset_no_attrs_hint(creation.get(), true), "set up HDF5");
+    }
+  } else {
+    Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+    Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
+  }
   if (!spec.chunk.empty()) {
     Check(H5Pset_chunk(creation.get(), static_cast<int>(spec.chunk.size()), Dims(spec.chunk)),
           "set up chunks");
@@ -126,9 +130,9 @@ Group Group::OpenGroup(const std::string& name) const {
                foreign_bytes_);
 }
 
-Group Group::CreateGroup(const std::string& name) {
+Group Group::CreateGroup(const std::string& name, const ExpectedMembers& members) {
   const Id creation = NewProperties(H5P_GROUP_CREATE);
-  SetUpGroup(creation);
+  SetUpGroup(creation, members);
   return Group(Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
                   H5Gclose, fmt::format("make the group {}", name)));
 }
@@ -212,15 +216,13 @@ bool IsHdf5(const std::filesystem::path& path) {
 
 File::~File() { id_.Reset(); }
 
-File File::CreateInMemory() {
+File File::CreateInMemory(const ExpectedMembers& members) {
   SetUpLibrary();
   const Id access = NewProperties(H5P_FILE_ACCESS);
-  SetBounds(access);
   KeepInMemory(access, 1 << 18);
-  const Id creation = FileCreation();
-  Check(H5Pset_istore_k(creation.get(), kSmallChunkIndex), "set up HDF5");
-  return File(Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()),
-                 H5Fclose, "make a file in memory"));
+  return File(
+      Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, FileCreation(members).get(), access.get()),
+         H5Fclose, "make a file in memory"));
 }
 
 File File::Create(const std::filesystem::path& path) {
@@ -228,7 +230,8 @@ File File::Create(const std::filesystem::path& path) {
   auto sink = std::make_shared<Sink>(path);
   sink->Check();
   const Id access = NewProperties(H5P_FILE_ACCESS);
-  SetBounds(access);
+  // Every reader since HDF5 1.8 understands the file.
+  Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_V18), "set up HDF5");
   Check(SetSink(access.get(), sink), "set up HDF5");
   Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, FileCreation().get(), access.get()), H5Fclose,
           "make the file");
@@ -256,7 +259,6 @@ File File::CopyImage(std::span<const std::byte> image) { return OpenCopy(image, 
 File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
   SetUpLibrary();
   const Id access = NewProperties(H5P_FILE_ACCESS);
-  SetBounds(access);
   KeepInMemory(access, 1 << 16);
   // HDF5 copies the image and does not change it.
   Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
@@ -274,6 +276,8 @@ std::vector<std::byte> File::Image() {
   const ssize_t bytes = Checked(H5Fget_file_image(file_.get(), nullptr, 0), "write the file");
   std::vector<std::byte> image(static_cast<std::size_t>(bytes));
   Checked(H5Fget_file_image(file_.get(), image.data(), image.size()), "write the file");
+  // HDF5 1.10 clears the flags of a file that is open, and leaves the checksum as it was.
+  if (HasSuperblock3(image)) CloseSuperblock(image);
   return image;
 }
 

@@ -17,6 +17,12 @@ namespace cdb::hdf5 {
 
 class Sink;
 
+/// The members that a group is going to have: HDF5 reserves space for them in its header, and
+/// otherwise takes a block of its own for almost each.
+struct ExpectedMembers {
+  unsigned count = 4, name_bytes = 8;  ///< HDF5's defaults; the mean of the names
+};
+
 class Group : public Object {
  public:
   /// `foreign_bytes`: as in Dataset.
@@ -29,7 +35,7 @@ class Group : public Object {
   Dataset OpenDataset(const std::string& name) const;
   Dataset CreateDataset(const DatasetSpec& spec);
   Group OpenGroup(const std::string& name) const;
-  Group CreateGroup(const std::string& name);
+  Group CreateGroup(const std::string& name, const ExpectedMembers& members = {});
 
   /// Attaches scales to datasets of this group: `scales` names one for each dimension. All at once,
   /// because attaching them one by one takes HDF5 longer than everything else in a shard.
@@ -55,8 +61,8 @@ bool IsHdf5(const std::filesystem::path& path);
 /// An open file; also its root group.
 class File : public Group {
  public:
-  /// In memory only; see Image.
-  static File CreateInMemory();
+  /// In memory only, in the form of HDF5 1.10; see Image.
+  static File CreateInMemory(const ExpectedMembers& members = {});
   /// Throws Error, as all of these do; an existing file is overwritten.
   ///
   /// HDF5 cannot close a file that it cannot write, and then crashes when the process ends. A

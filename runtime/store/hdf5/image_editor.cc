@@ -11,15 +11,10 @@
 
 #include "runtime/store/hdf5/bytes.h"
 #include "runtime/store/hdf5/checksums.h"
+#include "runtime/store/hdf5/superblock.h"
 
 namespace cdb::hdf5 {
 namespace {
-
-/// Offsets in a superblock of version 1, with addresses and lengths of eight bytes.
-constexpr std::size_t kVersionAt = 8, kSizesAt = 13, kBaseAt = 28, kEndAt = 44, kSuperblock = 60;
-/// Offset in an entry of the index of chunks: size, mask, a start for each dimension and one for
-/// the bytes of an element, then the address.
-std::size_t AddressOfEntry(std::size_t rank) { return 8 + 8 * (rank + 1); }
 
 constexpr std::uint64_t kLeastHeap = 4096;
 
@@ -41,28 +36,6 @@ double AsStored(double value, Type type) {
   return std::isnan(value) ? 0 : std::trunc(std::clamp(value, least, most));
 }
 
-std::optional<NumberPlace> FindNumber(const Dataset& dataset) {
-  const auto begin = dataset.FindValues();
-  const bool is_known = dataset.type() == Type::kInt8 || dataset.type() == Type::kInt32 ||
-                        dataset.type() == Type::kFloat64;
-  if (!begin || !is_known || Product(dataset.shape()) != 1) return std::nullopt;
-  return NumberPlace{*begin, dataset.type()};
-}
-
-std::optional<std::uint64_t> FindChunkEntry(std::span<const std::byte> image,
-                                            const ChunkPlace& chunk, std::size_t rank) {
-  std::vector<std::byte> entry;
-  Append(entry, static_cast<std::uint32_t>(chunk.bytes));
-  Append(entry, std::uint32_t{0});
-  entry.resize(AddressOfEntry(rank));
-  Append(entry, chunk.begin);
-  const std::string_view text = AsText(image), wanted = AsText(entry);
-  const std::size_t found = text.find(wanted);
-  if (found == text.npos || text.find(wanted, found + wanted.size()) != text.npos)
-    return std::nullopt;
-  return found;
-}
-
 std::vector<std::byte> Filtered(std::span<const std::byte> values, std::size_t item_bytes) {
   constexpr int kLevel = 1;
   std::vector<std::byte> shuffled(values.size());
@@ -81,19 +54,45 @@ std::vector<std::byte> Filtered(std::span<const std::byte> values, std::size_t i
   return packed;
 }
 
-ImageEditor::ImageEditor(std::vector<std::byte> image) : image_(std::move(image)) {
-  if (image_.size() < kSuperblock || image_[kVersionAt] != std::byte{1} ||
-      image_[kSizesAt] != std::byte{8} || image_[kSizesAt + 1] != std::byte{8} ||
-      Get<std::uint64_t>(image_, kBaseAt) != 0 ||
-      Get<std::uint64_t>(image_, kEndAt) != image_.size())
+EditableImage::EditableImage(std::vector<std::byte> image) : bytes_(std::move(image)) {
+  if (!HasSuperblock3(bytes_) || StatedBytes(bytes_) != bytes_.size())
     throw Error("a file with another head");
+}
+
+ObjectHeader EditableImage::HeaderOf(const Object& object) {
+  const std::uint64_t address = object.Address();
+  ObjectHeader header(bytes_, address);
+  checked_.try_emplace(address, header.blocks());
+  return header;
+}
+
+NumberPlace EditableImage::FindNumber(const Dataset& dataset) {
+  const Extent values = HeaderOf(dataset).CompactValues();
+  if (Product(dataset.shape()) != 1 || values.bytes != ItemBytes(dataset.type()))
+    throw Error("an array of another size");
+  return {values.begin, dataset.type()};
+}
+
+std::uint64_t EditableImage::FindTexts(const Dataset& dataset) {
+  const Extent values = HeaderOf(dataset).CompactValues();
+  if (dataset.type() != Type::kText || values.bytes != Product(dataset.shape()) * kTextBytes)
+    throw Error("an array of another size");
+  return values.begin;
+}
+
+std::uint64_t EditableImage::FindChunk(const Dataset& dataset) {
+  return HeaderOf(dataset).SingleChunk();
+}
+
+Extent EditableImage::FindAttribute(const Object& object, std::string_view name) {
+  return HeaderOf(object).Attribute(name);
 }
 
 template <typename Number>
 void ImageEditor::Put(std::uint64_t at, Number number) {
-  if (image_.size() < sizeof number || at > image_.size() - sizeof number)
+  if (bytes_.size() < sizeof number || at > bytes_.size() - sizeof number)
     throw Error("a place outside of the file");
-  std::memcpy(&image_[at], &number, sizeof number);
+  std::memcpy(&bytes_[at], &number, sizeof number);
 }
 
 void ImageEditor::SetNumber(const NumberPlace& place, double value) {
@@ -103,16 +102,15 @@ void ImageEditor::SetNumber(const NumberPlace& place, double value) {
   Put(place.begin, stored);
 }
 
-void ImageEditor::Align() { image_.resize(Aligned(image_.size())); }
+void ImageEditor::Align() { bytes_.resize(Aligned(bytes_.size())); }
 
-ChunkPlace ImageEditor::SetChunk(std::uint64_t entry, std::size_t rank,
-                                 std::span<const std::byte> bytes) {
-  Align();
-  const ChunkPlace place = {0, image_.size(), bytes.size()};
-  image_.insert(image_.end(), bytes.begin(), bytes.end());
-  Put(entry, static_cast<std::uint32_t>(bytes.size()));
-  Put(entry + AddressOfEntry(rank), place.begin);
-  return place;
+ChunkPlace ImageEditor::SetChunk(std::uint64_t place, std::span<const std::byte> bytes) {
+  const ChunkPlace chunk = {0, bytes_.size(), bytes.size()};
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  Put(place, chunk.bytes);
+  Put(place + 8, chunk.filter_mask);
+  Put(place + 12, chunk.begin);
+  return chunk;
 }
 
 void ImageEditor::SetText(std::uint64_t place, const std::string& text) {
@@ -121,41 +119,52 @@ void ImageEditor::SetText(std::uint64_t place, const std::string& text) {
   if (!ended.empty()) texts_.push_back({place, std::move(ended)});
 }
 
+void ImageEditor::SetAttribute(const Extent& place, std::string_view text) {
+  if (text.size() != place.bytes) throw Error("an attribute of another length");
+  std::ranges::copy(std::as_bytes(std::span(text)),
+                    bytes_.begin() + static_cast<std::ptrdiff_t>(place.begin));
+}
+
 // One collection with an object for each text.
 void ImageEditor::AppendHeap() {
   if (texts_.empty()) return;
   Align();
-  const std::uint64_t heap = image_.size();
+  const std::uint64_t heap = bytes_.size();
   std::uint64_t used = kHeapHead;
   for (const HeapText& text : texts_) used += kHeapObjectHead + Aligned(text.text.size());
   const std::uint64_t bytes = std::max(kLeastHeap, used + kHeapObjectHead);
-  for (const char c : kHeapSignature) image_.push_back(static_cast<std::byte>(c));
-  Append(image_, bytes);
+  for (const char c : kHeapSignature) bytes_.push_back(static_cast<std::byte>(c));
+  Append(bytes_, bytes);
   std::uint16_t index = 0;
   const auto head = [this](std::uint16_t number, std::uint64_t size) {
-    Append(image_, number);
-    Append(image_, std::uint16_t{0});  // reference count
-    Append(image_, std::uint32_t{0});
-    Append(image_, size);
+    Append(bytes_, number);
+    Append(bytes_, std::uint16_t{0});  // reference count
+    Append(bytes_, std::uint32_t{0});
+    Append(bytes_, size);
   };
   for (const HeapText& text : texts_) {
     head(++index, text.text.size());
     const auto raw = std::as_bytes(std::span(text.text));
-    image_.insert(image_.end(), raw.begin(), raw.end());
+    bytes_.insert(bytes_.end(), raw.begin(), raw.end());
     Align();
     Put(text.place, static_cast<std::uint32_t>(text.text.size()));
     Put(text.place + 4, heap);
     Put(text.place + 12, std::uint32_t{index});
   }
   head(0, bytes - used);  // the remaining space
-  image_.resize(heap + bytes);
+  bytes_.resize(heap + bytes);
 }
 
 std::vector<std::byte> ImageEditor::Finish() {
   AppendHeap();
   Align();
-  Put(kEndAt, std::uint64_t{image_.size()});
-  return std::move(image_);
+  for (const auto& [object, blocks] : image_.checked_)
+    for (const Extent& block : blocks) {
+      const std::uint64_t bytes = block.bytes - sizeof(std::uint32_t);
+      Put(block.begin + bytes, Lookup3(std::span(bytes_).subspan(block.begin, bytes)));
+    }
+  CloseSuperblock(bytes_);
+  return std::move(bytes_);
 }
 
 }  // namespace cdb::hdf5

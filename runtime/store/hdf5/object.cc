@@ -125,6 +125,12 @@ double Object::Number(const char* name) const {
   return value;
 }
 
+std::uint64_t Object::Address() const {
+  hobj_ref_t address = 0;
+  Check(H5Rcreate(&address, id_.get(), ".", H5R_OBJECT, -1), "find an object");
+  return address;
+}
+
 std::map<std::string, std::string> Object::Texts() const {
   std::map<std::string, std::string> texts;
   const auto visit = [](hid_t object, const char* name, const H5A_info_t*, void* out) -> herr_t {

@@ -62,6 +62,8 @@ class Object {
   std::string Text(const char* name) const;
   /// NaN if there is none of that name.
   double Number(const char* name) const;
+  /// The address of its header in the file.
+  std::uint64_t Address() const;
   /// All text attributes.
   std::map<std::string, std::string> Texts() const;
 

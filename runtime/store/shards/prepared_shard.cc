@@ -23,13 +23,8 @@ bool SameNumber(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0;
 }  // namespace
 
 PreparedShard::PreparedShard(std::shared_ptr<const ShardTemplate> from, const plan::Plan& plan,
-                             const store::PlanFacts& facts, const std::string& models)
-    : template_(std::move(from)),
-      plan_(plan),
-      facts_(facts),
-      file_(hdf5::File::CopyImage(template_->image)) {
-  if (!models.empty()) file_.OpenGroup("provenance").SetText("models", models);
-}
+                             const store::PlanFacts& facts, std::vector<std::byte> image)
+    : template_(std::move(from)), plan_(plan), facts_(facts), image_(std::move(image)) {}
 
 std::unique_ptr<PreparedShard> PreparedShard::Make(std::shared_ptr<const ShardTemplate> from,
                                                    const plan::Plan& plan,
@@ -37,66 +32,41 @@ std::unique_ptr<PreparedShard> PreparedShard::Make(std::shared_ptr<const ShardTe
                                                    const plan::Run& run,
                                                    const std::string& models) {
   if (facts.contacts || facts.samples > 0) return nullptr;
-  std::unique_ptr<PreparedShard> made(new PreparedShard(std::move(from), plan, facts, models));
-  if (!made->FindSeries() || !made->FindTexts() || !made->FindPlaces(run)) return nullptr;
+  const std::size_t outer = from->layout.grid.size();
+  for (const store::Array& array : from->layout.arrays)
+    if (array.series != nullptr && !IsOneChunk(array, outer)) return nullptr;
+  hdf5::File file = hdf5::File::CopyImage(from->image);
+  if (!models.empty()) file.OpenGroup("provenance").SetText("models", models);
+  WriteHeadOfRun(file, run);
+  std::unique_ptr<PreparedShard> made(
+      new PreparedShard(std::move(from), plan, facts, file.Image()));
+  made->FindPlaces(file, run);
+  made->FindCoordinates(file);
   return made;
 }
 
-bool PreparedShard::FindSeries() {
-  const store::Layout& layout = template_->layout;
-  const std::size_t outer = layout.grid.size();
-  for (const store::Array& array : layout.arrays) {
-    if (array.series == nullptr) continue;
-    if (!IsOneChunk(array, outer)) return false;
-    file_.OpenDataset(array.name)
-        .WriteChunk(hdf5::Shape(array.shape.size(), 0), 0, {{std::byte{0}}});
-    series_.push_back({&array, 0});
-  }
-  const std::vector<std::byte> image = file_.Image();
-  for (SeriesPlace& series : series_) {
-    const std::size_t rank = series.array->shape.size();
-    const auto chunk = file_.OpenDataset(series.array->name).FindChunk(hdf5::Shape(rank, 0));
-    const auto entry = chunk ? hdf5::FindChunkEntry(image, *chunk, rank) : std::nullopt;
-    if (!entry) return false;
-    series.entry = *entry;
-  }
-  return true;
+void PreparedShard::FindPlaces(const hdf5::File& file, const plan::Run& run) {
+  for (const auto& [name, text] : HeadOfRun(run)) head_.push_back(image_.FindAttribute(file, name));
+  for (const store::RunNumber& number : facts_.numbers)
+    numbers_.push_back(image_.FindNumber(file.OpenDataset(number.name)));
+  for (const store::RunText& text : facts_.texts)
+    texts_.push_back(image_.FindTexts(file.OpenDataset(text.name)));
+  texts_.push_back(image_.FindTexts(file.OpenDataset(kRunText)));
+  for (const store::Array& array : template_->layout.arrays)
+    if (array.series != nullptr)
+      series_.push_back({&array, image_.FindChunk(file.OpenDataset(array.name))});
 }
 
-bool PreparedShard::FindTexts() {
-  std::vector<std::string> names;
-  for (const store::RunText& text : facts_.texts) names.push_back(text.name);
-  names.emplace_back(kRunText);
-  for (const std::string& name : names) {
-    hdf5::Dataset dataset = file_.OpenDataset(name);
-    dataset.WriteText({{std::string()}});
-    const auto place = dataset.FindValues();
-    if (!place) return false;
-    texts_.push_back(*place);
+void PreparedShard::FindCoordinates(const hdf5::File& file) {
+  const std::vector<RunCoordinate> coordinates = RunCoordinates(plan_, facts_);
+  for (const RunCoordinate& coordinate : coordinates) {
+    const hdf5::Dataset dataset = file.OpenDataset(coordinate.dataset);
+    const bool is_text = dataset.type() == hdf5::Type::kText;
+    coordinates_.push_back({coordinate, is_text ? hdf5::NumberPlace{image_.FindTexts(dataset)}
+                                                : image_.FindNumber(dataset)});
   }
-  return true;
-}
-
-bool PreparedShard::FindPlaces(const plan::Run& run) {
-  for (const store::RunNumber& number : facts_.numbers) {
-    hdf5::Dataset dataset = file_.OpenDataset(number.name);
-    dataset.Write({{number.missing}});
-    const auto place = hdf5::FindNumber(dataset);
-    if (!place) return false;
-    numbers_.push_back(*place);
-  }
-  WritePlace(file_, plan_, facts_, run);
-  for (const std::string& group : {std::string(), std::string(store::kRunGroup)}) {
-    for (std::size_t i = 0; i <= plan_.axes.size(); ++i) {
-      const bool is_rep = i == plan_.axes.size();
-      if (!is_rep && plan_.axes[i].IsText()) continue;
-      const auto place =
-          hdf5::FindNumber(file_.OpenDataset(group + (is_rep ? "rep" : plan_.axes[i].name)));
-      if (!place) return false;
-      coordinates_.emplace_back(*place, i);
-    }
-  }
-  return true;
+  for (const store::Dimension* labels : Labels(template_->layout, coordinates))
+    labels_.emplace_back(labels, image_.FindTexts(file.OpenDataset(labels->name)));
 }
 
 std::vector<std::span<const std::byte>> PreparedShard::SeriesOf(
@@ -115,24 +85,29 @@ std::vector<std::span<const std::byte>> PreparedShard::SeriesOf(
 
 ShardFile PreparedShard::Fill(const plan::Run& run, const store::RunResult& result,
                               std::span<const std::span<const std::byte>> values,
-                              const std::string& run_text) {
-  WriteHeadOfRun(file_, run);
-  hdf5::ImageEditor editor(file_.Image());
+                              const std::string& run_text) const {
+  hdf5::ImageEditor editor(image_);
+  const store::HeadTexts head = HeadOfRun(run);
+  for (std::size_t i = 0; i < head_.size(); ++i) editor.SetAttribute(head_[i], head[i].second);
   for (std::size_t i = 0; i < numbers_.size(); ++i)
     editor.SetNumber(numbers_[i], facts_.numbers[i].get(result));
-  for (const auto& [place, axis] : coordinates_)
-    editor.SetNumber(place, axis == plan_.axes.size()
-                                ? static_cast<double>(run.rep)
-                                : std::get<double>(plan_.axes[axis].values[run.at[axis]]));
+  for (const auto& [coordinate, place] : coordinates_) {
+    const plan::Coordinate value = ValueOf(coordinate, plan_, run);
+    if (const auto* text = std::get_if<std::string>(&value))
+      editor.SetText(place.begin, *text);
+    else
+      editor.SetNumber(place, std::get<double>(value));
+  }
+  for (const auto& [labels, place] : labels_)
+    for (std::size_t i = 0; i < labels->texts.size(); ++i)
+      editor.SetText(place + i * hdf5::EditableImage::kTextBytes, labels->texts[i]);
   for (std::size_t i = 0; i < facts_.texts.size(); ++i)
     editor.SetText(texts_[i], facts_.texts[i].get(run, result));
   editor.SetText(texts_.back(), run_text);
   ShardFile shard;
   for (std::size_t i = 0; i < series_.size(); ++i) {
-    const store::Array& array = *series_[i].array;
-    const hdf5::ChunkPlace chunk =
-        editor.SetChunk(series_[i].entry, array.shape.size(),
-                        hdf5::Filtered(values[i], hdf5::ItemBytes(array.type)));
+    const hdf5::ChunkPlace chunk = editor.SetChunk(
+        series_[i].chunk, hdf5::Filtered(values[i], hdf5::ItemBytes(series_[i].array->type)));
     shard.chunks.push_back(
         {static_cast<std::uint32_t>(i), 0, chunk.filter_mask, chunk.begin, chunk.bytes});
   }

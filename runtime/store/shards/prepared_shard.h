@@ -44,33 +44,38 @@ class PreparedShard {
                                  const std::string& run_text);
 
  private:
-  /// A series, and the entry of its only chunk in the index of chunks.
+  /// A series, and the place that describes its only chunk.
   struct SeriesPlace {
     const store::Array* array;
-    std::uint64_t entry;
+    std::uint64_t chunk;
+  };
+  struct CoordinatePlace {
+    RunCoordinate coordinate;
+    hdf5::NumberPlace number;  ///< or its text
   };
   PreparedShard(std::shared_ptr<const ShardTemplate> from, const plan::Plan& plan,
-                const store::PlanFacts& facts, const std::string& models);
-  bool FindPlaces(const plan::Run& run);
-  bool FindSeries();
-  bool FindTexts();
+                const store::PlanFacts& facts, std::vector<std::byte> image);
+  void FindPlaces(const hdf5::File& file, const plan::Run& run);
+  void FindCoordinates(const hdf5::File& file);
   std::vector<std::span<const std::byte>> SeriesOf(const store::RunResult& result) const;
   ShardFile Fill(const plan::Run& run, const store::RunResult& result,
-                 std::span<const std::span<const std::byte>> values, const std::string& run_text);
+                 std::span<const std::span<const std::byte>> values,
+                 const std::string& run_text) const;
   bool ReadsBack(const ShardFile& shard, const plan::Run& run, const store::RunResult& result,
                  const std::string& run_text) const;
 
   const std::shared_ptr<const ShardTemplate> template_;
   const plan::Plan& plan_;
   const store::PlanFacts& facts_;
-  std::mutex mutex_;
-  hdf5::File file_;
+  hdf5::EditableImage image_;
+  std::vector<hdf5::Extent> head_;          ///< in the order of HeadOfRun
   std::vector<hdf5::NumberPlace> numbers_;  ///< in the order of PlanFacts::numbers
-  /// For the numeric coordinates, with the axis; the last one of a group is `rep`.
-  std::vector<std::pair<hdf5::NumberPlace, std::size_t>> coordinates_;
+  std::vector<CoordinatePlace> coordinates_;
+  std::vector<std::pair<const store::Dimension*, std::uint64_t>> labels_;
   std::vector<std::uint64_t> texts_;  ///< in the order of PlanFacts::texts, followed by the text of
                                       ///< the run
   std::vector<SeriesPlace> series_;   ///< in the order of the layout
+  std::mutex mutex_;                  ///< for the rest
   bool is_checked_ = false, is_good_ = true;
 };
 

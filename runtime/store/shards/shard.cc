@@ -143,7 +143,8 @@ std::vector<std::byte> MakeImage(hdf5::File file, const plan::Plan& plan,
                                  const plan::Run& run, const store::RunResult& result,
                                  const std::string& run_text,
                                  std::optional<std::vector<IndexedChunk>>& chunks) {
-  WritePlace(file, plan, facts, run);
+  WriteHeadOfRun(file, run);
+  WriteCoordinates(file, plan, facts, layout, run);
   WriteSeries(file, layout, run, result);
   if (facts.contacts) {
     WriteContacts(file, result, ContactRows(run, result));

@@ -1,5 +1,5 @@
-// Shards without values, which are copied for each shard: creating its sixty arrays and their
-// attributes takes HDF5 longer than writing the values.
+// Shards without the values of a run, which are copied for each shard: creating its sixty arrays
+// and their attributes takes HDF5 longer than writing the values.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,14 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/store/hdf5/file.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/layout_file.h"
 #include "runtime/store/run_facts.h"
 #include "runtime/store/store.h"
 
@@ -22,8 +25,8 @@ struct ShardTemplate {
   std::vector<std::byte> image;  ///< HDF5, without `models` in /provenance
 };
 
-/// Templates of the shards of one plan, which must outlive it, as must facts and provenance. Runs
-/// with the same labels on text axes share one. Threads: any.
+/// Templates of the shards of one plan, which must outlive it, as must facts and provenance.
+/// Threads: any.
 class ShardTemplates {
  public:
   ShardTemplates(const plan::Plan& plan, const store::PlanFacts& facts,
@@ -38,15 +41,29 @@ class ShardTemplates {
   const store::PlanFacts& facts_;
   const store::Provenance& provenance_;
   mutable std::mutex mutex_;
-  mutable std::map<std::vector<std::size_t>, std::shared_ptr<const ShardTemplate>> templates_;
+  mutable std::map<std::uint64_t, std::shared_ptr<const ShardTemplate>> templates_;  ///< by rows
 };
 
-/// Writes into a copy of a template the attributes specific to the shard of `run`. Throws
-/// hdf5::Error.
+/// The attributes of the file that differ between runs, with their names.
+store::HeadTexts HeadOfRun(const plan::Run& run);
+
+/// A coordinate with one value, which differs between runs.
+struct RunCoordinate {
+  std::string dataset;     ///< including its group
+  const plan::Axis* axis;  ///< of the plan; null for `rep`
+};
+std::vector<RunCoordinate> RunCoordinates(const plan::Plan& plan, const store::PlanFacts& facts);
+plan::Coordinate ValueOf(const RunCoordinate& coordinate, const plan::Plan& plan,
+                         const plan::Run& run);
+/// The coordinates of text that do not differ between runs, such as `phase`.
+std::vector<const store::Dimension*> Labels(const store::Layout& layout,
+                                            std::span<const RunCoordinate> coordinates);
+
+// Both write into a copy of a template, and throw hdf5::Error.
+
 void WriteHeadOfRun(hdf5::File& file, const plan::Run& run);
-/// Writes into a copy of a template the data specific to the shard of `run`, except the run's
-/// values: its id, its numeric coordinates, and the date. Throws hdf5::Error.
-void WritePlace(hdf5::File& file, const plan::Plan& plan, const store::PlanFacts& facts,
-                const plan::Run& run);
+/// Writes all coordinates that a template lacks.
+void WriteCoordinates(hdf5::File& file, const plan::Plan& plan, const store::PlanFacts& facts,
+                      const store::Layout& layout, const plan::Run& run);
 
 }  // namespace cdb::shards

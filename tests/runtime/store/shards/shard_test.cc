@@ -151,7 +151,7 @@ TEST(Shard, IsNotMuchLargerThanItsValues) {
   std::size_t values = 0;
   for (const shards::IndexedChunk& chunk : index->chunks) values += chunk.bytes;
   // The rest of a run: 60 arrays with their attributes, its settings, and the index.
-  EXPECT_LT(shard.size(), values + 100'000);
+  EXPECT_LT(shard.size(), values + 25'000);
 }
 
 TEST(Shard, OfARunWithoutObjectsOrAxes) {
