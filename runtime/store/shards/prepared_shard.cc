@@ -119,10 +119,10 @@ std::optional<ShardFile> PreparedShard::Write(const plan::Run& run, const store:
                                               const std::string& run_text) {
   const auto values = SeriesOf(result);
   if (result.n_cycles != facts_.cycles || values.size() != series_.size()) return std::nullopt;
-  const std::lock_guard lock(mutex_);
   if (!is_good_) return std::nullopt;
   try {
     ShardFile shard = Fill(run, result, values, run_text);
+    const std::lock_guard lock(mutex_);
     if (!std::exchange(is_checked_, true)) is_good_ = ReadsBack(shard, run, result, run_text);
     if (is_good_) return shard;
   } catch (const hdf5::Error&) {

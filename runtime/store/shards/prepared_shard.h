@@ -3,6 +3,7 @@
 // bytes.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -75,8 +76,9 @@ class PreparedShard {
   std::vector<std::uint64_t> texts_;  ///< in the order of PlanFacts::texts, followed by the text of
                                       ///< the run
   std::vector<SeriesPlace> series_;   ///< in the order of the layout
-  std::mutex mutex_;                  ///< for the rest
-  bool is_checked_ = false, is_good_ = true;
+  std::mutex mutex_;                  ///< for is_checked_, while the first shard is read back
+  bool is_checked_ = false;
+  std::atomic<bool> is_good_ = true;
 };
 
 /// Prepared shards by template and models, each from its third run on: preparing one takes as long
