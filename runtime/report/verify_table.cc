@@ -21,6 +21,14 @@ Fault FaultOf(const statistics::DetectorFindings& of) {
   return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
 }
 
+bool MissesOnlyContacts(const statistics::DetectorFindings& of) {
+  return FaultOf(of) == Fault::kMissesContacts;
+}
+
+/// Boxes of objects in contact overlap.
+constexpr const char* kOnlyContacts =
+    "  Where no pair is missed, the narrow phase misses the contacts, not the detector.\n";
+
 std::string Verdict(const statistics::DetectorFindings& of) {
   switch (FaultOf(of)) {
     case Fault::kMissesPairs:
@@ -70,6 +78,7 @@ class Verified {
       table.AddRow(std::move(row));
       below += Below(of);
     }
+    if (std::ranges::any_of(all_, MissesOnlyContacts)) below += kOnlyContacts;
     return table.Text() + (below.empty() ? "" : "\n" + below);
   }
 

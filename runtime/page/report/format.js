@@ -45,11 +45,11 @@ export function timeUnit(most) {
   return { unit: 'ns', factor: 1 };
 }
 
-/** @param {number} most bytes @returns {Unit} */
+/** The units of the terminal's tables. @param {number} most bytes @returns {Unit} */
 export function byteUnit(most) {
-  if (most >= 2 ** 30) return { unit: 'GiB', factor: 2 ** 30 };
-  if (most >= 2 ** 20) return { unit: 'MiB', factor: 2 ** 20 };
-  if (most >= 2 ** 10) return { unit: 'KiB', factor: 2 ** 10 };
+  if (most >= 1e9) return { unit: 'GB', factor: 1e9 };
+  if (most >= 1e6) return { unit: 'MB', factor: 1e6 };
+  if (most >= 1e3) return { unit: 'kB', factor: 1e3 };
   return { unit: 'bytes', factor: 1 };
 }
 

@@ -133,7 +133,7 @@ function valueNode(value) {
       .map(([key, each]) => `${words(key)} ${valueNode(each)}`)
       .join('; ');
   const kilobytes = /^(\d+) kB$/.exec(value);
-  if (kilobytes) return `${number(Number(kilobytes[1]) / 2 ** 20)} GiB`;
+  if (kilobytes) return `${number((Number(kilobytes[1]) * 1024) / 1e9)} GB`;
   return typeof value === 'number' ? count(value) : typeof value === 'boolean' ? (value ? 'yes' : 'no') : String(value);
 }
 

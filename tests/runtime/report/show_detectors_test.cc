@@ -173,6 +173,9 @@ TEST(Verify, IsGoodWhereNothingIsMissed) {
   const report::VerifyText contacts = judge("missed_contacts", {0, 1, 0});
   EXPECT_FALSE(contacts.is_good);
   EXPECT_NE(contacts.text.find("wrong: misses contacts"), std::string::npos) << contacts.text;
+  const std::string narrow = "the narrow phase misses the contacts";
+  EXPECT_NE(contacts.text.find(narrow), std::string::npos) << contacts.text;
+  EXPECT_EQ(judge("missed_pairs", {0, 0, 1}).text.find(narrow), std::string::npos);
   EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
 }
 
