@@ -63,11 +63,11 @@ struct Source {
   const hdf5::File& file;
   int version;
 
-  /// Nullopt if the version of the shard did not have the array; the merged file then keeps fill
-  /// values.
+  /// Nullopt if the cdb that wrote the shard did not have the array; the merged file then keeps
+  /// fill values. A shard is proven to be as it was written, so that nothing else can be missing.
   std::optional<hdf5::Dataset> Open(const std::string& path) const {
     const std::string there = store::PathIn(version, path);
-    if (version < store::kSchemaVersion && !file.Has(there)) return std::nullopt;
+    if (!file.Has(there)) return std::nullopt;
     return file.OpenDataset(there);
   }
 };

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include <cmath>
+#include <functional>
 #include <span>
 
 #include "runtime/store/files/safe_file.h"
@@ -61,11 +63,19 @@ TEST(Versions, AResultOfVersion1IsRead) {
   EXPECT_NE(file.ReadProvenance("plan_text"), "");
 }
 
-/// Turns a shard into one of version 1, as far as reading is concerned.
-void MakeVersion1(const std::filesystem::path& shard) {
+/// Changes a shard, and seals it as if it had been written so.
+void Change(const std::filesystem::path& shard, const std::function<void(hid_t file)>& change) {
   const std::vector<std::byte> image = files::ReadSealed(shard);
   WriteFile(shard, std::string(reinterpret_cast<const char*>(image.data()), image.size()));
   const hid_t file = H5Fopen(shard.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  change(file);
+  H5Fclose(file);
+  const std::string bytes = ReadFile(shard);
+  files::WriteSealed(std::as_bytes(std::span(bytes)), shard);
+}
+
+/// Turns a shard into one of version 1, as far as reading is concerned.
+void MakeVersion1(hid_t file) {
   const auto move = [file](const std::string& from, const std::string& to) {
     if (H5Lexists(file, from.c_str(), H5P_DEFAULT) <= 0) return;
     EXPECT_GE(H5Lmove(file, from.c_str(), file, to.c_str(), H5P_DEFAULT, H5P_DEFAULT), 0) << from;
@@ -81,9 +91,6 @@ void MakeVersion1(const std::filesystem::path& shard) {
   const hid_t attribute = H5Aopen(file, "schema_version", H5P_DEFAULT);
   EXPECT_GE(H5Awrite(attribute, H5T_NATIVE_INT, &version), 0);
   H5Aclose(attribute);
-  H5Fclose(file);
-  const std::string bytes = ReadFile(shard);
-  files::WriteSealed(std::as_bytes(std::span(bytes)), shard);
 }
 
 TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
@@ -100,8 +107,8 @@ TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
   shards::WriteReference(plan.Sha256(), reference, result,
                          std::vector<double>(measure::SampleShapeOf(reference.scene)->Count(), 0.5),
                          {}, folder.path());
-  MakeVersion1(folder / (plan.runs[0].id + ".h5"));
-  MakeVersion1(folder / (reference.id + ".h5"));
+  Change(folder / (plan.runs[0].id + ".h5"), MakeVersion1);
+  Change(folder / (reference.id + ".h5"), MakeVersion1);
   // A resumed run reads it from the shards that it finds.
   const shards::ShardInfo info = shards::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
   EXPECT_EQ(info.run_id, plan.runs[0].id);
@@ -126,6 +133,31 @@ TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
   }
   EXPECT_EQ(file.ReadStatus({{2}, 0}), store::Status::kMissing);
   EXPECT_EQ(file.ReadCycleCount({{2}, 0}), 0u);
+}
+
+TEST(Versions, ShardsFromBeforeAnArrayWasAddedAreMerged) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.record = {"timing", "stability"}});
+  const TemporaryFolder folder;
+  for (const plan::Run& run : plan.runs)
+    shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  Change(folder / (plan.runs[0].id + ".h5"), [](hid_t file) {
+    // Of a series, of a number and of a text.
+    for (const char* array : {"displaced", "run/peak_rss", "run/host"})
+      EXPECT_GE(H5Ldelete(file, array, H5P_DEFAULT), 0) << array;
+  });
+  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+  const store::ResultFile file(folder / "out.h5");
+  const store::ResultFile::Cell old = {plan.runs[0].at, 0}, today = {plan.runs[1].at, 0};
+  EXPECT_TRUE(std::isnan(file.ReadReal("peak_rss", old)));
+  EXPECT_EQ(file.ReadText("host", old), "");
+  for (const double value : file.ReadSeries("displaced", old)) EXPECT_LT(value, 0);
+  for (const auto& cell : {old, today}) {
+    EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
+    EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, cell).size(), 5u);
+  }
+  EXPECT_EQ(file.ReadReal("peak_rss", today),
+            FakeResult(plan.runs[1]).result.scalars.peak_rss_bytes);
 }
 
 }  // namespace
