@@ -324,6 +324,7 @@ class Merger {
 
   /// Copies values, so that the filters of the base do not matter.
   void CopyCell(const store::Array& array, std::size_t cell, hdf5::Dataset& target) {
+    if (!base_->file().Has(array.name)) return;  // an earlier build did not record it
     const hdf5::Dataset source = base_->file().OpenDataset(array.name);
     if (source.type() != array.type || source.shape() != array.shape)
       throw hdf5::Error(fmt::format("{} of the file has another shape", array.name));

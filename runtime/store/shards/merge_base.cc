@@ -35,8 +35,12 @@ MergeBase::MergeBase(const std::filesystem::path& path, const store::PlanFacts& 
       numbers_.emplace_back(numbers_.at(0).size(), number.missing);
     }
   }
-  for (const store::RunText& text : facts.texts)
-    texts_.push_back(file_.OpenDataset(text.name).ReadText());
+  for (const store::RunText& text : facts.texts) {
+    if (file_.Has(text.name))
+      texts_.push_back(file_.OpenDataset(text.name).ReadText());
+    else
+      texts_.emplace_back(numbers_.at(0).size());
+  }
   if (facts.contacts) {
     contact_first_ = file_.OpenDataset("contact_first").Read();
     contact_rows_ = file_.OpenDataset("contact_distance").shape().at(0);

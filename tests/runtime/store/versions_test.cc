@@ -135,29 +135,45 @@ TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
   EXPECT_EQ(file.ReadCycleCount({{2}, 0}), 0u);
 }
 
-TEST(Versions, ShardsFromBeforeAnArrayWasAddedAreMerged) {
+/// Of a file from before a series, a number and a text were added.
+void LeaveOutArrays(hid_t file) {
+  for (const char* array : {"displaced", "run/peak_rss", "run/host"})
+    EXPECT_GE(H5Ldelete(file, array, H5P_DEFAULT), 0) << array;
+}
+
+TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
   const plan::Plan plan =
       MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.record = {"timing", "stability"}});
-  const TemporaryFolder folder;
-  for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
-  Change(folder / (plan.runs[0].id + ".h5"), [](hid_t file) {
-    // Of a series, of a number and of a text.
-    for (const char* array : {"displaced", "run/peak_rss", "run/host"})
-      EXPECT_GE(H5Ldelete(file, array, H5P_DEFAULT), 0) << array;
-  });
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
-  const store::ResultFile file(folder / "out.h5");
+  const TemporaryFolder folder, shards, replaced;
+  const auto write = [&](const plan::Run& run, const TemporaryFolder& to) {
+    shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), to.path());
+  };
   const store::ResultFile::Cell old = {plan.runs[0].at, 0}, today = {plan.runs[1].at, 0};
-  EXPECT_TRUE(std::isnan(file.ReadReal("peak_rss", old)));
-  EXPECT_EQ(file.ReadText("host", old), "");
-  for (const double value : file.ReadSeries("displaced", old)) EXPECT_LT(value, 0);
-  for (const auto& cell : {old, today}) {
-    EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
-    EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, cell).size(), 5u);
-  }
-  EXPECT_EQ(file.ReadReal("peak_rss", today),
-            FakeResult(plan.runs[1]).result.scalars.peak_rss_bytes);
+  const auto check = [&](const std::filesystem::path& path) {
+    const store::ResultFile file(path);
+    EXPECT_TRUE(std::isnan(file.ReadReal("peak_rss", old)));
+    EXPECT_EQ(file.ReadText("host", old), "");
+    for (const double value : file.ReadSeries("displaced", old)) EXPECT_LT(value, 0);
+    for (const auto& cell : {old, today}) {
+      EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
+      EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, cell).size(), 5u);
+    }
+    const FakeResult wanted(plan.runs[1]);
+    EXPECT_EQ(file.ReadReal("peak_rss", today), wanted.result.scalars.peak_rss_bytes);
+    EXPECT_EQ(file.ReadText("host", today), wanted.result.host);
+  };
+  for (const plan::Run& run : plan.runs) write(run, shards);
+  shards::Merge(plan, {}, shards.path(), folder / "result.h5");
+
+  Change(shards / (plan.runs[0].id + ".h5"), LeaveOutArrays);
+  shards::Merge(plan, {}, shards.path(), folder / "merged.h5");
+  check(folder / "merged.h5");
+
+  // A run is repeated in a result.
+  Change(folder / "result.h5", LeaveOutArrays);
+  write(plan.runs[1], replaced);
+  shards::Merge(plan, {}, {replaced.path()}, folder / "result.h5", folder / "result.h5");
+  check(folder / "result.h5");
 }
 
 }  // namespace
