@@ -525,8 +525,8 @@ the variables and groups in the root, of the facts in /run, and, if the scenario
 the arrays in /accuracy.
 
 The shard of a run, in the folder `out.runs` until the merge, has the same arrays, with every axis of
-length 1. Its numbers have units and flag_meanings; dimension scales, long_name and _FillValue are
-left to the merge, which takes them from the plan. It is read by HDF5 1.10 and later.
+length 1. Its numbers have units and flag_meanings; dimension scales, descriptions and _FillValue are
+added by the merge, which takes them from the plan. HDF5 1.10 and later reads it.
 
 Results of schema version 1 can be read too: `cdb show` prints them, and their shards can be merged
 and resumed. They store the facts of a run in the root.
