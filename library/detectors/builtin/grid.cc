@@ -1,14 +1,12 @@
 #include "library/detectors/builtin/grid.h"
 
+#include "library/detectors/builtin/skin_costs.h"
 #include "library/detectors/kernels/bodies.h"
 #include "library/detectors/kernels/box_grid.h"
 #include "library/detectors/kernels/pair_parts.h"
 
 namespace cdb::builtin {
 namespace {
-
-/// Cost of looking up the pairs of a body, in nanoseconds.
-constexpr double kBodyCost = 20;
 
 class Grid final : public Detector {
  public:
@@ -19,13 +17,14 @@ class Grid final : public Detector {
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     bodies_.LearnOnce(scene);
-    const auto session = parts_.Begin(2 * kBodyCost * static_cast<double>(bodies_.movers()));
+    const double cost = kGridCost * static_cast<double>(bodies_.movers());
+    const auto session = parts_.Begin(cost);
     const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers(), &parts_.pool());
-    parts_.Run(kBodyCost * static_cast<double>(bodies_.movers()),
-               [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
-                 grid_.QueryPart(part, parts, found.sink());
-                 bodies_.Sieve(scene, is_exact, found);
-               });
+    // The other half is building the grid.
+    parts_.Run(cost / 2, [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
+      grid_.QueryPart(part, parts, found.sink());
+      bodies_.Sieve(scene, is_exact, found);
+    });
     bodies_.MeetWalls(scene, kernels_, parts_.last());
     parts_.AppendTo(pairs);
   }

@@ -10,9 +10,8 @@
 namespace cdb::builtin {
 namespace {
 
-/// Cost of reading a box in a cycle that does nothing else. In nanoseconds, as in skin_costs.h.
-constexpr double kReadCost = 1.4;
-/// Upper bound for the usual cost of a body in a cycle of a first list. In nanoseconds.
+/// Upper bound for the usual cost of a body in a cycle of a first list. In nanoseconds, as in
+/// skin_costs.h.
 constexpr double kMostOfGuess = 2.15;
 /// Fraction of a cycle's usual work that building the next list may add: normally, and at most.
 /// More than the normal fraction is used only if building would otherwise take longer than

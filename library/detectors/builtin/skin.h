@@ -106,6 +106,10 @@ class Skin final : public Detector {
 
   std::size_t made_ = 0;  ///< candidates when the list was made
   std::vector<Id> escaped_, may_be_escaped_;
+  struct FoundInPart {
+    std::size_t begin, count;  ///< the first mover of the part; those that escaped
+  };
+  std::vector<FoundInPart> found_in_part_;
   std::vector<std::uint8_t> regrowths_, is_untracked_;  ///< of movers
   std::vector<Box> untracked_boxes_;
   std::size_t untracked_ = 0;  ///< of the last cycle

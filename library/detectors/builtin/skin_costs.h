@@ -9,6 +9,7 @@ namespace cdb::builtin {
 inline constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
 inline constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
 inline constexpr double kOccupancyCost = 0.1;  ///< of each other body in the cell, or oversized
+inline constexpr double kReadCost = 1.4;  ///< of reading a box in a cycle that does nothing else
 inline constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
 
 /// Cost of a cycle for `escaped` bodies, of which `untracked` are looked up in every cycle.

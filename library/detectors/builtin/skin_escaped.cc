@@ -14,8 +14,6 @@
 namespace cdb::builtin {
 namespace {
 
-/// Cost of looking whether a body has left its fat box, in nanoseconds.
-constexpr double kLookCost = 1;
 /// The most times that a body gets a larger fat box in one list; after that it is untracked.
 constexpr std::uint8_t kMostRegrowths = 2;
 /// The most candidates that a larger fat box may have.
@@ -89,17 +87,14 @@ std::size_t Skin::FindEscaped(const Scene& scene, const SkinAwake* awake) {
     return kernels_.find_escaped(scene.boxes.data() + begin, list_->fat.data() + begin, end - begin,
                                  escaped_.data() + begin);
   };
-  struct Found {
-    std::size_t begin, count;
-  };
-  std::vector<Found> found(parts_.most());
+  found_in_part_.resize(parts_.most());
   const unsigned parts =
-      parts_.ForEach(kLookCost * static_cast<double>(movers), 0, movers, PastBoxes::kBlock,
+      parts_.ForEach(kReadCost * static_cast<double>(movers), 0, movers, PastBoxes::kBlock,
                      [&](unsigned part, std::size_t begin, std::size_t end) {
-                       found[part] = {begin, find(begin, end)};
+                       found_in_part_[part] = {begin, find(begin, end)};
                      });
-  std::size_t count = found[0].count;
-  for (const auto& [begin, size] : std::span(found).first(parts).subspan(1))
+  std::size_t count = found_in_part_[0].count;
+  for (const auto& [begin, size] : std::span(found_in_part_).first(parts).subspan(1))
     for (std::size_t i = 0; i < size; ++i)
       escaped_[count++] = static_cast<Id>(escaped_[begin + i] + begin);
   return count;

@@ -21,7 +21,7 @@ constexpr std::size_t kPlaceBlock = 64;
 }  // namespace
 
 bool BoxGrid::Build(const Box* boxes, std::size_t count, ThreadPool* pool) {
-  if (pool != nullptr && pool->size() > 1 && count >= kWorthThreads)
+  if (pool != nullptr && pool->size() > 1 && !pool->IsResting() && count >= kWorthThreads)
     return BuildOnThreads(boxes, count, *pool);
   const bool is_exact = kernels_.narrow(boxes, count, Room(count));
   StartArranging(count);

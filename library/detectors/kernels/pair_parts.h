@@ -47,10 +47,9 @@ class PairParts {
     });
     return parts;
   }
-  /// Begins a cycle: keeps the threads awake until its end if its work is worth it.
-  [[nodiscard]] ThreadPool::Session Begin(double work) {
-    return ThreadPool::Session(work >= kWorthWaking && pool_.size() > 1 ? &pool_ : nullptr);
-  }
+  /// Begins a cycle, which lasts as long as what is returned. Its work decides whether threads that
+  /// are asleep are woken.
+  [[nodiscard]] ThreadPool::Session Begin(double work) { return {pool_, work >= kWorthWaking}; }
   /// The most parts of a search.
   std::size_t most() const { return buffers_.size(); }
   ThreadPool& pool() { return pool_; }
@@ -77,7 +76,8 @@ class PairParts {
   static constexpr double kLeastPart = 2000, kWorthWaking = 100'000;
 
   unsigned PartsOf(double work) const {
-    if (buffers_.size() == 1 || (work < kWorthWaking && !pool_.IsAwake())) return 1;
+    if (buffers_.size() == 1 || pool_.IsResting()) return 1;
+    if (work < kWorthWaking && !pool_.IsAwake()) return 1;
     return static_cast<unsigned>(
         std::clamp(work / kLeastPart, 1., static_cast<double>(buffers_.size())));
   }

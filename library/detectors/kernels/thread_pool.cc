@@ -52,18 +52,24 @@ unsigned CountOf(std::uint64_t next) { return static_cast<unsigned>(next >> kCou
 
 }  // namespace
 
-ThreadPool::Session::Session(ThreadPool* pool)
-    : pool_(pool != nullptr && pool->rest_ == 0 ? pool : nullptr) {
-  if (pool_ == nullptr) return;
+ThreadPool::Session::Session(ThreadPool& pool, bool wakes) : pool_(pool) {
+  if (pool.threads_.empty() || pool.IsResting() || !(wakes || pool.IsAwake())) return;
   lost_ = LostTime();
-  pool_->stays_awake_ = true;
-  pool_->Wake();
+  pool.stays_awake_ = true;
+  pool.Wake();
 }
 
 ThreadPool::Session::~Session() {
-  if (pool_ == nullptr) return;
-  pool_->stays_awake_ = false;
-  if (LostTime() - lost_ > kInterruption) pool_->Rest();
+  if (pool_.IsResting()) --pool_.rest_;
+  if (!lost_) return;
+  pool_.stays_awake_ = false;
+  unsigned& next = pool_.next_rest_;
+  if (LostTime() - *lost_ > kInterruption) {
+    pool_.rest_ = next;
+    next = std::min(2 * next, kLongestRest);
+  } else {
+    next = std::max(next - 1, kFirstRest);
+  }
 }
 
 ThreadPool::ThreadPool(unsigned threads) {
@@ -84,7 +90,7 @@ void ThreadPool::Wake() {
 }
 
 void ThreadPool::Run(unsigned tasks, const std::function<void(unsigned)>& task) {
-  if (threads_.empty() || rest_ > 0)
+  if (threads_.empty() || IsResting())
     RunAlone(tasks, task);
   else
     RunShared(tasks, task);
@@ -94,7 +100,6 @@ void ThreadPool::Run(unsigned tasks, const std::function<void(unsigned)>& task) 
 
 void ThreadPool::RunAlone(unsigned tasks, const std::function<void(unsigned)>& task) {
   for (unsigned index = 0; index < tasks; ++index) Execute(task, index);
-  if (rest_ > 0) --rest_;
 }
 
 void ThreadPool::RunShared(unsigned tasks, const std::function<void(unsigned)>& task) {
@@ -113,17 +118,8 @@ void ThreadPool::RunShared(unsigned tasks, const std::function<void(unsigned)>& 
 /// took.
 void ThreadPool::AwaitOthers(unsigned tasks, std::chrono::nanoseconds own) {
   constexpr int kMuchLonger = 2;
-  if (SpinUntil([&] { return done_ == tasks; }, kSpinTime + kMuchLonger * own)) {
-    next_rest_ = std::max(next_rest_ - 1, kFirstRest);
-    return;
-  }
+  if (SpinUntil([&] { return done_ == tasks; }, kSpinTime + kMuchLonger * own)) return;
   for (unsigned done = done_; done != tasks; done = done_) done_.wait(done);
-  Rest();
-}
-
-void ThreadPool::Rest() {
-  rest_ = next_rest_;
-  next_rest_ = std::min(2 * next_rest_, kLongestRest);
 }
 
 bool ThreadPool::HasTasks() const {

@@ -7,6 +7,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -18,9 +19,9 @@ namespace cdb::kernels {
 /// except during a Session. They end with the pool.
 ///
 /// If the system interrupts the caller, or a task that it waits for, because other programs need
-/// the processors, that takes milliseconds. The caller then works alone for a while: the longer,
-/// the more often it happens. Errors: Run rethrows the exception of a task, after all tasks.
-/// Threads: one caller.
+/// the processors, that takes milliseconds. The caller then works alone in the next sessions: the
+/// more of them, the more often it happens. Errors: Run rethrows the exception of a task, after all
+/// tasks. Threads: one caller.
 class ThreadPool {
  public:
   explicit ThreadPool(unsigned threads);
@@ -30,19 +31,21 @@ class ThreadPool {
 
   unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }
   /// True if another thread is awake and would take a task at once.
-  bool IsAwake() const { return rest_ == 0 && sleeping_ < threads_.size(); }
-  /// While it lives, the other threads stay awake for the tasks that follow; they are woken without
-  /// waiting for them.
+  bool IsAwake() const { return !IsResting() && sleeping_ < threads_.size(); }
+  /// True if the caller works alone for now.
+  bool IsResting() const { return rest_ > 0; }
+  /// A cycle of loops. The other threads stay awake during it if they are awake, or if it `wakes`
+  /// them, which does not wait for them.
   class Session {
    public:
-    explicit Session(ThreadPool* pool);
+    Session(ThreadPool& pool, bool wakes);
     ~Session();
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
    private:
-    ThreadPool* pool_;
-    std::chrono::nanoseconds lost_ = {};
+    ThreadPool& pool_;
+    std::optional<std::chrono::nanoseconds> lost_;  ///< LostTime before it, if threads stay awake
   };
   /// Calls task(0) to task(tasks - 1), at most kMostTasks, each once and on any thread. Returns
   /// when all are done. Threads that are asleep are woken.
@@ -50,11 +53,10 @@ class ThreadPool {
   static constexpr unsigned kMostTasks = 0xffff;
 
  private:
-  static constexpr unsigned kFirstRest = 256, kLongestRest = 1 << 16;
+  static constexpr unsigned kFirstRest = 64, kLongestRest = 1 << 14;
 
   void Wake();
   void AwaitOthers(unsigned tasks, std::chrono::nanoseconds own);
-  void Rest();
   bool HasTasks() const;
   void Execute(const std::function<void(unsigned)>& task, unsigned index);
   bool ExecuteNext();
@@ -72,7 +74,7 @@ class ThreadPool {
   std::atomic<bool> stays_awake_ = false, is_over_ = false;
   std::mutex error_mutex_;
   std::exception_ptr error_;
-  unsigned rest_ = 0;  ///< calls of Run for which the other threads are not used
+  unsigned rest_ = 0;  ///< sessions in which the other threads are not used
   unsigned next_rest_ = kFirstRest;
   std::vector<std::thread> threads_;
 };

@@ -22,8 +22,8 @@ TEST_P(ThreadPools, ExecuteEachTaskOnce) {
   EXPECT_EQ(pool.size(), GetParam());
   for (unsigned round = 0; round < 2000; ++round) {
     // Sessions, rounds outside of them, and pauses in which threads fall asleep.
-    const ThreadPool::Session session(round / 100 % 2 == 0 ? &pool : nullptr);
     if (round % 400 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const ThreadPool::Session session(pool, round / 100 % 2 == 0);
     const unsigned tasks = round % 7 * GetParam();
     std::vector<unsigned> calls(tasks, 0);
     pool.Run(tasks, [&](unsigned task) { ++calls[task]; });
@@ -54,7 +54,7 @@ TEST_P(ThreadPools, WorkAloneAfterAnInterruption) {
     pool.Run(8, [&](unsigned task) { executed[task] = std::this_thread::get_id(); });
   };
   {
-    const ThreadPool::Session session(&pool);
+    const ThreadPool::Session session(pool, true);
     interrupt();
   }
   EXPECT_FALSE(pool.IsAwake());
@@ -62,6 +62,10 @@ TEST_P(ThreadPools, WorkAloneAfterAnInterruption) {
     run();
     EXPECT_EQ(executed, std::vector(8, std::this_thread::get_id()));
   }
+  EXPECT_EQ(pool.IsResting(), GetParam() > 1);
+  // It ends, even if no loop is worth sharing.
+  for (int cycle = 0; cycle < 64; ++cycle) const ThreadPool::Session session(pool, false);
+  EXPECT_FALSE(pool.IsResting());
 }
 
 TEST_P(ThreadPools, DividesRangesWithoutGaps) {
