@@ -8,7 +8,7 @@
 
 namespace cdb::compare {
 
-/// Every number of the comparisons; NaN is null. `cdb doc statistics` describes the members.
+/// Every number of the comparisons; NaN is null. `cdb doc compare` describes the members.
 std::string CompareJson(const std::vector<BenchmarkHistory>& benchmarks,
                         const std::vector<std::string>& unmatched, const CompareOptions& options);
 

@@ -177,7 +177,7 @@ void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupCompari
   const double gap = a_first ? of_b[0] - of_a.back() : of_a[0] - of_b.back();
   setup.notes.push_back(fmt::format(
       "{} ran after {}, {} later: a change of the machine in between is in every ratio. Interleave "
-      "the runs (cdb doc statistics)",
+      "the runs (cdb doc compare)",
       a_first ? b.name : a.name, a_first ? a.name : b.name,
       gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
       : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "compiler/schema/catalogue.h"
-#include "runtime/manual/language.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::manual {
@@ -72,6 +71,13 @@ bool IsOfFamily(const DetectorInfo& detector, std::string_view family) {
   return false;
 }
 
+}  // namespace
+
+std::string DetectorTables() {
+  const std::string narrow = PhaseTable("narrow phase", "narrow");
+  return PhaseTable("broad phase", "broad") + "\n" + narrow;
+}
+
 std::string FamilyTable() {
   std::string without;
   terminal::Table table;
@@ -89,17 +95,6 @@ std::string FamilyTable() {
         without += (line.starts_with(family.name) ? "  " : "    ") + line + "\n";
   }
   return table.Text() + "\nNo detector of:\n" + without;
-}
-
-}  // namespace
-
-std::string DetectorTables() {
-  const std::string narrow = PhaseTable("narrow phase", "narrow");
-  return PhaseTable("broad phase", "broad") + "\n" + narrow;
-}
-
-std::string DetectorReference() {
-  return std::string(kDetectorsReference) + DetectorTables() + "\n" + FamilyTable();
 }
 
 }  // namespace cdb::manual

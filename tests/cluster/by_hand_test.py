@@ -6,7 +6,6 @@ installed; ssh is a stub here that runs the command in a shell of its own, as th
 """
 import os
 import pathlib
-import re
 import shutil
 import subprocess
 import sys
@@ -17,8 +16,7 @@ from sweep import PATIENCE, Cdb, check, scenario, shards, work_folder
 def documented(cdb):
     """The commands, by the program that starts the parts."""
     text = cdb.run("doc", "cluster").stdout
-    text = text[text.index("Without Slurm"):].replace("\\\n", " ")
-    lines = [re.sub(r"   +(GNU|the same).*", "", line.strip()) for line in text.splitlines()]
+    lines = [line.strip() for line in text.replace("\\\n", " ").splitlines()]
     commands = {"xargs": [], "parallel": [], "ssh": []}
     for line in lines:
         if line.startswith("for k in"):

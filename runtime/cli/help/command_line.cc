@@ -43,7 +43,7 @@ std::vector<std::string> WordsFor(const std::string& command) {
   std::vector<std::string> words;
   if (command == "doc") {
     words = manual::KnownNames();
-    for (const Topic& topic : Topics()) words.emplace_back(topic.name);
+    for (const std::string_view topic : TopicNames()) words.emplace_back(topic);
   } else if (command == "explain") {
     for (const manual::Explanation* row : manual::AllExplanations())
       words.insert(words.end(), {std::string(row->kind->code), std::string(row->kind->id)});

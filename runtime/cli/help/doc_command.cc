@@ -17,34 +17,24 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/lookup.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/table.h"
 #include "runtime/terminal/wrap.h"
 
 namespace cdb::help {
 namespace {
 
-void PrintTopics() {
-  terminal::Table table;
-  table.KeepWhole();
-  table.AddColumn("cdb doc", false);
-  table.AddColumn("", false);
-  for (const Topic& topic : Topics())
-    table.AddRow({std::string(topic.name), std::string(topic.doc)});
-  const std::string others =
-      "  or the name of a parameter, a block, a word or a scenario: cdb doc size, cdb doc sweep, "
-      "cdb "
-      "doc paper/experiment2\n";
-  terminal::Print(terminal::Fitted(table.Text() + others, terminal::TerminalWidth()));
-}
-
-/// The entries of everything called `name`: topics, and the manual's entries for words and
-/// parameters. Empty if there are none.
-std::string ReferenceOf(const std::string& name) {
-  std::string text;
-  for (const Topic& topic : Topics())
-    if (name == topic.name) text += topic.text();
-  const std::string about = manual::TextAbout(name);
-  return text + (text.empty() || about.empty() ? "" : "\n") + about;
+/// The entries of everything called `name`: a topic, words, parameters and a command. Empty if
+/// there are none.
+std::string ReferenceOf(const std::string& name, const CLI::App& app) {
+  std::string text = TopicText(name);
+  const auto add = [&text](const std::string& part) {
+    if (part.empty()) return;
+    text += (text.empty() ? "" : "\n") + terminal::Fitted(part, terminal::TerminalWidth());
+  };
+  add(manual::TextAbout(name));
+  for (const CLI::App* command :
+       app.get_subcommands([&](const CLI::App* one) { return one->get_name() == name; }))
+    add(command->help());
+  return text;
 }
 
 /// The text of a scenario that comes with cdb; empty if there is none of that name.
@@ -58,23 +48,15 @@ std::string ScenarioText(const std::string& name) {
   return {};
 }
 
-/// `name`: a topic, a parameter, a word, a scenario or a command; empty for the list of topics.
+/// `name`: a topic, a parameter, a word, a command or a scenario; empty for the list of topics.
 options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
-  if (name.empty()) {
-    PrintTopics();
+  const std::string text = name.empty() ? TopicText(kListOfTopics) : ReferenceOf(name, app);
+  if (!text.empty()) {
+    terminal::Print(text);
     return options::ExitStatus::kGood;
   }
-  if (const std::string text = ReferenceOf(name); !text.empty()) {
-    terminal::Print(terminal::Fitted(text, terminal::TerminalWidth()));
-    return options::ExitStatus::kGood;
-  }
-  if (const std::string text = ScenarioText(name); !text.empty()) {
-    terminal::PrintExact(text);
-    return options::ExitStatus::kGood;
-  }
-  for (const CLI::App* command :
-       app.get_subcommands([&](const CLI::App* one) { return one->get_name() == name; })) {
-    terminal::Print(command->help());
+  if (const std::string scenario = ScenarioText(name); !scenario.empty()) {
+    terminal::PrintExact(scenario);
     return options::ExitStatus::kGood;
   }
   const std::vector<std::string> names = WordsFor("doc");

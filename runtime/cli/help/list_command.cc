@@ -10,32 +10,22 @@
 
 #include "runtime/cli/help/topics.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/manual/detector.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::help {
 namespace {
 
 constexpr std::string_view kKinds[] = {"objects", "detectors", "layouts", "schedules", "scenarios"};
 
-std::string TextOf(std::string_view kind) {
-  if (kind == "detectors") return manual::DetectorTables();
-  std::string text;
-  for (const Topic& topic : Topics())
-    if (topic.name == kind) text += topic.text();
-  return text;
-}
-
 /// `asked`: one of the kinds, or empty for all.
 options::ExitStatus List(const std::string& asked) {
   std::string text;
   for (const std::string_view kind : kKinds)
-    if (asked.empty() || asked == kind) text += (text.empty() ? "" : "\n") + TextOf(kind);
+    if (asked.empty() || asked == kind) text += (text.empty() ? "" : "\n") + GeneratedPart(kind);
   if (text.empty())
     throw options::CommandError(
         fmt::format("there is no list of '{}'; there are {}", asked, fmt::join(kKinds, ", ")));
-  terminal::Print(terminal::Fitted(text, terminal::TerminalWidth()));
+  terminal::Print(text);
   return options::ExitStatus::kGood;
 }
 

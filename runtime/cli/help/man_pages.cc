@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <string_view>
 
 #include "compiler/schema/language_words.h"
 #include "compiler/schema/schema.h"
 #include "dsl/text/utf8.h"
-#include "runtime/manual/language.h"
+#include "runtime/cli/help/topics.h"
+#include "runtime/manual/markdown.h"
+#include "runtime/manual/page.h"
 
 namespace cdb::help {
 namespace {
@@ -58,25 +59,15 @@ std::string CommandText(const CommandInfo& command) {
   return text;
 }
 
-/// Turns lines in capitals into section headings; other lines stay as they are.
-std::string Sections(std::string_view reference) {
+/// A page of the manual.
+std::string Sections(std::string_view name) {
+  constexpr std::size_t kColumns = 78;
   std::string text;
-  bool is_open = false;
-  while (!reference.empty()) {
-    const std::string_view line = reference.substr(0, reference.find('\n'));
-    reference.remove_prefix(std::min(reference.size(), line.size() + 1));
-    const bool is_head = !line.empty() && line[0] >= 'A' && line[0] <= 'Z' &&
-                         std::ranges::none_of(line, [](char c) { return c >= 'a' && c <= 'z'; });
-    if (is_head) {
-      text += fmt::format("{}.SH {}\n.nf\n", is_open ? ".fi\n" : "", Roff(line));
-      is_open = true;
-    } else if (is_open) {
-      text += Roff(line) + "\n";
-    } else if (!line.empty()) {
-      text += Roff(line) + "\n";
-    }
-  }
-  return text + (is_open ? ".fi\n" : "");
+  for (const manual::Section& section : manual::Sections(manual::PageNamed(name)))
+    text +=
+        fmt::format(".{} {}\n.nf\n{}.fi\n", section.level > 2 ? "SS" : "SH", Roff(section.heading),
+                    Roff(manual::BodyText(section.body, kColumns, GeneratedPart)));
+  return text;
 }
 
 }  // namespace
@@ -109,12 +100,11 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
 }
 
 std::string LanguagePage() {
-  std::string reference(manual::kLanguageReference);
-  reference.replace(0, reference.find('\n'), "DESCRIPTION");
   std::string text = ".TH CDB\\-LANGUAGE 5 \"\" \"cdb " CDB_VERSION
                      "\" \"File Formats\"\n"
-                     ".SH NAME\ncdb\\-language \\- the language of scenario files, *.cdb\n" +
-                     Sections(reference) + ".SH WORDS\n";
+                     ".SH NAME\ncdb\\-language \\- the language of scenario files, *.cdb\n";
+  for (const char* page : {"language", "objects", "layouts", "schedules"}) text += Sections(page);
+  text += ".SH WORDS\n";
   for (const schema::LanguageWord& word : schema::LanguageWords())
     text += Item(Bold(word.syntax), word.doc);
   text += ".SH PARAMETERS\n";

@@ -20,19 +20,17 @@
 #include "compiler/schema/schema.h"
 #include "dsl/parser.h"
 #include "runtime/cli/options/inputs.h"
-#include "runtime/manual/cluster.h"
 #include "runtime/manual/detector.h"
-#include "runtime/manual/document.h"
-#include "runtime/manual/language.h"
-#include "runtime/manual/limits.h"
-#include "runtime/manual/statistics.h"
-#include "runtime/manual/suite.h"
+#include "runtime/manual/markdown.h"
+#include "runtime/manual/page.h"
 #include "runtime/manual/word.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 #include "runtime/store/store.h"
 #include "runtime/suite/standard.h"
+#include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
+#include "runtime/terminal/wrap.h"
 
 namespace cdb::help {
 namespace {
@@ -53,14 +51,10 @@ std::string AllParameters() {
   return table.Text();
 }
 
-std::string AllStatuses() {
-  std::string text = "Values of status:";
+std::string StatusesAndSeries() {
+  std::string statuses = "Values of status:";
   for (std::size_t i = 0; i < std::size(store::kStatusNames); ++i)
-    text += fmt::format(" {} {}", i, store::kStatusNames[i]);
-  return text + "\n\n";
-}
-
-std::string AllSeriesText() {
+    statuses += fmt::format(" {} {}", i, store::kStatusNames[i]);
   terminal::Table table;
   table.KeepWhole();
   table.AddColumn("dataset", false);
@@ -70,7 +64,7 @@ std::string AllSeriesText() {
   for (const measure::Series& series : measure::AllSeries())
     table.AddRow({std::string(series.name), std::string(series.records), std::string(series.unit),
                   std::string(series.doc)});
-  return table.Text();
+  return statuses + "\n\n" + table.Text();
 }
 
 std::string AllComponents() {
@@ -95,7 +89,7 @@ std::string AllVerdicts() {
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
     table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
                   std::string(row->doc)});
-  return std::string(manual::kVerdictsReference) + table.Text();
+  return table.Text();
 }
 
 std::string AllLints() {
@@ -135,8 +129,7 @@ std::string AllStandardScenes() {
     table.AddRow({scene.Id(), std::string(scene.what), std::string(scene.error),
                   terminal::ShortNumber(scene.bound),
                   std::string(measure::VerdictName(scene.worst_verdict))});
-  return fmt::format("{}Version {}\n\n{}", manual::kSuiteReference, suite::kSuiteVersion,
-                     table.Text());
+  return fmt::format("Version {}\n\n{}", suite::kSuiteVersion, table.Text());
 }
 
 /// `benchmarks: a, b`, in the order of the file.
@@ -186,41 +179,44 @@ std::string Scenarios() {
   return text;
 }
 
-constexpr Topic kTopics[] = {
-    {"language", "the language of .cdb files",
-     [] { return std::string(manual::kLanguageReference); }},
-    {"parameters", "every parameter with its default", AllParameters},
-    {"omit", "the parts of the engine that a run omits",
-     [] { return std::string(manual::kOmitReference) + AllComponents() + "\n"; }},
-    {"lints", "warnings of scenes that Bullet cannot simulate well",
-     [] { return std::string(manual::kLintsReference) + AllLints() + "\n"; }},
-    {"accuracy", "errors, and the ground truth that runs are compared with",
-     [] { return std::string(manual::kAccuracyReference) + AllErrors(); }},
-    {"results", "the contents of a results file",
-     [] { return std::string(manual::kResultsReference) + AllStatuses() + AllSeriesText(); }},
-    {"statistics", "figures and intervals of cdb show and cdb compare",
-     [] { return std::string(manual::kStatisticsReference); }},
-    {"document", "the JSON of cdb show --json and of pages",
-     [] { return std::string(manual::kDocumentReference); }},
-    {"traces", "recorded boxes, and timing detectors on them",
-     [] { return std::string(manual::kTracesReference); }},
-    {"verdicts", "the verdicts on a run, and their criteria", AllVerdicts},
-    {"noise", "disturbances by other programs, and repeating disturbed runs",
-     [] { return std::string(manual::kNoiseReference); }},
-    {"suite", "the standard suite: scenes, scores and comparable results", AllStandardScenes},
-    {"limits", "limits of time and memory, and confinement",
-     [] { return std::string(manual::kLimitsReference); }},
-    {"cluster", "a sweep on many machines: Slurm, GNU parallel, ssh",
-     [] { return std::string(manual::kClusterReference); }},
-    {"objects", "the object types", manual::ObjectReference},
-    {"detectors", "the detectors, and how they are timed", manual::DetectorReference},
-    {"layouts", "the layouts, which place objects", manual::LayoutReference},
-    {"schedules", "the schedules, which change a vector during a run", manual::ScheduleReference},
-    {"scenarios", "the scenarios that come with cdb, for `cdb run` and `use`", Scenarios},
+struct Part {
+  std::string_view name;
+  std::string (*text)();
+};
+
+constexpr Part kParts[] = {
+    {"components", AllComponents},
+    {"detectors", manual::DetectorTables},
+    {"errors", AllErrors},
+    {"families", manual::FamilyTable},
+    {"layouts", manual::LayoutReference},
+    {"lints", AllLints},
+    {"objects", manual::ObjectReference},
+    {"parameters", AllParameters},
+    {"scenarios", Scenarios},
+    {"scenes", AllStandardScenes},
+    {"schedules", manual::ScheduleReference},
+    {"series", StatusesAndSeries},
+    {"verdicts", AllVerdicts},
 };
 
 }  // namespace
 
-std::span<const Topic> Topics() { return kTopics; }
+std::string GeneratedPart(std::string_view name) {
+  for (const Part& part : kParts)
+    if (part.name == name) return terminal::Fitted(part.text(), terminal::TerminalWidth());
+  return {};
+}
+
+std::string TopicText(std::string_view name) {
+  return manual::PageText(manual::PageNamed(name), terminal::TextWidth(), GeneratedPart);
+}
+
+std::vector<std::string_view> TopicNames() {
+  std::vector<std::string_view> names;
+  for (const manual::Page& page : manual::Pages())
+    if (page.name != kListOfTopics) names.push_back(page.name);
+  return names;
+}
 
 }  // namespace cdb::help

@@ -63,7 +63,7 @@ Mean of a cycle
   Fastest of 4 repeats per cycle, the mean over all choices of so many (of 5 and 5), then mean over
       cycles. Below 1: b.h5 is faster.
   Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more than 1 %,
-      with Holm's correction for all groups and phases (5 %): cdb doc statistics.
+      with Holm's correction for all groups and phases (5 %): cdb doc compare.
 )");
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "runtime/statistics/figures.h"
+#include "runtime/store/shards/shards.h"
 #include "runtime/terminal/table.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
