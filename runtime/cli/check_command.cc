@@ -10,7 +10,6 @@
 
 #include "compiler/grid/part.h"
 #include "runtime/cli/check_stored.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/diagnostics_json.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
@@ -77,18 +76,22 @@ options::ExitStatus Check(const CheckArguments& arguments) {
   return status;
 }
 
-}  // namespace
-
-void AddCheckCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareCheck(options::Subcommand& command) {
   const auto arguments = std::make_shared<CheckArguments>();
-  options::Subcommand command(
-      app, "check", "report every error and warning in scenario files; verify results files");
   command.Required("FILE", arguments->files,
                    "scenario files (- for standard input), results files, shards or traces");
   command.Flag("--json", arguments->json,
                "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return Check(*arguments); });
+  command.Action([arguments] { return Check(*arguments); });
+}
+
+}  // namespace
+
+options::Command CheckCommand() {
+  return {.name = "check",
+          .help = "report every error and warning in scenario files; verify results files",
+          .declare = DeclareCheck};
 }
 
 }  // namespace cdb::cli

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/compare/history.h"
@@ -169,12 +168,8 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
   return is_worse ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareCompare(options::Subcommand& command) {
   const auto arguments = std::make_shared<CompareArguments>();
-  options::Subcommand command(app, "compare",
-                              "report the changes from one results file to another");
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
   command.Optional("--fail-above", arguments->fail_above,
@@ -186,7 +181,17 @@ void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--all", arguments->lists_all, "list every point, also unchanged ones");
   command.Flag("--markdown", arguments->is_markdown, "print Markdown, for a pull request");
   command.Flag("--json", arguments->is_json, "print JSON, for scripts");
-  command.Action(status, [arguments] { return CompareResults(*arguments); });
+  command.Action([arguments] { return CompareResults(*arguments); });
+}
+
+}  // namespace
+
+/// Prints the changes between results files. Exit status 4 if something is worse by more than
+/// --fail-above.
+options::Command CompareCommand() {
+  return {.name = "compare",
+          .help = "report the changes from one results file to another",
+          .declare = DeclareCompare};
 }
 
 }  // namespace cdb::cli

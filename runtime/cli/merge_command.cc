@@ -14,7 +14,6 @@
 #include <thread>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/retry.h"
@@ -138,19 +137,23 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
   return options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddMergeCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareMerge(options::Subcommand& command) {
   const auto arguments = std::make_shared<MergeArguments>();
-  options::Subcommand command(app, "merge",
-                              "merge shards into a results file, even if some are missing");
   command.Required("-o,--out", arguments->out, "results file");
   command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
   command.Count("--wait", arguments->wait_s,
                 "seconds to wait for missing shards, which a network file system may show late");
   command.Flag("--remove", arguments->removes,
                "remove the folder of shards once all of them are merged");
-  command.Action(status, [arguments] { return Merge(*arguments); });
+  command.Action([arguments] { return Merge(*arguments); });
+}
+
+}  // namespace
+
+options::Command MergeCommand() {
+  return {.name = "merge",
+          .help = "merge shards into a results file, even if some are missing",
+          .declare = DeclareMerge};
 }
 
 }  // namespace cdb::cli

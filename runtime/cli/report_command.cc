@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/document/results_document.h"
 #include "runtime/measure/bytes_text.h"
@@ -65,18 +64,23 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   return bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddReportCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareReport(options::Subcommand& command) {
   const auto arguments = std::make_shared<ReportArguments>();
-  options::Subcommand command(app, "report",
-                              "write one page of figures for a browser from results files");
   command.Required("FILE", arguments->files, "results files");
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Optional("--baseline", arguments->baseline,
                    "detector that ratios are relative to (default: the first that has all cells)");
   command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
-  command.Action(status, [arguments] { return WriteReport(*arguments); });
+  command.Action([arguments] { return WriteReport(*arguments); });
+}
+
+}  // namespace
+
+/// Writes one page of all files. Exit status 3 if a run failed, or its timings do not count.
+options::Command ReportCommand() {
+  return {.name = "report",
+          .help = "write one page of figures for a browser from results files",
+          .declare = DeclareReport};
 }
 
 }  // namespace cdb::cli

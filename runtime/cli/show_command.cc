@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/document/csv.h"
 #include "runtime/document/results_document.h"
@@ -129,11 +128,8 @@ options::ExitStatus Show(const ShowArguments& arguments) {
   return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareShow(options::Subcommand& command) {
   const auto arguments = std::make_shared<ShowArguments>();
-  options::Subcommand command(app, "show", "summarise a results file: tables, CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes of the rows (quantity,detector)");
   command.Optional("--baseline", arguments->baseline,
@@ -156,7 +152,15 @@ void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--csv", arguments->csv, "print comma-separated values, one line per point");
   command.Flag("--json", arguments->json,
                "print everything as one JSON document (cdb doc document)");
-  command.Action(status, [arguments] { return Show(*arguments); });
+  command.Action([arguments] { return Show(*arguments); });
+}
+
+}  // namespace
+
+options::Command ShowCommand() {
+  return {.name = "show",
+          .help = "summarise a results file: tables, CSV or JSON",
+          .declare = DeclareShow};
 }
 
 }  // namespace cdb::cli

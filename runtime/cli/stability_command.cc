@@ -12,7 +12,6 @@
 
 #include "compiler/cross.h"
 #include "dsl/diagnostics.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
@@ -87,13 +86,8 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   return options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareStability(options::Subcommand& command) {
   const auto arguments = std::make_shared<StabilityArguments>();
-  options::Subcommand command(
-      app, "stability",
-      "run the stability suite, and map where each configuration stops being sound");
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
   command.List("--precision", arguments->precisions, "precisions (default: single,double)");
   command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
@@ -101,7 +95,17 @@ void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the map, without progress");
-  command.Action(status, [arguments] { return RunSuite(*arguments); });
+  command.Action([arguments] { return RunSuite(*arguments); });
+}
+
+}  // namespace
+
+/// Runs the suite and prints the map. Safe to rerun: finished runs are skipped. Failed runs are
+/// expected here: exit status 0.
+options::Command StabilityCommand() {
+  return {.name = "stability",
+          .help = "run the stability suite, and map where each configuration stops being sound",
+          .declare = DeclareStability};
 }
 
 }  // namespace cdb::cli

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "compiler/plan/input_file.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/result_path.h"
@@ -421,12 +420,8 @@ class Submitter {
   process::StopOnSignals signals_;
 };
 
-}  // namespace
-
-void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareSubmit(options::Subcommand& command) {
   const auto arguments = std::make_shared<SubmitArguments>();
-  options::Subcommand command(
-      app, "submit", "run a scenario file or a plan on a Slurm cluster; resume where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
@@ -446,7 +441,17 @@ void AddSubmitCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the jobs");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return Submitter(*arguments).Run(); });
+  command.Action([arguments] { return Submitter(*arguments).Run(); });
+}
+
+}  // namespace
+
+/// Submits job arrays to a Slurm cluster, each followed by a merge job. Exit status 2 if runs are
+/// missing at the end.
+options::Command SubmitCommand() {
+  return {.name = "submit",
+          .help = "run a scenario file or a plan on a Slurm cluster; resume where it stopped",
+          .declare = DeclareSubmit};
 }
 
 }  // namespace cdb::cli

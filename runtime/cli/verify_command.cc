@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "compiler/yaml/plan_yaml.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
@@ -68,13 +67,8 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
   return status;
 }
 
-}  // namespace
-
-void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareVerify(options::Subcommand& command) {
   const auto arguments = std::make_shared<VerifyArguments>();
-  options::Subcommand command(
-      app, "verify",
-      "compare the pairs and contacts of every detector with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.List("--detector", arguments->detectors,
@@ -86,7 +80,17 @@ void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the table, without progress");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return Verify(*arguments); });
+  command.Action([arguments] { return Verify(*arguments); });
+}
+
+}  // namespace
+
+/// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
+/// Exit status 3 for a missed pair or a failed run.
+options::Command VerifyCommand() {
+  return {.name = "verify",
+          .help = "compare the pairs and contacts of every detector with exact ones, in each cycle",
+          .declare = DeclareVerify};
 }
 
 }  // namespace cdb::cli

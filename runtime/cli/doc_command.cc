@@ -10,8 +10,6 @@
 
 #include "compiler/compile.h"
 #include "dsl/diagnostics.h"
-#include "runtime/cli/help/command_line.h"
-#include "runtime/cli/help/help_commands.h"
 #include "runtime/cli/help/topics.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
@@ -19,13 +17,19 @@
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/wrap.h"
 
-namespace cdb::help {
+namespace cdb::cli {
 namespace {
+
+std::vector<std::string> DocNames() {
+  std::vector<std::string> names = manual::KnownNames();
+  for (const std::string_view topic : help::TopicNames()) names.emplace_back(topic);
+  return names;
+}
 
 /// The entries of everything called `name`: a topic, words, parameters and a command. Empty if
 /// there are none.
 std::string ReferenceOf(const std::string& name, const CLI::App& app) {
-  std::string text = TopicText(name);
+  std::string text = help::TopicText(name);
   const auto add = [&text](const std::string& part) {
     if (part.empty()) return;
     text += (text.empty() ? "" : "\n") + terminal::Fitted(part, terminal::TerminalWidth());
@@ -50,7 +54,8 @@ std::string ScenarioText(const std::string& name) {
 
 /// `name`: a topic, a parameter, a word, a command or a scenario; empty for the list of topics.
 options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
-  const std::string text = name.empty() ? TopicText(kListOfTopics) : ReferenceOf(name, app);
+  const std::string text =
+      name.empty() ? help::TopicText(help::kListOfTopics) : ReferenceOf(name, app);
   if (!text.empty()) {
     terminal::Print(text);
     return options::ExitStatus::kGood;
@@ -59,7 +64,7 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
     terminal::PrintExact(scenario);
     return options::ExitStatus::kGood;
   }
-  const std::vector<std::string> names = WordsFor("doc");
+  const std::vector<std::string> names = DocNames();
   const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
   throw options::CommandError(fmt::format("there is nothing about '{}'; {}", name,
                                           near.empty()
@@ -67,14 +72,20 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
                                               : fmt::format("did you mean '{}'?", near)));
 }
 
-}  // namespace
-
-void AddDocCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareDoc(options::Subcommand& command) {
   const auto name = std::make_shared<std::string>();
-  options::Subcommand command(app, "doc", "print the reference: language, parameters, results");
   command.Optional("NAME", *name,
                    "a topic, a parameter, a word, a command, or a scenario that comes with cdb");
-  command.Action(status, [name, &app] { return Doc(*name, app); });
+  command.Action([name, &app = command.program()] { return Doc(*name, app); });
 }
 
-}  // namespace cdb::help
+}  // namespace
+
+options::Command DocCommand() {
+  return {.name = "doc",
+          .help = "print the reference: language, parameters, results",
+          .declare = DeclareDoc,
+          .words = DocNames};
+}
+
+}  // namespace cdb::cli

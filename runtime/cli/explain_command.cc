@@ -7,14 +7,13 @@
 
 #include "dsl/diagnostics.h"
 #include "dsl/render.h"
-#include "runtime/cli/help/help_commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/explanation.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/wrap.h"
 
-namespace cdb::help {
+namespace cdb::cli {
 namespace {
 
 /// The output of `cdb check` for the wrong example.
@@ -28,6 +27,13 @@ std::string RenderedWrong(const manual::Explanation& explanation) {
                      options::RenderOptionsForTerminal());
 }
 
+std::vector<std::string> CodesAndNames() {
+  std::vector<std::string> names;
+  for (const manual::Explanation* row : manual::AllExplanations())
+    names.insert(names.end(), {std::string(row->kind->code), std::string(row->kind->id)});
+  return names;
+}
+
 /// `code`: a code or a name; empty for the list of all.
 options::ExitStatus Explain(const std::string& code) {
   if (code.empty()) {
@@ -39,23 +45,26 @@ options::ExitStatus Explain(const std::string& code) {
     terminal::Print((i > 0 ? "\n" : "") +
                     manual::ExplanationText(*found[i], RenderedWrong(*found[i])));
   if (!found.empty()) return options::ExitStatus::kGood;
-  std::vector<std::string_view> names;
-  for (const manual::Explanation* row : manual::AllExplanations())
-    names.insert(names.end(), {row->kind->code, row->kind->id});
-  const std::string_view near = dsl::DidYouMean(code, names);
+  const std::vector<std::string> names = CodesAndNames();
+  const std::string_view near = dsl::DidYouMean(code, {names.begin(), names.end()});
   throw options::CommandError(fmt::format("there is no code '{}'; {}", code,
                                           near.empty() ? std::string("`cdb explain` lists them")
                                                        : fmt::format("did you mean '{}'?", near)));
 }
 
-}  // namespace
-
-void AddExplainCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareExplain(options::Subcommand& command) {
   const auto code = std::make_shared<std::string>();
-  options::Subcommand command(app, "explain",
-                              "explain an error or a warning, with a wrong and a right example");
   command.Optional("CODE", *code, "a code such as E0201, or a name; without it, all are listed");
-  command.Action(status, [code] { return Explain(*code); });
+  command.Action([code] { return Explain(*code); });
 }
 
-}  // namespace cdb::help
+}  // namespace
+
+options::Command ExplainCommand() {
+  return {.name = "explain",
+          .help = "explain an error or a warning, with a wrong and a right example",
+          .declare = DeclareExplain,
+          .words = CodesAndNames};
+}
+
+}  // namespace cdb::cli
