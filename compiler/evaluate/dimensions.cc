@@ -9,6 +9,7 @@
 #include "compiler/evaluate/functions.h"
 #include "compiler/names/arguments.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/functions.h"
 #include "dsl/text/check.h"
 
 namespace cdb::evaluate {
@@ -314,13 +315,14 @@ Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Sc
 
 Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {
   const Parts parts = ArgumentsOf(expr, scope);
-  if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
+  const schema::UnitRule rule = schema::FindFunction(expr.text)->units;
+  if (rule == schema::UnitRule::kSame) return Join(parts);
   if (parts.size() != 1) return {};  // reported by the evaluator
   const Dimension& of = parts[0].dimension;
   if (of.kind == Kind::kDrawn) return {};
   if (of.kind != Kind::kUnit) return of;
   const Unit& unit = of.unit;
-  if (expr.text == "sqrt") {
+  if (rule == schema::UnitRule::kRoot) {
     const Unit root = {.length = unit.length / 2,
                        .mass = unit.mass / 2,
                        .time = unit.time / 2,
@@ -329,8 +331,7 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
     if (text::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
     return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
   }
-  const bool is_angle = unit.HasDimensionOf(SchemaUnit("rad"));
-  if (is_angle && (expr.text == "sin" || expr.text == "cos")) return Pure();
+  if (rule == schema::UnitRule::kAngle && unit.HasDimensionOf(SchemaUnit("rad"))) return Pure();
   return Report(parts[0].span, fmt::format("{}( ) takes a number without a unit; this is {}",
                                            expr.text, DimensionName(unit)));
 }

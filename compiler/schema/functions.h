@@ -6,13 +6,24 @@
 #include <string_view>
 
 #include "compiler/schema/number.h"
+#include "compiler/schema/schema.h"
 
 namespace cdb::schema {
 
+/// The units that a function takes and gives.
+enum class UnitRule {
+  kNone,   ///< takes and gives a number without a unit
+  kSame,   ///< gives the unit of its arguments
+  kAngle,  ///< takes an angle
+  kRoot,   ///< gives the root of the unit of its argument
+};
+
 struct Function {
   std::string_view name;
-  std::size_t most_arguments;
+  std::size_t most_arguments = 1;
   Number (*apply)(std::span<const Number>);  ///< at least one number; may give NaN or infinity
+  UnitRule units = UnitRule::kNone;
+  Domain domain = {};  ///< of the argument
 };
 
 /// `round floor ceil abs min max sqrt sin cos exp log`.
