@@ -32,6 +32,7 @@ enum class WordSource {
   kNarrowPhases,  ///< the detectors with a narrow phase
   kLayouts,
   kComponents,
+  kRecordWords,
   kMetrics,
   kClosedForms,
   kGroups,  ///< of the benchmark, and `walls`; known only within a scene

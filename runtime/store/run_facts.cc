@@ -12,7 +12,7 @@
 #include "compiler/analysis/requested_errors.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/result_names.h"
-#include "runtime/measure/recorded_series.h"
+#include "runtime/measure/series.h"
 
 namespace cdb::store {
 namespace {
@@ -35,7 +35,7 @@ double CountOrNone(double value) {
 
 /// Adds the scalars that the worker measures.
 std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
-  for (const measure::RunScalarInfo& info : measure::AllRunScalars())
+  for (const schema::RunScalarInfo& info : schema::kRunScalars)
     numbers.push_back({std::string(kRunGroup) + std::string(info.name),
                        info.is_count ? Type::kInt32 : Type::kFloat64, std::string(info.unit),
                        std::string(info.doc), info.is_count ? -1 : kNaN,

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/series.h"
 #include "dsl/text/check.h"
 #include "runtime/machine/noise.h"
-#include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
@@ -58,7 +58,7 @@ struct RunResult {
                           ///< (compiler/analysis/pruning.h)
   std::string models;     ///< the hulls of the compounds in the scene, one per line; may be empty
   double load = 0;        ///< the machine's one-minute load average when the run began
-  measure::RunScalars scalars;
+  schema::RunScalars scalars;
   machine::NoiseJudgement noise;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty if the scene requests none

@@ -53,7 +53,7 @@ class Fixture {
     Coordinates("run/");
     Coordinates("accuracy/");
     for (const measure::Series& series : measure::AllSeries())
-      if (series.IsRecordedBy(plan_)) ExpectSeries(series);
+      if (measure::IsRecordedBy(series, plan_)) ExpectSeries(series);
     ExpectContacts();
     ExpectRuns();
     ExpectErrors();

@@ -77,7 +77,7 @@ std::uint64_t CountPiles(const grid::Grid& grid, const std::vector<plan::Run>& s
 double SeriesBytes(const plan::Scene& scene) {
   double bytes = 0;
   for (const measure::Series& series : measure::AllSeries())
-    if (series.IsRecordedBy(scene))
+    if (measure::IsRecordedBy(series, scene))
       bytes +=
           static_cast<double>(series.ItemBytes() * series.ValueCount(measure::ExtentsOf(scene)));
   return bytes;

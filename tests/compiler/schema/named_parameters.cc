@@ -1,6 +1,7 @@
 // Compiled by named_parameters_test.py: without FAULTS it must compile; with FAULTS the compiler
 // must reject each line that ends in `refused:` and the reason, and no other line.
 #include "compiler/plan/plan.h"
+#include "compiler/schema/series.h"
 
 namespace cdb::tests {
 
@@ -13,6 +14,10 @@ double Read() {
          static_cast<double>(World().WordOr("timeout").size() + Objects().WordOr("mass").size()) +
          World().Vector("acceleration").x() + (World().Lists("record", "timing") ? 1 : 0);
 }
+
+bool Ints(schema::IntSeries series);
+bool Reals(schema::RealSeries series);
+bool ReadSeries() { return Ints("pairs") && Reals("duration"); }
 
 void Write() { World().Set("cycles", std::uint64_t{1}); }
 
@@ -32,6 +37,9 @@ void WordOfReal() { World().WordOr("timestep"); }         // refused: ParameterH
 void WordOfList() { World().WordOr("record"); }           // refused: ParameterHasAnotherKind
 void VectorOfReal() { Objects().Vector("size"); }         // refused: ParameterHasAnotherKind
 void ListOfWord() { World().Lists("detector", "dbvt"); }  // refused: ParameterHasAnotherKind
+void MisspeltSeries() { Ints("typo"); }                   // refused: NoSuchSeries
+void IntsOfReals() { Ints("duration"); }                  // refused: SeriesHasAnotherType
+void RealsOfInts() { Reals("pairs"); }                    // refused: SeriesHasAnotherType
 void RunTimeName(const char* name) { World().Real(name); }  // refused: constant expression
 
 // clang-format on

@@ -106,7 +106,7 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   const std::uint64_t objects = run.scene.ObjectCount();
   const std::uint64_t bodies = analysis::BodyCount(run.scene);
   for (const measure::Series& series : measure::AllSeries()) {
-    if (!series.IsRecordedBy(run.scene)) continue;
+    if (!measure::IsRecordedBy(series, run.scene)) continue;
     const std::size_t count = series.ValueCount({cycles, objects, bodies});
     std::vector<std::byte>& bytes = memory_.emplace_back(count * series.ItemBytes());
     const std::size_t per_cycle = series.shape == measure::SeriesShape::kPhase ? 1 : count / cycles;
@@ -124,7 +124,8 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
   }
   std::size_t next = 0;
   for (const measure::Series& series : measure::AllSeries())
-    if (series.IsRecordedBy(run.scene)) result.series.emplace_back(&series, memory_[next++]);
+    if (measure::IsRecordedBy(series, run.scene))
+      result.series.emplace_back(&series, memory_[next++]);
   if (run.scene.world.Lists("record", "contacts")) {
     std::size_t rows = 0;
     for (std::size_t i = 0; i < n_cycles; ++i) rows += static_cast<std::size_t>(ContactsIn(run, i));

@@ -37,7 +37,7 @@ void ExpectCell(const store::ResultFile& file, const plan::Run& run, store::Stat
   EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   for (const measure::Series& series : measure::AllSeries()) {
-    if (!series.IsRecordedBy(run.scene)) continue;
+    if (!measure::IsRecordedBy(series, run.scene)) continue;
     if (series.shape != measure::SeriesShape::kScalar &&
         series.shape != measure::SeriesShape::kPhase)
       continue;

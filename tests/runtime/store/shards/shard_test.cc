@@ -36,7 +36,7 @@ void ExpectSeries(const store::ResultFile& file, const store::ResultFile::Cell& 
                   const plan::Run& run, std::uint64_t n_cycles) {
   const std::uint64_t cycles = run.scene.world.Count("cycles");
   for (const measure::Series& series : measure::AllSeries()) {
-    if (!series.IsRecordedBy(run.scene)) continue;
+    if (!measure::IsRecordedBy(series, run.scene)) continue;
     if (series.shape != measure::SeriesShape::kScalar &&
         series.shape != measure::SeriesShape::kPhase)
       continue;
