@@ -92,22 +92,4 @@ Momenta MomentaOf(const std::vector<layouts::ObjectState>& objects,
                   const std::vector<Eigen::Vector3d>& velocities,
                   const std::vector<Eigen::Vector3d>& spins);
 
-// The forms, each in a file with its name; slide and stick in incline.cc, roll and bowl in
-// ball_on_floor.cc, flip in spin.cc.
-std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBounce(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSlide(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeStick(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeStack(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeRoll(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBowl(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeOblique(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSpring(const Fit& fit);
-std::unique_ptr<ClosedForm> MakePendulum(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeFlip(const Fit& fit);
-
 }  // namespace cdb::closed_forms
