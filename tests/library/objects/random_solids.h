@@ -10,10 +10,6 @@
 
 namespace cdb::tests {
 
-inline constexpr objects::Shape kConvexShapes[] = {
-    objects::Shape::kEllipsoid, objects::Shape::kCuboid,  objects::Shape::kCylinder,
-    objects::Shape::kCone,      objects::Shape::kCapsule, objects::Shape::kTetrahedron};
-
 /// A torus, approximated by a polyhedron: 4 wide and 1 high, with a hole 2 wide along y.
 inline objects::Solid Torus() {
   const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
