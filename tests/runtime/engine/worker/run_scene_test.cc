@@ -147,7 +147,8 @@ TEST(Warmup, RunsBeforeTheFirstRecordedCycle) {
 TEST(Series, EveryCycleHasEveryValue) {
   plan::Scene scene = DenseScene();
   schema::WordList words;
-  for (const schema::RecordWord& word : schema::kRecordWords) words.emplace_back(word.name);
+  for (const schema::RecordWord& word : schema::kRecordWords)
+    if (word.name != "contacts") words.emplace_back(word.name);  // written to a file of the runner
   Record(scene, words);
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
