@@ -8,7 +8,7 @@
 
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/plans/sized_plan.h"
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 #include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
@@ -59,7 +59,7 @@ struct StatusCounts {
 
 StatusCounts CountCells(const store::ResultFile& results) {
   StatusCounts counts;
-  for (const store::ResultFile::Cell& cell : statistics::AllCells(results))
+  for (const store::ResultFile::Cell& cell : figures::AllCells(results))
     counts.Add(results.ReadStatus(cell));
   return counts;
 }

@@ -19,9 +19,9 @@
 #include "runtime/cli/plans/retry.h"
 #include "runtime/cli/plans/shard_files.h"
 #include "runtime/cli/plans/sized_plan.h"
+#include "runtime/figures/points.h"
+#include "runtime/printers/notes.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/statistics/cells.h"
-#include "runtime/statistics/processors.h"
 #include "runtime/store/files/local_disk.h"
 #include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
@@ -52,10 +52,10 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
       plans.push_back(beside);
   }
   if (!plans.empty()) return plans;
-  throw options::CommandError(fmt::format(
-      "there is no plan.yaml in or beside '{}'; merge takes the folders that shards are in, as "
-      "`cdb run` makes them",
-      fmt::join(shards, "', '")));
+  throw options::CommandError(
+      fmt::format("there is no plan.yaml in or beside '{}'; merge takes the folders that shards "
+                  "are in, as `cdb run` makes them",
+                  fmt::join(shards, "', '")));
 }
 
 /// Reads a plan file. If this cdb, or its plug-ins, expand a short form to another plan, the list
@@ -101,7 +101,8 @@ void WaitForShards(const std::function<bool()>& is_there, double seconds) {
 
 /// Prints the facts about the machines' processors that a reader of the results must know.
 void SayProcessors(const store::ResultFile& file) {
-  terminal::Say(statistics::ProcessorText(file, statistics::AllCells(file)));
+  for (const std::string& note : printers::ProcessorNotes(file, figures::AllCells(file)))
+    terminal::Say("  " + note + "\n");
 }
 
 options::ExitStatus Merge(const MergeArguments& arguments) {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/document/results_document.h"
 #include "runtime/measure/bytes_text.h"
 #include "runtime/page/page.h"
+#include "runtime/printers/results_document.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
@@ -45,16 +45,16 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   std::size_t bad_cells = 0;
   for (const std::string& name : arguments.files) {
     const store::ResultFile file(name);
-    const document::DocumentText document =
-        document::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
+    const printers::Printed document =
+        printers::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
                                          .baseline = arguments.baseline,
                                          .only_sound = arguments.only_sound,
                                          .for_page = true});
     if (!title.empty()) title += ", ";
     title += file.title().empty() ? file.benchmark() : file.title();
     if (!documents.empty()) documents += ',';
-    documents += document.json;
-    bad_cells += document.bad_cells;
+    documents += document.text;
+    bad_cells += document.bad_count;
   }
   const std::string page = page::Assemble(page::ReportTemplate(), title,
                                           fmt::format("{{\"documents\":[{}]}}", documents));

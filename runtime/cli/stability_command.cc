@@ -15,7 +15,7 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
-#include "runtime/report/stability_map.h"
+#include "runtime/printers/stability_map.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -42,8 +42,7 @@ std::vector<std::string> SuiteFiles() {
     if (entry.path().extension() == ".cdb") names.push_back(entry.path().stem());
   if (names.empty())
     throw options::CommandError(
-        "the stability suite does not lie beside this program; installing cdb "
-        "brings it");
+        "the stability suite does not lie beside this program; installing cdb brings it");
   std::ranges::sort(names);
   return names;
 }
@@ -81,7 +80,7 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    terminal::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
+    terminal::Print(printers::StabilityMap(store::ResultFile(out)) + "\n");
   }
   return options::ExitStatus::kGood;
 }

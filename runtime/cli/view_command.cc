@@ -36,7 +36,7 @@ struct ViewArguments {
 /// A .glb file must be smaller than 4 GB; its poses take less than twice the bytes of a page's.
 constexpr std::size_t kGltfBudget = 1'000'000'000;
 
-using statistics::AxisSelection;
+using figures::AxisSelection;
 using view::SceneRecording;
 
 /// Decided by the contents of the file, or by its name if it is missing or empty.
@@ -46,7 +46,7 @@ bool IsResults(const std::string& file) {
 
 std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
   std::vector<AxisSelection> selections;
-  for (const std::string& word : words) selections.push_back(statistics::ParseSelection(word));
+  for (const std::string& word : words) selections.push_back(figures::ParseSelection(word));
   return selections;
 }
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "compiler/schema/value.h"
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 
 namespace cdb::compare {
 namespace {
@@ -116,8 +116,8 @@ class SceneDifferences {
 };
 
 /// The scene of each point, from the plan.
-std::map<statistics::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
-  std::map<statistics::Point, const plan::Scene*> scenes;
+std::map<figures::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
+  std::map<figures::Point, const plan::Scene*> scenes;
   for (const plan::Run& run : plan.runs) scenes.emplace(run.at, &run.scene);
   return scenes;
 }
@@ -127,10 +127,10 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
                                           std::vector<std::string>& notes) {
   for (const ComparedFile* of : {&a, &b})
     if (!of->plan)
-      notes.push_back(fmt::format(
-          "{} was written by a version of cdb with other plans, so that its scenes cannot be "
-          "compared: make sure that they are those of the other file",
-          of->name));
+      notes.push_back(
+          fmt::format("{} was written by a version of cdb with other plans, so that its scenes "
+                      "cannot be compared: make sure that they are those of the other file",
+                      of->name));
   if (!a.plan || !b.plan) return {};
   const auto scenes_a = ScenesOf(*a.plan), scenes_b = ScenesOf(*b.plan);
   SceneDifferences differences;
@@ -144,11 +144,11 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
     unlike += fmt::format("{}{} ({} in {}, {} in {})", unlike.empty() ? "" : "; ", of.name, of.a,
                           a.name, of.b, b.name);
   if (!unlike.empty())
-    throw files::StoreError(fmt::format(
-        "{} and {} are of unlike scenes: {}; a difference between them would be that of the "
-        "scenes. Run the same scenario with both, or sweep the parameter in one file and use "
-        "`cdb show`",
-        a.name, b.name, unlike));
+    throw files::StoreError(
+        fmt::format("{} and {} are of unlike scenes: {}; a difference between them would be that "
+                    "of the scenes. Run the same scenario with both, or sweep the parameter in one "
+                    "file and use `cdb show`",
+                    a.name, b.name, unlike));
   return differences.List(false);
 }
 
@@ -156,7 +156,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
 std::vector<double> StartsOf(const ComparedFile& of) {
   std::vector<double> starts;
   if (!of.file.Has("started")) return starts;
-  for (const store::ResultFile::Cell& cell : statistics::AllCells(of.file))
+  for (const store::ResultFile::Cell& cell : figures::AllCells(of.file))
     if (const double started = of.file.ReadReal("started", cell); started > 0)
       starts.push_back(started);
   std::ranges::sort(starts);

@@ -227,6 +227,16 @@ double ParsePercent(const std::string& option, const std::string& text) {
   return percent / 100;
 }
 
+void CheckOneForm(std::initializer_list<std::pair<const char*, bool>> forms) {
+  const char* first = nullptr;
+  for (const auto& [name, is_asked] : forms) {
+    if (is_asked && first != nullptr)
+      throw CommandError(
+          fmt::format("{} and {} are two forms of the same: choose one", first, name));
+    if (is_asked) first = name;
+  }
+}
+
 std::string ReadText(const std::string& file) {
   std::string why;
   auto text = ReadInput(file, why);

@@ -16,11 +16,11 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/plans/shard_files.h"
 #include "runtime/cluster/submission.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/machine/host.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
-#include "runtime/statistics/bootstrap.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/files/temporary_file.h"
 #include "runtime/terminal/console.h"
@@ -44,8 +44,8 @@ void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
       !(load > processors))
     return;
   fmt::print(stderr,
-             "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the "
-             "times that are measured now\n",
+             "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the times "
+             "that are measured now\n",
              load, processors, processors == 1 ? "" : "s");
 }
 
@@ -118,7 +118,7 @@ bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
 std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, const fs::path& out,
                                                       bool has_results) const {
   if (!options_.until) return plan.repeats;
-  const std::uint64_t least = statistics::Bootstrap::kLeastForInterval;
+  const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
   const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
   if (reached.IsWholeRound() && !HasShards(ShardFolderOf(out))) return RepeatsAfter(plan, reached);

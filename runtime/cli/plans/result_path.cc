@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "runtime/cli/plans/shard_files.h"
-#include "runtime/report/show.h"
+#include "runtime/printers/show.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
@@ -24,10 +24,10 @@ fs::path RequireOwnShards(fs::path out) {
   else
     other += ".h5";
   if (ShardFolderOf(other) != ShardFolderOf(out) || !store::IsStored(other)) return out;
-  throw options::CommandError(fmt::format(
-      "'{}' is there, and '{}' would keep its shards in the same folder '{}'; nothing was changed: "
-      "name another file by -o",
-      other.string(), out.string(), ShardFolderOf(out).string()));
+  throw options::CommandError(
+      fmt::format("'{}' is there, and '{}' would keep its shards in the same folder '{}'; nothing "
+                  "was changed: name another file by -o",
+                  other.string(), out.string(), ShardFolderOf(out).string()));
 }
 
 }  // namespace
@@ -52,14 +52,14 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
 }
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
-  const report::ShowText shown = report::Show(store::ResultFile(out));
+  const printers::Printed shown = printers::Show(store::ResultFile(out));
   if (!is_quiet) {
     terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
-  } else if (shown.bad_cells > 0) {
+  } else if (shown.bad_count > 0) {
     terminal::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
                               terminal::ShellWord(out.string())));
   }
-  return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return shown.bad_count > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
 }  // namespace cdb::plans

@@ -7,6 +7,7 @@
 
 #include "runtime/measure/series.h"
 #include "runtime/store/hdf5/file.h"
+#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/sanitizers.h"
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/store/shards/reference_shard.h"
+#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
