@@ -138,7 +138,7 @@ class ComparisonText {
       notes.push_back(
           fmt::format("Intervals by bootstrap over the repeats of each file by itself. Slower, "
                       "faster: by more than {:.0f} %, with Holm's correction for all groups and "
-                      "phases (5 %): cdb doc statistics.",
+                      "phases (5 %): cdb doc compare.",
                       100 * kNegligible));
     return notes;
   }
