@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "compiler/analysis/poses.h"
+#include "compiler/schema/series.h"
 #include "dsl/text/check.h"
 
 namespace cdb::analysis {
@@ -123,9 +124,9 @@ class Analysis {
 
   Answer Detection(PruningRequest asked) const {
     if (asked == PruningRequest::kByName) return IfNothingTouches();
-    for (const char* what : {"timing", "counts", "contacts", "pairs", "boxes"})
-      if (scene_.world.Lists("record", what))
-        return {Decision::kKept, fmt::format("record {} asks for it", what)};
+    for (const schema::RecordWord& word : schema::kRecordWords)
+      if (word.needs_detection && scene_.world.Lists("record", word.name))
+        return {Decision::kKept, fmt::format("record {} asks for it", word.name)};
     for (const char* what : {"contacts", "pairs", "penetration"})
       if (scene_.world.Lists("accuracy.metrics", what))
         return {Decision::kKept, fmt::format("accuracy.metrics {} asks for it", what)};

@@ -6,22 +6,19 @@
 #include <string_view>
 
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/series.h"
 
 namespace cdb::checks {
 namespace {
 
-constexpr schema::WorldParameter kMeaningful[] = {
-    "trace", "detector", "threads", "repeats", "warmup", "cycles", "timeout", "memory", "record"};
-constexpr std::string_view kRecorded[] = {"timing", "counts", "memory", "pairs"};
-
 bool IsMeaningful(const schema::Parameter& parameter) {
-  return std::ranges::find(kMeaningful, &parameter, &schema::WorldParameter::get) !=
-         std::end(kMeaningful);
+  return !parameter.IsIgnoredBy(schema::Parameter::kTrace);
 }
 
 std::string MeaningfulNames() {
   std::vector<std::string_view> names;
-  for (const schema::WorldParameter parameter : kMeaningful) names.push_back(parameter.name());
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (IsMeaningful(parameter)) names.push_back(parameter.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -58,15 +55,18 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
                                        : "warmup leaves at least one to time"});
 
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
+  std::vector<std::string_view> recorded;
+  for (const schema::RecordWord& word : schema::kRecordWords)
+    if (word.on_traces) recorded.push_back(word.name);
   for (const std::string& word : scene.world.Words("record"))
-    if (std::ranges::find(kRecorded, word) == std::end(kRecorded))
+    if (std::ranges::find(recorded, word) == recorded.end())
       faults.push_back({&scenario::kContradiction,
                         {"", schema::WorldParameter("record").get()},
                         word,
                         fmt::format("'{}' cannot be recorded on a trace, which has boxes and no "
                                     "bodies",
                                     word),
-                        fmt::format("what can be: {}", fmt::join(kRecorded, ", "))});
+                        fmt::format("what can be: {}", fmt::join(recorded, ", "))});
 
   // The trace determines the size of the scene; other settings of objects in the plan have no
   // effect.

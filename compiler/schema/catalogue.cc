@@ -2,24 +2,11 @@
 
 #include <algorithm>
 
-#include "compiler/schema/detector_table.h"
+#include "compiler/schema/catalogue_table.h"
+#include "compiler/schema/plugins.h"
 
 namespace cdb::schema {
 namespace {
-
-constexpr ObjectType kObjectTypes[] = {
-    {"sphere", "a ball, or an ellipsoid if the sides are unequal", 0.52},
-    {"cuboid", "a box", 1},
-    {"cylinder", "along y; its base extends over the x and z sides", 0.79},
-    {"cone", "along y, apex up; its base extends over the x and z sides", 0.26},
-    {"capsule", "along y, with round ends; a ball if it is no taller than wide", 0.52},
-    {"tetrahedron", "on alternate corners of its box; regular if the sides are equal", 0.33},
-    {"torus", "lies flat; its hole is along y and twice as wide as the tube; 16 convex hulls",
-     0.46},
-    {"bunny", "the Stanford Bunny; convex hulls", 0.5},
-    {"armadillo", "the Stanford Armadillo; convex hulls", 0.5},
-    {"teapot", "the Utah teapot; convex hulls", 0.5},
-};
 
 // The optional parts of this build.
 #ifndef CDB_BUILT_PARTS
@@ -71,36 +58,31 @@ constexpr LayoutInfo kLayouts[] = {
      "of the wall"},
 };
 
-constexpr ClosedFormInfo kClosedForms[] = {
-    {"flight", "objects under constant acceleration, without contacts"},
-    {"bounce", "a ball between walls along one axis, with acceleration 0 or along it"},
-    {"oblique", "a ball that meets one wall at an angle, without acceleration"},
-    {"head_on", "two balls that meet along the line of their centres, without acceleration"},
-    {"slide", "a cuboid on the floor, with acceleration tilted beyond the friction angle"},
-    {"stick", "a cuboid on the floor, with acceleration tilted within the friction angle"},
-    {"braking", "a cuboid that slides on the level floor until friction stops it"},
-    {"roll", "a ball at rest on the floor, under tilted acceleration: it rolls, or slips as well"},
-    {"bowl", "a ball that slides on the level floor until it rolls"},
-    {"rolling", "a cuboid on equal balls that roll on the floor, under tilted acceleration"},
-    {"stack", "one column of cuboids at rest on the floor"},
-    {"spin", "one object that rotates freely, without acceleration"},
-    {"flip", "one object that rotates freely about its middle axis and turns over"},
-    {"spring", "one object on an upright spring"},
-    {"pendulum", "one object on a ball joint or hinge, under tilted acceleration"},
-};
-
 }  // namespace
 
-std::span<const ObjectType> ObjectTypes() { return kObjectTypes; }
+std::span<const ObjectType> ObjectTypes() { return kObjectTypeTable; }
 std::span<const DetectorInfo> Detectors() { return kDetectorTable; }
 std::span<const DetectorPart> DetectorParts() { return kParts; }
 std::span<const FamilyInfo> Families() { return kFamilies; }
 std::span<const LayoutInfo> Layouts() { return kLayouts; }
-std::span<const ClosedFormInfo> ClosedForms() { return kClosedForms; }
+std::span<const ClosedFormInfo> ClosedForms() { return kClosedFormTable; }
 
 const DetectorInfo* FindDetector(std::string_view name) {
   const auto* row = std::ranges::find(kDetectorTable, name, &DetectorInfo::name);
   return row == std::end(kDetectorTable) ? nullptr : row;
+}
+
+std::optional<DetectorInfo> FindDetector(std::string_view name,
+                                         std::span<const PluginDetector> plugins) {
+  if (const DetectorInfo* row = FindDetector(name)) return *row;
+  const auto plugin = std::ranges::find(plugins, name, &PluginDetector::name);
+  if (plugin == plugins.end()) return std::nullopt;
+  DetectorInfo info{};
+  info.name = plugin->name;
+  info.source = plugin->path;
+  info.phases = plugin->phases;
+  info.max_bodies = plugin->max_bodies;
+  return info;
 }
 
 const DetectorPart* FindDetectorPart(std::string_view name) {

@@ -42,6 +42,9 @@ struct DetectorInfo {
   }
   /// True if it supports this number of bodies, walls included.
   bool Holds(std::uint64_t bodies) const { return max_bodies == 0 || bodies <= max_bodies; }
+  /// One of cdb's own, of which `null` finds nothing.
+  constexpr bool IsOwn() const { return source == "cdb"; }
+  bool FindsPairs() const { return HasPhase("broad") && family != "none"; }
   bool Makes(KnownErrors error) const {
     return (static_cast<std::uint8_t>(known_errors) & static_cast<std::uint8_t>(error)) != 0;
   }

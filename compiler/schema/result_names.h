@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "compiler/schema/metrics.h"
 
@@ -14,11 +15,11 @@ namespace cdb::schema {
 
 /// Names of the same kind.
 struct ResultNames {
-  std::string_view kind;          ///< a noun for one of them: `a series of the results`
-  std::string_view names;         ///< separated by spaces
+  std::string_view kind;  ///< a noun for one of them: `a series of the results`
+  std::vector<std::string_view> names;
   bool only_with_errors = false;  ///< in the file only if the benchmark asks for errors
 };
-std::span<const ResultNames> ReservedNames();
+const std::vector<ResultNames>& ReservedNames();
 
 /// The kind of the existing name that equals `axis` in the results of a benchmark that requests
 /// `errors`: `a series of the results`. Nullopt if the name is free.

@@ -7,6 +7,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/parameter_table.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/series.h"
 #include "compiler/schema/value.h"
 
 namespace cdb::schema {
@@ -70,6 +71,9 @@ std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector
       break;
     case kLayouts:
       add(Layouts());
+      break;
+    case WordSource::kRecordWords:
+      add(schema::kRecordWords);
       break;
     case kComponents:
       add(Components());

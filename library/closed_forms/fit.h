@@ -23,8 +23,9 @@ inline constexpr double kBallInertia = 0.4;  ///< I/(m r²)
 /// Scene and state must outlive it. SI units.
 class Fit {
  public:
-  /// Checks the requirements common to all forms: objects, none fixed, none damped, no schedules,
-  /// rigid contacts, and links only in forms of linked objects.
+  /// Checks the requirements common to all forms: objects, none fixed, no schedules, links only in
+  /// forms of linked objects, and the defaults of parameters that no form takes into account
+  /// (schema::Parameter::closed_forms_need_default).
   Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state);
 
   /// Reports that `what` violates the form; `remedy` would fix it.
@@ -91,23 +92,5 @@ Momenta MomentaOf(const std::vector<layouts::ObjectState>& objects,
                   const std::vector<Eigen::Vector3d>& positions,
                   const std::vector<Eigen::Vector3d>& velocities,
                   const std::vector<Eigen::Vector3d>& spins);
-
-// The forms, each in a file with its name; slide and stick in incline.cc, roll and bowl in
-// ball_on_floor.cc, flip in spin.cc.
-std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBounce(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSlide(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeStick(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSpin(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeRolling(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeStack(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeRoll(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeBowl(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeOblique(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeSpring(const Fit& fit);
-std::unique_ptr<ClosedForm> MakePendulum(const Fit& fit);
-std::unique_ptr<ClosedForm> MakeFlip(const Fit& fit);
 
 }  // namespace cdb::closed_forms

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "compiler/schema/detector_table.h"
+#include "compiler/schema/catalogue_table.h"
 #include "library/detectors/detector.h"
 
 namespace cdb::detectors {

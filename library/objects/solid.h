@@ -11,20 +11,11 @@
 #include <string_view>
 
 #include "library/objects/compound.h"
+#include "library/objects/shapes.h"
 
 namespace cdb::objects {
 
-enum class Shape {
-  kEllipsoid,  ///< a sphere if the sides are equal
-  kCuboid,
-  kCylinder,     ///< stands along y on an ellipse
-  kCone,         ///< stands along y on an ellipse, tip up
-  kCapsule,      ///< stands along y: a cylinder between two halves of an ellipsoid
-  kTetrahedron,  ///< at every other corner of its box; regular if the sides are equal
-  kCompound,     ///< of a mesh (library/objects/solid_factory.h)
-};
-
-/// For a type with a closed form; any other is an internal error.
+/// The shape of a type with a closed form; any other is an internal error.
 Shape ShapeOf(std::string_view object_type);
 
 struct Box {
@@ -42,12 +33,8 @@ struct Solid {
   bool operator==(const Solid&) const = default;
 
   Eigen::Vector3d HalfExtents() const { return sides / 2; }
-  /// Half height of the straight part of a capsule; its caps are as high as they are wide. If the
-  /// capsule is no higher than wide, it is an ellipsoid and this is 0.
-  double StraightHalf() const;
-  /// Height of the box's centre above the centre of mass along y: the centre of mass of a cone is a
-  /// quarter of its height above the base; 0 for the other closed forms.
-  double BoxCentre() const { return shape == Shape::kCone ? sides.y() / 4 : 0; }
+  /// Height of the box's centre above the centre of mass along y.
+  double BoxCentre() const;
   /// m^3.
   double Volume() const;
   /// Principal moments of the homogeneous solid about its centre of mass for a mass of 1 kg, m^2.

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/compare/history.h"
@@ -28,7 +27,8 @@ struct CompareArguments {
   std::string fail_above = "5%";
   std::string phase;  ///< empty: all
   std::vector<std::string> select;
-  bool is_markdown = false, is_json = false, is_relative = false, lists_all = false;
+  bool is_markdown = false, is_latex = false, is_json = false, is_relative = false,
+       lists_all = false;
 };
 
 std::optional<measure::Phase> ParsePhase(const std::string& name) {
@@ -45,8 +45,9 @@ compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw options::CommandError(
         "compare takes two results files or more, or two folders of them or more");
-  if (arguments.is_markdown && arguments.is_json)
-    throw options::CommandError("--markdown and --json are two forms of the same: choose one");
+  options::CheckOneForm({{"--markdown", arguments.is_markdown},
+                         {"--latex", arguments.is_latex},
+                         {"--json", arguments.is_json}});
   return {arguments.select, ParsePhase(arguments.phase),
           options::ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
           arguments.lists_all};
@@ -131,20 +132,20 @@ std::vector<compare::BenchmarkHistory> ReadAll(const std::vector<std::vector<std
 }
 
 /// `names`: the names of the files or folders on the command line.
-compare::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& benchmarks,
-                             const std::vector<std::string>& names,
-                             const std::vector<std::string>& unmatched,
-                             const compare::CompareOptions& options) {
-  compare::Document document;
+printers::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& benchmarks,
+                              const std::vector<std::string>& names,
+                              const std::vector<std::string>& unmatched,
+                              const compare::CompareOptions& options) {
+  printers::Document document;
   if (!unmatched.empty())
-    document.push_back({"Not in all folders, and not compared", unmatched, {}, {}});
+    document.push_back({.title = "Not in all folders, and not compared", .lines = unmatched});
   if (benchmarks[0].files.size() > 2) {
-    compare::Document history = compare::HistoryDocument(benchmarks, names, options);
+    printers::Document history = compare::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));
     return document;
   }
   for (const compare::BenchmarkHistory& benchmark : benchmarks) {
-    compare::Document sections = compare::CompareDocument(benchmark.steps[0], options);
+    printers::Document sections = compare::CompareDocument(benchmark.steps[0], options);
     std::ranges::move(sections, std::back_inserter(document));
   }
   return document;
@@ -158,10 +159,11 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
   if (arguments.is_json) {
     terminal::PrintExact(compare::CompareJson(benchmarks, unmatched, options));
   } else {
-    const compare::Document document =
+    const printers::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
-    terminal::Print(arguments.is_markdown ? compare::MarkdownText(document)
-                                          : compare::TerminalText(document));
+    terminal::Print(printers::TextOf(document, arguments.is_markdown ? printers::Format::kMarkdown
+                                               : arguments.is_latex  ? printers::Format::kLatex
+                                                                     : printers::Format::kWrapped));
   }
   const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
     return compare::IsWorse(benchmark.Whole(), options);
@@ -169,12 +171,8 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
   return is_worse ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareCompare(options::Subcommand& command) {
   const auto arguments = std::make_shared<CompareArguments>();
-  options::Subcommand command(app, "compare",
-                              "report the changes from one results file to another");
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
   command.Optional("--fail-above", arguments->fail_above,
@@ -185,8 +183,19 @@ void AddCompareCommand(CLI::App& app, options::ExitStatus& status) {
                "judge each detector relative to the median of all");
   command.Flag("--all", arguments->lists_all, "list every point, also unchanged ones");
   command.Flag("--markdown", arguments->is_markdown, "print Markdown, for a pull request");
+  command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
   command.Flag("--json", arguments->is_json, "print JSON, for scripts");
-  command.Action(status, [arguments] { return CompareResults(*arguments); });
+  command.Action([arguments] { return CompareResults(*arguments); });
+}
+
+}  // namespace
+
+/// Prints the changes between results files. Exit status 4 if something is worse by more than
+/// --fail-above.
+options::Command CompareCommand() {
+  return {.name = "compare",
+          .help = "report the changes from one results file to another",
+          .declare = DeclareCompare};
 }
 
 }  // namespace cdb::cli

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/machine/machine.h"
 #include "runtime/machine/noise.h"
@@ -71,12 +70,16 @@ options::ExitStatus Examine() {
   return floor.IsQuiet() ? options::ExitStatus::kGood : options::ExitStatus::kRuns;
 }
 
+void DeclareDoctor(options::Subcommand& command) { command.Action(Examine); }
+
 }  // namespace
 
-void AddDoctorCommand(CLI::App& app, options::ExitStatus& status) {
-  options::Subcommand command(
-      app, "doctor", "check whether this machine is fit for timings, and advise what to change");
-  command.Action(status, Examine);
+/// Prints the conditions of this machine that make timings doubtful. Exit status 3 if a fixed loop
+/// does not run steadily.
+options::Command DoctorCommand() {
+  return {.name = "doctor",
+          .help = "check whether this machine is fit for timings, and advise what to change",
+          .declare = DeclareDoctor};
 }
 
 }  // namespace cdb::cli

@@ -8,7 +8,6 @@
 #include "dsl/format.h"
 #include "dsl/parser.h"
 #include "dsl/render.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/store/files/safe_file.h"
@@ -50,16 +49,19 @@ options::ExitStatus FormatFiles(const FormatArguments& arguments) {
   return status;
 }
 
-}  // namespace
-
-void AddFormatCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareFormat(options::Subcommand& command) {
   const auto arguments = std::make_shared<FormatArguments>();
-  options::Subcommand command(app, "fmt", "format scenario files");
   command.Required("FILE", arguments->files,
                    "scenario files; - reads standard input and writes standard output");
   command.Flag("--check", arguments->check,
                "change nothing; exit status 1 if a file is not formatted");
-  command.Action(status, [arguments] { return FormatFiles(*arguments); });
+  command.Action([arguments] { return FormatFiles(*arguments); });
+}
+
+}  // namespace
+
+options::Command FormatCommand() {
+  return {.name = "fmt", .help = "format scenario files", .declare = DeclareFormat};
 }
 
 }  // namespace cdb::cli

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/lsp/message_stream.h"
@@ -59,12 +58,17 @@ options::ExitStatus ServeLanguage() {
   return server.ended_well() ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
 }
 
+void DeclareLsp(options::Subcommand& command) {
+  command.Action([] { return ServeLanguage(); });
+}
+
 }  // namespace
 
-void AddLspCommand(CLI::App& app, options::ExitStatus& status) {
-  options::Subcommand command(app, "lsp",
-                              "run the language server for editors, on standard input and output");
-  command.Action(status, [] { return ServeLanguage(); });
+/// Runs the language server until the editor ends it.
+options::Command LspCommand() {
+  return {.name = "lsp",
+          .help = "run the language server for editors, on standard input and output",
+          .declare = DeclareLsp};
 }
 
 }  // namespace cdb::cli

@@ -5,14 +5,15 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/commands.h"
-#include "runtime/cli/help/help_commands.h"
 #include "runtime/cli/options/pose_files.h"
 #include "runtime/terminal/console.h"
 
@@ -21,39 +22,12 @@ namespace {
 using cdb::options::CommandError;
 using cdb::options::ExitStatus;
 
-void AddCommands(CLI::App& app, ExitStatus& status) {
-  using namespace cdb;
-  using namespace cdb::cli;
-  AddCheckCommand(app, status);
-  help::AddExplainCommand(app, status);
-  AddPlanCommand(app, status);
-  AddRunCommand(app, status);
-  AddSubmitCommand(app, status);
-  AddTraceCommand(app, status);
-  AddShowCommand(app, status);
-  AddReportCommand(app, status);
-  AddViewCommand(app, status);
-  AddCompareCommand(app, status);
-  AddStabilityCommand(app, status);
-  AddSuiteCommand(app, status);
-  AddVerifyCommand(app, status);
-  AddMergeCommand(app, status);
-  AddDoctorCommand(app, status);
-  AddFormatCommand(app, status);
-  AddLspCommand(app, status);
-  help::AddDocCommand(app, status);
-  help::AddListCommand(app, status);
-  help::AddGenerateCommand(app, status);
-}
-
 /// Throws CommandError if there is no command `name`.
-void CheckCommandName(const CLI::App& app, const std::string& name) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == name) return;
-    if (!command->get_group().empty()) names.push_back(command->get_name());
-  }
-  const std::string_view near = cdb::dsl::DidYouMean(name, {names.begin(), names.end()});
+void CheckCommandName(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const cdb::options::Command& command : cdb::cli::Commands()) names.push_back(command.name);
+  if (std::ranges::find(names, name) != names.end()) return;
+  const std::string_view near = cdb::dsl::DidYouMean(name, names);
   throw CommandError(fmt::format("there is no command '{}'; {}", name,
                                  near.empty() ? std::string("`cdb --help` lists them")
                                               : fmt::format("did you mean '{}'?", near)));
@@ -65,9 +39,12 @@ ExitStatus Main(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough(false);
   ExitStatus status = ExitStatus::kGood;
-  AddCommands(app, status);
+  for (const cdb::options::Command& row : cdb::cli::Commands()) {
+    cdb::options::Subcommand command(app, row, status);
+    row.declare(command);
+  }
   cdb::layouts::SetPoseReader(cdb::options::ReadHdf5Poses);
-  if (argc > 1 && argv[1][0] != '-') CheckCommandName(app, argv[1]);
+  if (argc > 1 && argv[1][0] != '-') CheckCommandName(argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

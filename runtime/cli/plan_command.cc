@@ -13,7 +13,6 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/sweep_estimate.h"
@@ -234,11 +233,8 @@ options::ExitStatus PrintPlans(const PlanArguments& arguments) {
   return options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddPlanCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclarePlan(options::Subcommand& command) {
   const auto arguments = std::make_shared<PlanArguments>();
-  options::Subcommand command(app, "plan", "print the expanded runs of a scenario file");
   command.Required("FILE", arguments->file, "scenario file (- for standard input), or a plan");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "write the plan as YAML; - for standard output");
@@ -248,7 +244,14 @@ void AddPlanCommand(CLI::App& app, options::ExitStatus& status) {
                "execute a few runs for a few cycles, and estimate the cost of all runs");
   command.Jobs(arguments->jobs, "with --estimate: number of parallel runs (default: 1)");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return PrintPlans(*arguments); });
+  command.Action([arguments] { return PrintPlans(*arguments); });
+}
+
+}  // namespace
+
+options::Command PlanCommand() {
+  return {
+      .name = "plan", .help = "print the expanded runs of a scenario file", .declare = DeclarePlan};
 }
 
 }  // namespace cdb::cli

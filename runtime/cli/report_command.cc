@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/document/results_document.h"
 #include "runtime/measure/bytes_text.h"
 #include "runtime/page/page.h"
+#include "runtime/printers/results_document.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
@@ -46,16 +45,16 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   std::size_t bad_cells = 0;
   for (const std::string& name : arguments.files) {
     const store::ResultFile file(name);
-    const document::DocumentText document =
-        document::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
+    const printers::Printed document =
+        printers::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
                                          .baseline = arguments.baseline,
                                          .only_sound = arguments.only_sound,
                                          .for_page = true});
     if (!title.empty()) title += ", ";
     title += file.title().empty() ? file.benchmark() : file.title();
     if (!documents.empty()) documents += ',';
-    documents += document.json;
-    bad_cells += document.bad_cells;
+    documents += document.text;
+    bad_cells += document.bad_count;
   }
   const std::string page = page::Assemble(page::ReportTemplate(), title,
                                           fmt::format("{{\"documents\":[{}]}}", documents));
@@ -65,18 +64,23 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   return bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddReportCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareReport(options::Subcommand& command) {
   const auto arguments = std::make_shared<ReportArguments>();
-  options::Subcommand command(app, "report",
-                              "write one page of figures for a browser from results files");
   command.Required("FILE", arguments->files, "results files");
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Optional("--baseline", arguments->baseline,
                    "detector that ratios are relative to (default: the first that has all cells)");
   command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
-  command.Action(status, [arguments] { return WriteReport(*arguments); });
+  command.Action([arguments] { return WriteReport(*arguments); });
+}
+
+}  // namespace
+
+/// Writes one page of all files. Exit status 3 if a run failed, or its timings do not count.
+options::Command ReportCommand() {
+  return {.name = "report",
+          .help = "write one page of figures for a browser from results files",
+          .declare = DeclareReport};
 }
 
 }  // namespace cdb::cli

@@ -13,7 +13,6 @@
 
 #include "compiler/analysis/reference.h"
 #include "compiler/yaml/plan_yaml_writer.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
@@ -205,11 +204,8 @@ options::ExitStatus Run(const RunArguments& arguments) {
   return status;
 }
 
-}  // namespace
-
-void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareRun(options::Subcommand& command) {
   const auto arguments = std::make_shared<RunArguments>();
-  options::Subcommand command(app, "run", "run a scenario file or a plan; resume where it stopped");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
@@ -228,10 +224,18 @@ void AddRunCommand(CLI::App& app, options::ExitStatus& status) {
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
-  command.Fresh(arguments->fresh, "discard results and shards and start over");
+  command.Fresh(arguments->fresh, "discard results and finished runs and start over");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return Run(*arguments); });
+  command.Action([arguments] { return Run(*arguments); });
+}
+
+}  // namespace
+
+options::Command RunCommand() {
+  return {.name = "run",
+          .help = "run a scenario file or a plan; resume where it stopped",
+          .declare = DeclareRun};
 }
 
 }  // namespace cdb::cli

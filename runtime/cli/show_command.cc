@@ -11,13 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/cli/commands.h"
+#include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/document/csv.h"
-#include "runtime/document/results_document.h"
-#include "runtime/report/show.h"
-#include "runtime/report/show_error.h"
-#include "runtime/statistics/selection.h"
+#include "runtime/figures/selection.h"
+#include "runtime/printers/results_document.h"
+#include "runtime/printers/show.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
@@ -35,7 +33,7 @@ struct ShowArguments {
   std::vector<std::string> phases;  ///< empty: all
   std::string statistic;            ///< over the cycles; empty: the mean
   bool plots = false;
-  bool csv = false, json = false;
+  bool csv = false, json = false, is_markdown = false, is_latex = false;
 };
 
 /// An option, whether it is given, and the reason why it does not go with the form of output.
@@ -51,7 +49,10 @@ void CheckMisfits(std::initializer_list<Misfit> misfits) {
 
 /// Throws CommandError for options that have no effect on the chosen output.
 void CheckOptions(const ShowArguments& a) {
-  if (a.json && a.csv) throw options::CommandError("--json and --csv are two forms: choose one");
+  options::CheckOneForm({{"--json", a.json},
+                         {"--csv", a.csv},
+                         {"--markdown", a.is_markdown},
+                         {"--latex", a.is_latex}});
   if (a.json)
     CheckMisfits(
         {{!a.error.empty() || !a.each.empty(),
@@ -96,44 +97,49 @@ std::vector<measure::Phase> PhasesOf(const ShowArguments& arguments) {
   return phases;
 }
 
-statistics::CycleStatistic StatisticOf(const ShowArguments& arguments) {
-  if (arguments.statistic.empty()) return statistics::CycleStatistic::kMean;
-  return static_cast<statistics::CycleStatistic>(
-      PlaceOf("--stat", arguments.statistic, statistics::CycleStatisticNames()));
+figures::CycleStatistic StatisticOf(const ShowArguments& arguments) {
+  if (arguments.statistic.empty()) return figures::CycleStatistic::kMean;
+  return static_cast<figures::CycleStatistic>(
+      PlaceOf("--stat", arguments.statistic, figures::CycleStatisticNames()));
 }
 
-report::ShowText TextOf(const store::ResultFile& file, const ShowArguments& arguments) {
+printers::Format FormatOf(const ShowArguments& arguments) {
+  return arguments.is_markdown ? printers::Format::kMarkdown
+         : arguments.is_latex  ? printers::Format::kLatex
+                               : printers::Format::kTerminal;
+}
+
+printers::Printed PrintedOf(const store::ResultFile& file, const ShowArguments& arguments) {
   if (arguments.json) {
-    const document::DocumentText document = document::ResultsDocument(
+    printers::Printed document = printers::ResultsDocument(
         file, {.file = std::filesystem::path(arguments.file).filename().string(),
                .baseline = arguments.baseline,
                .only_sound = arguments.only_sound});
-    return {document.json + "\n", document.bad_cells};
+    document.text += '\n';
+    return document;
   }
   if (!arguments.error.empty())
-    return report::ShowError(file,
-                             {arguments.error, arguments.by, arguments.each, arguments.only_sound});
+    return printers::ShowError(file, {{arguments.error, arguments.by, arguments.each},
+                                      arguments.only_sound,
+                                      FormatOf(arguments)});
   const std::vector<measure::Phase> phases = PhasesOf(arguments);
-  const statistics::CycleStatistic statistic = StatisticOf(arguments);
-  if (arguments.csv) return document::CsvText(file, {phases, statistic, arguments.only_sound});
-  return report::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
-                             statistic, arguments.plots});
+  const figures::CycleStatistic statistic = StatisticOf(arguments);
+  if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
+  return printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
+                               statistic, arguments.plots, FormatOf(arguments)});
 }
 
 options::ExitStatus Show(const ShowArguments& arguments) {
   CheckOptions(arguments);
   store::ResultFile file(arguments.file);
-  statistics::SelectPart(file, arguments.select);
-  const report::ShowText shown = TextOf(file, arguments);
+  figures::SelectPart(file, arguments.select);
+  const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json || arguments.csv ? terminal::PrintExact : terminal::Print)(shown.text);
-  return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return shown.bad_count > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareShow(options::Subcommand& command) {
   const auto arguments = std::make_shared<ShowArguments>();
-  options::Subcommand command(app, "show", "summarise a results file: tables, CSV or JSON");
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes of the rows (quantity,detector)");
   command.Optional("--baseline", arguments->baseline,
@@ -141,12 +147,11 @@ void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
   command.Repeated(
       "--select", arguments->select,
-      "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; repeat the option for several "
-      "axes");
+      "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; repeat the option for several axes");
   command.List("--phase", arguments->phases, "only these phases (broad,step)");
   command.Optional("--stat", arguments->statistic,
-                   "statistic over the cycles: mean (default), median, p5, p95, min, max, or "
-                   "worst (of any repeat)");
+                   "statistic over the cycles: mean (default), median, p5, p95, min, max, or worst "
+                   "(of any repeat)");
   command.Flag("--plot", arguments->plots,
                "also plot, in characters, times over the cycles and over numeric axes");
   command.Optional("--error", arguments->error,
@@ -156,7 +161,17 @@ void AddShowCommand(CLI::App& app, options::ExitStatus& status) {
   command.Flag("--csv", arguments->csv, "print comma-separated values, one line per point");
   command.Flag("--json", arguments->json,
                "print everything as one JSON document (cdb doc document)");
-  command.Action(status, [arguments] { return Show(*arguments); });
+  command.Flag("--markdown", arguments->is_markdown, "print the tables in Markdown");
+  command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
+  command.Action([arguments] { return Show(*arguments); });
+}
+
+}  // namespace
+
+options::Command ShowCommand() {
+  return {.name = "show",
+          .help = "summarise a results file: tables, CSV or JSON",
+          .declare = DeclareShow};
 }
 
 }  // namespace cdb::cli

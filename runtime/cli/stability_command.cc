@@ -12,11 +12,10 @@
 
 #include "compiler/cross.h"
 #include "dsl/diagnostics.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
-#include "runtime/report/stability_map.h"
+#include "runtime/printers/stability_map.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -43,8 +42,7 @@ std::vector<std::string> SuiteFiles() {
     if (entry.path().extension() == ".cdb") names.push_back(entry.path().stem());
   if (names.empty())
     throw options::CommandError(
-        "the stability suite does not lie beside this program; installing cdb "
-        "brings it");
+        "the stability suite does not lie beside this program; installing cdb brings it");
   std::ranges::sort(names);
   return names;
 }
@@ -82,18 +80,13 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    terminal::Print(report::StabilityMap(store::ResultFile(out)) + "\n");
+    terminal::Print(printers::StabilityMap(store::ResultFile(out)) + "\n");
   }
   return options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareStability(options::Subcommand& command) {
   const auto arguments = std::make_shared<StabilityArguments>();
-  options::Subcommand command(
-      app, "stability",
-      "run the stability suite, and map where each configuration stops being sound");
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
   command.List("--precision", arguments->precisions, "precisions (default: single,double)");
   command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
@@ -101,7 +94,17 @@ void AddStabilityCommand(CLI::App& app, options::ExitStatus& status) {
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the map, without progress");
-  command.Action(status, [arguments] { return RunSuite(*arguments); });
+  command.Action([arguments] { return RunSuite(*arguments); });
+}
+
+}  // namespace
+
+/// Runs the suite and prints the map. Safe to rerun: finished runs are skipped. Failed runs are
+/// expected here: exit status 0.
+options::Command StabilityCommand() {
+  return {.name = "stability",
+          .help = "run the stability suite, and map where each configuration stops being sound",
+          .declare = DeclareStability};
 }
 
 }  // namespace cdb::cli

@@ -12,7 +12,6 @@
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/check_stored.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
@@ -219,11 +218,8 @@ options::ExitStatus Suite(const SuiteArguments& arguments) {
   return RunSuite(arguments);
 }
 
-}  // namespace
-
-void AddSuiteCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareSuite(options::Subcommand& command) {
   const auto arguments = std::make_shared<SuiteArguments>();
-  options::Subcommand command(app, "suite", "run the standard suite, and score each configuration");
   command.Out(arguments->out, "folder for the results (default: suite)");
   command.List("--only", arguments->only,
                "only these kinds or scenes: games, stiff/stack (default: all)");
@@ -242,7 +238,18 @@ void AddSuiteCommand(CLI::App& app, options::ExitStatus& status) {
                    "verify the results of another machine, in this folder, against those of -o");
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only errors");
-  command.Action(status, [arguments] { return Suite(*arguments); });
+  command.Action([arguments] { return Suite(*arguments); });
+}
+
+}  // namespace
+
+/// Runs the standard suite and prints a score for each configuration and kind of application, or
+/// checks results of the suite. Safe to rerun: finished runs are skipped. Exit status 3 if runs
+/// failed or a submission is not comparable, 4 if the results of another machine disagree.
+options::Command SuiteCommand() {
+  return {.name = "suite",
+          .help = "run the standard suite, and score each configuration",
+          .declare = DeclareSuite};
 }
 
 }  // namespace cdb::cli

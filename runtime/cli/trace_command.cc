@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "compiler/yaml/plan_yaml.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/trace_plan.h"
@@ -121,12 +120,8 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
   return status;
 }
 
-}  // namespace
-
-void AddTraceCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareTrace(options::Subcommand& command) {
   const auto arguments = std::make_shared<TraceArguments>();
-  options::Subcommand command(app, "trace",
-                              "record the boxes of runs, to time detectors on them later");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
@@ -135,7 +130,17 @@ void AddTraceCommand(CLI::App& app, options::ExitStatus& status) {
   command.Fresh(arguments->fresh, "overwrite existing traces");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return TracePlans(*arguments); });
+  command.Action([arguments] { return TracePlans(*arguments); });
+}
+
+}  // namespace
+
+/// Runs each point once for its boxes and poses, and writes a trace of each. Safe to rerun:
+/// finished traces are skipped.
+options::Command TraceCommand() {
+  return {.name = "trace",
+          .help = "record the boxes of runs, to time detectors on them later",
+          .declare = DeclareTrace};
 }
 
 }  // namespace cdb::cli

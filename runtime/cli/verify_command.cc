@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "compiler/yaml/plan_yaml.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
 #include "runtime/cli/plans/verify_plan.h"
-#include "runtime/report/verify_table.h"
+#include "runtime/printers/verify_table.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/terminal/console.h"
 
@@ -61,20 +60,15 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
     one.plan.source = plan_file;
     if (runner.Execute(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
-    const report::VerifyText text = report::VerifyTable(store::ResultFile(out), one.left_out);
+    const printers::VerifyText text = printers::VerifyTable(store::ResultFile(out), one.left_out);
     terminal::Print(text.text + "\n");
     if (!text.is_good) status = options::ExitStatus::kRuns;
   }
   return status;
 }
 
-}  // namespace
-
-void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareVerify(options::Subcommand& command) {
   const auto arguments = std::make_shared<VerifyArguments>();
-  options::Subcommand command(
-      app, "verify",
-      "compare the pairs and contacts of every detector with exact ones, in each cycle");
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.List("--detector", arguments->detectors,
@@ -86,7 +80,17 @@ void AddVerifyCommand(CLI::App& app, options::ExitStatus& status) {
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the table, without progress");
   command.Plugins(arguments->plugins);
-  command.Action(status, [arguments] { return Verify(*arguments); });
+  command.Action([arguments] { return Verify(*arguments); });
+}
+
+}  // namespace
+
+/// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
+/// Exit status 3 for a missed pair or a failed run.
+options::Command VerifyCommand() {
+  return {.name = "verify",
+          .help = "compare the pairs and contacts of every detector with exact ones, in each cycle",
+          .declare = DeclareVerify};
 }
 
 }  // namespace cdb::cli

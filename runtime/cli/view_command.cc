@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "dsl/text/characters.h"
-#include "runtime/cli/commands.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/serve_scenario.h"
@@ -37,7 +36,7 @@ struct ViewArguments {
 /// A .glb file must be smaller than 4 GB; its poses take less than twice the bytes of a page's.
 constexpr std::size_t kGltfBudget = 1'000'000'000;
 
-using statistics::AxisSelection;
+using figures::AxisSelection;
 using view::SceneRecording;
 
 /// Decided by the contents of the file, or by its name if it is missing or empty.
@@ -47,7 +46,7 @@ bool IsResults(const std::string& file) {
 
 std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
   std::vector<AxisSelection> selections;
-  for (const std::string& word : words) selections.push_back(statistics::ParseSelection(word));
+  for (const std::string& word : words) selections.push_back(figures::ParseSelection(word));
   return selections;
 }
 
@@ -229,12 +228,8 @@ options::ExitStatus View(const ViewArguments& arguments) {
   return options::ExitStatus::kGood;
 }
 
-}  // namespace
-
-void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
+void DeclareView(options::Subcommand& command) {
   const auto arguments = std::make_shared<ViewArguments>();
-  options::Subcommand command(app, "view",
-                              "write a page that shows a run, or the start of a scenario, in 3-D");
   command.Required("FILE", arguments->files,
                    "results file or scenario; two files are shown side by side");
   command.Benchmark(arguments->benchmark);
@@ -250,7 +245,16 @@ void AddViewCommand(CLI::App& app, options::ExitStatus& status) {
   command.Optional("--every", arguments->every, "only every N-th cycle");
   command.Flag("--serve", arguments->serve,
                "edit the scenario in a browser (values, text, scene and runs) until Ctrl-C");
-  command.Action(status, [arguments] { return View(*arguments); });
+  command.Action([arguments] { return View(*arguments); });
+}
+
+}  // namespace
+
+/// Writes a page with the bodies of a run in 3-D, or those of a scenario at its start.
+options::Command ViewCommand() {
+  return {.name = "view",
+          .help = "write a page that shows a run, or the start of a scenario, in 3-D",
+          .declare = DeclareView};
 }
 
 }  // namespace cdb::cli

@@ -9,9 +9,9 @@ namespace {
 /// Throws StoreError as MatchPoints does; for different benchmarks, the message begins with that.
 PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
                            const CompareOptions& options) {
-  std::vector<statistics::AxisSelection> selections;
+  std::vector<figures::AxisSelection> selections;
   for (const std::string& word : options.select)
-    selections.push_back(statistics::ParseSelection(word));
+    selections.push_back(figures::ParseSelection(word));
   try {
     return MatchPoints(a, b, selections);
   } catch (const files::StoreError& error) {
@@ -31,10 +31,10 @@ Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOp
   made.facts = CompareFacts(a, b, made.match);
   made.times = CompareTimes(a, b, made.match, options.phase);
   if (options.is_relative && !made.times.common)
-    throw files::StoreError(fmt::format(
-        "--relative takes {} detectors or more, whose median shows what all have in common; {} and "
-        "{} have {}",
-        TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));
+    throw files::StoreError(
+        fmt::format("--relative takes {} detectors or more, whose median shows what all have in "
+                    "common; {} and {} have {}",
+                    TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));
   return made;
 }
 
@@ -51,7 +51,7 @@ const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& 
 std::vector<std::string> WorseThings(const Comparison& comparison, const CompareOptions& options) {
   std::vector<std::string> worse;
   const auto add = [&](const std::string& place, measure::Phase phase) {
-    worse.push_back(fmt::format("{} {}", place, measure::PhaseNames()[measure::IndexOf(phase)]));
+    worse.push_back(fmt::format("{} {}", place, figures::PhaseName(phase)));
   };
   for (const FactComparison& fact : comparison.facts)
     if (fact.IsWorse(options.margin)) worse.push_back(fact.name);

@@ -12,85 +12,47 @@
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/compare/statistics.h"
-#include "runtime/statistics/cells.h"
-#include "runtime/statistics/figures.h"
+#include "runtime/figures/points.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
 
-using Cell = store::ResultFile::Cell;
+using figures::Cell;
 using Kind = FactComparison::Kind;
 
 /// The assumed spread of the peak memory of a process if there are too few repeats to measure it.
 constexpr double kSpreadOfFew = 0.05;
 
-std::vector<Cell> CellsAt(const store::ResultFile& file, const statistics::Point& at) {
-  std::vector<Cell> cells;
-  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
-    const store::Status status = file.ReadStatus({at, rep});
-    if (status != store::Status::kSkipped && status != store::Status::kMissing)
-      cells.push_back({at, rep});
-  }
-  return cells;
-}
-
 /// Empty for a run that failed before its last cycle.
-std::set<std::string> StatesAt(const store::ResultFile& file, const statistics::Point& at) {
+std::set<std::string> StatesAt(const store::ResultFile& file, const figures::Point& at) {
   std::set<std::string> states;
-  for (const Cell& cell : CellsAt(file, at))
+  for (const Cell& cell : figures::CellsThatRan(file, at))
     if (std::string state = file.ReadText("state_hash", cell); !state.empty())
       states.insert(std::move(state));
   return states;
 }
 
-/// The worst ending among the repeats of a point.
-struct Ending {
-  int rank = -1;
-  std::string name;
-  std::int64_t first_bad_cycle = -1;
-  bool is_known = false;
-};
-
-Ending EndingAt(const store::ResultFile& file, const statistics::Point& at) {
-  Ending worst;
-  for (const Cell& cell : CellsAt(file, at)) {
-    const store::Status status = file.ReadStatus(cell);
-    const measure::Judgement judgement = file.ReadJudgement(cell);
-    Ending ending = {static_cast<int>(judgement.verdict), statistics::FaultOf(file, cell),
-                     judgement.first_bad_cycle, true};
-    if (status == store::Status::kDone) {
-      ending.is_known = judgement.verdict != measure::Verdict::kUnknown;
-    } else {
-      // A run without a verdict failed before its first cycle.
-      ending.rank = std::max(ending.rank, static_cast<int>(measure::Verdict::kTimedOut));
-      if (judgement.verdict == measure::Verdict::kUnknown)
-        ending.rank = static_cast<int>(measure::Verdict::kCrashed) + 1;
-    }
-    if (ending.rank > worst.rank) worst = ending;
-  }
-  return worst;
-}
-
-std::string EndingText(const Ending& ending) {
-  return ending.first_bad_cycle < 0
-             ? ending.name
-             : fmt::format("{} from cycle {} on", ending.name, ending.first_bad_cycle);
+std::string EndingText(const figures::Ending& ending) {
+  const std::int64_t cycle = ending.judgement.first_bad_cycle;
+  return cycle < 0 ? ending.Word() : fmt::format("{} from cycle {} on", ending.Word(), cycle);
 }
 
 FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
                                const PointMatch& match) {
   FactComparison fact = {Kind::kVerdict, "verdicts", 0, {}};
   for (std::size_t i = 0; i < match.points.size(); ++i) {
-    const Ending of_a = EndingAt(a.file, match.points[i].a),
-                 of_b = EndingAt(b.file, match.points[i].b);
-    if (!of_a.is_known || !of_b.is_known) continue;
+    const figures::Ending of_a = figures::WorstEnding(a.file, match.points[i].a),
+                          of_b = figures::WorstEnding(b.file, match.points[i].b);
+    if (!of_a.IsKnown() || !of_b.IsKnown()) continue;
     ++fact.points;
-    if (of_a.rank == of_b.rank && of_a.first_bad_cycle == of_b.first_bad_cycle) continue;
-    const bool is_worse = of_a.rank != of_b.rank ? of_b.rank > of_a.rank
-                                                 : of_b.first_bad_cycle < of_a.first_bad_cycle;
-    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, statistics::kNone,
-                            statistics::kNone, EndingText(of_a), EndingText(of_b)});
+    const std::int64_t cycle_a = of_a.judgement.first_bad_cycle,
+                       cycle_b = of_b.judgement.first_bad_cycle;
+    if (of_a.Rank() == of_b.Rank() && cycle_a == cycle_b) continue;
+    const bool is_worse =
+        of_a.Rank() != of_b.Rank() ? of_b.Rank() > of_a.Rank() : cycle_b < cycle_a;
+    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, figures::kNone,
+                            figures::kNone, EndingText(of_a), EndingText(of_b)});
   }
   return fact;
 }
@@ -101,11 +63,12 @@ struct NumberFact {
   std::string name;
   std::string unit = {};
   bool less_is_better = true;
-  bool varies = false;  ///< the value varies between repeats: a difference up to the floor is none
+  bool varies = false;  ///< the value varies between repeats: a difference up to
+                        ///< the floor is none
   double scale = 1;     ///< of the unit
-  std::function<double(const ComparedFile&, const statistics::Point&)> value = {};
+  std::function<double(const ComparedFile&, const figures::Point&)> value = {};
   /// Differences up to the floor are not significant.
-  std::function<double(const ComparedFile&, const statistics::Point&)> floor = {};
+  std::function<double(const ComparedFile&, const figures::Point&)> floor = {};
 };
 
 std::string NumberText(double value, const std::string& unit) {
@@ -145,26 +108,26 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
 }
 
 /// The sum over the cycles that have a value; NaN if none has.
-double SumOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
-  double sum = statistics::kNone;
-  const std::vector<Cell> cells = CellsAt(of.file, at);
+double SumOf(const ComparedFile& of, const char* series, const figures::Point& at) {
+  double sum = figures::kNone;
+  const std::vector<Cell> cells = figures::CellsThatRan(of.file, at);
   if (cells.empty()) return sum;
   for (const double value : of.file.ReadSeries(series, cells[0]))
     if (value >= 0) sum = (std::isnan(sum) ? 0 : sum) + value;
   return sum;
 }
 
-double LargestOf(const ComparedFile& of, const char* series, const statistics::Point& at) {
-  double most = statistics::kNone;
-  for (const Cell& cell : CellsAt(of.file, at))
+double LargestOf(const ComparedFile& of, const char* series, const figures::Point& at) {
+  double most = figures::kNone;
+  for (const Cell& cell : figures::CellsThatRan(of.file, at))
     for (const double value : of.file.ReadSeries(series, cell)) most = std::fmax(most, value);
   return most;
 }
 
 /// The peaks of the repeats, sorted.
-std::vector<double> PeaksAt(const ComparedFile& of, const statistics::Point& at) {
+std::vector<double> PeaksAt(const ComparedFile& of, const figures::Point& at) {
   std::vector<double> peaks;
-  for (const Cell& cell : CellsAt(of.file, at))
+  for (const Cell& cell : figures::CellsThatRan(of.file, at))
     if (const double bytes = of.file.ReadReal("peak_rss", cell); std::isfinite(bytes))
       peaks.push_back(bytes);
   std::ranges::sort(peaks);
@@ -173,21 +136,21 @@ std::vector<double> PeaksAt(const ComparedFile& of, const statistics::Point& at)
 
 /// The spread between repeats, at least a fraction of the median; a larger fraction for few
 /// repeats, which show little of the spread.
-double PeakSpread(const ComparedFile& of, const statistics::Point& at) {
+double PeakSpread(const ComparedFile& of, const figures::Point& at) {
   const std::vector<double> peaks = PeaksAt(of, at);
   if (peaks.empty()) return 0;
   const double least =
-      peaks.size() < statistics::Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
-  return std::fmax(peaks.back() - peaks.front(), least * statistics::Percentile(peaks, 0.5));
+      peaks.size() < figures::Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(peaks.back() - peaks.front(), least * figures::Percentile(peaks, 0.5));
 }
 
 void AddErrorFacts(std::vector<NumberFact>& facts) {
   for (const schema::ErrorInfo& error : schema::Errors()) {
     const std::string dataset = fmt::format("accuracy/{}", error.name);
     const auto read = [](const std::string& name) {
-      return [name](const ComparedFile& of, const statistics::Point& at) {
-        const std::vector<Cell> cells = CellsAt(of.file, at);
-        return cells.empty() || !of.file.Has(name) ? statistics::kNone
+      return [name](const ComparedFile& of, const figures::Point& at) {
+        const std::vector<Cell> cells = figures::CellsThatRan(of.file, at);
+        return cells.empty() || !of.file.Has(name) ? figures::kNone
                                                    : of.file.ReadReal(name, cells[0]);
       };
     };
@@ -196,7 +159,7 @@ void AddErrorFacts(std::vector<NumberFact>& facts) {
                      .unit = std::string(error.unit),
                      .value = read(dataset),
                      .floor = [floor = read(dataset + "_floor")](const ComparedFile& of,
-                                                                 const statistics::Point& at) {
+                                                                 const figures::Point& at) {
                        const double value = floor(of, at);
                        return std::isnan(value) ? 0 : value;
                      }});
@@ -208,7 +171,7 @@ void AddCountFacts(std::vector<NumberFact>& facts) {
     facts.push_back({.kind = kind,
                      .name = series,
                      .less_is_better = less_is_better,
-                     .value = [series](const ComparedFile& of, const statistics::Point& at) {
+                     .value = [series](const ComparedFile& of, const figures::Point& at) {
                        return SumOf(of, series, at);
                      }});
   };
@@ -219,18 +182,18 @@ void AddCountFacts(std::vector<NumberFact>& facts) {
 }
 
 void AddMemoryFacts(std::vector<NumberFact>& facts) {
-  const auto heap = [](const ComparedFile& of, const statistics::Point& at) {
+  const auto heap = [](const ComparedFile& of, const figures::Point& at) {
     return LargestOf(of, "heap", at);
   };
-  const auto peak = [](const ComparedFile& of, const statistics::Point& at) {
-    return statistics::Percentile(PeaksAt(of, at), 0.5);
+  const auto peak = [](const ComparedFile& of, const figures::Point& at) {
+    return figures::Percentile(PeaksAt(of, at), 0.5);
   };
   facts.push_back({.kind = Kind::kMemory,
                    .name = "heap",
                    .unit = "MB",
                    .scale = 1e-6,
                    .value = heap,
-                   .floor = [heap](const ComparedFile& of, const statistics::Point& at) {
+                   .floor = [heap](const ComparedFile& of, const figures::Point& at) {
                      return kNegligible * heap(of, at);
                    }});
   facts.push_back({.kind = Kind::kMemory,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "runtime/compare/match.h"
-#include "runtime/statistics/numbers.h"
+#include "runtime/figures/numbers.h"
 
 namespace cdb::compare {
 
@@ -29,7 +29,7 @@ enum class Direction { kBetter, kWorse, kOther };
 struct FactChange {
   std::size_t point;
   Direction direction;
-  double a = statistics::kNone, b = statistics::kNone;
+  double a = figures::kNone, b = figures::kNone;
   std::string text_a, text_b;  ///< with units
   /// The relative change of the values; infinite from 0, or if one is missing.
   double RelativeChange() const;

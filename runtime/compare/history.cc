@@ -54,7 +54,7 @@ std::vector<std::string> GroupRow(const BenchmarkHistory& benchmark,
   std::vector<double> ratios = {1};
   for (std::size_t file = 1; file < benchmark.files.size(); ++file) {
     const TimeChange* change = FindChange(ToFirst(benchmark, file), group);
-    ratios.push_back(change == nullptr ? statistics::kNone : change->change.ratio());
+    ratios.push_back(change == nullptr ? figures::kNone : change->change.ratio());
     row.push_back(FourDigits(ratios.back()));
   }
   row.push_back(Sparkline(ratios));
@@ -119,13 +119,14 @@ void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOpti
   JudgeAll(all, options);
 }
 
-Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
-                         const std::vector<std::string>& names, const CompareOptions& options) {
-  DocumentSection setups = {"From file to file"}, table = {"History"};
+printers::Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
+                                   const std::vector<std::string>& names,
+                                   const CompareOptions& options) {
+  printers::Section setups = {"From file to file"}, table = {"History"};
   table.table.columns = {{"benchmark", false}, {"", false}};
-  for (const std::string& name : names) table.table.columns.emplace_back(name, true);
-  table.table.columns.emplace_back("", false);
-  table.table.columns.emplace_back("steps", false);
+  for (const std::string& name : names) table.table.AddColumn(name, true);
+  table.table.AddColumn("", false);
+  table.table.AddColumn("steps", false);
   std::vector<std::string> worse;
   for (const BenchmarkHistory& benchmark : benchmarks) {
     for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
@@ -137,25 +138,24 @@ Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
   }
   if (setups.lines.empty()) setups.lines = {"The same machine, versions and facts"};
   const measure::Phase phase = benchmarks[0].steps[0].times.common_phase;
-  table.notes = {
-      fmt::format("Mean {} of a cycle over that of the first file, geometric mean over the points "
-                  "that both have.",
-                  measure::PhaseNames()[measure::IndexOf(phase)]),
-      "Steps: files that are slower or faster than the one before, by Holm's correction for all of "
-      "them (5 %)."};
+  table.notes = {fmt::format("Mean {} of a cycle over that of the first file, geometric mean over "
+                             "the points that both have.",
+                             figures::PhaseName(phase)),
+                 "Steps: files that are slower or faster than the one before, by Holm's correction "
+                 "for all of them (5 %)."};
   const std::string margin = fmt::format("{:g} %", 100 * options.margin);
   table.notes.push_back(
       worse.empty()
           ? "Nothing is surely worse in the last file than in the first, by more than " + margin
-          : fmt::format("WORSE: the last file relative to the first, by more than {}, exit status "
-                        "4: {}",
-                        margin, PlacesText(worse)));
+          : fmt::format(
+                "WORSE: the last file relative to the first, by more than {}, exit status 4: {}",
+                margin, PlacesText(worse)));
   return {setups, table};
 }
 
 std::string Sparkline(const std::vector<double>& values) {
   static constexpr const char* kLevels[] = {"▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-  double least = statistics::kNone, most = statistics::kNone;
+  double least = figures::kNone, most = figures::kNone;
   for (const double value : values) {
     least = std::fmin(least, value);
     most = std::fmax(most, value);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "runtime/compare/compare.h"
-#include "runtime/compare/document.h"
+#include "runtime/printers/document.h"
 
 namespace cdb::compare {
 
@@ -29,8 +29,9 @@ void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOpti
 /// For several files: the differences from one to the next, then a line for each group with its
 /// ratio to the first file and the steps at which it changed. `names`: of the files, or of their
 /// folders.
-Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
-                         const std::vector<std::string>& names, const CompareOptions& options);
+printers::Document HistoryDocument(const std::vector<BenchmarkHistory>& benchmarks,
+                                   const std::vector<std::string>& names,
+                                   const CompareOptions& options);
 
 /// A character for each value, `▁` for the least and `█` for the greatest; a blank for NaN. Values
 /// within 1 % of each other are drawn at one height.

@@ -59,9 +59,8 @@ Json JudgedJson(const JudgedChange& change) {
 Json PhasesJson(const std::vector<TimeChange>& phases, bool has_relative) {
   Json json = Json::array();
   for (const TimeChange& change : phases) {
-    Json of = {{"phase", measure::PhaseNames()[measure::IndexOf(change.phase)]},
-               {"a_ns", change.a_ns},
-               {"b_ns", change.b_ns}};
+    Json of = {
+        {"phase", figures::PhaseName(change.phase)}, {"a_ns", change.a_ns}, {"b_ns", change.b_ns}};
     of.update(JudgedJson(change.absolute));
     if (has_relative) of["relative"] = JudgedJson(change.relative);
     json.push_back(std::move(of));

@@ -9,14 +9,13 @@
 #include <set>
 #include <utility>
 
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
 
-using statistics::AxisSelection;
-using Cell = store::ResultFile::Cell;
+using figures::AxisSelection;
 
 /// The selected part of an axis.
 struct SelectedAxis {
@@ -33,7 +32,7 @@ std::vector<std::size_t> SelectValues(const plan::Axis& axis,
   for (const AxisSelection& selection : selections) {
     if (selection.axis != axis.name) continue;
     is_selected = true;
-    const statistics::NamedValues values = statistics::FindValues(axis, selection.text);
+    const figures::NamedValues values = figures::FindValues(axis, selection.text);
     indices.insert(values.indices.begin(), values.indices.end());
   }
   if (is_selected) return {indices.begin(), indices.end()};
@@ -49,7 +48,7 @@ SelectedAxes SelectAxes(const ComparedFile& of, const std::vector<AxisSelection>
     selected[axes[i].name] = {i, SelectValues(axes[i], selections)};
     if (!selected[axes[i].name].values.empty()) continue;
     throw files::StoreError(fmt::format("--select {}: {} has none of these values; it has {}",
-                                        axes[i].name, of.name, statistics::ValuesText(axes[i])));
+                                        axes[i].name, of.name, figures::ValuesText(axes[i])));
   }
   return selected;
 }
@@ -64,15 +63,6 @@ void CheckSelections(const ComparedFile& a, const ComparedFile& b,
     if (std::ranges::find(names, selection.axis) == names.end())
       throw files::StoreError(fmt::format("--select: there is no axis '{}'; there are {}",
                                           selection.axis, fmt::join(names, ", ")));
-}
-
-/// True if its cells are neither skipped nor missing.
-bool Ran(const store::ResultFile& file, const statistics::Point& at) {
-  for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
-    const store::Status status = file.ReadStatus({at, rep});
-    if (status != store::Status::kSkipped && status != store::Status::kMissing) return true;
-  }
-  return false;
 }
 
 class Matcher {
@@ -103,12 +93,11 @@ class Matcher {
 
   /// For an axis that the other file lacks, or has with another value.
   void IgnoreAxis(const ComparedFile& of, const std::string& name, const SelectedAxis& axis) {
-    const std::string values = statistics::ValuesText(of.file.axes()[axis.place], axis.values);
+    const std::string values = figures::ValuesText(of.file.axes()[axis.place], axis.values);
     if (axis.values.size() > 1)
       throw files::StoreError(fmt::format(
-          "only {} has the axis '{}' ({}): choose one of its values, as in --select "
-          "{}={}",
-          of.name, name, values, name, terminal::CoordinateText(of.file.axes()[axis.place], 0)));
+          "only {} has the axis '{}' ({}): choose one of its values, as in --select {}={}", of.name,
+          name, values, name, terminal::CoordinateText(of.file.axes()[axis.place], 0)));
     match_.notes.push_back(
         fmt::format("only {} has the axis {}, with the value {}", of.name, name, values));
   }
@@ -141,28 +130,27 @@ class Matcher {
   }
 
   /// The selected points that ran, keyed by their values on the axes of the match.
-  std::vector<std::pair<Key, statistics::Point>> PointsOf(const ComparedFile& of,
-                                                          const SelectedAxes& selected) const {
-    std::vector<std::pair<Key, statistics::Point>> points;
-    for (const Cell& cell : statistics::AllCells(of.file)) {
-      if (cell.rep != 0) continue;
+  std::vector<std::pair<Key, figures::Point>> PointsOf(const ComparedFile& of,
+                                                       const SelectedAxes& selected) const {
+    std::vector<std::pair<Key, figures::Point>> points;
+    for (const figures::Point& at : figures::AllPoints(of.file)) {
       const bool is_selected = std::ranges::all_of(selected, [&](const auto& axis) {
-        return std::ranges::find(axis.second.values, cell.at[axis.second.place]) !=
+        return std::ranges::find(axis.second.values, at[axis.second.place]) !=
                axis.second.values.end();
       });
-      if (!is_selected || !Ran(of.file, cell.at)) continue;
+      if (!is_selected || figures::CellsThatRan(of.file, at).empty()) continue;
       Key key;
       for (const std::string& name : match_.axes) {
         const std::size_t place = selected.at(name).place;
-        key.push_back(of.file.axes()[place].values[cell.at[place]]);
+        key.push_back(of.file.axes()[place].values[at[place]]);
       }
-      points.emplace_back(std::move(key), cell.at);
+      points.emplace_back(std::move(key), at);
     }
     return points;
   }
 
   std::vector<std::string> PlaceOf(const ComparedFile& of, const SelectedAxes& selected,
-                                   const statistics::Point& at) const {
+                                   const figures::Point& at) const {
     std::vector<std::string> place;
     for (const std::string& name : match_.axes) {
       const std::size_t axis = selected.at(name).place;
@@ -173,7 +161,7 @@ class Matcher {
 
   void MatchCells() {
     auto of_b = PointsOf(b_, axes_b_);
-    std::map<Key, statistics::Point> left(of_b.begin(), of_b.end());
+    std::map<Key, figures::Point> left(of_b.begin(), of_b.end());
     for (const auto& [key, at] : PointsOf(a_, axes_a_)) {
       MatchedPoint point = {at, {}, PlaceOf(a_, axes_a_, at)};
       const auto found = left.find(key);
@@ -200,10 +188,7 @@ class Matcher {
 }  // namespace
 
 ComparedFile::ComparedFile(const std::filesystem::path& path, std::string name_of)
-    : name(std::move(name_of)),
-      file(path),
-      plan(statistics::ReadPlan(file)),
-      points(statistics::MeasuredPoints(file, false)) {}
+    : name(std::move(name_of)), file(path), plan(figures::ReadPlan(file)), model(file) {}
 
 std::string MatchedPoint::PlaceText(const std::vector<std::string>& axes) const {
   std::string text;

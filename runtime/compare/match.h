@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/statistics/axis_values.h"
-#include "runtime/statistics/points.h"
+#include "runtime/figures/model.h"
+#include "runtime/figures/selection.h"
 #include "runtime/store/store.h"
 
 namespace cdb::compare {
@@ -22,12 +22,12 @@ struct ComparedFile {
   const std::string name;
   const store::ResultFile file;
   const std::optional<plan::Plan> plan;  ///< nullopt for a plan of another version of cdb
-  const std::vector<statistics::MeasuredPoint> points;
+  const figures::Model model;
 };
 
 /// A point that both files have.
 struct MatchedPoint {
-  statistics::Point a, b;          ///< the point in each file
+  figures::Point a, b;             ///< the point in each file
   std::vector<std::string> place;  ///< its value on each axis of PointMatch
   std::string PlaceText(const std::vector<std::string>& axes) const;
 };
@@ -45,6 +45,6 @@ struct PointMatch {
 /// axis with several values that only one file has, for a selection that neither file has, and if
 /// no point is left.
 PointMatch MatchPoints(const ComparedFile& a, const ComparedFile& b,
-                       const std::vector<statistics::AxisSelection>& selections);
+                       const std::vector<figures::AxisSelection>& selections);
 
 }  // namespace cdb::compare

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "runtime/compare/document.h"
+#include "runtime/terminal/table.h"
 
 namespace cdb::compare {
 namespace {
@@ -74,7 +74,7 @@ class ResultText {
       for (const TimeChange& change : group.phases) {
         const JudgedChange& judged = JudgementOf(change, options_);
         if (judged.verdict != verdict) continue;
-        phases.push_back(PhaseName(change.phase));
+        phases.push_back(figures::PhaseName(change.phase));
         if (judged.tested.IsTested()) bound = std::fmax(bound, judged.tested.Bound());
       }
       if (phases.empty()) continue;
@@ -105,7 +105,7 @@ class ResultText {
       why = fmt::format(
           "there {} {} repeat{}, and an interval takes {} in each file (facts below are exact)",
           least == 1 ? "is" : "are", least, least == 1 ? "" : "s",
-          statistics::Bootstrap::kLeastForInterval);
+          figures::Bootstrap::kLeastForInterval);
     lines.push_back(fmt::format("Cannot tell, as {}: {}", why, PlacesText(groups)));
   }
 
@@ -113,10 +113,10 @@ class ResultText {
     const TimeComparison& times = of_.times;
     if (!times.HasCommonShift()) return;
     const TestedChange& common = *times.common;
-    const std::string phase = PhaseName(times.common_phase);
+    const std::string phase = figures::PhaseName(times.common_phase);
     std::string line = fmt::format(
-        "EVERYTHING is {}: the median {} over all groups is {} ({}). That is the machine, or "
-        "code that all have in common",
+        "EVERYTHING is {}: the median {} over all groups is {} ({}). That is the machine, or code "
+        "that all have in common",
         common.ratio > 1 ? "slower" : "faster", phase, PercentText(common.ratio),
         PercentRange(common.interval.low, common.interval.high));
     if (times.harness && times.harness->IsTested())
@@ -124,10 +124,10 @@ class ResultText {
                           PercentText(times.harness->ratio),
                           PercentRange(times.harness->interval.low, times.harness->interval.high));
     lines.push_back(line);
-    lines.push_back(options_.is_relative
-                        ? "Below, each group relative to that median"
-                        : "The column `relative` has each group over that median; --relative "
-                          "judges by it");
+    lines.push_back(
+        options_.is_relative
+            ? "Below, each group relative to that median"
+            : "The column `relative` has each group over that median; --relative judges by it");
   }
 
   /// `SLOWER: grid: detect +5.2 % (+4.6 .. +5.8 %), step …`.
@@ -138,8 +138,8 @@ class ResultText {
         const JudgedChange& judged = JudgementOf(change, options_);
         if (judged.verdict == verdict)
           phases +=
-              fmt::format("{}{} {} ({})", phases.empty() ? "" : ", ", PhaseName(change.phase),
-                          PercentText(judged.tested.ratio),
+              fmt::format("{}{} {} ({})", phases.empty() ? "" : ", ",
+                          figures::PhaseName(change.phase), PercentText(judged.tested.ratio),
                           PercentRange(judged.tested.interval.low, judged.tested.interval.high));
       }
       if (!phases.empty()) lines.push_back(fmt::format("{}: {}: {}", name, group.name, phases));
@@ -236,16 +236,30 @@ std::vector<std::string> FactLines(const Comparison& comparison) {
   return ResultText(comparison, {}).ChangedFacts();
 }
 
-std::string PhaseName(measure::Phase phase) {
-  return std::string(measure::PhaseNames()[measure::IndexOf(phase)]);
+std::string FourDigits(double value) {
+  if (!std::isfinite(value)) return "-";
+  if (std::fabs(value) >= 1000 && std::fabs(value) < 1e7) return fmt::format("{:.0f}", value);
+  return fmt::format("{:#.4g}", value);
 }
 
-/// `8 points`.
+std::string PercentText(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:+.1f} %", 100 * (ratio - 1)) : "-";
+}
+
+std::string PercentRange(double low, double high) {
+  if (!std::isfinite(low) || !std::isfinite(high)) return "-";
+  return fmt::format("{:+.1f} .. {:+.1f} %", 100 * (low - 1), 100 * (high - 1));
+}
+
+std::string TimeText(double ns, double like_ns) {
+  const terminal::TimeUnit unit = terminal::TimeUnit::For(like_ns);
+  return fmt::format("{} {}", FourDigits(ns / unit.ns), unit.name);
+}
+
 std::string Counted(std::size_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// The first of `places`, and the number of the others.
 std::string PlacesText(const std::vector<std::string>& places) {
   const auto shown = static_cast<std::ptrdiff_t>(std::min(places.size(), kMostPlaces));
   std::string text = fmt::format("{}", fmt::join(places.begin(), places.begin() + shown, "; "));

@@ -16,7 +16,15 @@ std::vector<std::string> ResultLines(const Comparison& comparison, const Compare
 std::vector<std::string> FactLines(const Comparison& comparison);
 
 // Phrases shared by all texts about comparisons.
-std::string PhaseName(measure::Phase phase);
+/// `1.052`: four significant digits, and all digits of a whole number; `-` for
+/// NaN.
+std::string FourDigits(double value);
+/// `+5.2 %` of a ratio of 1.052.
+std::string PercentText(double ratio);
+/// `+4.6 .. +5.8 %`.
+std::string PercentRange(double low, double high);
+/// `25.12 us`, in the unit that suits `like_ns`.
+std::string TimeText(double ns, double like_ns);
 /// `8 points`.
 std::string Counted(std::size_t count, const char* noun);
 /// The first of `places`, and the number of the others.

@@ -4,15 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "compiler/schema/schema.h"
 #include "compiler/schema/value.h"
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 
 namespace cdb::compare {
 namespace {
@@ -36,16 +36,10 @@ constexpr std::pair<const char*, const char*> kFacts[] = {
     {"plugins", "--plugin"},
 };
 
-/// Parameters that control how a scene is run and measured, not its contents. A name that ends with
-/// a dot is a block.
-constexpr std::string_view kNotOfTheScene[] = {
-    "detector", "narrow_phase", "pair_order", "threads", "precision", "solver.",
-    "repeats",  "timeout",      "memory",     "record",  "omit",      "accuracy."};
-
-bool IsOfTheScene(std::string_view parameter) {
-  return std::ranges::none_of(kNotOfTheScene, [&](std::string_view name) {
-    return name.ends_with('.') ? parameter.starts_with(name) : parameter == name;
-  });
+/// False for parameters that control how a scene is run and measured, not its contents.
+bool IsOfTheScene(std::string_view name) {
+  const schema::Parameter* parameter = schema::FindParameter(name, false);
+  return parameter == nullptr || parameter->concern != schema::Concern::kMeasurement;
 }
 
 /// The parameters that differ between the scenes, by name, with the distinct values of both files.
@@ -100,15 +94,11 @@ class SceneDifferences {
   }
 
   void AddSettings(const std::string& group, const plan::Settings& a, const plan::Settings& b) {
-    std::map<std::string, std::array<const schema::Value*, 2>> values;
-    for (const auto& [name, value] : a) values[std::string(name)][0] = &value;
-    for (const auto& [name, value] : b) values[std::string(name)][1] = &value;
-    for (const auto& [name, of] : values) {
-      if (of[0] != nullptr && of[1] != nullptr && *of[0] == *of[1]) continue;
-      const auto text = [](const schema::Value* value) {
-        return value == nullptr ? std::string("-") : schema::LabelOf(*value);
-      };
-      AddTexts(group + name, text(of[0]), text(of[1]));
+    for (const schema::Parameter& parameter : schema::Schema()) {
+      if (parameter.grouped == group.empty()) continue;
+      const schema::Value &of_a = a.ValueOf(parameter), &of_b = b.ValueOf(parameter);
+      if (of_a != of_b)
+        AddTexts(group + std::string(parameter.name), schema::LabelOf(of_a), schema::LabelOf(of_b));
     }
   }
 
@@ -116,8 +106,8 @@ class SceneDifferences {
 };
 
 /// The scene of each point, from the plan.
-std::map<statistics::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
-  std::map<statistics::Point, const plan::Scene*> scenes;
+std::map<figures::Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
+  std::map<figures::Point, const plan::Scene*> scenes;
   for (const plan::Run& run : plan.runs) scenes.emplace(run.at, &run.scene);
   return scenes;
 }
@@ -127,10 +117,10 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
                                           std::vector<std::string>& notes) {
   for (const ComparedFile* of : {&a, &b})
     if (!of->plan)
-      notes.push_back(fmt::format(
-          "{} was written by a version of cdb with other plans, so that its scenes cannot be "
-          "compared: make sure that they are those of the other file",
-          of->name));
+      notes.push_back(
+          fmt::format("{} was written by a version of cdb with other plans, so that its scenes "
+                      "cannot be compared: make sure that they are those of the other file",
+                      of->name));
   if (!a.plan || !b.plan) return {};
   const auto scenes_a = ScenesOf(*a.plan), scenes_b = ScenesOf(*b.plan);
   SceneDifferences differences;
@@ -144,11 +134,11 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
     unlike += fmt::format("{}{} ({} in {}, {} in {})", unlike.empty() ? "" : "; ", of.name, of.a,
                           a.name, of.b, b.name);
   if (!unlike.empty())
-    throw files::StoreError(fmt::format(
-        "{} and {} are of unlike scenes: {}; a difference between them would be that of the "
-        "scenes. Run the same scenario with both, or sweep the parameter in one file and use "
-        "`cdb show`",
-        a.name, b.name, unlike));
+    throw files::StoreError(
+        fmt::format("{} and {} are of unlike scenes: {}; a difference between them would be that "
+                    "of the scenes. Run the same scenario with both, or sweep the parameter in one "
+                    "file and use `cdb show`",
+                    a.name, b.name, unlike));
   return differences.List(false);
 }
 
@@ -156,7 +146,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
 std::vector<double> StartsOf(const ComparedFile& of) {
   std::vector<double> starts;
   if (!of.file.Has("started")) return starts;
-  for (const store::ResultFile::Cell& cell : statistics::AllCells(of.file))
+  for (const store::ResultFile::Cell& cell : figures::AllCells(of.file))
     if (const double started = of.file.ReadReal("started", cell); started > 0)
       starts.push_back(started);
   std::ranges::sort(starts);

@@ -30,7 +30,7 @@ double ExceededWith(double tail, double nu) {
 /// Applies `combine` to the estimates over the draws of each file.
 template <typename Combine>
 Change CombinedChanges(const std::vector<Change>& parts, Combine combine) {
-  std::vector<statistics::Estimate> over_a, over_b;
+  std::vector<figures::Estimate> over_a, over_b;
   for (const Change& part : parts) {
     over_a.push_back(part.over_a);
     over_b.push_back(part.over_b);
@@ -49,7 +49,7 @@ std::vector<std::size_t> SortedTests(const std::vector<double>& p) {
 
 }  // namespace
 
-Change ChangeOf(const statistics::Estimate& a, const statistics::Estimate& b) {
+Change ChangeOf(const figures::Estimate& a, const figures::Estimate& b) {
   Change change = {{b.value / a.value, {}, a.things}, {b.value / a.value, {}, b.things}};
   for (const double drawn : a.drawn) change.over_a.drawn.push_back(b.value / drawn);
   for (const double drawn : b.drawn) change.over_b.drawn.push_back(drawn / a.value);
@@ -69,8 +69,8 @@ Change RatioOf(const Change& above, const Change& below) {
 }
 
 bool ChangeTest::HasIntervals() const {
-  return a_.kind() == statistics::IntervalKind::kInterval &&
-         b_.kind() == statistics::IntervalKind::kInterval;
+  return a_.kind() == figures::IntervalKind::kInterval &&
+         b_.kind() == figures::IntervalKind::kInterval;
 }
 
 TestedChange ChangeTest::Of(const Change& change) const {

@@ -18,8 +18,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "runtime/statistics/bootstrap.h"
-#include "runtime/statistics/numbers.h"
+#include "runtime/figures/bootstrap.h"
+#include "runtime/figures/numbers.h"
 
 namespace cdb::compare {
 
@@ -30,21 +30,21 @@ inline constexpr double kSignificance = 0.05;
 
 /// A figure of file b over that of file a.
 struct Change {
-  statistics::Estimate over_a;  ///< for each draw of the repeats of a
-  statistics::Estimate over_b;  ///< for each draw of the repeats of b
+  figures::Estimate over_a;  ///< for each draw of the repeats of a
+  figures::Estimate over_b;  ///< for each draw of the repeats of b
   double ratio() const { return over_a.value; }
 };
-Change ChangeOf(const statistics::Estimate& a, const statistics::Estimate& b);
+Change ChangeOf(const figures::Estimate& a, const figures::Estimate& b);
 /// `parts` belong to the same two files, and are not empty.
 Change GeometricMeanOf(const std::vector<Change>& parts);
 Change MedianOf(const std::vector<Change>& parts);
 Change RatioOf(const Change& above, const Change& below);
 
 struct TestedChange {
-  double ratio = statistics::kNone;
-  statistics::Interval interval = {statistics::kNone,
-                                   statistics::kNone};  ///< of 95 %; NaN where there is none
-  double p = statistics::kNone;                         ///< NaN without an interval
+  double ratio = figures::kNone;
+  figures::Interval interval = {figures::kNone,
+                                figures::kNone};  ///< of 95 %; NaN where there is none
+  double p = figures::kNone;                      ///< NaN without an interval
   bool IsTested() const { return !std::isnan(p); }
   /// The largest distance of the ratio from 1, in either direction: 0.02 for an interval of 0.99 ..
   /// 1.02.
@@ -54,13 +54,13 @@ struct TestedChange {
 /// Tests changes between two files.
 class ChangeTest {
  public:
-  ChangeTest(const statistics::Bootstrap& a, const statistics::Bootstrap& b) : a_(a), b_(b) {}
+  ChangeTest(const figures::Bootstrap& a, const figures::Bootstrap& b) : a_(a), b_(b) {}
   /// True if both files have enough repeats for an interval.
   bool HasIntervals() const;
   TestedChange Of(const Change& change) const;
 
  private:
-  const statistics::Bootstrap &a_, &b_;
+  const figures::Bootstrap &a_, &b_;
 };
 
 /// Adjusted p-values: an effect is significant if its value is at most kSignificance. NaN stays

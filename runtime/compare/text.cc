@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "runtime/compare/result.h"
-#include "runtime/report/show_noise.h"
-#include "runtime/statistics/cells.h"
-#include "runtime/statistics/cycle_times.h"
-#include "runtime/statistics/figures.h"
+#include "runtime/figures/points.h"
+#include "runtime/figures/times.h"
+#include "runtime/printers/notes.h"
 
 namespace cdb::compare {
 namespace {
@@ -23,9 +22,9 @@ class ComparisonText {
   ComparisonText(const Comparison& comparison, const CompareOptions& options)
       : of_(comparison), options_(options), a_(comparison.a->name), b_(comparison.b->name) {}
 
-  Document Sections() const {
-    Document document = {Head(), {"Result", ResultLines(of_, options_)}};
-    for (DocumentSection section : {Facts(), Groups(), Points()})
+  printers::Document Sections() const {
+    printers::Document document = {Head(), {"Result", ResultLines(of_, options_)}};
+    for (printers::Section section : {Facts(), Groups(), Points()})
       if (!section.table.rows.empty()) document.push_back(std::move(section));
     return document;
   }
@@ -36,8 +35,8 @@ class ComparisonText {
   }
 
   /// Facts that a reader must know before any figure.
-  DocumentSection Head() const {
-    DocumentSection head = {fmt::format("{}: from {} to {}", of_.a->file.title(), a_, b_)};
+  printers::Section Head() const {
+    printers::Section head = {fmt::format("{}: from {} to {}", of_.a->file.title(), a_, b_)};
     for (const auto& list : {of_.setup.machine, of_.setup.parameters})
       for (const SetupDifference& of : list) head.table.rows.push_back({of.name, of.a, of.b});
     head.table.columns = {{"differs", false}, {a_, false}, {b_, false}};
@@ -54,16 +53,14 @@ class ComparisonText {
     if (of_.setup.is_interleaved)
       head.notes.push_back("The runs of both files were interleaved in time");
     for (const ComparedFile* file : {of_.a, of_.b}) {
-      std::string noise = report::NoiseText(file->file, statistics::GroupCells(file->file).good);
-      noise.erase(0, noise.find_first_not_of(' '));
-      noise.erase(noise.find_last_not_of('\n') + 1);
+      const std::string noise = printers::NoiseNote(file->file, file->model.runs().good);
       if (!noise.empty()) head.notes.push_back(file->name + ": " + noise);
     }
     return head;
   }
 
-  DocumentSection Facts() const {
-    DocumentSection facts = {"Facts that are the same in every repeat, compared exactly"};
+  printers::Section Facts() const {
+    printers::Section facts = {"Facts that are the same in every repeat, compared exactly"};
     facts.table.columns = {{"fact", false}, {"better", true}, {"worse", true},
                            {"other", true}, {"points", true}, {"the largest change", false}};
     for (const FactComparison& fact : of_.facts) {
@@ -79,15 +76,15 @@ class ComparisonText {
     return facts;
   }
 
-  static void AddTimeColumns(DocumentTable& table, const std::string& a, const std::string& b) {
+  static void AddTimeColumns(printers::Table& table, const std::string& a, const std::string& b) {
     for (const std::string& head : {std::string("phase"), a, b, std::string("ratio"),
                                     std::string("95 % interval"), std::string("verdict")})
-      table.columns.emplace_back(head, head != "phase" && head != "verdict");
+      table.AddColumn(head, head != "phase" && head != "verdict");
   }
 
   static std::vector<std::string> TimeCells(const TimeChange& change) {
     const TestedChange& tested = change.absolute.tested;
-    return {PhaseName(change.phase),
+    return {figures::PhaseName(change.phase),
             TimeText(change.a_ns, change.a_ns),
             TimeText(change.b_ns, change.a_ns),
             FourDigits(tested.ratio),
@@ -99,18 +96,18 @@ class ComparisonText {
 
   bool ShowsRelative() const { return options_.is_relative || of_.times.HasCommonShift(); }
 
-  DocumentSection Groups() const {
+  printers::Section Groups() const {
     const bool pools = of_.times.points.size() > of_.times.groups.size();
     const std::string by = of_.match.group ? of_.match.axes[*of_.match.group] : "";
-    DocumentSection groups = {
+    printers::Section groups = {
         fmt::format("Mean of a cycle{}{}{}", pools ? ", geometric mean over the points" : "",
                     by.empty() || !pools ? "" : " of each ", pools ? by : "")};
     groups.table.columns = {{by, false}};
-    if (pools) groups.table.columns.emplace_back("points", true);
+    if (pools) groups.table.AddColumn("points", true);
     AddTimeColumns(groups.table, a_, b_);
     if (ShowsRelative()) {
-      groups.table.columns.emplace_back("relative", true);
-      groups.table.columns.emplace_back("", false);
+      groups.table.AddColumn("relative", true);
+      groups.table.AddColumn("", false);
     }
     for (const TimedGroup& group : of_.times.groups)
       for (const TimeChange& change : group.phases) {
@@ -130,7 +127,7 @@ class ComparisonText {
   std::vector<std::string> StatisticNotes() const {
     const std::size_t n_a = of_.a->file.begun_repeats(), n_b = of_.b->file.begun_repeats();
     std::string statistic = "Mean";
-    if (const std::size_t m = statistics::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
+    if (const std::size_t m = figures::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
       statistic = fmt::format(
           "Fastest of {} repeats per cycle, the mean over all choices of so many (of {} and {}), "
           "then mean",
@@ -138,20 +135,20 @@ class ComparisonText {
     std::vector<std::string> notes = {
         fmt::format("{} over cycles. Below 1: {} is faster.", statistic, b_)};
     if (of_.times.has_intervals)
-      notes.push_back(fmt::format(
-          "Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more "
-          "than {:.0f} %, with Holm's correction for all groups and phases (5 %): cdb doc "
-          "statistics.",
-          100 * kNegligible));
+      notes.push_back(
+          fmt::format("Intervals by bootstrap over the repeats of each file by itself. Slower, "
+                      "faster: by more than {:.0f} %, with Holm's correction for all groups and "
+                      "phases (5 %): cdb doc statistics.",
+                      100 * kNegligible));
     return notes;
   }
 
   /// The points that changed, or all points; empty if each group is a single point.
-  DocumentSection Points() const {
-    DocumentSection points = {options_.lists_all ? "Each point" : "Points that changed"};
+  printers::Section Points() const {
+    printers::Section points = {options_.lists_all ? "Each point" : "Points that changed"};
     if (of_.times.points.size() == of_.times.groups.size() && !options_.lists_all) return points;
     for (std::size_t i = 0; i < of_.match.axes.size(); ++i)
-      points.table.columns.emplace_back(of_.match.axes[i], !of_.match.is_text[i]);
+      points.table.AddColumn(of_.match.axes[i], !of_.match.is_text[i]);
     AddTimeColumns(points.table, a_, b_);
     std::vector<std::pair<double, std::vector<std::string>>> rows;
     for (const TimedPoint& point : of_.times.points)
@@ -184,7 +181,7 @@ class ComparisonText {
 
 }  // namespace
 
-Document CompareDocument(const Comparison& comparison, const CompareOptions& options) {
+printers::Document CompareDocument(const Comparison& comparison, const CompareOptions& options) {
   return ComparisonText(comparison, options).Sections();
 }
 

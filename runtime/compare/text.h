@@ -2,12 +2,12 @@
 #pragma once
 
 #include "runtime/compare/compare.h"
-#include "runtime/compare/document.h"
+#include "runtime/printers/document.h"
 
 namespace cdb::compare {
 
 /// In this order: differences between the files, and how far their times can be trusted; the
 /// changes; the facts; the times of groups; the points that changed. Throws StoreError.
-Document CompareDocument(const Comparison& comparison, const CompareOptions& options);
+printers::Document CompareDocument(const Comparison& comparison, const CompareOptions& options);
 
 }  // namespace cdb::compare

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "runtime/statistics/cycle_times.h"
+#include "runtime/figures/times.h"
 
 namespace cdb::compare {
 namespace {
@@ -17,11 +17,11 @@ using measure::Phase;
 
 /// The number of fastest repeats that count: see cycle_times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
-  return statistics::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
+  return figures::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
 }
 
-statistics::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
-  return statistics::CycleTimes(of.file, statistics::CycleStatistic::kMean, FastestOf(of, other));
+figures::CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
+  return figures::CycleTimes(of.file, figures::CycleStatistic::kMean, FastestOf(of, other));
 }
 
 class TimeComparer {
@@ -33,11 +33,8 @@ class TimeComparer {
         match_(match),
         times_a_(TimesOf(a, b)),
         times_b_(TimesOf(b, a)),
-        test_(times_a_.bootstrap(), times_b_.bootstrap()) {
-    for (const statistics::MeasuredPoint& point : a.points) measured_a_[point.at] = &point;
-    for (const statistics::MeasuredPoint& point : b.points) measured_b_[point.at] = &point;
-    for (std::size_t i = 0; i < measure::kPhaseCount; ++i)
-      if (!phase || measure::IndexOf(*phase) == i) phases_.push_back(static_cast<Phase>(i));
+        test_(times_a_.bootstrap(), times_b_.bootstrap()),
+        phases_(phase ? std::vector{*phase} : figures::AllPhases()) {
     made_.has_intervals = test_.HasIntervals();
     made_.common_phase = phase.value_or(Phase::kStep);
   }
@@ -58,26 +55,23 @@ class TimeComparer {
   }
 
  private:
-  const statistics::MeasuredPoint* MeasuredA(std::size_t i) const {
-    const auto found = measured_a_.find(match_.points[i].a);
-    return found == measured_a_.end() ? nullptr : found->second;
+  const figures::MeasuredPoint* MeasuredA(std::size_t i) const {
+    return a_.model.Find(match_.points[i].a);
   }
-  const statistics::MeasuredPoint* MeasuredB(std::size_t i) const {
-    const auto found = measured_b_.find(match_.points[i].b);
-    return found == measured_b_.end() ? nullptr : found->second;
+  const figures::MeasuredPoint* MeasuredB(std::size_t i) const {
+    return b_.model.Find(match_.points[i].b);
   }
 
   /// The reason why the times of a point cannot be compared; empty if they can.
   std::string WhyNot(std::size_t i) const {
-    const statistics::MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
+    const figures::MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
     for (const auto& [point, file] : {std::pair{a, &a_}, std::pair{b, &b_}}) {
       if (point == nullptr) return fmt::format("no timed cycle in {}", file->name);
       if (!point->IsSound()) return fmt::format("{} in {}", point->fault, file->name);
     }
     if (const auto unlike = a->UnlikeComponents(*b); !unlike.empty())
       return fmt::format(
-          "one of the files omitted {}, so that it did less work: run both with "
-          "omit none",
+          "one of the files omitted {}, so that it did less work: run both with omit none",
           fmt::join(unlike, ", "));
     const std::uint64_t cycles_a = a_.file.ReadCycleCount(a->cells[0]),
                         cycles_b = b_.file.ReadCycleCount(b->cells[0]);
@@ -88,8 +82,8 @@ class TimeComparer {
   void AddPoint(std::size_t i) {
     TimedPoint timed = {i, {}};
     for (const Phase phase : phases_) {
-      const statistics::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
-                                 &b = times_b_.Of(*MeasuredB(i), phase).mean;
+      const figures::Estimate &a = times_a_.Of(*MeasuredA(i), phase).mean,
+                              &b = times_b_.Of(*MeasuredB(i), phase).mean;
       // An omitted phase has no times.
       if (!(a.value > 0) || !(b.value > 0)) continue;
       const Change change = ChangeOf(a, b);
@@ -119,8 +113,8 @@ class TimeComparer {
         }
         const Change mean = GeometricMeanOf(parts);
         group.phases.push_back({phase,
-                                statistics::GeometricMean(of_a),
-                                statistics::GeometricMean(of_b),
+                                figures::GeometricMean(of_a),
+                                figures::GeometricMean(of_b),
                                 mean,
                                 {test_.Of(mean)},
                                 {}});
@@ -148,14 +142,14 @@ class TimeComparer {
   }
 
   /// Points take the place of cycles here: each repeat measures the overhead once at each point.
-  statistics::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
+  figures::Estimate HarnessOf(const ComparedFile& of, bool is_a) {
     std::vector<std::vector<double>> repeats(of.file.begun_repeats());
     for (const TimedPoint& point : made_.points)
       for (const store::ResultFile::Cell& cell :
            (is_a ? MeasuredA(point.point) : MeasuredB(point.point))->cells)
         repeats[cell.rep].push_back(of.file.ReadReal("harness", cell));
-    return statistics::TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(),
-                                 statistics::CycleStatistic::kMean, FastestOf(a_, b_))
+    return figures::TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(),
+                              figures::CycleStatistic::kMean, FastestOf(a_, b_))
         .mean;
   }
 
@@ -167,10 +161,9 @@ class TimeComparer {
 
   const ComparedFile &a_, &b_;
   const PointMatch& match_;
-  statistics::CycleTimes times_a_, times_b_;
+  figures::CycleTimes times_a_, times_b_;
   const ChangeTest test_;
-  std::map<statistics::Point, const statistics::MeasuredPoint*> measured_a_, measured_b_;
-  std::vector<Phase> phases_;
+  const std::vector<Phase> phases_;
   TimeComparison made_;
 };
 

@@ -16,7 +16,7 @@ namespace cdb::compare {
 /// A test and its verdict.
 struct JudgedChange {
   TestedChange tested;
-  double adjusted_p = statistics::kNone;
+  double adjusted_p = figures::kNone;
   ChangeVerdict verdict = ChangeVerdict::kCannotTell;
   /// True if it is slower, and the whole interval is above `margin`.
   bool IsSlowerThan(double margin) const {

@@ -39,7 +39,7 @@ bool NoiseJudgement::IsQuieterThan(const NoiseJudgement& other) const {
   return noise == other.noise ? disturbed < other.disturbed : noise == Noise::kQuiet;
 }
 
-NoiseJudgement JudgeNoise(const measure::RunScalars& scalars, MachineLoad machine,
+NoiseJudgement JudgeNoise(const schema::RunScalars& scalars, MachineLoad machine,
                           std::uint64_t threads, std::span<const double> steps) {
   if (!(scalars.cycles_wall_ns > 0)) return {};
   std::string why;

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "runtime/measure/run_scalars.h"
+#include "compiler/schema/series.h"
 
 namespace cdb::machine {
 
@@ -52,7 +52,7 @@ struct MachineLoad {
 ///   load > processors, or
 ///   the mean of the steps > twice their median, and nine in ten are within 1.5 medians: a few long
 ///   pauses, rather than a scene whose work changes.
-NoiseJudgement JudgeNoise(const measure::RunScalars& scalars, MachineLoad machine,
+NoiseJudgement JudgeNoise(const schema::RunScalars& scalars, MachineLoad machine,
                           std::uint64_t threads, std::span<const double> steps);
 
 }  // namespace cdb::machine

@@ -58,9 +58,9 @@ void Unmap(void* place, std::size_t bytes) {
 Recording::Recording(int fd, const plan::Scene& scene, bool create) : fd_(fd) {
   bytes_ = WholeCacheLines(sizeof(RecordingHeader));
   for (const Series& series : AllSeries()) {
-    if (!series.IsRecordedBy(scene)) continue;
+    if (!IsRecordedBy(series, scene)) continue;
     const std::size_t bytes = series.ItemBytes() * series.ValueCount(ExtentsOf(scene));
-    places_.push_back({&series, bytes_, bytes});
+    places_[static_cast<std::size_t>(&series - AllSeries().data())] = {bytes_, bytes};
     bytes_ += WholeCacheLines(bytes);
   }
   if (const auto shape = SampleShapeOf(scene)) {
@@ -92,11 +92,11 @@ void Recording::Clear() {
   header_ = new (header_) RecordingHeader{};
   header_->magic = RecordingHeader::kMagic;
   header_->bytes = bytes_;
-  for (const Place& place : places_) {
-    if (place.series->type == SeriesType::kInt32) {
-      std::ranges::fill(Ints(place.series->name), -1);
+  for (const Series& series : AllSeries()) {
+    if (series.type == SeriesType::kInt32) {
+      std::ranges::fill(Values<std::int32_t>(series), -1);
     } else {
-      std::ranges::fill(Reals(place.series->name), kNone);
+      std::ranges::fill(Values<double>(series), kNone);
     }
   }
   std::ranges::fill(SampleValues(), kNone);
@@ -114,7 +114,7 @@ Recording::Recording(Recording&& other) noexcept
     : fd_(std::exchange(other.fd_, -1)),
       header_(std::exchange(other.header_, nullptr)),
       bytes_(other.bytes_),
-      places_(std::move(other.places_)),
+      places_(other.places_),
       samples_offset_(other.samples_offset_),
       samples_count_(other.samples_count_) {}
 
@@ -124,17 +124,13 @@ Recording::~Recording() {
 }
 
 std::span<std::byte> Recording::Find(const Series& series) const {
-  for (const Place& place : places_)
-    if (place.series == &series)
-      return {reinterpret_cast<std::byte*>(header_) + place.offset, place.bytes};
-  return {};
+  const Place& place = places_[static_cast<std::size_t>(&series - AllSeries().data())];
+  return {reinterpret_cast<std::byte*>(header_) + place.offset, place.bytes};
 }
 
 std::span<double> Recording::SampleValues() const {
   auto* memory = reinterpret_cast<std::byte*>(header_);
   return {reinterpret_cast<double*>(memory + samples_offset_), samples_count_};
 }
-
-std::span<const std::byte> Recording::Bytes(const Series& series) const { return Find(series); }
 
 }  // namespace cdb::measure

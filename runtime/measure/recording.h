@@ -3,17 +3,19 @@
 // a value is a store, not a system call.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
+#include <type_traits>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/series.h"
+#include "dsl/text/check.h"
 #include "runtime/measure/fixed_text.h"
-#include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/settling.h"
@@ -62,7 +64,7 @@ struct RecordingHeader {
   FixedText<256> omitted;     ///< names of the omitted components (compiler/analysis/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)
-  RunScalars scalars;
+  schema::RunScalars scalars;
   VerdictScales scales;
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
@@ -91,34 +93,43 @@ class Recording {
 
   /// The values of a series, in the layout of `Series::shape`; empty if the scene does not record
   /// it.
-  std::span<std::int32_t> Ints(std::string_view series) { return Find<std::int32_t>(series); }
-  std::span<double> Reals(std::string_view series) { return Find<double>(series); }
-  std::span<const std::int32_t> Ints(std::string_view series) const {
-    return Find<std::int32_t>(series);
+  std::span<std::int32_t> Ints(schema::IntSeries series) { return Values<std::int32_t>(*series); }
+  std::span<double> Reals(schema::RealSeries series) { return Values<double>(*series); }
+  std::span<const std::int32_t> Ints(schema::IntSeries series) const {
+    return Values<std::int32_t>(*series);
   }
-  std::span<const double> Reals(std::string_view series) const { return Find<double>(series); }
+  std::span<const double> Reals(schema::RealSeries series) const { return Values<double>(*series); }
+  /// For loops over the table: `T` must be the type of the series.
+  template <typename T>
+  std::span<T> Values(const Series& series) const {
+    CDB_CHECK((series.type == SeriesType::kInt32) == std::is_integral_v<T>);
+    const auto bytes = Find(series);
+    return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
+  }
+  /// Sets the value of a cycle, if the scene records the series.
+  void Put(schema::IntSeries series, std::size_t cycle, std::int32_t value) {
+    if (const auto values = Ints(series); !values.empty()) values[cycle] = value;
+  }
+  void Put(schema::RealSeries series, std::size_t cycle, double value) {
+    if (const auto values = Reals(series); !values.empty()) values[cycle] = value;
+  }
   /// The values of the series as bytes.
-  std::span<const std::byte> Bytes(const Series& series) const;
+  std::span<const std::byte> Bytes(const Series& series) const { return Find(series); }
   /// The run's samples, in the layout of SampleShapeOf the scene; empty if it requests no errors.
   std::span<double> SampleValues() const;
 
  private:
   Recording(int fd, const plan::Scene& scene, bool create);
+  /// `series`: an element of the table.
   std::span<std::byte> Find(const Series& series) const;
-  template <typename T>
-  std::span<T> Find(std::string_view series) const {
-    const auto bytes = Find(*FindSeries(series));
-    return {reinterpret_cast<T*>(bytes.data()), bytes.size() / sizeof(T)};
-  }
 
   int fd_ = -1;
   RecordingHeader* header_ = nullptr;
   std::size_t bytes_ = 0;
   struct Place {
-    const Series* series;
-    std::size_t offset, bytes;
+    std::size_t offset = 0, bytes = 0;  ///< no bytes: not recorded
   };
-  std::vector<Place> places_;
+  std::array<Place, std::size(schema::kSeries)> places_;  ///< in the order of the table
   std::size_t samples_offset_ = 0, samples_count_ = 0;
 };
 

@@ -95,11 +95,11 @@ class Case {
  private:
   bool MustRest() const { return expectation_ == Expectation::kRest; }
 
-  std::span<const double> Reals(const char* series) const {
+  std::span<const double> Reals(schema::RealSeries series) const {
     const auto all = recording_.Reals(series);
     return all.first(std::min(all.size(), n_));
   }
-  std::span<const std::int32_t> Ints(const char* series) const {
+  std::span<const std::int32_t> Ints(schema::IntSeries series) const {
     const auto all = recording_.Ints(series);
     return all.first(std::min(all.size(), n_));
   }
@@ -118,25 +118,25 @@ class Case {
 
   /// "No value" is never bad.
   template <typename IsBad>
-  std::int64_t FirstWhere(const char* series, IsBad is_bad) const {
+  std::int64_t FirstWhere(schema::RealSeries series, IsBad is_bad) const {
     return FirstIn(Reals(series), is_bad);
   }
-  std::int64_t FirstAbove(const char* series, double limit) const {
+  std::int64_t FirstAbove(schema::RealSeries series, double limit) const {
     return FirstWhere(series, [limit](double x) { return x > limit; });
   }
-  std::int64_t FirstCount(const char* series) const {
+  std::int64_t FirstCount(schema::IntSeries series) const {
     return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
   }
 
   /// The first cycle in which the count is at least this fraction of the objects that can move.
-  std::int64_t FirstShare(const char* series, double share) const {
+  std::int64_t FirstShare(schema::IntSeries series, double share) const {
     return FirstIn(Ints(series), [&](std::int32_t count) {
       return count > 0 && count >= share * scales_.moving_objects;
     });
   }
 
   /// Bad if the median of the late part is above the limit; returns the first late cycle above it.
-  std::int64_t LateAbove(const char* series, double limit) const {
+  std::int64_t LateAbove(schema::RealSeries series, double limit) const {
     const auto values = Reals(series);
     if (values.empty()) return -1;
     std::vector<double> late;
@@ -163,7 +163,7 @@ class Case {
   }
 
   /// Bad if the count is positive at the end; returns the start of that stretch.
-  std::int64_t LastStretch(const char* series) const {
+  std::int64_t LastStretch(schema::IntSeries series) const {
     const auto counts = Ints(series);
     if (counts.empty() || counts.back() <= 0) return -1;
     const auto none =

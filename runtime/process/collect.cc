@@ -56,9 +56,10 @@ void ClearUnfinished(measure::Recording& recording, const measure::RunExtents& r
     if (recording.Bytes(series).empty() || !dimension) continue;
     const std::vector<std::uint64_t> extents = series.Extents(run);
     if (series.type == measure::SeriesType::kInt32) {
-      ClearFrom<std::int32_t>(recording.Ints(series.name), extents, *dimension, n_cycles, -1);
+      ClearFrom<std::int32_t>(recording.Values<std::int32_t>(series), extents, *dimension, n_cycles,
+                              -1);
     } else {
-      ClearFrom<double>(recording.Reals(series.name), extents, *dimension, n_cycles,
+      ClearFrom<double>(recording.Values<double>(series), extents, *dimension, n_cycles,
                         std::numeric_limits<double>::quiet_NaN());
     }
   }

@@ -12,7 +12,6 @@
 #include "library/meshes/models.h"
 #include "library/scene_error.h"
 #include "runtime/measure/bytes_text.h"
-#include "runtime/measure/recorded_series.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/launcher.h"

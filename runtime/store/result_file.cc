@@ -95,6 +95,15 @@ struct ResultFile::Impl {
     return index * grid.back() + cell.rep;
   }
 
+  /// The indices of a cell in the arrays of the file.
+  hdf5::Shape PlaceOf(const Cell& cell) const {
+    CDB_CHECK(cell.at.size() + 1 == grid.size());
+    hdf5::Shape place;
+    for (std::size_t i = 0; i < cell.at.size(); ++i) place.push_back(kept[i][cell.at[i]]);
+    place.push_back(cell.rep);
+    return place;
+  }
+
   /// The values of an array over the grid, read once.
   template <typename Value, typename Read>
   const Value& AtCell(std::map<std::string, std::vector<Value>, std::less<>>& arrays,
@@ -139,9 +148,7 @@ struct ResultFile::Impl {
     }
     auto& [array, at, values] = found->second;
     if (at != index) {
-      hdf5::Shape start;
-      for (std::size_t i = 0; i < cell.at.size(); ++i) start.push_back(kept[i][cell.at[i]]);
-      start.push_back(cell.rep);
+      hdf5::Shape start = PlaceOf(cell);
       hdf5::Shape count(start.size(), 1);
       for (std::size_t d = start.size(); d < array.shape().size(); ++d)
         count.push_back(array.shape()[d]);
@@ -255,7 +262,6 @@ ResultFile::ResultFile(ResultFile&&) noexcept = default;
 ResultFile::~ResultFile() = default;
 
 bool ResultFile::has_digest() const { return impl_->has_digest; }
-bool ResultFile::is_shard() const { return !impl_->file.Text("run_id").empty(); }
 const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
@@ -367,8 +373,8 @@ std::vector<double> ResultFile::ReadCycle(std::string_view dataset, const Cell& 
     const std::size_t n = impl_->grid.size();
     if (array.shape().size() != n + 3 || array.shape()[n] != impl_->cycles)
       throw hdf5::Error(fmt::format("{} is not a series of that kind", dataset));
-    hdf5::Shape start(cell.at.begin(), cell.at.end());
-    start.insert(start.end(), {cell.rep, cycle, 0, 0});
+    hdf5::Shape start = impl_->PlaceOf(cell);
+    start.insert(start.end(), {cycle, 0, 0});
     hdf5::Shape count(n + 1, 1);
     count.insert(count.end(), array.shape().end() - 2, array.shape().end());
     return array.Read(start, count);

@@ -12,7 +12,7 @@
 #include "compiler/analysis/requested_errors.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/result_names.h"
-#include "runtime/measure/recorded_series.h"
+#include "runtime/measure/series.h"
 
 namespace cdb::store {
 namespace {
@@ -35,7 +35,7 @@ double CountOrNone(double value) {
 
 /// Adds the scalars that the worker measures.
 std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
-  for (const measure::RunScalarInfo& info : measure::AllRunScalars())
+  for (const schema::RunScalarInfo& info : schema::kRunScalars)
     numbers.push_back({std::string(kRunGroup) + std::string(info.name),
                        info.is_count ? Type::kInt32 : Type::kFloat64, std::string(info.unit),
                        std::string(info.doc), info.is_count ? -1 : kNaN,
@@ -192,7 +192,7 @@ const std::vector<RunText>& RunTexts() {
       {"run/state_hash",
        "hash of every body's position, orientation and velocities after the last cycle",
        [](const Run&, R r) { return r.state_hash; }},
-      {"run/run_id", "hash of all that decides the run's result; the name of its shard",
+      {"run/run_id", "hash of all that decides the run's result; its name in the journal",
        [](const Run& run, R) { return run.id; }},
       {"run/host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
       {"run/message", "why the run did not end well", [](const Run&, R r) { return r.message; }},

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/series.h"
 #include "dsl/text/check.h"
 #include "runtime/machine/noise.h"
-#include "runtime/measure/run_scalars.h"
 #include "runtime/measure/samples.h"
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
@@ -58,7 +58,7 @@ struct RunResult {
                           ///< (compiler/analysis/pruning.h)
   std::string models;     ///< the hulls of the compounds in the scene, one per line; may be empty
   double load = 0;        ///< the machine's one-minute load average when the run began
-  measure::RunScalars scalars;
+  schema::RunScalars scalars;
   machine::NoiseJudgement noise;
   std::vector<std::pair<const measure::Series*, std::span<const std::byte>>> series;
   measure::RunErrors errors;  ///< empty if the scene requests none
@@ -82,14 +82,14 @@ enum class ProofOf {
 
 /// The remedy for a damaged results file.
 inline constexpr std::string_view kResultRemedy =
-    "merge it again from its shards, restore a copy, or run it again with --fresh";
+    "merge it again from its journal, restore a copy, or run it again with --fresh";
 
 /// True if the file is HDF5, or ends as files of cdb do.
 bool IsStored(const std::filesystem::path& file);
 /// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty if it has none. Throws StoreError.
 std::string ReadSchema(const std::filesystem::path& file);
 
-/// A results file or a shard opened for reading. Not thread-safe.
+/// A results file opened for reading. Not thread-safe.
 class ResultFile {
  public:
   /// Throws StoreError if it is not as it was written, or cannot be read.
@@ -99,8 +99,6 @@ class ResultFile {
 
   /// False for files of versions of cdb that wrote no digest.
   bool has_digest() const;
-  /// True if it is a shard, which holds one run and is to be merged.
-  bool is_shard() const;
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;

@@ -3,17 +3,17 @@
 #include <nlohmann/json.hpp>
 
 #include "compiler/schema/metrics.h"
-#include "runtime/document/head.h"
-#include "runtime/document/json_numbers.h"
+#include "runtime/printers/json_numbers.h"
+#include "runtime/printers/json_parts.h"
 #include "runtime/suite/text.h"
 
 namespace cdb::suite {
 namespace {
 
-using document::Json;
-using document::JsonNumber;
+using printers::Json;
+using printers::JsonNumber;
 
-Json IntervalJson(const statistics::Interval& interval) {
+Json IntervalJson(const figures::Interval& interval) {
   return {JsonNumber(interval.low), JsonNumber(interval.high)};
 }
 
@@ -99,8 +99,8 @@ std::string SuiteJson(const std::vector<SceneFigures>& scenes,
                {"seed", facts.seed ? Json(*facts.seed) : Json(nullptr)},
                {"missing", facts.missing}};
   if (!files.empty()) {
-    json["machine"] = document::DocumentMachine(*files[0]);
-    json["build"] = document::DocumentBuild(*files[0]);
+    json["machine"] = printers::DocumentMachine(*files[0]);
+    json["build"] = printers::DocumentBuild(*files[0]);
   }
   json["defaults"] = DefaultsText(scenes);
   json["budgets"] = Json::array();

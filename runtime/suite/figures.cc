@@ -11,18 +11,12 @@
 #include <utility>
 
 #include "compiler/schema/catalogue.h"
-#include "runtime/document/time_steps.h"
+#include "runtime/figures/model.h"
 #include "runtime/machine/noise.h"
-#include "runtime/statistics/cells.h"
-#include "runtime/statistics/cycle_times.h"
-#include "runtime/statistics/figures.h"
-#include "runtime/statistics/points.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::suite {
 namespace {
-
-using Cell = store::ResultFile::Cell;
 
 /// Fraction of the cycles that a step counted as slow exceeds.
 constexpr double kSlowStep = 0.99;
@@ -30,12 +24,8 @@ constexpr double kSlowStep = 0.99;
 class SceneCollector {
  public:
   SceneCollector(const StandardScene& scene, const store::ResultFile& file)
-      : scene_(scene),
-        file_(file),
-        times_(file),
-        steps_(file),
-        points_(statistics::MeasuredPoints(file, false)) {
-    if (!file.Has("duration"))
+      : scene_(scene), file_(file), model_(file) {
+    if (!model_.HasTimes())
       throw files::StoreError(
           fmt::format("the results of {} hold no times: they are not of the suite", scene.Id()));
   }
@@ -51,29 +41,28 @@ class SceneCollector {
   }
 
  private:
-  using Named = std::pair<std::string, std::vector<statistics::Point>>;
+  using Named = std::pair<std::string, std::vector<figures::Point>>;
 
   /// Points by the names of their configurations, in grid order.
   std::vector<Named> Configurations() const {
     std::vector<Named> all;
-    for (const Cell& cell : statistics::AllCells(file_)) {
-      if (cell.rep != 0) continue;
+    for (const figures::Point& at : figures::AllPoints(file_)) {
       std::vector<std::string> values;
-      for (std::size_t i = 0; i < cell.at.size(); ++i)
+      for (std::size_t i = 0; i < at.size(); ++i)
         if (file_.axes()[i].parameter != "seed")
-          values.push_back(terminal::CoordinateText(file_.axes()[i], cell.at[i]));
+          values.push_back(terminal::CoordinateText(file_.axes()[i], at[i]));
       std::string name = values.empty() ? "default" : fmt::format("{}", fmt::join(values, ", "));
       const auto there = std::ranges::find(all, name, &Named::first);
       if (there == all.end())
-        all.push_back({std::move(name), {cell.at}});
+        all.push_back({std::move(name), {at}});
       else
-        there->second.push_back(cell.at);
+        there->second.push_back(at);
     }
     return all;
   }
 
-  bool IsBulletsOwn(const statistics::Point& at) const {
-    const auto axis = statistics::DetectorAxis(file_);
+  bool IsBulletsOwn(const figures::Point& at) const {
+    const auto axis = model_.detector_axis();
     if (!axis) return true;
     const std::string name = terminal::CoordinateText(file_.axes()[*axis], at[*axis]);
     return std::ranges::any_of(schema::Detectors(), [&](const schema::DetectorInfo& info) {
@@ -81,33 +70,22 @@ class SceneCollector {
     });
   }
 
-  const statistics::MeasuredPoint* FindPoint(const statistics::Point& at) const {
-    const auto found = std::ranges::find(points_, at, &statistics::MeasuredPoint::at);
-    return found == points_.end() ? nullptr : &*found;
-  }
-
-  ConfigurationFigures Collect(const std::string& name,
-                               const std::vector<statistics::Point>& points) {
+  ConfigurationFigures Collect(const std::string& name, const std::vector<figures::Point>& points) {
     ConfigurationFigures of;
     of.name = name;
     of.is_bullets_own = IsBulletsOwn(points[0]);
-    std::vector<statistics::Estimate> times;
-    for (const statistics::Point& at : points) {
+    std::vector<figures::Estimate> times;
+    for (const figures::Point& at : points) {
       AddRuns(at, of);
-      const statistics::MeasuredPoint* point = FindPoint(at);
+      const figures::MeasuredPoint* point = model_.Find(at);
       if (point == nullptr) continue;
       AddFigures(*point, of);
-      times.push_back(TimeOf(*point));
+      times.push_back(model_.MsPerSecondOf(*point));
     }
     if (!times.empty() && times.size() == points.size())
-      of.ms_per_s = statistics::GeometricMeanOf(times);
+      of.ms_per_s = figures::GeometricMeanOf(times);
     AddFault(of);
     return of;
-  }
-
-  statistics::Estimate TimeOf(const statistics::MeasuredPoint& point) {
-    return statistics::Scaled(times_.Of(point, measure::Phase::kStep).mean,
-                              1e-6 / steps_.Of(point.cells[0]));
   }
 
   /// The first fault is kept.
@@ -120,23 +98,22 @@ class SceneCollector {
     of.is_disturbed = true;
   }
 
-  /// Adds the verdicts of all repeats.
-  void AddRuns(const statistics::Point& at, ConfigurationFigures& of) const {
-    measure::Judgement worst;
+  /// Adds the endings of all repeats.
+  void AddRuns(const figures::Point& at, ConfigurationFigures& of) const {
     for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
-      const Cell cell{at, rep};
+      const figures::Ending ending = figures::EndingOf(file_, {at, rep});
       ++of.repeats;
-      const store::Status status = file_.ReadStatus(cell);
-      const measure::Judgement judgement = file_.ReadJudgement(cell);
-      if (judgement.verdict > worst.verdict) worst = judgement;
-      if (status == store::Status::kDone && file_.Has("noise"))
-        of.noisy +=
-            static_cast<machine::Noise>(file_.ReadReal("noise", cell)) == machine::Noise::kNoisy;
-      if (status == store::Status::kDone && judgement.verdict == measure::Verdict::kUnknown)
+      if (ending.status != store::Status::kDone) {
+        SetFault(of, ending.Word());
+      } else if (!ending.IsKnown()) {
         SetFault(of, "no verdict");
-      if (status != store::Status::kDone) SetFault(of, std::string(store::StatusName(status)));
+      }
+      if (ending.status == store::Status::kDone && file_.Has("noise"))
+        of.noisy += static_cast<machine::Noise>(file_.ReadReal("noise", {at, rep})) ==
+                    machine::Noise::kNoisy;
     }
-    if (worst.verdict > of.verdict) of.verdict = worst.verdict;
+    const measure::Judgement worst = figures::WorstEnding(file_, at).judgement;
+    of.verdict = std::max(of.verdict, worst.verdict);
     if (worst.verdict > scene_.worst_verdict)
       SetFault(of, worst.first_bad_cycle < 0
                        ? std::string(measure::VerdictName(worst.verdict))
@@ -144,19 +121,17 @@ class SceneCollector {
                                      worst.first_bad_cycle));
   }
 
-  void AddFigures(const statistics::MeasuredPoint& point, ConfigurationFigures& of) {
-    of.time_step_s = steps_.Of(point.cells[0]);
-    const statistics::PhaseTimes& steps = times_.Of(point, measure::Phase::kStep);
+  void AddFigures(const figures::MeasuredPoint& point, ConfigurationFigures& of) {
+    of.time_step_s = model_.TimeStepOf(point);
+    const figures::PhaseTimes& steps = model_.times().Of(point, measure::Phase::kStep);
     of.step_ns = std::fmax(of.step_ns, steps.mean.value);
     std::vector<double> sorted = steps.cycles;
     std::ranges::sort(sorted);
-    of.slow_step_ns = std::fmax(of.slow_step_ns, statistics::Percentile(sorted, kSlowStep));
-    for (const Cell& cell : point.cells)
-      if (file_.Has("peak_rss"))
-        of.memory_bytes = std::fmax(of.memory_bytes, file_.ReadReal("peak_rss", cell));
+    of.slow_step_ns = std::fmax(of.slow_step_ns, figures::Percentile(sorted, kSlowStep));
+    of.memory_bytes = std::fmax(of.memory_bytes, model_.MemoryOf(point, "peak_rss"));
     const std::string dataset = "accuracy/" + std::string(scene_.error);
-    for (const Cell& cell : point.cells) {
-      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : statistics::kNone;
+    for (const figures::Cell& cell : point.cells) {
+      const double error = file_.Has(dataset) ? file_.ReadReal(dataset, cell) : figures::kNone;
       if (std::isnan(error)) SetFault(of, fmt::format("its error ({}) is not known", scene_.error));
       of.error = std::fmax(of.error, error);
     }
@@ -182,7 +157,7 @@ class SceneCollector {
   /// void timings, gives no speedups.
   void AddSpeedups(std::vector<ConfigurationFigures>& all) const {
     const ConfigurationFigures& baseline = all[0];
-    const statistics::MeasuredPoint* point = FindPoint(statistics::Point(file_.axes().size(), 0));
+    const figures::MeasuredPoint* point = model_.Find(figures::Point(file_.axes().size(), 0));
     const bool is_timed =
         std::isfinite(baseline.ms_per_s.value) && point != nullptr && point->IsSound();
     const std::string untimed =
@@ -193,16 +168,14 @@ class SceneCollector {
       else if (baseline.IsNoisy() && of.fault.empty())
         SetDisturbed(of, fmt::format("the baseline {} is noisy", baseline.name));
       if (!is_timed || !std::isfinite(of.ms_per_s.value)) continue;
-      of.speedup = statistics::RatioOf(baseline.ms_per_s, of.ms_per_s);
-      of.speedup_interval = times_.IntervalOf(of.speedup);
+      of.speedup = figures::RatioOf(baseline.ms_per_s, of.ms_per_s);
+      of.speedup_interval = model_.times().IntervalOf(of.speedup);
     }
   }
 
   const StandardScene& scene_;
   const store::ResultFile& file_;
-  statistics::CycleTimes times_;
-  const document::TimeSteps steps_;
-  const std::vector<statistics::MeasuredPoint> points_;
+  const figures::Model model_;
 };
 
 /// `rubble: not run`, for each scene of the kind without results.
@@ -223,7 +196,7 @@ KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*
   KindScore of;
   of.name = name;
   of.faults = faults;
-  std::vector<statistics::Estimate> speedups;
+  std::vector<figures::Estimate> speedups;
   for (const SceneFigures* scene : scenes) {
     const ConfigurationFigures* found = scene->Find(name);
     if (found == nullptr) {
@@ -237,15 +210,15 @@ KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*
       of.faults.push_back(fmt::format("{}: {}", scene->scene->name, found->fault));
   }
   if (!of.faults.empty()) return of;
-  for (const statistics::Estimate& speedup : speedups)
+  for (const figures::Estimate& speedup : speedups)
     if (speedup.drawn.size() != speedups[0].drawn.size())
       throw files::StoreError(
           fmt::format("the scenes of {} were not repeated equally often: their results are not of "
                       "one run of the suite",
                       scenes[0]->scene->kind));
-  const statistics::Estimate score = statistics::GeometricMeanOf(speedups);
+  const figures::Estimate score = figures::GeometricMeanOf(speedups);
   of.score = score.value;
-  of.interval = statistics::Bootstrap(score.things).IntervalOf(score);
+  of.interval = figures::Bootstrap(score.things).IntervalOf(score);
   return of;
 }
 
@@ -310,10 +283,10 @@ std::vector<const ConfigurationFigures*> Recommend(const SceneFigures& scene, do
   });
   const ConfigurationFigures& best = *fitting[0];
   std::erase_if(fitting, [&](const ConfigurationFigures* of) { return of->error > best.error; });
-  const statistics::Bootstrap bootstrap(best.ms_per_s.things);
+  const figures::Bootstrap bootstrap(best.ms_per_s.things);
   const auto is_slower = [&](const ConfigurationFigures& of, const ConfigurationFigures& other) {
     // Without repeats there is no interval, and no tie.
-    return !(bootstrap.IntervalOf(statistics::RatioOf(of.ms_per_s, other.ms_per_s)).low <= 1);
+    return !(bootstrap.IntervalOf(figures::RatioOf(of.ms_per_s, other.ms_per_s)).low <= 1);
   };
   std::vector<const ConfigurationFigures*> recommended;
   for (const ConfigurationFigures* of : fitting)

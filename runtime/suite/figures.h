@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/statistics/bootstrap.h"
-#include "runtime/statistics/numbers.h"
+#include "runtime/figures/bootstrap.h"
+#include "runtime/figures/numbers.h"
 #include "runtime/store/store.h"
 #include "runtime/suite/standard.h"
 
@@ -29,15 +29,15 @@ struct ConfigurationFigures {
                               ///< be right
   measure::Verdict verdict = measure::Verdict::kUnknown;  ///< the worst of its repeats
   std::size_t repeats = 0, noisy = 0;
-  double error = statistics::kNone;         ///< the largest over the seeds
-  double memory_bytes = statistics::kNone;  ///< peak resident memory, the maximum of its repeats
-  double time_step_s = statistics::kNone;
-  double step_ns = statistics::kNone;       ///< the mean
-  double slow_step_ns = statistics::kNone;  ///< 99th percentile of the cycles, each of which is the
-                                            ///< median of its repeats
+  double error = figures::kNone;         ///< the largest over the seeds
+  double memory_bytes = figures::kNone;  ///< peak resident memory, the maximum of its repeats
+  double time_step_s = figures::kNone;
+  double step_ns = figures::kNone;       ///< the mean
+  double slow_step_ns = figures::kNone;  ///< 99th percentile of the cycles, each of which is the
+                                         ///< median of its repeats
   /// Time for a simulated second, and the baseline's time over it. NaN if there is no time.
-  statistics::Estimate ms_per_s = {statistics::kNone, {}, 0}, speedup = {statistics::kNone, {}, 0};
-  statistics::Interval speedup_interval = {statistics::kNone, statistics::kNone};
+  figures::Estimate ms_per_s = {figures::kNone, {}, 0}, speedup = {figures::kNone, {}, 0};
+  figures::Interval speedup_interval = {figures::kNone, figures::kNone};
 
   bool HasScore() const { return fault.empty(); }
   /// True if most of its repeats were disturbed.
@@ -63,10 +63,10 @@ SceneFigures CollectScene(const StandardScene& scene, const store::ResultFile& f
 /// The score of a configuration in a kind.
 struct KindScore {
   std::string name;
-  double score = statistics::kNone;  ///< NaN if it has none
-  statistics::Interval interval = {statistics::kNone, statistics::kNone};
-  double memory_bytes = statistics::kNone;  ///< the maximum over the scenes
-  std::vector<std::string> faults;          ///< `bounce: drifting from cycle 12`
+  double score = figures::kNone;  ///< NaN if it has none
+  figures::Interval interval = {figures::kNone, figures::kNone};
+  double memory_bytes = figures::kNone;  ///< the maximum over the scenes
+  std::vector<std::string> faults;       ///< `bounce: drifting from cycle 12`
 };
 
 struct KindFigures {

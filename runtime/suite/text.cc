@@ -8,17 +8,12 @@
 #include <limits>
 #include <utility>
 
+#include "runtime/figures/words.h"
 #include "runtime/terminal/table.h"
 #include "runtime/terminal/wrap.h"
 
 namespace cdb::suite {
 namespace {
-
-/// `1.50 ms`
-std::string TimeText(double ns) {
-  const auto unit = terminal::TimeUnit::For(ns);
-  return fmt::format("{} {}", terminal::ShortNumber(ns / unit.ns), unit.name);
-}
 
 std::string MemoryText(double bytes) {
   return std::isnan(bytes) ? "-" : fmt::format("{:.0f} MB", bytes / 1e6);
@@ -28,7 +23,7 @@ std::string RatioText(double ratio) {
   return std::isnan(ratio) ? "-" : fmt::format("{:.2f}", ratio);
 }
 
-std::string RangeText(const statistics::Interval& interval) {
+std::string RangeText(const figures::Interval& interval) {
   return std::isnan(interval.low) ? "-"
                                   : fmt::format("{:.2f} .. {:.2f}", interval.low, interval.high);
 }
@@ -158,16 +153,15 @@ std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
   }
   if (known == 0)
     return "Whether Bullet's defaults are right is not known: the machine was disturbed.";
-  std::string text =
-      slow.empty()
-          ? fmt::format(
-                "In none of {} scenes is another of Bullet's configurations at least {:.0f} % "
-                "faster than its default.",
-                known, 100 * (kWorthwhile - 1))
-          : fmt::format(
-                "Another of Bullet's configurations is at least {:.0f} % faster than its default "
-                "in {} of {} scenes (95 % interval above 1): {}.",
-                100 * (kWorthwhile - 1), slow.size(), known, fmt::join(slow, ", "));
+  std::string text = slow.empty()
+                         ? fmt::format(
+                               "In none of {} scenes is another of Bullet's configurations at "
+                               "least {:.0f} % faster than its default.",
+                               known, 100 * (kWorthwhile - 1))
+                         : fmt::format(
+                               "Another of Bullet's configurations is at least {:.0f} % faster "
+                               "than its default in {} of {} scenes (95 % interval above 1): {}.",
+                               100 * (kWorthwhile - 1), slow.size(), known, fmt::join(slow, ", "));
   if (!wrong.empty()) text += fmt::format(" It is wrong in {}.", fmt::join(wrong, ", "));
   return text;
 }
@@ -212,11 +206,13 @@ std::string AnswerText(const SceneFigures& scene) {
     return std::ranges::any_of(scene.configurations, &ConfigurationFigures::is_disturbed)
                ? "Not known: the machine was disturbed."
                : "No configuration is right.";
-  std::string text = fmt::format("{}: {} a step, {}.{}", best[0]->name, TimeText(best[0]->step_ns),
-                                 SpeedOver(*best[0], baseline), TiesText(best));
+  std::string text =
+      fmt::format("{}: {} a step, {}.{}", best[0]->name, figures::TimeText(best[0]->step_ns),
+                  SpeedOver(*best[0], baseline), TiesText(best));
   if (!own.empty() && own[0] != best[0])
     text += fmt::format(" Of Bullet's: {}, {} a step, {}.{}", own[0]->name,
-                        TimeText(own[0]->step_ns), SpeedOver(*own[0], baseline), TiesText(own));
+                        figures::TimeText(own[0]->step_ns), SpeedOver(*own[0], baseline),
+                        TiesText(own));
   return text;
 }
 

@@ -12,7 +12,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/exact_layouts.h"
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 #include "runtime/view/selection.h"
 
 namespace cdb::view {
@@ -136,10 +136,10 @@ void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const Fram
       std::max(1.0, std::ceil(bytes / static_cast<double>(choice.budget_bytes))));
   recording.every = choice.every.value_or(fitting);
   if (recording.every > 1 && !choice.every)
-    recording.notices.push_back(fmt::format(
-        "One cycle in {} is shown, of {} to {}: with all of them the page would be too large; "
-        "--cycles A..B shows a part of the run in finer steps.",
-        recording.every, choice.first, last));
+    recording.notices.push_back(
+        fmt::format("One cycle in {} is shown, of {} to {}: with all of them the page would be too "
+                    "large; --cycles A..B shows a part of the run in finer steps.",
+                    recording.every, choice.first, last));
   for (std::uint64_t cycle = choice.first; cycle <= last; cycle += recording.every) {
     recording.cycles.push_back(cycle);
     reader.Read(cycle, has_boxes);
@@ -208,7 +208,7 @@ void ParseCycles(const std::string& text, FrameChoice& choice) {
 }
 
 ResultFile::Cell DefaultCell(const ResultFile& file) {
-  const std::vector<ResultFile::Cell> cells = statistics::AllCells(file);
+  const std::vector<ResultFile::Cell> cells = figures::AllCells(file);
   const auto ran = std::ranges::find_if(cells, [&](const ResultFile::Cell& cell) {
     const store::Status status = file.ReadStatus(cell);
     return status != store::Status::kMissing && status != store::Status::kSkipped &&
@@ -219,7 +219,7 @@ ResultFile::Cell DefaultCell(const ResultFile& file) {
 
 SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cell,
                              const FrameChoice& choice) {
-  const auto plan = statistics::ReadPlan(file);
+  const auto plan = figures::ReadPlan(file);
   if (!plan)
     throw StoreError(
         "its plan is of another version of cdb, and bodies cannot be drawn: run it again, or use "
@@ -252,9 +252,9 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
       recording.n_cycles == 0
           ? fmt::format("This run is {} and has no cycles: the start of its scene is shown.",
                         store::StatusName(recording.status))
-          : std::string("This run has no poses: the start of its scene is shown. To see it move, "
-                        "add `poses` to `record`, as in `record timing, counts, poses`, and run it "
-                        "again."));
+          : std::string(
+                "This run has no poses: the start of its scene is shown. To see it move, add "
+                "`poses` to `record`, as in `record timing, counts, poses`, and run it again."));
   Start(recording);
   return recording;
 }

@@ -23,11 +23,11 @@ std::optional<double> NumberOf(const std::string& text) {
 }
 
 std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
-  const statistics::NamedValues values = statistics::FindValues(axis, text);
+  const figures::NamedValues values = figures::FindValues(axis, text);
   if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
   throw StoreError(fmt::format("{}={}: {}the axis has the values {}", axis.name, text,
                                values.indices.empty() ? "" : "that is more than one; ",
-                               statistics::ValuesText(axis)));
+                               figures::ValuesText(axis)));
 }
 
 std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
@@ -41,8 +41,7 @@ std::uint64_t RepeatOf(const std::string& value, std::uint64_t repeats) {
 }  // namespace
 
 void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
-            const std::vector<statistics::AxisSelection>& selections,
-            store::ResultFile::Cell& cell) {
+            const std::vector<figures::AxisSelection>& selections, store::ResultFile::Cell& cell) {
   for (const auto& [name, value] : selections) {
     if (name == "rep") {
       cell.rep = RepeatOf(value, repeats);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/statistics/axis_values.h"
+#include "runtime/figures/selection.h"
 #include "runtime/store/store.h"
 
 namespace cdb::view {
@@ -13,8 +13,7 @@ namespace cdb::view {
 /// Changes the cell to the selected values, each `axis=value` or `rep=2`; other axes keep theirs.
 /// Throws files::StoreError for an axis or a value that the sweep does not have.
 void Select(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
-            const std::vector<statistics::AxisSelection>& selections,
-            store::ResultFile::Cell& cell);
+            const std::vector<figures::AxisSelection>& selections, store::ResultFile::Cell& cell);
 
 /// `detector dbvt, quantity 100, rep 0`; the repeat only if there are several. Empty for a sweep of
 /// one run.

@@ -28,10 +28,6 @@
 namespace cdb::bench {
 namespace {
 
-constexpr std::string_view kCompounds[] = {"torus", "bunny", "armadillo", "teapot"};
-constexpr std::string_view kTypes[] = {"sphere",      "cuboid", "cylinder", "cone",      "capsule",
-                                       "tetrahedron", "torus",  "bunny",    "armadillo", "teapot"};
-
 double HeapBytes() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
@@ -103,7 +99,7 @@ void PrintMemory(int rounds) {
   for (const char* sizes : {"alike", "unlike"})
     fmt::print(" | {:>6}: {:>6} {:>8} {:>12}", sizes, "state", "engine", "first cycle");
   fmt::print("\n");
-  for (const std::string_view type : kTypes) {
+  for (const auto& [type, doc, fill] : schema::kObjectTypeTable) {
     std::size_t vertices = 0, pieces = 1;
     double form_bytes = 0;
     if (const auto form = FormOf(type)) {
@@ -197,7 +193,11 @@ void PrintCut() {
   fmt::print("{:<12} {:>9} {:>9} {:>6} {:>9} {:>16} {:>7}\n", "type", "cold, s", "warm, ms",
              "hulls", "vertices", "volume error, %", "IoU");
   const tests::TemporaryCache cache;
-  for (const std::string_view type : kCompounds) {
+  for (const auto& [type, doc, fill] : schema::kObjectTypeTable) {
+    const auto& closed = objects::kClosedShapes;
+    if (std::ranges::any_of(closed,
+                            [&](objects::Shape shape) { return objects::TypeOf(shape) == type; }))
+      continue;
     std::shared_ptr<const objects::ConvexDecomposition> form;
     const double cold = Milliseconds([&] { form = FormOf(type); });
     const double warm = Milliseconds([&] { form = FormOf(type); });

@@ -3,14 +3,14 @@
 //   result_states out.h5
 #include <fmt/format.h>
 
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 #include "runtime/store/store.h"
 
 int main(int argc, char** argv) {
   using namespace cdb;
   if (argc != 2) return 2;
   const store::ResultFile file(argv[1]);
-  for (const store::ResultFile::Cell& cell : statistics::AllCells(file))
+  for (const store::ResultFile::Cell& cell : figures::AllCells(file))
     fmt::print("{} {} {}\n", file.ReadText("run_id", cell),
                store::StatusName(file.ReadStatus(cell)), file.ReadText("state_hash", cell));
   return 0;

@@ -31,8 +31,8 @@ export const texts = (name, values, more = {}) => ({
   ...more,
 });
 
-/** A document whose step takes `time(values)` ns at each point. */
-export function documentOf(axes, time, { repeats = 9, cycles = 100, ...more } = {}) {
+/** A document without pooled rows whose step takes `time(values)` ns at each point. */
+function pointsDocument(axes, time, { repeats = 9, cycles = 100, ...more } = {}) {
   const at = grid(axes);
   const step = at.map((place) => time(axes.map((axis, a) => axis.values[place[a]])));
   const times = Object.fromEntries(
@@ -160,6 +160,96 @@ function ratiosOf(axes, at, detector, step) {
   };
 }
 
+/** Groups `items` by `keyOf`, in order of first appearance. */
+function groupBy(items, keyOf) {
+  const groups = new Map();
+  for (const item of items) {
+    const key = keyOf(item);
+    if (!groups.has(key)) groups.set(key, []);
+    groups.get(key).push(item);
+  }
+  return [...groups.values()];
+}
+
+const severities = ['stable', 'tunnelled', 'frozen', 'crashed'];
+const average = (values) =>
+  values.some((value) => value === null) ? null : values.reduce((sum, value) => sum + value, 0) / values.length;
+
+/** The pooled rows that cdb would write for a document, but with the means of the ends of intervals. */
+function tableOf({ axes, points, detector_axis: detector, ratios }, at, kept) {
+  const column = (values) => (Array.isArray(values) ? (i) => values[i] : () => values.constant);
+  const [mark, isVoid, verdict, cycle] = ['mark', 'is_void', 'verdict', 'first_bad_cycle'].map((key) =>
+    column(points[key]),
+  );
+  const place = (i) => kept.map((a) => at[i][a]);
+  const cell = (i) => at[i].filter((_, a) => !kept.includes(a)).join();
+  const timed = at.map((_, i) => i).filter((i) => points.times.step.mean[i] !== null);
+  const rows = groupBy(timed, (i) => `${place(i)} ${isVoid(i)} ${mark(i)}`).map((own) => ({ own, points: own }));
+  let isUnmatched = false;
+  for (const kind of groupBy(rows, ({ own: [i] }) => `${isVoid(i)} ${mark(i)}`)) {
+    const seen = new Map();
+    for (const { own } of kind) for (const i of own) seen.set(cell(i), (seen.get(cell(i)) ?? 0) + 1);
+    const isCommon = (i) => seen.get(cell(i)) === kind.length;
+    if (!kind.some(({ own }) => own.some(isCommon))) isUnmatched = true;
+    else for (const row of kind) row.points = row.own.filter(isCommon);
+  }
+  const means = (table) =>
+    Object.fromEntries(
+      Object.entries(table).map(([key, values]) => [key, rows.map((row) => average(row.points.map((i) => values[i])))]),
+    );
+  const places = groupBy(
+    at.map((_, i) => i),
+    (i) => place(i).join(),
+  );
+  const worst = (own) => own.reduce((a, b) => (severities.indexOf(verdict(b)) > severities.indexOf(verdict(a)) ? b : a));
+  const ratiosOf = ({ value, low, high, is_matched: isMatched }) => {
+    const used = places.map((own) => own.filter((i) => isMatched[i] && value[i] > 0));
+    const of = (values) => used.map((own) => (own.length ? average(own.map((i) => values[i])) : null));
+    return {
+      ...{ value: of(value), low: of(low), high: of(high) },
+      ...{ cells: used.map((own) => own.length), of: places.map((own) => own.length) },
+      ...{ is_matched: used.map((own) => own.length > 0), is_void: places.map(() => false) },
+    };
+  };
+  return {
+    axes: kept,
+    is_unmatched: isUnmatched,
+    rows: {
+      at: rows.map(({ own: [i] }) => place(i)),
+      mark: rows.map(({ own: [i] }) => mark(i)),
+      is_void: rows.map(({ own: [i] }) => isVoid(i)),
+      points: rows.map((row) => row.points.length),
+      own: rows.map((row) => row.own.length),
+      times: Object.fromEntries(Object.entries(points.times).map(([phase, table]) => [phase, means(table)])),
+      counts: means(points.counts ?? {}),
+      memory: {},
+    },
+    places: {
+      at: places.map(([i]) => place(i)),
+      points: places.map((own) => own.length),
+      verdict: places.map((own) => verdict(worst(own))),
+      first_bad_cycle: places.map((own) => cycle(worst(own))),
+      ...(ratios && kept.includes(detector)
+        ? { ratios: Object.fromEntries(Object.entries(ratios.phases).map(([name, each]) => [name, ratiosOf(each)])) }
+        : {}),
+    },
+  };
+}
+
+/** Adds the pooled rows of a document. */
+export function pooled(document) {
+  const { axes, points } = document;
+  const at = Array.isArray(points.at) ? points.at : grid(axes);
+  const varied = axes.map((_, a) => a).filter((a) => axes[a].values.length > 1);
+  const tables = [];
+  for (let bits = 0; bits < 2 ** varied.length - 1; ++bits)
+    tables.push(tableOf(document, at, varied.filter((_, k) => (bits >> k) & 1)));
+  return { ...document, pooled: tables };
+}
+
+/** A document whose step takes `time(values)` ns at each point. */
+export const documentOf = (...parts) => pooled(pointsDocument(...parts));
+
 const detectors = ['simple', 'sap', 'sap32', 'dbvt'];
 const speed = { simple: 4, sap: 1.5, sap32: 1.4, dbvt: 2 };
 
@@ -199,7 +289,7 @@ export function mixed() {
     if (isFrozen) [points.is_void[i], points.verdict[i], points.first_bad_cycle[i]] = [true, 'frozen', 7 + d];
     else if (s === 2 && seed === 1) [points.verdict[i], points.first_bad_cycle[i]] = ['tunnelled', 17];
   });
-  return {
+  return pooled({
     ...document,
     conclusions: [
       { question: 'Which takes the least memory?', answer: 'None.', kind: 'memory', certainty: 'tie' },
@@ -219,7 +309,7 @@ export function mixed() {
         wrong_runs: 1,
       },
     ],
-  };
+  });
 }
 
 export function accuracy() {
@@ -266,7 +356,7 @@ export function hostile() {
   );
   document.points.mark[1] = script;
   document.points.verdict[1] = script;
-  return {
+  return pooled({
     ...document,
     title: script,
     generator: script,
@@ -300,7 +390,7 @@ export function hostile() {
         ],
       },
     ],
-  };
+  });
 }
 
 export const cases = {
@@ -314,7 +404,7 @@ export const cases = {
     document.points.mark.fill('crashed');
     document.points.verdict.fill('crashed');
     return {
-      ...document,
+      ...pooled(document),
       cycles: null,
       distributions: null,
       failures: [{ place: 'all', why: 'crashed', command: 'cdb run' }],
@@ -383,7 +473,7 @@ export function large() {
     Math.round(10 * (Math.floor(i / 2000) + 1) * (1 + (Math.floor(i / 100) % 20)) * (100 + (i % 100))),
   );
   const times = { mean, low: mean.map((v) => v - 10), high: mean.map((v) => v + 20) };
-  return {
+  return pooled({
     ...documentOf([], () => 1),
     axes,
     detector_axis: 1,
@@ -401,5 +491,5 @@ export function large() {
       cycles: { constant: 100 },
       times: { step: times, detect: { mean: times.mean } },
     },
-  };
+  });
 }

@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { column, openDocument, pointText, quantities } from '../../runtime/page/report/document.js';
 import { count, csv, number, short } from '../../runtime/page/report/format.js';
-import { group, pool, thin } from '../../runtime/page/report/pool.js';
+import { entriesOf, thin } from '../../runtime/page/report/pooled.js';
 import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/page/report/state.js';
 import { documentOf, first, large, mixed, numbers, texts } from './fixtures.mjs';
 
@@ -99,54 +99,59 @@ test('an address that does not apply is as by default', () => {
   assert.deepEqual(both.roles, ['x', 'pooled']);
 });
 
-test('an interval of several points is their half-widths in quadrature', () => {
-  const pooled = pool([0, 1], { value: [10, 20], low: [7, 16], high: [14, 23] }, 'arithmetic');
-  assert.deepEqual(pooled, {
-    value: 15,
-    low: 15 - Math.hypot(3, 4) / 2,
-    high: 15 + Math.hypot(4, 3) / 2,
-    interval: 'quadrature',
-  });
-});
-
-test('geometric means are of logarithms', () => {
-  const pooled = pool([0, 1], { value: [0.5, 2], low: [0.25, 1], high: [1, 4] }, 'geometric');
-  assert.ok(Math.abs(pooled.value - 1) < 1e-12);
-  assert.ok(Math.abs(pooled.low - 2 ** -Math.SQRT1_2) < 1e-12);
-});
-
-test('where a point has no interval, the range over the points', () => {
-  assert.deepEqual(pool([0, 1], { value: [10, 20], low: [7, null], high: [14, null] }, 'arithmetic'), {
-    value: 15,
-    low: 10,
-    high: 20,
-    interval: 'range',
-  });
-  assert.deepEqual(pool([0], { value: [10] }, 'arithmetic'), { value: 10, low: null, high: null, interval: null });
-  assert.equal(pool([0], { value: [null] }, 'arithmetic'), null);
-});
+const step = (doc) => quantities(doc).find((each) => each.id === 'time:step');
+const entries = (doc, view) => entriesOf(doc, view, step(doc));
 
 test('void points stand apart, and a hole leaves its cell out of every mark of its kind', () => {
   const doc = openDocument(mixed());
-  const view = defaultView(doc);
-  const { groups, pooled, isUnmatched } = group(doc, view, doc.times.step.mean);
-  assert.deepEqual(pooled, [2]);
-  assert.equal(isUnmatched, false);
-  for (const each of groups) {
-    assert.ok(each.points.every((p) => doc.isVoid[p] === each.isVoid));
-    // Simple has no time at speed 10, seed 2: the sound marks only have seed 1,
-    // and the void ones seed 2, as one of them has no other.
-    assert.equal(each.points.length, 1);
-  }
-  assert.equal(groups.filter((each) => each.isVoid).length, 4);
+  const found = entries(doc, defaultView(doc));
+  assert.deepEqual(found.pooled, [2]);
+  assert.equal(found.isUnmatched, false);
+  // Simple has no time at speed 10, seed 2: the sound marks only have seed 1, and the void ones seed 2, as one of them has
+  // no other.
+  for (const each of found.entries) assert.equal(each.points, 1);
+  assert.equal(found.entries.filter((each) => each.isVoid).length, 4);
+});
+
+test('pooled values are those of the document', () => {
+  const doc = openDocument(mixed());
+  const view = { ...defaultView(doc), roles: ['pooled', 'x', 'pooled'] };
+  const { rows } = doc.raw.pooled.find(({ axes }) => axes.join() === '1');
+  const found = entries(doc, view).entries;
+  assert.deepEqual(
+    found.map(({ value, low, high, points, own }) => [value, low, high, points, own]),
+    rows.at.map((_, i) => [
+      ...['mean', 'low', 'high'].map((key) => rows.times.step[key][i]),
+      rows.points[i],
+      rows.own[i],
+    ]),
+  );
+  assert.deepEqual(
+    found.map(({ place }) => place),
+    rows.at.map(([i]) => [-1, i, -1]),
+  );
+});
+
+test('a fixed axis chooses among the pooled rows', () => {
+  const doc = openDocument(mixed());
+  const view = { ...defaultView(doc), roles: ['fixed', 'x', 'pooled'], at: [1, 0, 0] };
+  const whole = entries(doc, { ...view, roles: ['colour', 'x', 'pooled'] }).entries;
+  assert.deepEqual(
+    entries(doc, view).entries,
+    whole.filter(({ place }) => place[0] === 1),
+  );
+});
+
+test('a set of axes that the document did not pool has no entries', () => {
+  const doc = openDocument({ ...mixed(), pooled: [] });
+  assert.equal(entries(doc, defaultView(doc)), null);
 });
 
 test('fixed axes select', () => {
   const doc = openDocument(first());
   const view = { ...defaultView(doc), roles: ['colour', 'fixed'], at: [0, 2] };
-  const { groups } = group(doc, view, doc.times.step.mean);
   assert.deepEqual(
-    groups.map((each) => each.points.map((p) => pointText(doc, p))).flat(),
+    entries(doc, view).entries.map(({ place }) => pointText(doc, doc.at.findIndex((at) => at.join() === place.join()))),
     ['simple', 'sap', 'sap32', 'dbvt'].map((name) => `detector ${name}, quantity 400`),
   );
 });
@@ -160,11 +165,11 @@ test('long series are thinned to bins that keep their range', () => {
   assert.deepEqual(bins[0], { x: 49.5, value: 49.5, count: 100, low: 0, high: 99 });
 });
 
-test('10^5 points have groups', () => {
+test('10^5 points have pooled rows', () => {
   const doc = openDocument(large());
-  const { groups } = group(doc, defaultView(doc), doc.times.step.mean);
-  assert.equal(groups.length, 1000);
-  assert.ok(groups.every((each) => each.points.length === 100));
+  const found = entries(doc, defaultView(doc)).entries;
+  assert.equal(found.length, 1000);
+  assert.ok(found.every((each) => each.points === 100));
 });
 
 test('what can be drawn', () => {

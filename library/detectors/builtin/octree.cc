@@ -1,11 +1,18 @@
-#include "library/detectors/builtin/octree.h"
-
+// `octree`: a loose octree, rebuilt every cycle. Each body is in a cube of at least its own size
+// that contains its centre, and is tested with the bodies of all cubes that its box reaches. A cube
+// is split if more than eight of its bodies would fit into its halves. Bodies are inserted in
+// Morton order, so that those of a cube are close in memory.
+//
+// Source: Ulrich, "Loose octrees", Game Programming Gems 1 (2000); Woulfe & Manzke 2009, section 2,
+// lists octrees. Cost: n log n for evenly distributed bodies; bodies in the same place are all
+// tested with each other.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "library/detectors/detector.h"
 #include "library/detectors/kernels/finite_boxes.h"
 
 namespace cdb::builtin {
@@ -188,6 +195,7 @@ class Octree final : public kernels::FiniteBoxes {
 
 }  // namespace
 
+/// Exact pairs, each listed once. Threads: only the caller's.
 Detector* MakeOctree(const Options& options) { return kernels::MakeDetector<Octree>(options); }
 
 }  // namespace cdb::builtin

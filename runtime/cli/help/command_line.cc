@@ -1,11 +1,7 @@
 #include "runtime/cli/help/command_line.h"
 
 #include <CLI/CLI.hpp>
-
-#include "runtime/cli/help/help_commands.h"
-#include "runtime/cli/help/topics.h"
-#include "runtime/manual/explanation.h"
-#include "runtime/manual/lookup.h"
+#include <algorithm>
 
 namespace cdb::help {
 
@@ -18,11 +14,12 @@ std::string CommandInfo::Synopsis() const {
   return text;
 }
 
-std::vector<CommandInfo> CommandsOf(const CLI::App& app) {
+std::vector<CommandInfo> CommandsOf(const CLI::App& app, std::span<const options::Command> rows) {
   std::vector<CommandInfo> commands;
   for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_group().empty()) continue;
-    CommandInfo info{command->get_name(), command->get_description(), {}, {}};
+    CommandInfo info{command->get_name(), command->get_description(), {}, {}, {}};
+    const auto row = std::ranges::find(rows, info.name, &options::Command::name);
+    if (row->words != nullptr) info.words = row->words();
     for (const CLI::Option* option : command->get_options()) {
       if (option->get_positional()) {
         info.arguments.push_back({option->get_name(true, false), option->get_description(),
@@ -37,22 +34,6 @@ std::vector<CommandInfo> CommandsOf(const CLI::App& app) {
     commands.push_back(std::move(info));
   }
   return commands;
-}
-
-std::vector<std::string> WordsFor(const std::string& command) {
-  std::vector<std::string> words;
-  if (command == "doc") {
-    words = manual::KnownNames();
-    for (const std::string_view topic : TopicNames()) words.emplace_back(topic);
-  } else if (command == "explain") {
-    for (const manual::Explanation* row : manual::AllExplanations())
-      words.insert(words.end(), {std::string(row->kind->code), std::string(row->kind->id)});
-  } else if (command == "list") {
-    words = ListKinds();
-  } else if (command == "generate") {
-    words = GeneratedKinds();
-  }
-  return words;
 }
 
 }  // namespace cdb::help

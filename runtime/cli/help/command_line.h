@@ -1,8 +1,11 @@
 // The command line as data, for shell completion and manual pages.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
+
+#include "runtime/cli/options/subcommand.h"
 
 namespace CLI {
 class App;
@@ -25,16 +28,13 @@ struct CommandInfo {
   std::string name, help;
   std::vector<OptionInfo> options;
   std::vector<ArgumentInfo> arguments;
+  std::vector<std::string> words;  ///< that its argument accepts; empty if it takes files
 
   /// `cdb fmt FILE...`
   std::string Synopsis() const;
 };
 
 /// The subcommands that `cdb --help` lists, in its order.
-std::vector<CommandInfo> CommandsOf(const CLI::App& app);
-
-/// The words that the argument of a command accepts: names for `cdb doc`, codes for `cdb explain`.
-/// Empty if the command takes files.
-std::vector<std::string> WordsFor(const std::string& command);
+std::vector<CommandInfo> CommandsOf(const CLI::App& app, std::span<const options::Command> rows);
 
 }  // namespace cdb::help

@@ -46,8 +46,7 @@ std::string BashCompletion(std::span<const CommandInfo> commands) {
   for (const CommandInfo& command : commands) {
     names += (names.empty() ? "" : " ") + command.name;
     cases += fmt::format("    {}) options='{}'", command.name, OptionsOf(command));
-    if (const auto words = WordsFor(command.name); !words.empty())
-      cases += fmt::format(" words='{}'", fmt::join(words, " "));
+    if (!command.words.empty()) cases += fmt::format(" words='{}'", fmt::join(command.words, " "));
     cases += " ;;\n";
   }
   return fmt::format(
@@ -81,9 +80,9 @@ std::string ZshCompletion(std::span<const CommandInfo> commands) {
       for (const std::string& name : option.names)
         cases += fmt::format(" \\\n        {}{}", Quoted(name + "[") + Quoted(option.help, "[]:"),
                              option.takes_value ? "']:value:_files'" : "']'");
-    const auto words = WordsFor(command.name);
-    cases += words.empty() ? " \\\n        '*:file:_files' ;;\n"
-                           : fmt::format(" \\\n        '*:name:({})' ;;\n", fmt::join(words, " "));
+    cases += command.words.empty()
+                 ? " \\\n        '*:file:_files' ;;\n"
+                 : fmt::format(" \\\n        '*:name:({})' ;;\n", fmt::join(command.words, " "));
   }
   return fmt::format(
       "#compdef cdb\n{}_cdb() {{\n  local -a commands=(\n{}  )\n"
@@ -107,8 +106,9 @@ std::string FishCompletion(std::span<const CommandInfo> commands) {
                                        : fmt::format(" -s {}", name.substr(1));
       text += fmt::format("{} -d {}\n", option.takes_value ? " -r" : "", FishQuoted(option.help));
     }
-    if (const auto words = WordsFor(command.name); !words.empty())
-      text += fmt::format("complete -c cdb -n {} -f -a '{}'\n", here, fmt::join(words, " "));
+    if (!command.words.empty())
+      text +=
+          fmt::format("complete -c cdb -n {} -f -a '{}'\n", here, fmt::join(command.words, " "));
   }
   return text;
 }

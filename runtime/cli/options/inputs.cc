@@ -168,6 +168,7 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   std::vector<schema::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     plan::Plan plan = yaml::FromYaml(ReadText(file), file);
+    plan.Renew();
     CheckPlanFile(file, benchmark, plugins, plan.benchmark);
     if (named != nullptr)
       for (const plan::Run& run : plan.runs)
@@ -225,6 +226,16 @@ double ParsePercent(const std::string& option, const std::string& text) {
     throw CommandError(
         fmt::format("{} {}: is not a percentage of 0 or more, as in 5%", option, text));
   return percent / 100;
+}
+
+void CheckOneForm(std::initializer_list<std::pair<const char*, bool>> forms) {
+  const char* first = nullptr;
+  for (const auto& [name, is_asked] : forms) {
+    if (is_asked && first != nullptr)
+      throw CommandError(
+          fmt::format("{} and {} are two forms of the same: choose one", first, name));
+    if (is_asked) first = name;
+  }
 }
 
 std::string ReadText(const std::string& file) {

@@ -89,6 +89,10 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
 /// `5%`, `5 %` or `5` as the fraction 0.05. Throws CommandError that names the option.
 double ParsePercent(const std::string& option, const std::string& text);
 
+/// Throws CommandError if several of these forms of output, each with whether
+/// it was asked for, are asked for.
+void CheckOneForm(std::initializer_list<std::pair<const char*, bool>> forms);
+
 /// The whole text of a file. Throws CommandError.
 std::string ReadText(const std::string& file);
 

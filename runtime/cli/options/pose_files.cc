@@ -8,8 +8,8 @@
 
 #include "compiler/schema/parametrised_words.h"
 #include "library/scene_error.h"
+#include "runtime/figures/points.h"
 #include "runtime/measure/series.h"
-#include "runtime/statistics/cells.h"
 #include "runtime/store/pose_arrays.h"
 #include "runtime/store/store.h"
 #include "runtime/view/selection.h"
@@ -45,14 +45,14 @@ struct Arguments {
 }
 
 /// `detector=dbvt, quantity=100`.
-std::vector<statistics::AxisSelection> SelectionsOf(const std::string& text) {
-  std::vector<statistics::AxisSelection> selections;
+std::vector<figures::AxisSelection> SelectionsOf(const std::string& text) {
+  std::vector<figures::AxisSelection> selections;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     std::string word = text.substr(begin, end - begin);
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
-    selections.push_back(statistics::ParseSelection(word));
+    selections.push_back(figures::ParseSelection(word));
     begin = end + 1;
   }
   return selections;
@@ -61,10 +61,9 @@ std::vector<statistics::AxisSelection> SelectionsOf(const std::string& text) {
 ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
   ResultFile::Cell cell{std::vector<std::size_t>(file.axes().size(), 0), 0};
   const auto selections =
-      from.run ? SelectionsOf(*from.run) : std::vector<statistics::AxisSelection>();
+      from.run ? SelectionsOf(*from.run) : std::vector<figures::AxisSelection>();
   const auto is_named = [&](std::string_view axis) {
-    return std::ranges::find(selections, axis, &statistics::AxisSelection::axis) !=
-           selections.end();
+    return std::ranges::find(selections, axis, &figures::AxisSelection::axis) != selections.end();
   };
   std::string open;
   for (const plan::Axis& axis : file.axes())
@@ -80,7 +79,7 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
 /// The range of objects requested: the first, and the one after the last.
 std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const ResultFile::Cell& cell,
                                               const Arguments& from) {
-  const auto plan = statistics::ReadPlan(file);
+  const auto plan = figures::ReadPlan(file);
   if (!plan) Refuse(from, "its plan is of another version of cdb", "run it again with this one");
   const auto run = std::ranges::find_if(plan->runs, [&](const plan::Run& candidate) {
     return candidate.at == cell.at && candidate.rep == cell.rep;

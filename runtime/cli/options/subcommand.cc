@@ -5,8 +5,8 @@
 
 namespace cdb::options {
 
-Subcommand::Subcommand(CLI::App& app, const std::string& name, const std::string& help)
-    : command_(*app.add_subcommand(name, help)) {}
+Subcommand::Subcommand(CLI::App& program, const Command& row, ExitStatus& status)
+    : program_(program), command_(*program.add_subcommand(row.name, row.help)), status_(status) {}
 
 void Subcommand::Required(const std::string& name, std::string& value, const std::string& help) {
   command_.add_option(name, value, help)->required();
@@ -84,8 +84,8 @@ void Subcommand::Cycles(std::optional<std::uint64_t>& cycles, const std::string&
   command_.add_option("--cycles", cycles, help)->check(CLI::Range(1, 2147483647));
 }
 
-void Subcommand::Action(ExitStatus& status, std::function<ExitStatus()> action) {
-  command_.callback([&status, action = std::move(action)] { status = action(); });
+void Subcommand::Action(std::function<ExitStatus()> action) {
+  command_.callback([&status = status_, action = std::move(action)] { status = action(); });
 }
 
 }  // namespace cdb::options

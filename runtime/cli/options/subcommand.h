@@ -1,4 +1,4 @@
-// The options of one subcommand. Commands do not include CLI11, as its headers take long to
+// A subcommand: its row and its options. Commands do not include CLI11, as its headers take long to
 // compile.
 #pragma once
 
@@ -16,12 +16,22 @@ class App;
 
 namespace cdb::options {
 
+class Subcommand;
+
+/// A row of THE table of commands (runtime/cli/commands.h).
+struct Command {
+  std::string name;
+  std::string help;                          ///< one line
+  void (*declare)(Subcommand& command);      ///< its arguments, options and action
+  std::vector<std::string> (*words)() = {};  ///< that its argument accepts; null if it takes files
+};
+
 /// `--help` lists options in the order of their declaration. Each is parsed into a variable, which
 /// must live until the command has run. Names are those of CLI11: `-o,--out`, or `FILE` for a
 /// positional argument.
 class Subcommand {
  public:
-  Subcommand(CLI::App& app, const std::string& name, const std::string& help);
+  Subcommand(CLI::App& program, const Command& row, ExitStatus& status);
 
   void Required(const std::string& name, std::string& value, const std::string& help);
   void Required(const std::string& name, std::vector<std::string>& values, const std::string& help);
@@ -47,11 +57,15 @@ class Subcommand {
   void Plugins(std::vector<std::string>& plugins);
   void Cycles(std::optional<std::uint64_t>& cycles, const std::string& help);
 
-  /// Runs once the command line is parsed, and sets `status`, which must live until then.
-  void Action(ExitStatus& status, std::function<ExitStatus()> action);
+  /// Runs once the command line is parsed, and sets the status, which must live until then.
+  void Action(std::function<ExitStatus()> action);
+  /// The whole command line; lives until the command has run.
+  const CLI::App& program() const { return program_; }
 
  private:
+  CLI::App& program_;
   CLI::App& command_;
+  ExitStatus& status_;
 };
 
 }  // namespace cdb::options

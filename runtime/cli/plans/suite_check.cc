@@ -11,7 +11,7 @@
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
-#include "runtime/statistics/cells.h"
+#include "runtime/figures/points.h"
 
 namespace cdb::plans {
 namespace {
@@ -28,7 +28,8 @@ std::string IdWithBaseline(const plan::Run& run, const plan::Plan& standard) {
 
 /// The reason why the plan of the results is not `standard`, with or without additional detectors;
 /// empty if it is.
-std::string FindForeign(const plan::Plan& of, const plan::Plan& standard) {
+std::string FindForeign(plan::Plan of, const plan::Plan& standard) {
+  of.Renew();
   std::set<std::string> ids, wanted;
   for (const plan::Run& run : standard.runs) wanted.insert(run.id);
   std::size_t foreign = 0;
@@ -40,8 +41,8 @@ std::string FindForeign(const plan::Plan& of, const plan::Plan& standard) {
   for (const std::string& id : wanted) absent += !ids.contains(id);
   if (foreign == 0 && absent == 0) return {};
   return fmt::format(
-      "it is not of version {} of the suite: {} runs of the suite are not in its "
-      "plan, and {} of its own are not of the suite",
+      "it is not of version {} of the suite: {} runs of the suite are not in its plan, and {} of "
+      "its own are not of the suite",
       suite::kSuiteVersion, absent, foreign);
 }
 
@@ -78,7 +79,7 @@ class Checker {
     if (const std::string why = FindForeign(*of.plan, standard); !why.empty())
       Fault("{}: {}", id, why);
     std::size_t missing = 0;
-    for (const auto& cell : statistics::AllCells(of.file))
+    for (const auto& cell : figures::AllCells(of.file))
       missing += of.file.ReadStatus(cell) == store::Status::kMissing;
     if (missing > 0) Fault("{}: {} runs are missing", id, missing);
     if (const std::string build = of.file.ReadProvenance("build_type"); build != "Release")

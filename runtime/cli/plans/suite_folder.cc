@@ -12,8 +12,8 @@
 #include "compiler/plan/sha256.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/plans/suite_plan.h"
-#include "runtime/document/results_document.h"
 #include "runtime/page/page.h"
+#include "runtime/printers/results_document.h"
 #include "runtime/store/files/safe_file.h"
 
 namespace cdb::plans {
@@ -50,8 +50,7 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
   }
   if (read.files.empty())
     throw options::CommandError(
-        fmt::format("'{}' holds no results of the standard suite; `cdb suite -o {}` "
-                    "makes them",
+        fmt::format("'{}' holds no results of the standard suite; `cdb suite -o {}` makes them",
                     folder.string(), folder.string()));
   const compare::ComparedFile& first = *read.files[0];
   read.facts.is_long = IsLong(first.file);
@@ -74,9 +73,9 @@ void WriteSuiteSummary(const SuiteFolder& read, const fs::path& folder) {
   std::string documents;
   for (const auto& of : read.files) {
     if (!documents.empty()) documents += ',';
-    documents += document::ResultsDocument(
+    documents += printers::ResultsDocument(
                      of->file, {.file = fs::path(of->name).filename().string(), .for_page = true})
-                     .json;
+                     .text;
   }
   files::WriteWhole(
       page::Assemble(page::ReportTemplate(), "The standard suite of cdb",

@@ -7,29 +7,25 @@
 #include <vector>
 
 #include "runtime/cli/options/exit_status.h"
+#include "runtime/figures/model.h"
 #include "runtime/measure/series.h"
-#include "runtime/statistics/bootstrap.h"
-#include "runtime/statistics/cells.h"
-#include "runtime/statistics/cycle_times.h"
-#include "runtime/statistics/points.h"
 
 namespace cdb::plans {
 
 bool Precision::IsWholeRound() const {
-  return repeats >= statistics::Bootstrap::kLeastForInterval && missing == 0;
+  return repeats >= figures::Bootstrap::kLeastForInterval && missing == 0;
 }
 
 Precision PrecisionOf(const store::ResultFile& file, double wanted) {
-  statistics::CycleTimes times(file);
+  const figures::Model model(file, {.only_sound = true});
   Precision precision;
   precision.repeats = file.begun_repeats();
-  for (const store::ResultFile::Cell& cell : statistics::AllCells(file))
+  for (const store::ResultFile::Cell& cell : figures::AllCells(file))
     precision.missing +=
         cell.rep < precision.repeats && file.ReadStatus(cell) == store::Status::kMissing;
-  for (const statistics::MeasuredPoint& point :
-       statistics::MeasuredPoints(file, /*only_sound=*/true)) {
-    const statistics::Estimate& step = times.FigureOf(point, measure::Phase::kStep);
-    const statistics::Interval interval = times.IntervalOf(step);
+  for (const figures::MeasuredPoint& point : model.points()) {
+    const figures::Estimate& step = model.TimeOf(point, measure::Phase::kStep);
+    const figures::Interval interval = model.times().IntervalOf(step);
     const double half = std::max(interval.high - step.value, step.value - interval.low);
     if (!std::isfinite(half) || !(step.value > 0)) continue;
     ++precision.points;
@@ -61,11 +57,11 @@ void CheckUntil(const plan::Plan& plan) {
   if (!plan.Records("timing"))
     throw options::CommandError(
         fmt::format("--until: '{}' records no times; add timing to `record`", plan.benchmark));
-  if (plan.repeats <= statistics::Bootstrap::kLeastForInterval)
-    throw options::CommandError(fmt::format(
-        "--until: '{}' has repeats {}, which is the most that are run, and an interval takes {}; "
-        "write more, such as repeats 50",
-        plan.benchmark, plan.repeats, statistics::Bootstrap::kLeastForInterval));
+  if (plan.repeats <= figures::Bootstrap::kLeastForInterval)
+    throw options::CommandError(
+        fmt::format("--until: '{}' has repeats {}, which is the most that are run, and an interval "
+                    "takes {}; write more, such as repeats 50",
+                    plan.benchmark, plan.repeats, figures::Bootstrap::kLeastForInterval));
 }
 
 }  // namespace cdb::plans

@@ -1,6 +1,6 @@
 #include "runtime/engine/detection/detector_shapes.h"
 
-#include <array>
+#include <algorithm>
 #include <utility>
 
 namespace cdb::detection {
@@ -12,33 +12,30 @@ using objects::Solid;
 Vec3 ToVec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 ShapeKind KindOf(const Solid& solid) {
-  switch (solid.shape) {
-    case objects::Shape::kEllipsoid:
-      return ShapeKind::kEllipsoid;
-    case objects::Shape::kCuboid:
-      return ShapeKind::kBox;
-    case objects::Shape::kCylinder:
-      return ShapeKind::kCylinder;
-    case objects::Shape::kCone:
-      return ShapeKind::kCone;
-    case objects::Shape::kCapsule:
-      // No higher than wide, it is an ellipsoid.
-      return solid.StraightHalf() > 0 ? ShapeKind::kCapsule : ShapeKind::kEllipsoid;
-    case objects::Shape::kTetrahedron:
-      return ShapeKind::kHull;
-    case objects::Shape::kCompound:
-      break;
-  }
+  if (!solid.compound)
+    return objects::Visit(solid.shape, [&](auto form) { return form.KindOf(solid.sides); });
   if (solid.IsSurface()) return ShapeKind::kSurface;
   return solid.PieceCount() == 1 ? ShapeKind::kHull : ShapeKind::kCompound;
 }
 
-/// Every other corner of the box, beginning with the one that is positive on all axes.
-std::array<Vector3d, 4> TetrahedronCorners(const Vector3d& half) {
-  std::array<Vector3d, 4> corners = {half, -half, -half, -half};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    corners[axis + 1][static_cast<Eigen::Index>(axis)] = half[static_cast<Eigen::Index>(axis)];
-  return corners;
+/// The flat faces of a shape as a hull; faces of more than three corners are divided.
+std::pair<std::vector<Vec3>, std::vector<Face>> HullOf(const std::vector<shapes::FlatFace>& faces,
+                                                       const Vector3d& sides) {
+  std::vector<Vector3d> corners;
+  std::vector<Face> triangles;
+  const auto index = [&](const Vector3d& corner) {
+    const auto found = std::ranges::find(corners, corner);
+    if (found == corners.end()) corners.push_back(corner);
+    return static_cast<std::uint32_t>(std::ranges::find(corners, corner) - corners.begin());
+  };
+  for (const shapes::FlatFace& face : faces)
+    for (std::size_t i = 2; i < face.size(); ++i) {
+      const std::uint32_t first = index(face[0]), second = index(face[i - 1]);
+      triangles.push_back({first, second, index(face[i])});
+    }
+  std::vector<Vec3> vertices;
+  for (const Vector3d& corner : corners) vertices.push_back(ToVec3(corner.cwiseProduct(sides)));
+  return {std::move(vertices), std::move(triangles)};
 }
 
 }  // namespace
@@ -52,14 +49,16 @@ void DetectorShapes::Pieces::Add(std::vector<Vec3> points, std::vector<Face> sid
 const DetectorShapes::Pieces& DetectorShapes::PiecesOf(const Solid& solid) {
   const Vector3d& sides = solid.sides;
   const auto [place, is_new] =
-      pieces_.try_emplace({solid.compound.get(), sides.x(), sides.y(), sides.z()});
+      pieces_.try_emplace({solid.shape, solid.compound.get(), sides.x(), sides.y(), sides.z()});
   Pieces& pieces = place->second;
   if (!is_new) return pieces;
   if (solid.compound == nullptr) {
-    std::vector<Vec3> points;
-    for (const Vector3d& corner : TetrahedronCorners(solid.HalfExtents()))
-      points.push_back(ToVec3(corner));
-    pieces.Add(std::move(points), {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+    objects::Visit(solid.shape, [&](auto form) {
+      if constexpr (requires { form.Faces(); }) {
+        auto [vertices, faces] = HullOf(form.Faces(), sides);
+        pieces.Add(std::move(vertices), std::move(faces));
+      }
+    });
     return pieces;
   }
   const objects::Compound& compound = *solid.compound;

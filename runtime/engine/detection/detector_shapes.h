@@ -24,7 +24,7 @@ class DetectorShapes {
     std::vector<Hull> hulls;
     void Add(std::vector<Vec3> points, std::vector<Face> sides);
   };
-  using Key = std::tuple<const objects::Compound*, double, double, double>;
+  using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double>;
 
   const Pieces& PiecesOf(const objects::Solid& solid);
 

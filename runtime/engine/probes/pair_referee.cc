@@ -30,13 +30,7 @@ PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
     : engine_(engine),
       adapter_(dynamic_cast<detection::AdapterBroadPhase*>(engine.world().getBroadphase())),
       detects_(!engine.omissions().Omits(schema::Component::kDetection)),
-      exact_pairs_(recording.Ints("exact_pairs")),
-      missed_pairs_(recording.Ints("missed_pairs")),
-      false_positives_(recording.Ints("phantom_pairs")),
-      duplicate_pairs_(recording.Ints("duplicate_pairs")),
-      missed_contacts_(recording.Ints("missed_contacts")),
-      depth_error_(recording.Reals("depth_error")),
-      normal_error_(recording.Reals("normal_error")),
+      recording_(recording),
       boxes_(engine.objects().size() + pruning::kWallCount,
              {{kNone, kNone, kNone}, {kNone, kNone, kNone}}),
       filters_(boxes_.size()) {
@@ -101,18 +95,18 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
   scene.boxes = boxes_;
   scene.filters = filters_;
   const detectors::PairFaults faults = detectors::ComparePairs(scene, ListedPairs());
-  exact_pairs_[cycle] = static_cast<std::int32_t>(faults.exact);
-  missed_pairs_[cycle] = static_cast<std::int32_t>(faults.missed);
-  false_positives_[cycle] = static_cast<std::int32_t>(faults.false_positives);
-  duplicate_pairs_[cycle] = static_cast<std::int32_t>(faults.duplicate);
+  recording_.Put("exact_pairs", cycle, static_cast<std::int32_t>(faults.exact));
+  recording_.Put("missed_pairs", cycle, static_cast<std::int32_t>(faults.missed));
+  recording_.Put("phantom_pairs", cycle, static_cast<std::int32_t>(faults.false_positives));
+  recording_.Put("duplicate_pairs", cycle, static_cast<std::int32_t>(faults.duplicate));
 }
 
 void PairReferee::JudgeContacts(std::uint64_t cycle) {
   const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
-  missed_contacts_[cycle] = static_cast<std::int32_t>(errors.missed);
+  recording_.Put("missed_contacts", cycle, static_cast<std::int32_t>(errors.missed));
   const double found = static_cast<double>(overlaps_.size()) - errors.missed;
-  if (found > 0) depth_error_[cycle] = errors.depth_sum / found;
-  if (errors.normals > 0) normal_error_[cycle] = errors.normal_sum / errors.normals;
+  if (found > 0) recording_.Put("depth_error", cycle, errors.depth_sum / found);
+  if (errors.normals > 0) recording_.Put("normal_error", cycle, errors.normal_sum / errors.normals);
 }
 
 }  // namespace cdb::probes

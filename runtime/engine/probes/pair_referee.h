@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "library/detectors/exact_pairs.h"
@@ -35,9 +34,7 @@ class PairReferee {
   world::Engine& engine_;
   detection::AdapterBroadPhase* const adapter_;  ///< null if the broad phase is Bullet's own
   const bool detects_;                           ///< otherwise nothing is compared or stored
-  std::span<std::int32_t> exact_pairs_, missed_pairs_, false_positives_, duplicate_pairs_,
-      missed_contacts_;
-  std::span<double> depth_error_, normal_error_;
+  measure::Recording& recording_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
   std::vector<ExactOverlap> overlaps_;  ///< in the poses before the step

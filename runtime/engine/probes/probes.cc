@@ -62,6 +62,7 @@ bool IsFinite(const btRigidBody& body) {
 Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
                int contacts_fd)
     : engine_(engine),
+      recording_(recording),
       header_(recording.header()),
       cycles_(scene.world.Count("cycles")),
       is_driven_(analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
@@ -69,39 +70,8 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
       contacts_fd_(contacts_fd),
-      standing_walls_(pruning::StandingWalls(scene)),
-      duration_(recording.Reals("duration")),
-      kinetic_energy_(recording.Reals("kinetic_energy")),
-      energy_(recording.Reals("energy")),
-      max_penetration_(recording.Reals("max_penetration")),
-      penetration_ratio_(recording.Reals("penetration_ratio")),
-      max_speed_(recording.Reals("max_speed")),
-      displacement_(recording.Reals("displacement")),
-      motion_ratio_(recording.Reals("motion_ratio")),
-      fall_ratio_(recording.Reals("fall_ratio")),
-      turn_ratio_(recording.Reals("turn_ratio")),
-      heap_(recording.Reals("heap")),
-      poses_(recording.Reals("poses")),
-      joint_gap_(recording.Reals("joint_gap")),
-      boxes_(recording.Reals("boxes")),
-      box_filters_(recording.Reals("box_filters")),
-      spin_ratio_(recording.Reals("spin_ratio")),
-      lost_energy_(recording.Reals("lost_energy")),
-      lost_way_(recording.Reals("lost_way")),
-      pairs_(recording.Ints("pairs")),
-      manifolds_(recording.Ints("manifolds")),
-      contacts_(recording.Ints("contacts")),
-      escaped_(recording.Ints("escaped")),
-      asleep_(recording.Ints("asleep")),
-      removed_(recording.Ints("removed")),
-      non_finite_(recording.Ints("non_finite")),
-      passed_(recording.Ints("passed")),
-      pressed_(recording.Ints("pressed")),
-      inverted_(recording.Ints("inverted")),
-      unheld_(recording.Ints("unheld")),
-      frozen_(recording.Ints("frozen")),
-      displaced_(recording.Ints("displaced")) {
-  if (motion_ratio_.empty()) return;
+      standing_walls_(pruning::StandingWalls(scene)) {
+  if (recording_.Reals("motion_ratio").empty()) return;
   motion_watch_.emplace(engine, is_driven_);
   touches_.resize(engine.objects().size() + pruning::kWallCount);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
@@ -111,7 +81,7 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
 }
 
 void Probes::Begin() {
-  if (!box_filters_.empty()) RecordFilters();
+  if (!recording_.Reals("box_filters").empty()) RecordFilters();
   if (!motion_watch_) return;
   motion_watch_->Begin();
   SetScales();
@@ -146,40 +116,37 @@ double Probes::SmallerSide(int a, int b) const {
 }
 
 void Probes::Record(std::uint64_t cycle) {
-  if (!duration_.empty() && engine_.timed_world() != nullptr) {
+  if (const auto all = recording_.Reals("duration");
+      !all.empty() && engine_.timed_world() != nullptr) {
     const auto durations = engine_.timed_world()->Durations();
     for (std::size_t phase = 0; phase < durations.size(); ++phase)
-      duration_[phase * cycles_ + cycle] = durations[phase];
+      all[phase * cycles_ + cycle] = durations[phase];
   }
   // First, because the following may use the heap.
-  if (!heap_.empty()) heap_[cycle] = HeapBytes();
-  if (!pairs_.empty()) pairs_[cycle] = engine_.world().getPairCache()->getNumOverlappingPairs();
-  if (!manifolds_.empty() || !contacts_.empty() || !max_penetration_.empty())
+  if (!recording_.Reals("heap").empty()) recording_.Put("heap", cycle, HeapBytes());
+  recording_.Put("pairs", cycle, engine_.world().getPairCache()->getNumOverlappingPairs());
+  if (!recording_.Ints("manifolds").empty() || !recording_.Ints("contacts").empty() ||
+      !recording_.Reals("max_penetration").empty())
     RecordManifolds(cycle);
-  if (!max_speed_.empty()) RecordStability(cycle);
+  if (!recording_.Reals("max_speed").empty()) RecordStability(cycle);
   if (motion_watch_) RecordMotion(cycle);
-  if (!energy_.empty()) RecordEnergy(cycle);
-  if (!poses_.empty()) RecordPoses(cycle);
-  if (!boxes_.empty()) RecordBoxes(cycle);
-  RecordLinks(cycle);
+  if (!recording_.Reals("energy").empty()) RecordEnergy(cycle);
+  if (!recording_.Reals("poses").empty()) RecordPoses(cycle);
+  if (!recording_.Reals("boxes").empty()) RecordBoxes(cycle);
+  // The series has no value if there is no joint.
+  if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty())
+    recording_.Put("joint_gap", cycle, engine_.links().LargestGap());
   if (soundness_) RecordSoundness(cycle);
 }
 
 void Probes::RecordSoundness(std::uint64_t cycle) {
-  const Soundness::Seen seen = soundness_->After(kinetic_energy_[cycle], energy_[cycle]);
-  passed_[cycle] = seen.passed;
-  pressed_[cycle] = seen.pressed;
-  inverted_[cycle] = seen.inverted;
-  unheld_[cycle] = seen.unheld;
-  lost_energy_[cycle] = seen.lost_energy;
-}
-
-void Probes::RecordLinks(std::uint64_t cycle) {
-  const world::Links& links = engine_.links();
-  if (!energy_.empty())
-    energy_[cycle] += links.SpringEnergy(static_cast<double>(engine_.timestep()));
-  // The series has no value if there is no joint.
-  if (!joint_gap_.empty() && links.HasJoints()) joint_gap_[cycle] = links.LargestGap();
+  const Soundness::Seen seen = soundness_->After(recording_.Reals("kinetic_energy")[cycle],
+                                                 recording_.Reals("energy")[cycle]);
+  recording_.Put("passed", cycle, seen.passed);
+  recording_.Put("pressed", cycle, seen.pressed);
+  recording_.Put("inverted", cycle, seen.inverted);
+  recording_.Put("unheld", cycle, seen.unheld);
+  recording_.Put("lost_energy", cycle, seen.lost_energy);
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -215,10 +182,10 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
                                   distance});
     }
   }
-  if (!manifolds_.empty()) manifolds_[cycle] = manifolds;
-  if (!contacts_.empty()) contacts_[cycle] = contacts;
-  if (!max_penetration_.empty()) max_penetration_[cycle] = deepest;
-  if (!penetration_ratio_.empty()) penetration_ratio_[cycle] = deepest_ratio;
+  recording_.Put("manifolds", cycle, manifolds);
+  recording_.Put("contacts", cycle, contacts);
+  recording_.Put("max_penetration", cycle, deepest);
+  recording_.Put("penetration_ratio", cycle, deepest_ratio);
   measure::WriteAll(contacts_fd_, std::as_bytes(std::span(contact_records_)),
                     "cannot write the contacts");
 }
@@ -262,33 +229,37 @@ void Probes::RecordStability(std::uint64_t cycle) {
     asleep += body->getActivationState() == ISLAND_SLEEPING;
     removed += body->getActivationState() == DISABLE_SIMULATION || IsTooLarge(*body);
   }
-  max_speed_[cycle] = fastest;
-  escaped_[cycle] = escaped;
-  asleep_[cycle] = asleep;
-  removed_[cycle] = removed;
-  non_finite_[cycle] = non_finite;
+  recording_.Put("max_speed", cycle, fastest);
+  recording_.Put("escaped", cycle, escaped);
+  recording_.Put("asleep", cycle, asleep);
+  recording_.Put("removed", cycle, removed);
+  recording_.Put("non_finite", cycle, non_finite);
 }
 
 void Probes::RecordMotion(std::uint64_t cycle) {
   const MotionWatch::Seen seen = motion_watch_->After(touches_);
-  displacement_[cycle] = seen.displacement;
-  motion_ratio_[cycle] = seen.motion_ratio;
-  fall_ratio_[cycle] = seen.fall_ratio;
-  lost_way_[cycle] = seen.lost_way;
-  frozen_[cycle] = seen.frozen;
-  displaced_[cycle] = seen.displaced;
-  turn_ratio_[cycle] = seen.turn_ratio;
-  spin_ratio_[cycle] = seen.spin_ratio;
+  recording_.Put("displacement", cycle, seen.displacement);
+  recording_.Put("motion_ratio", cycle, seen.motion_ratio);
+  recording_.Put("fall_ratio", cycle, seen.fall_ratio);
+  recording_.Put("lost_way", cycle, seen.lost_way);
+  recording_.Put("frozen", cycle, seen.frozen);
+  recording_.Put("displaced", cycle, seen.displaced);
+  recording_.Put("turn_ratio", cycle, seen.turn_ratio);
+  recording_.Put("spin_ratio", cycle, seen.spin_ratio);
 }
 
 void Probes::RecordEnergy(std::uint64_t cycle) {
   const Energy energy = EnergyOf(engine_);
-  if (!kinetic_energy_.empty()) kinetic_energy_[cycle] = energy.kinetic;
-  energy_[cycle] = energy.kinetic + energy.other;
+  recording_.Put("kinetic_energy", cycle, energy.kinetic);
+  recording_.Put("energy", cycle,
+                 energy.kinetic + energy.other +
+                     engine_.links().SpringEnergy(static_cast<double>(engine_.timestep())));
 }
 
 void Probes::RecordPoses(std::uint64_t cycle) {
-  auto at = poses_.subspan(cycle * engine_.objects().size() * measure::kPoseSize).begin();
+  auto at = recording_.Reals("poses")
+                .subspan(cycle * engine_.objects().size() * measure::kPoseSize)
+                .begin();
   for (const auto& body : engine_.objects()) {
     const btTransform& pose = body->getWorldTransform();
     const btQuaternion turn = pose.getRotation();
@@ -307,9 +278,10 @@ std::size_t Probes::PlaceOfWall(const btRigidBody& wall) const {
 }
 
 void Probes::RecordFilters() {
+  const auto filters = recording_.Reals("box_filters");
   const auto record = [&](std::size_t place, const btRigidBody& body) {
     const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
-    double* filter = &box_filters_[place * measure::kFilterSize];
+    double* filter = &filters[place * measure::kFilterSize];
     filter[0] = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     filter[1] = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
     filter[2] = body.isStaticOrKinematicObject() ? 1 : 0;
@@ -320,7 +292,8 @@ void Probes::RecordFilters() {
 
 /// A broad phase keeps a box until it is given the next.
 void Probes::RecordBoxes(std::uint64_t cycle) {
-  const std::size_t bodies = box_filters_.size() / measure::kFilterSize;
+  const auto boxes = recording_.Reals("boxes");
+  const std::size_t bodies = recording_.Reals("box_filters").size() / measure::kFilterSize;
   const auto record = [&](std::size_t place, const btRigidBody& body) {
     btVector3 lower, upper;
     engine_.world().getBroadphase()->getAabb(
@@ -330,7 +303,7 @@ void Probes::RecordBoxes(std::uint64_t cycle) {
       upper = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
       lower = -upper;
     }
-    double* box = &boxes_[(cycle * bodies + place) * measure::kBoxSize];
+    double* box = &boxes[(cycle * bodies + place) * measure::kBoxSize];
     for (const btVector3* corner : {&lower, &upper})
       for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
   };

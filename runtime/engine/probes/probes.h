@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "runtime/engine/probes/motion_watch.h"
@@ -35,7 +34,6 @@ class Probes {
   void RecordBoxes(std::uint64_t cycle);
   void RecordFilters();
   std::size_t PlaceOfWall(const btRigidBody& wall) const;
-  void RecordLinks(std::uint64_t cycle);
   void RecordMotion(std::uint64_t cycle);
   void RecordSoundness(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
@@ -43,16 +41,12 @@ class Probes {
   double SmallerSide(int a, int b) const;
 
   world::Engine& engine_;
+  measure::Recording& recording_;
   measure::RecordingHeader& header_;
   const std::uint64_t cycles_;
   const bool is_driven_, streams_contacts_, all_walls_, floor_;
   const int contacts_fd_;
   const unsigned standing_walls_;
-  std::span<double> duration_, kinetic_energy_, energy_, max_penetration_, penetration_ratio_;
-  std::span<double> max_speed_, displacement_, motion_ratio_, fall_ratio_, turn_ratio_, heap_,
-      poses_, joint_gap_, boxes_, box_filters_, spin_ratio_, lost_energy_, lost_way_;
-  std::span<std::int32_t> pairs_, manifolds_, contacts_, escaped_, asleep_, removed_, non_finite_,
-      passed_, pressed_, inverted_, unheld_, frozen_, displaced_;
   std::optional<MotionWatch> motion_watch_;  ///< for `record stability`, as is the next member
   std::optional<Soundness> soundness_;
   std::vector<char> touches_;        ///< by body, including walls: has a contact in this cycle

@@ -33,7 +33,7 @@ ProcessorTime::Reading ProcessorTime::Read() {
   return now;
 }
 
-void ProcessorTime::Store(measure::RunScalars& scalars) const {
+void ProcessorTime::Store(schema::RunScalars& scalars) const {
   const Reading end = Read();
   scalars.cycles_wall_ns = end.wall_ns - begin_.wall_ns;
   scalars.cycles_cpu_ns = end.cpu_ns - begin_.cpu_ns;

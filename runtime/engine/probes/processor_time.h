@@ -2,7 +2,7 @@
 // preemptions, page faults, time used by other programs and stolen by other virtual machines.
 #pragma once
 
-#include "runtime/measure/run_scalars.h"
+#include "compiler/schema/series.h"
 
 namespace cdb::probes {
 
@@ -13,7 +13,7 @@ class ProcessorTime {
  public:
   ProcessorTime() : begin_(Read()) {}
   /// Sets the scalars to the values since construction; NaN if the system does not report them.
-  void Store(measure::RunScalars& scalars) const;
+  void Store(schema::RunScalars& scalars) const;
 
  private:
   struct Reading {

@@ -15,11 +15,6 @@ using objects::Solid;
 /// Thickness of a path or of a point, relative to the length beside it.
 constexpr double kThin = 1e-6;
 
-/// Squared distance from the axis, in half axes of the elliptic section.
-double SquareAcross(const Vector3d& point, const Vector3d& half) {
-  return std::pow(point.x() / half.x(), 2) + std::pow(point.z() / half.z(), 2);
-}
-
 /// The shortest rotation of the y axis to `direction`. The same formula as in Eigen's
 /// FromTwoVectors, which takes seconds to compile because it decomposes singular values where the
 /// vectors are opposite.
@@ -37,28 +32,9 @@ Eigen::Quaterniond FromYAxisTo(const Vector3d& direction) {
 }  // namespace
 
 bool Contains(const Solid& solid, const Vector3d& point) {
-  const Vector3d half = solid.HalfExtents();
-  switch (solid.shape) {
-    case Shape::kEllipsoid:
-      return point.cwiseQuotient(half).squaredNorm() <= 1;
-    case Shape::kCuboid:
-      return (point.cwiseAbs().array() <= half.array()).all();
-    case Shape::kCylinder:
-      return std::abs(point.y()) <= half.y() && SquareAcross(point, half) <= 1;
-    case Shape::kCone: {
-      const double left = 0.75 - point.y() / solid.sides.y();  // distance to the tip over the
-                                                               // height
-      return left >= 0 && left <= 1 && SquareAcross(point, half) <= left * left;
-    }
-    case Shape::kCapsule: {
-      const double straight = solid.StraightHalf();
-      const double beyond = std::max(0.0, std::abs(point.y()) - straight) / (half.y() - straight);
-      return SquareAcross(point, half) + beyond * beyond <= 1;
-    }
-    case Shape::kTetrahedron:
-    case Shape::kCompound:
-      break;
-  }
+  if (!solid.compound)
+    return objects::Visit(solid.shape,
+                          [&](auto form) { return form.Contains(solid.sides, point); });
   if (point.norm() > solid.OuterRadius()) return false;
   const Solid dot{Shape::kEllipsoid, Vector3d::Constant(kThin * 2 * solid.LeastHalfExtent())};
   return objects::Overlap(solid, {}, dot, {point, Eigen::Quaterniond::Identity()});

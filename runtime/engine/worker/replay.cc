@@ -104,8 +104,8 @@ class Replay {
 
   void Time() {
     measure::RecordingHeader& header = recording_.header();
-    const auto duration = recording_.Reals("duration"), heap = recording_.Reals("heap");
-    const auto counts = recording_.Ints("pairs");
+    const auto duration = recording_.Reals("duration");
+    const bool records_heap = !recording_.Reals("heap").empty();
     const std::int64_t build_begin = world::Now();
     const detection::NamedDetector detector = Prepared();
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
@@ -123,12 +123,12 @@ class Replay {
           pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
       if (i < warmup_) continue;
       const std::uint64_t cycle = i - warmup_;
-      if (!heap.empty()) heap[cycle] = probes::HeapBytes();
+      if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
       if (!duration.empty())
         for (const measure::Phase phase :
              {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
           duration[measure::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
-      if (!counts.empty()) counts[cycle] = Count(pairs_.size());
+      recording_.Put("pairs", cycle, Count(pairs_.size()));
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
     if (processor_time) processor_time->Store(header.scalars);
@@ -140,8 +140,8 @@ class Replay {
   /// Runs the same cycles again with a new detector, and compares its pairs with brute force.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
-    const auto series = [&](const char* name, std::uint64_t cycle, std::size_t count) {
-      recording_.Ints(name)[cycle] = Count(count);
+    const auto put = [&](schema::IntSeries series, std::uint64_t cycle, std::size_t count) {
+      recording_.Put(series, cycle, Count(count));
     };
     const detection::NamedDetector detector = Prepared();
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
@@ -151,10 +151,10 @@ class Replay {
       CheckPairs(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
       const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
-      series("exact_pairs", i - warmup_, faults.exact);
-      series("missed_pairs", i - warmup_, faults.missed);
-      series("phantom_pairs", i - warmup_, faults.false_positives);
-      series("duplicate_pairs", i - warmup_, faults.duplicate);
+      put("exact_pairs", i - warmup_, faults.exact);
+      put("missed_pairs", i - warmup_, faults.missed);
+      put("phantom_pairs", i - warmup_, faults.false_positives);
+      put("duplicate_pairs", i - warmup_, faults.duplicate);
     }
   }
 

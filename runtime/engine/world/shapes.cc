@@ -17,45 +17,26 @@ using objects::Solid;
 /// The schema's default; a margin that is written as 0.04 means the same.
 constexpr double kBulletMargin = 0.04;
 
-/// The point farthest along `direction` on the ellipse in the x-z plane with the half axes of
-/// `half`.
-btVector3 EllipsePoint(const btVector3& half, const btVector3& direction) {
-  const btScalar x = half.x() * direction.x();
-  const btScalar z = half.z() * direction.z();
-  const btScalar length = btSqrt(x * x + z * z);
-  if (!(length > 0)) return {half.x(), 0, 0};
-  return {half.x() * (x / length), 0, half.z() * (z / length)};
-}
-
-/// The scalar products of a direction with the corners of a tetrahedron: with the one in the octant
-/// of all positive coordinates, and with those of which only one coordinate is positive. To the
-/// bit: each sum has the order of a scalar product.
-struct CornerDots {
-  btScalar all, x, y, z;
-
-  CornerDots(const btVector3& half, const btVector3& direction) {
-    const btVector3 at = direction * half;
-    all = at.x() + at.y() + at.z();
-    x = at.x() - at.y() - at.z();
-    y = -at.x() + at.y() - at.z();
-    z = -at.x() - at.y() + at.z();
+/// Support points in the engine's precision, as shapes::ExactPoints.
+struct BulletPoints {
+  static btVector3 Ellipsoid(const btVector3& half, const btVector3& direction) {
+    const btVector3 scaled = half * direction;
+    const btScalar length = scaled.length();
+    if (!(length > 0)) return {half.x(), 0, 0};
+    return half * (scaled / length);
+  }
+  static btVector3 Ellipse(const btVector3& half, const btVector3& direction) {
+    const btScalar x = half.x() * direction.x();
+    const btScalar z = half.z() * direction.z();
+    const btScalar length = btSqrt(x * x + z * z);
+    if (!(length > 0)) return {half.x(), 0, 0};
+    return {half.x() * (x / length), 0, half.z() * (z / length)};
+  }
+  static btVector3 Corner(const btVector3& half, const btVector3& direction) {
+    return {direction.x() < 0 ? -half.x() : half.x(), direction.y() < 0 ? -half.y() : half.y(),
+            direction.z() < 0 ? -half.z() : half.z()};
   }
 };
-
-/// The first corner of a tetrahedron that is farthest along `direction`. Looked up, as branches
-/// could not be predicted.
-btVector3 FarthestCorner(const btVector3& half, const btVector3& direction) {
-  static constexpr btScalar kAll[] = {1, 1, 1}, kX[] = {1, -1, -1}, kY[] = {-1, 1, -1},
-                            kZ[] = {-1, -1, 1};
-  /// By whether the dot of x, of y and of z exceeds those before it.
-  static constexpr const btScalar* kCorners[] = {kAll, kX, kY, kY, kZ, kZ, kZ, kZ};
-  const CornerDots dots(half, direction);
-  const btScalar most = std::max(dots.all, dots.x);
-  const unsigned exceeding = unsigned{dots.x > dots.all} | unsigned{dots.y > most} << 1 |
-                             unsigned{dots.z > std::max(most, dots.y)} << 2;
-  const btScalar* sign = kCorners[exceeding];
-  return {sign[0] * half.x(), sign[1] * half.y(), sign[2] * half.z()};
-}
 
 /// A hull that refers to its points. When asked for a single direction, as for contacts with
 /// planes, Bullet's own shape ignores the scaling in its search for the farthest point.
@@ -114,48 +95,16 @@ double EffectiveMargin(const Solid& solid, double margin) {
 SolidShape::SolidShape(const Solid& solid, btScalar margin)
     : solid_(solid),
       core_(ToBullet(solid.HalfExtents()) - btVector3(margin, margin, margin)),
-      core_shift_(static_cast<btScalar>(solid.BoxCentre())) {
+      offset_(static_cast<btScalar>(objects::OffsetOf(solid.shape, solid.sides))) {
   m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
   m_implicitShapeDimensions = core_;
   btConvexInternalShape::setMargin(margin);
 }
 
 btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& direction) const {
-  switch (solid_.shape) {
-    case Shape::kEllipsoid: {
-      const btVector3 scaled = core_ * direction;
-      const btScalar length = scaled.length();
-      if (!(length > 0)) return {core_.x(), 0, 0};
-      return core_ * (scaled / length);
-    }
-    case Shape::kCylinder: {
-      btVector3 point = EllipsePoint(core_, direction);
-      point.setY(direction.y() < 0 ? -core_.y() : core_.y());
-      return point;
-    }
-    case Shape::kCone: {
-      const btVector3 tip(0, core_shift_ + core_.y(), 0);
-      btVector3 rim = EllipsePoint(core_, direction);
-      rim.setY(core_shift_ - core_.y());
-      return direction.dot(tip) > direction.dot(rim) ? tip : rim;
-    }
-    case Shape::kCapsule: {
-      const btScalar straight = static_cast<btScalar>(solid_.StraightHalf());
-      const btVector3 caps(core_.x(), core_.y() - straight, core_.z());
-      const btVector3 scaled = caps * direction;
-      const btScalar length = scaled.length();
-      btVector3 point = length > 0 ? caps * (scaled / length) : btVector3(caps.x(), 0, 0);
-      point.setY(point.y() + (direction.y() < 0 ? -straight : straight));
-      return point;
-    }
-    case Shape::kTetrahedron:
-      return FarthestCorner(core_, direction);
-    case Shape::kCuboid:
-    case Shape::kCompound:  // made by MakeCompound
-      break;
-  }
-  return {direction.x() < 0 ? -core_.x() : core_.x(), direction.y() < 0 ? -core_.y() : core_.y(),
-          direction.z() < 0 ? -core_.z() : core_.z()};
+  return objects::Visit(solid_.shape, [&](auto form) {
+    return form.Support(BulletPoints(), core_, offset_, direction);
+  });
 }
 
 btVector3 SolidShape::localGetSupportingVertex(const btVector3& direction) const {
@@ -173,29 +122,22 @@ void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVecto
 
 // The extents along an axis are the scalar products with the farthest points along it and against
 // it, to the bit.
-SolidShape::Extent SolidShape::ExtentAlong(const btVector3& direction) const {
-  switch (solid_.shape) {
-    case Shape::kTetrahedron: {
-      const CornerDots dots(core_, direction);
-      const auto [least, most] = std::minmax({dots.all, dots.x, dots.y, dots.z});
-      return {least, most};
+std::pair<btScalar, btScalar> SolidShape::ExtentAlong(const btVector3& direction) const {
+  return objects::Visit(solid_.shape, [&](auto form) -> std::pair<btScalar, btScalar> {
+    if constexpr (requires { form.Extent(BulletPoints(), core_, offset_, direction); }) {
+      return form.Extent(BulletPoints(), core_, offset_, direction);
+    } else {
+      const auto farthest = [&](const btVector3& along) {
+        return direction.dot(form.Support(BulletPoints(), core_, offset_, along));
+      };
+      const btScalar most = farthest(direction);
+      // Shapes without an Extent that are as far on both sides, unless a support point is
+      // arbitrary.
+      const bool is_symmetric = !requires { form.BoxCentre(solid_.sides); }
+      &&!requires { form.Faces(); };
+      return {is_symmetric && most > 0 ? -most : farthest(-direction), most};
     }
-    case Shape::kCone: {
-      const btScalar tip = direction.y() * (core_shift_ + core_.y());
-      const btScalar base = direction.y() * (core_shift_ - core_.y());
-      const btVector3 rim = EllipsePoint(core_, direction);
-      const btScalar x = direction.x() * rim.x(), z = direction.z() * rim.z();
-      return {std::min(-x + base - z, tip), std::max(x + base + z, tip)};
-    }
-    default:
-      break;
-  }
-  const auto farthest = [&](const btVector3& along) {
-    return direction.dot(SolidShape::localGetSupportingVertexWithoutMargin(along));
-  };
-  const btScalar most = farthest(direction);
-  // Every other solid has equal extents on both sides, unless a support point is arbitrary.
-  return {most > 0 ? -most : farthest(-direction), most};
+  });
 }
 
 void SolidShape::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {
@@ -203,10 +145,10 @@ void SolidShape::getAabb(const btTransform& pose, btVector3& lower, btVector3& u
   const btScalar margin = getMarginNV();
   for (int axis = 0; axis < 3; ++axis) {
     // A row of the basis is the world's axis in the body's frame.
-    const Extent extent = ExtentAlong(basis[axis]);
+    const auto [least, most] = ExtentAlong(basis[axis]);
     const btScalar origin = pose.getOrigin()[axis];
-    upper[axis] = origin + extent.most + margin;
-    lower[axis] = origin + extent.least - margin;
+    upper[axis] = origin + most + margin;
+    lower[axis] = origin + least - margin;
   }
   upper.setW(0);
   lower.setW(0);
@@ -327,8 +269,8 @@ btCollisionShape* ShapePool::Get(const Solid& solid, double margin) {
   } else if (solid.IsBall()) {
     shape = std::make_unique<btSphereShape>(half.x());
   } else if (IsRoundCapsule(solid)) {
-    shape =
-        std::make_unique<btCapsuleShape>(half.x(), static_cast<btScalar>(2 * solid.StraightHalf()));
+    shape = std::make_unique<btCapsuleShape>(
+        half.x(), static_cast<btScalar>(2 * shapes::Capsule::StraightHalf(solid.sides)));
   } else if (solid.shape == Shape::kCuboid) {
     shape = std::make_unique<btBoxShape>(half);
     shape->setMargin(bullet_margin);  // moves the core, not the outside

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "library/objects/solid.h"
@@ -37,15 +38,12 @@ class SolidShape : public btConvexInternalShape {
   const char* getName() const override { return "solid"; }
 
  private:
-  /// Extent of the core along a direction.
-  struct Extent {
-    btScalar least, most;
-  };
-  Extent ExtentAlong(const btVector3& direction) const;
+  /// The least and greatest scalar product of a direction with a point of the core.
+  std::pair<btScalar, btScalar> ExtentAlong(const btVector3& direction) const;
 
   objects::Solid solid_;
-  btVector3 core_;       ///< half extents of the core
-  btScalar core_shift_;  ///< y of the core's box centre
+  btVector3 core_;   ///< half extents of the core
+  btScalar offset_;  ///< objects::OffsetOf
 };
 
 /// The outermost point along `direction` of a convex shape, or of a compound of convex shapes, in

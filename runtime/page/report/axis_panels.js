@@ -2,7 +2,7 @@
 import * as Plot from '@observablehq/plot';
 import { axisTitle, valueText } from './document.js';
 import { style } from './palette.js';
-import { thin } from './pool.js';
+import { thin } from './pooled.js';
 import { labelMargin, rowLabel, scale, valueScale } from './scales.js';
 
 const mostMarks = 600; // in a series; longer ones are drawn in bins

@@ -1,31 +1,26 @@
 // The rows behind a figure over the axes: one for each mark.
 import { valueText } from './document.js';
-import { group, pool } from './pool.js';
+import { entriesOf } from './pooled.js';
 
 const text = (axis, i) => (i < 0 ? '' : valueText(axis, i));
 
-/** The rows that a figure draws, one for each group of points, in order of panel, colour, x. */
+/**
+ * The rows that a figure draws, in order of panel, colour, x, and the axes of these roles; null if the document did not
+ * pool the axes.
+ */
 export function rowsOf(doc, view, quantity) {
-  const estimates = quantity.estimates(view.statistic);
-  const grouped = group(doc, view, estimates.value);
-  const axes = ['x', 'colour', 'panel'].map((role) => doc.axes[view.roles.indexOf(role)]);
-  const rows = [];
-  for (const each of grouped.groups) {
-    const pooled = pool(each.points, estimates, quantity.mean);
-    if (pooled === null) continue;
-    rows.push({
-      ...each,
-      ...pooled,
-      x: each.x < 0 ? 0 : axes[0].isText ? each.x : axes[0].values[each.x],
-      xIndex: each.x,
-      points: each.points.length,
-      own: each.own,
-    });
-  }
+  const found = entriesOf(doc, view, quantity);
+  if (!found) return null;
+  const roles = ['x', 'colour', 'panel'].map((role) => view.roles.indexOf(role));
+  const axes = roles.map((a) => doc.axes[a]);
+  const rows = found.entries.map((entry) => {
+    const [xIndex, colour, panel] = roles.map((a) => (a < 0 ? -1 : entry.place[a]));
+    return { ...entry, xIndex, colour, panel, x: xIndex < 0 ? 0 : axes[0].isText ? xIndex : axes[0].values[xIndex] };
+  });
   rows.sort(
     (a, b) => a.panel - b.panel || a.colour - b.colour || (axes[0]?.isText ? 0 : a.x - b.x) || a.xIndex - b.xIndex,
   );
-  return { rows, grouped, axes };
+  return { rows, axes, pooled: found.pooled, isUnmatched: found.isUnmatched };
 }
 
 /** Columns of the table, in the unit of the figure. */

@@ -23,6 +23,7 @@ import { number } from './format.js';
  * @property {string[]} verdict
  * @property {(number | null)[]} firstBadCycle
  * @property {{name: string, label: string, definition: string}[]} phases  those with times
+ * @property {Map<string, any>} pooled  rows that are pooled over the other axes, by the axes that they keep: `0,2`
  */
 
 /** A column in any of its forms: an array, one value for all, or words and indices. */
@@ -54,6 +55,18 @@ function places(at, axes) {
   return found;
 }
 
+const columnsOf = (table, count) =>
+  Object.fromEntries(Object.entries(table ?? {}).map(([name, values]) => [name, column(values, count)]));
+
+/** Columns of numbers in groups: `times.step.mean`. */
+const groupsOf = (groups, count) =>
+  Object.fromEntries(Object.entries(groups ?? {}).map(([name, table]) => [name, columnsOf(table, count)]));
+
+/** A pooled table of the document, with the names of columns as the page has them. */
+function openPooled({ axes, is_unmatched: isUnmatched, rows, places }) {
+  return { axes, isUnmatched, rows: { ...rows, isVoid: rows.is_void }, places };
+}
+
 /** @param {any} json @returns {Doc} */
 export function openDocument(json) {
   const points = json.points ?? {};
@@ -68,11 +81,7 @@ export function openDocument(json) {
     values: axis.values ?? [],
     labels: axis.value_labels ?? [],
   }));
-  const times = {};
-  for (const [phase, statistics] of Object.entries(points.times ?? {}))
-    times[phase] = Object.fromEntries(
-      Object.entries(statistics ?? {}).map(([name, values]) => [name, column(values, count)]),
-    );
+  const times = groupsOf(points.times, count);
   const known = (json.phases ?? []).map((phase) => ({
     name: String(phase.name),
     label: String(phase.label || phase.name),
@@ -93,6 +102,7 @@ export function openDocument(json) {
     firstBadCycle: column(points.first_bad_cycle, count),
     phases: known.filter((phase) => hasTimes(phase.name)),
     times,
+    pooled: new Map((json.pooled ?? []).map((table) => [table.axes.join(), openPooled(table)])),
   };
 }
 
@@ -111,17 +121,31 @@ export const statistics = {
 export const statisticsOf = (doc, phase) =>
   Object.keys(statistics).filter((name) => (doc.times[phase]?.[name] ?? []).some((value) => value !== null));
 
-/** @param {Doc} doc @param {string} phase @param {string} statistic @returns {Estimates} */
-export function phaseTimes(doc, phase, statistic) {
-  const times = doc.times[phase] ?? {};
-  const value = times[statistic] ?? new Array(doc.count).fill(null);
+/** The columns of a statistic; only the mean has intervals. @returns {Estimates} */
+const timesOf = (times = {}, statistic, count) => {
+  const value = times[statistic] ?? new Array(count).fill(null);
   return statistic === 'mean' ? { value, low: times.low, high: times.high } : { value };
+};
+
+/** The columns of a ratio: at the points, or at pooled places. @returns {Estimates & Record<string, any>} */
+const ratioOf = (ratio, count) => {
+  const { is_matched: isMatched, ...columns } = columnsOf(ratio, count);
+  return { ...columns, isMatched };
+};
+
+function placeRatios({ places }, phase) {
+  const count = places.at.length;
+  const { cells, of, is_void: isVoid, ...columns } = ratioOf(places.ratios?.[phase], count);
+  const value = columns.value ?? new Array(count).fill(null);
+  return { ...columns, value, at: places.at, mark: new Array(count).fill(''), isVoid, points: cells, own: of };
 }
 
 /**
  * A quantity that can be drawn over the axes: `time:step`, `ratio:step`, `count:pairs`, `memory:peak_rss`.
+ * `estimates`: at each point. `pooled`: of a pooled table, with the columns at, mark, isVoid, points, own.
  * @typedef {{id: string, group: string, label: string, estimates: (statistic: string) => Estimates,
- *            mean: 'arithmetic' | 'geometric', dimension: 'time' | 'bytes' | 'number' | 'ratio'}} Quantity
+ *            pooled: (table: any, statistic: string) => any, pooling: string,
+ *            dimension: 'time' | 'bytes' | 'number' | 'ratio'}} Quantity
  */
 /** @param {Doc} doc @returns {Quantity[]} */
 export function quantities(doc) {
@@ -131,27 +155,29 @@ export function quantities(doc) {
     group: 'time of a cycle',
     label: label === name ? name : `${name}: ${label}`,
     short: `time of ${name}`,
-    mean: 'arithmetic',
+    pooling: 'mean',
     dimension: 'time',
-    estimates: (statistic) => phaseTimes(doc, name, statistic),
+    estimates: (statistic) => timesOf(doc.times[name], statistic, doc.count),
+    pooled: ({ rows }, statistic) => ({ ...rows, ...timesOf(rows.times?.[name], statistic, rows.at.length) }),
   }));
   for (const [phase, ratio] of Object.entries(doc.raw.ratios?.phases ?? {})) {
-    const columns = Object.fromEntries(['value', 'low', 'high'].map((name) => [name, column(ratio[name], doc.count)]));
     const label = `${phase} over that of ${doc.raw.ratios.baseline}`;
     found.push({
       id: `ratio:${phase}`,
       group: 'ratio',
       label,
       short: label,
-      mean: 'geometric',
+      pooling: 'geometric mean',
       dimension: 'ratio',
-      estimates: () => columns,
+      estimates: () => ratioOf(ratio, doc.count),
+      pooled: (table) => placeRatios(table, phase),
     });
   }
   for (const [group, dimension, table] of [
     ['count', 'number', points.counts],
     ['memory', 'bytes', points.memory],
-  ])
+  ]) {
+    const pooledGroup = group === 'count' ? 'counts' : group;
     for (const [name, values] of Object.entries(table ?? {})) {
       const value = column(values, doc.count);
       if (value.every((each) => each === null)) continue;
@@ -160,11 +186,13 @@ export function quantities(doc) {
         group: group === 'count' ? 'mean of a cycle' : 'memory',
         label: name,
         short: name.replace(/_/g, ' '),
-        mean: 'arithmetic',
+        pooling: group === 'count' ? 'mean' : 'maximum',
         dimension,
         estimates: () => ({ value }),
+        pooled: ({ rows }) => ({ ...rows, value: rows[pooledGroup]?.[name] ?? [] }),
       });
     }
+  }
   return found;
 }
 

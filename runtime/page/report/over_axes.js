@@ -3,6 +3,7 @@ import { legendOf, lineDrawing, textDrawing } from './axis_panels.js';
 import { rowsOf, tableOf } from './axis_rows.js';
 import { quantities, statistics } from './document.js';
 import { short } from './format.js';
+import { noTable } from './pooled.js';
 import { extent, poolNotes, unitOf } from './scales.js';
 
 /** The statistic of the times in a figure. */
@@ -15,6 +16,7 @@ export const statisticText = (doc, view) =>
 export function describeQuantity(doc, view, plainHow, quantity, { height = 340, isSmall = false } = {}) {
   const how = { ...plainHow, theme: { ...plainHow.theme, highlight: view.highlight } };
   const found = rowsOf(doc, view, quantity);
+  if (!found) return { title: quantity.label, empty: noTable };
   const over = found.axes[0] ? ` over ${found.axes[0].name}` : '';
   const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${over}`;
   if (found.rows.length === 0) return { title, empty: 'No point has a value here.' };
@@ -44,7 +46,7 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
     ...drawing,
     notes: [
       statistic,
-      ...poolNotes(doc, view, found.grouped, found.rows, quantity.mean, {
+      ...poolNotes(doc, view, found, quantity, {
         hasIntervals: isTime || quantity.dimension === 'ratio',
       }),
     ],

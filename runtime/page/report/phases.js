@@ -6,32 +6,34 @@ import { quantities, valueText } from './document.js';
 import { timeUnit } from './format.js';
 import { describeQuantity, statisticText } from './over_axes.js';
 import { phaseColours } from './palette.js';
+import { noTable } from './pooled.js';
 import { extent, labelMargin, poolNotes, rowLabel, scale, unitOf } from './scales.js';
 
 /** One configuration: a row for each phase, on one scale. */
 function describePhaseRows(doc, view, how, phases) {
-  const found = phases
-    .map((phase, i) => rowsOf(doc, view, phase).rows.map((row) => ({ ...row, xIndex: i, name: phase.id.slice(5) })))
-    .flat();
+  const parts = phases.map((phase) => rowsOf(doc, view, phase));
   const title = 'Phases of a cycle';
+  if (parts.includes(null)) return { title, empty: noTable };
+  const found = parts.flatMap(({ rows }, i) =>
+    rows.map((row) => ({ ...row, xIndex: i, name: phases[i].id.slice(5) })),
+  );
   if (found.length === 0) return { title, empty: 'No point has a value here.' };
   const unit = unitOf(phases[0], extent(found.map((row) => row.value))[1]);
   const { columns, rows } = tableOf(found, [], unit, { short: 'time' });
   const axis = { name: 'phase', isText: true, values: phases.map((phase) => phase.id.slice(5)) };
-  const { grouped } = rowsOf(doc, view, phases[0]);
   return {
     title,
     columns: [{ key: 'name', label: 'phase' }, ...columns],
     rows,
     legend: [],
     ...textDrawing(doc, view, { rows, axes: [axis], how, yLabel: `time, ${unit.unit}`, isSorted: false }),
-    notes: [statisticText(doc, view), ...poolNotes(doc, view, grouped, found, 'arithmetic')],
+    notes: [statisticText(doc, view), ...poolNotes(doc, view, { ...parts[0], rows: found }, phases[0])],
   };
 }
 
 const stackedPhases = ['broad', 'narrow', 'solve', 'integrate'];
 
-/** The mean times of the phases, stacked, for each text and mark. */
+/** The mean times of the phases, stacked, for each text and mark; null if the document did not pool the axes. */
 function stackedRows(doc, view, names) {
   const parts = names.map((name) =>
     rowsOf(
@@ -40,6 +42,7 @@ function stackedRows(doc, view, names) {
       quantities(doc).find((each) => each.id === `time:${name}`),
     ),
   );
+  if (parts.includes(null)) return null;
   const totals = new Map();
   const rows = parts.flatMap((part, i) =>
     part.rows
@@ -51,7 +54,7 @@ function stackedRows(doc, view, names) {
         return { label, phase: names[i], value: row.value, y1, y2: y1 + row.value };
       }),
   );
-  return { rows, totals, axis: parts[0]?.axes[0], grouped: parts[0]?.grouped };
+  return { rows, totals, first: parts[0] };
 }
 
 function stackedPanel(rows, { theme, labels, margin, scaleX, unit }) {
@@ -83,7 +86,10 @@ function stackedPanel(rows, { theme, labels, margin, scaleX, unit }) {
 function describeStackedRows(doc, view, { theme, width }) {
   const names = stackedPhases.filter((name) => doc.phases.some((phase) => phase.name === name));
   if (names.length < 2) return { title: 'Phases', empty: '' };
-  const { rows: found, totals, axis, grouped } = stackedRows(doc, { ...view, statistic: 'mean' }, names);
+  const stacked = stackedRows(doc, { ...view, statistic: 'mean' }, names);
+  if (!stacked) return { title: 'Phases', empty: noTable };
+  const { rows: found, totals, first } = stacked;
+  const [axis] = first.axes;
   const title = `Phases over ${axis?.name ?? 'the axis'}`;
   if (found.length === 0) return { title, empty: 'No sound point has times of individual phases.' };
   const { unit, factor } = timeUnit(Math.max(...totals.values()));
@@ -109,7 +115,10 @@ function describeStackedRows(doc, view, { theme, width }) {
         hot: { hot: rows.map((_, i) => i) },
       },
     ],
-    notes: [doc.raw.statistic ?? '', ...poolNotes(doc, view, grouped, [], 'arithmetic', { hasIntervals: false })],
+    notes: [
+      doc.raw.statistic ?? '',
+      ...poolNotes(doc, view, first, { pooling: 'mean' }, { hasIntervals: false }),
+    ],
   };
 }
 

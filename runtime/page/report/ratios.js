@@ -1,9 +1,9 @@
 // The time of each detector over that of the baseline at the same point.
 import * as Plot from '@observablehq/plot';
-import { column, valueText } from './document.js';
+import { quantities, valueText } from './document.js';
 import { number, short } from './format.js';
 import { style } from './palette.js';
-import { pool, selected } from './pool.js';
+import { entriesOf, noTable } from './pooled.js';
 import { extent, fixedText, intervalText, labelMargin, logTicks, rowLabel } from './scales.js';
 
 const mostFacets = 6;
@@ -28,32 +28,19 @@ function facetAxis(doc, view) {
   return -1;
 }
 
-/** The pooled ratio of each facet and detector, over the points that every detector has, or over all without such. */
-function facetRows(doc, view, ratio, facet) {
-  const d = doc.detectorAxis;
-  const rows = [];
-  const values = facet < 0 ? [-1] : doc.axes[facet].values.map((_, i) => i);
-  const points = selected(doc, { ...view, roles: view.roles.map((role, a) => (a === d ? 'colour' : role)) });
-  for (const value of values) {
-    const own = points.filter((p) => facet < 0 || doc.at[p][facet] === value);
-    for (let detector = 0; detector < doc.axes[d].values.length; ++detector) {
-      const all = own.filter((p) => doc.at[p][d] === detector && ratio.value[p] !== null);
-      const matched = all.filter((p) => ratio.is_matched[p] && !doc.isVoid[p]);
-      const sound = all.filter((p) => !doc.isVoid[p]);
-      const used = matched.length ? matched : sound.length ? sound : all;
-      const pooled = pool(used, ratio, 'geometric');
-      if (pooled)
-        rows.push({
-          facet: value,
-          detector,
-          ...pooled,
-          points: used.length,
-          isMatched: matched.length > 0,
-          isVoid: sound.length === 0,
-        });
-    }
-  }
-  return rows;
+/** The ratio of each facet and detector, pooled over the other axes; null if the document did not pool them. */
+function facetRows(doc, view, phase, facet) {
+  const roles = view.roles.map((role, a) => {
+    if (a === doc.detectorAxis) return 'colour';
+    return a === facet ? 'x' : role === 'fixed' ? 'fixed' : 'pooled';
+  });
+  const quantity = quantities(doc).find((each) => each.id === `ratio:${phase}`);
+  const found = entriesOf(doc, { ...view, roles }, quantity);
+  if (!found) return null;
+  return found.entries.map(({ place, value, low, high, points, isMatched, isVoid }) => {
+    const at = { facet: facet < 0 ? -1 : place[facet], detector: place[doc.detectorAxis] };
+    return { ...at, value, low, high, points, isMatched, isVoid };
+  });
 }
 
 /** The document's own geometric means over all cells, if no axis is fixed to one of several values. */
@@ -75,10 +62,6 @@ function meanRows(doc, view, phase) {
     }))
     .filter((row) => row.value !== null && row.detector >= 0);
 }
-
-/** The columns of a ratio, which are arrays or constants. */
-const columnsOfRatio = (doc, ratio) =>
-  Object.fromEntries(['value', 'low', 'high', 'is_matched'].map((name) => [name, column(ratio[name], doc.count)]));
 
 function marksOf(rows, theme, ticks) {
   const ink = (row) => style(theme, row.detector).colour;
@@ -147,17 +130,13 @@ function scaleOf(rows, width) {
 }
 
 function notesOf(doc, rows, { fixed, mean }) {
-  const kinds = new Set(rows.map((row) => row.interval));
-  const hasIntervals = kinds.has('given') || rows.some((row) => row.facet === 'mean' && row.low !== null);
   const cells =
     mean && `Geometric mean over ${mean.points ?? '–'} of ${mean.of ?? '–'} cells; dashed: the range over them.`;
   return [
     fixed && `At ${fixed}.`,
     'Paired: each time divided by the baseline’s in the same cell.',
     cells,
-    hasIntervals ? intervalText(doc) : 'No intervals: one repeat.',
-    kinds.has('quadrature') && 'Bars of pooled cells: half-widths in quadrature, in logarithms.',
-    kinds.has('range') && 'Bars of pooled cells without intervals: the range over them.',
+    rows.some((row) => row.low !== null) ? intervalText(doc) : 'No intervals: one repeat.',
     rows.some((row) => !row.isMatched || row.isVoid) &&
       'Hollow: not all detectors have a sound run of this cell with the same omissions.',
   ].filter(Boolean);
@@ -185,7 +164,9 @@ export function describeRatios(doc, view, { theme, width }) {
   const facet = facetAxis(doc, view);
   const fixed = fixedText(doc, view);
   const means = fixed ? [] : meanRows(doc, view, phase);
-  const groups = groupsOf(facetRows(doc, view, columnsOfRatio(doc, ratios.phases[phase]), facet), means, facet);
+  const cells = facetRows(doc, view, phase, facet);
+  if (!cells) return { title, empty: noTable };
+  const groups = groupsOf(cells, means, facet);
   const all = groups.flatMap(([, own]) => own);
   if (all.length === 0) return { title, empty: 'No two detectors have times for the same point.' };
   const isAlone = means.length > 0 && groups.length === 1 && means[0].of === 1; // not a mean, but the only cell

@@ -2,7 +2,7 @@
 import { valueText } from './document.js';
 import { byteUnit, number, plural, short, timeUnit } from './format.js';
 import { textWidth } from './compose.js';
-import { prefersLog } from './pool.js';
+import { prefersLog } from './pooled.js';
 
 /** @param {number[]} values @returns {[number, number]} */
 export function extent(values) {
@@ -131,35 +131,34 @@ export function intervalText(doc) {
   return `Bars: ${name ?? 'interval'}${how}`;
 }
 
-const means = { arithmetic: 'mean', geometric: 'geometric mean' };
-/** Notes on pooling and intervals, shown below a figure. */
-export function poolNotes(doc, view, grouped, rows, mean, { hasIntervals = true } = {}) {
+/**
+ * Notes on pooling and intervals, shown below a figure.
+ * @param {{rows: any[], pooled: number[], isUnmatched: boolean}} found
+ */
+export function poolNotes(doc, view, { rows, pooled, isUnmatched }, quantity, { hasIntervals = true } = {}) {
   const notes = [];
   const fixed = fixedText(doc, view);
   if (fixed) notes.push(`At ${fixed}.`);
-  const kinds = new Set(rows.map((row) => row.interval).filter(Boolean));
-  const pooledNames = grouped.pooled.map((a) => doc.axes[a].name);
-  if (pooledNames.length) {
-    const counts = grouped.groups.map((group) => group.points.length);
-    const [least, most] = extent(counts);
+  if (pooled.length && rows.length) {
+    const [least, most] = extent(rows.map((row) => row.points));
+    const names = pooled.map((a) => doc.axes[a].name).join(', ');
     notes.push(
-      `Pooled over ${pooledNames.join(', ')}: ${means[mean]} of ${least === most ? '' : `${least} to `}${plural(most, 'point')}` +
-        (grouped.isUnmatched
+      `Pooled over ${names}: ${quantity.pooling} of ${least === most ? '' : `${least} to `}${plural(most, 'point')}` +
+        (isUnmatched
           ? '; no cell is common to all marks, so that each has its own points.'
-          : grouped.groups.some((group) => group.points.length < group.own)
+          : rows.some((row) => row.points < row.own)
             ? ', the cells that all marks have.'
             : '.'),
     );
   }
   if (hasIntervals) {
-    if (kinds.has('given') && doc.raw.interval?.name) notes.push(intervalText(doc));
-    if (kinds.has('quadrature'))
-      notes.push('Bars of pooled marks: the half-widths of their points in quadrature, as the runs are independent.');
-    if (kinds.has('range')) notes.push('Bars of pooled marks: the range over their points, which have no intervals.');
-    if (kinds.size === 0)
+    if (rows.some((row) => row.low !== null)) notes.push(intervalText(doc));
+    else
       notes.push(
         'No intervals: ' +
-          (view.statistic === 'mean' || mean === 'geometric' ? 'one repeat.' : 'they are made for the mean only.'),
+          (view.statistic === 'mean' || quantity.dimension === 'ratio'
+            ? 'one repeat.'
+            : 'they are made for the mean only.'),
       );
   }
   const marks = [...new Set(rows.filter((row) => row.mark && !row.isVoid).map((row) => row.mark))];

@@ -4,6 +4,7 @@ import { valueText } from './document.js';
 import { number, short } from './format.js';
 import { textWidth } from './compose.js';
 import { inkOn, severity, verdicts } from './palette.js';
+import { entriesOf, noTable } from './pooled.js';
 import { labelMargin, rowLabel } from './scales.js';
 
 const mostPanels = 12;
@@ -12,18 +13,6 @@ const wideCell = 62; // px, with full names
 
 const plainName = (level) => verdicts[level].name.replace('_', ' ');
 const nameOf = (axis, i) => (axis ? valueText(axis, i) : '');
-
-/** The worst verdict of some points, and its earliest bad cycle. */
-export function worst(doc, points) {
-  let [level, cycle] = [-1, null];
-  for (const p of points) {
-    const own = severity(doc.verdict[p]);
-    const bad = doc.firstBadCycle[p];
-    if (own > level) [level, cycle] = [own, bad];
-    else if (own === level && bad !== null && (cycle === null || bad < cycle)) cycle = bad;
-  }
-  return { level, cycle };
-}
 
 /** Splits the other axes of the map into fixed ones, those that make panels, and those whose worst verdict counts. */
 function split(doc, view) {
@@ -41,25 +30,30 @@ function split(doc, view) {
   return { fixed, panels, worstOver: rest.filter((a) => !fixed.includes(a) && !panels.includes(a)) };
 }
 
+/** The cells of the map, with the worst verdict over the axes that it does not show; null if the document has none. */
 function cellsOf(doc, view, parts) {
-  const cells = new Map();
-  for (let p = 0; p < doc.count; ++p) {
-    if (!parts.fixed.every((a) => doc.at[p][a] === view.at[a])) continue;
-    const on = (a) => (a < 0 ? 0 : doc.at[p][a]);
-    const panel = parts.panels.map((a) => doc.at[p][a]);
-    const key = `${panel.join()};${on(view.mapX)};${on(view.mapY)}`;
-    const cell = cells.get(key) ?? {
-      panel: panel.join(),
-      panelAt: panel,
-      x: on(view.mapX),
-      y: on(view.mapY),
-      points: [],
-    };
-    cell.points.push(p);
-    cells.set(key, cell);
-  }
-  return [...cells.values()].map((cell) => ({ ...cell, ...worst(doc, cell.points) }));
+  const roles = doc.axes.map((_, a) => {
+    if (parts.worstOver.includes(a)) return 'pooled';
+    return parts.fixed.includes(a) ? 'fixed' : 'x';
+  });
+  const found = entriesOf(doc, { ...view, roles }, verdictsOf(doc));
+  return found?.entries.map(({ place, value, cycle, points }) => {
+    const on = (a) => (a < 0 ? 0 : place[a]);
+    const panelAt = parts.panels.map(on);
+    const at = { panel: panelAt.join(), panelAt, x: on(view.mapX), y: on(view.mapY) };
+    return { ...at, points, level: severity(value), cycle };
+  });
 }
+
+/** Verdicts in place of numbers. */
+const verdictsOf = (doc) => ({
+  estimates: () => ({ value: doc.verdict, cycle: doc.firstBadCycle }),
+  pooled: ({ places }) => {
+    const { at, points, verdict: value, first_bad_cycle: cycle } = places;
+    const none = at.map(() => '');
+    return { at, points, own: points, value, cycle, mark: none, isVoid: none };
+  },
+});
 
 /** The label of a column; large numbers are written as powers, which are shorter. */
 function columnText(axis, i) {
@@ -132,7 +126,6 @@ function rowsOf(doc, cells, { parts, axisX, axisY }) {
   return cells
     .map((cell) => ({
       ...cell,
-      points: cell.points.length,
       panelText: panelText(cell),
       xText: nameOf(axisX, cell.x),
       yText: nameOf(axisY, cell.y),
@@ -191,7 +184,9 @@ export function describeStability(doc, view, { width }) {
     return { title, empty: `All ${doc.count} points are stable.` };
   const parts = split(doc, view);
   const [axisX, axisY] = [doc.axes[view.mapX], doc.axes[view.mapY]];
-  const rows = rowsOf(doc, cellsOf(doc, view, parts), { parts, axisX, axisY });
+  const cells = cellsOf(doc, view, parts);
+  if (!cells) return { title, empty: noTable };
+  const rows = rowsOf(doc, cells, { parts, axisX, axisY });
   const xs = [...new Set(rows.map((row) => row.x))].sort((a, b) => a - b);
   const ys = [...new Set(rows.map((row) => row.y))].sort((a, b) => a - b);
   const keys = [...new Set(rows.map((row) => row.panel))];

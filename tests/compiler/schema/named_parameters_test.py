@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that a misspelt parameter, or one of another type, is a compile error.
+"""Checks that a misspelt parameter or series, or one of another type, is a compile error.
 
 Usage: named_parameters_test.py SOURCE COMPILER [ARGUMENT...]
 Compiles SOURCE as it is, which must succeed, and with the macro FAULTS, which must fail at each line that ends in

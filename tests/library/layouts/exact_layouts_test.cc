@@ -227,7 +227,8 @@ TEST(Layout, AtIsTheCentreOfMass) {
 TEST(Layout, PairIsJustSoFarApart) {
   distributions::Stream stream(1);
   std::vector<objects::Solid> solids = {Torus()};
-  for (const objects::Shape shape : kConvexShapes) solids.push_back(RandomSolid(stream, shape, 5));
+  for (const objects::Shape shape : objects::kClosedShapes)
+    solids.push_back(RandomSolid(stream, shape, 5));
   for (const objects::Solid& a : solids) {
     for (const objects::Solid& b : solids) {
       const double size = a.sides.norm() + b.sides.norm();

@@ -107,7 +107,7 @@ TEST(Distance, EverythingAboveALargeFace) {
   distributions::Stream stream(5);
   const objects::Solid floor{objects::Shape::kCuboid, {1000, 10, 1000}};
   for (int i = 0; i < Cases(3000); ++i) {
-    const objects::Solid solid = RandomSolid(stream, kConvexShapes[i % 6], 50);
+    const objects::Solid solid = RandomSolid(stream, objects::kClosedShapes[i % 6], 50);
     const double gap = stream.LogUniform(1e-6, 100);
     const Quaterniond turn = stream.Turn();
     const double lowest = objects::Bounds(solid, turn).lower.y();
@@ -141,7 +141,7 @@ TEST(Distance, PropertiesForAllPairs) {
   distributions::Stream stream(6);
   std::vector<objects::Solid> solids = {Torus()};
   for (const double most : {1.0, 3.0, 50.0})
-    for (const objects::Shape shape : kConvexShapes)
+    for (const objects::Shape shape : objects::kClosedShapes)
       solids.push_back(RandomSolid(stream, shape, most));
   int apart = 0, overlapping = 0;
   for (const objects::Solid& a : solids) {
@@ -181,7 +181,7 @@ TEST(Distance, PropertiesForAllPairs) {
 TEST(Approach, IsAsNearAsAskedAndWasNeverNearer) {
   distributions::Stream stream(7);
   std::vector<objects::Solid> solids = {Torus()};
-  for (const objects::Shape shape : kConvexShapes) {
+  for (const objects::Shape shape : objects::kClosedShapes) {
     solids.push_back(RandomSolid(stream, shape, 1));
     solids.push_back(RandomSolid(stream, shape, 20));
   }

@@ -15,9 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr objects::Shape kShapes[] = {objects::Shape::kEllipsoid, objects::Shape::kCuboid,
-                                      objects::Shape::kCylinder,  objects::Shape::kCone,
-                                      objects::Shape::kCapsule,   objects::Shape::kTetrahedron};
+constexpr auto& kShapes = objects::kClosedShapes;
 
 Vector3d Direction(distributions::Stream& stream) {
   return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()).normalized();

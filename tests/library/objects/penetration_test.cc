@@ -134,7 +134,7 @@ TEST(ExactContact, OfEdgesAcrossIsAlongTheirProduct) {
 
 TEST(ExactContact, WithAHalfSpaceIsOfTheDeepestPoint) {
   distributions::Stream stream(4);
-  for (const objects::Shape shape : kConvexShapes) {
+  for (const objects::Shape shape : objects::kClosedShapes) {
     for (int i = 0; i < 50; ++i) {
       const objects::Solid solid = RandomSolid(stream, shape, 4);
       const objects::Pose pose{RandomDirection(stream), stream.Turn()};

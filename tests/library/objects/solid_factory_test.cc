@@ -40,6 +40,15 @@ TEST(SolidFactory, TorusHasItsClosedForms) {
             1e-4 * fine.inertia.norm());
 }
 
+TEST(SolidFactory, EveryTypeOfTheTableIsAClosedFormAModelOrTheTorus) {
+  for (const schema::ObjectType& type : schema::kObjectTypeTable) {
+    const bool is_closed =
+        std::ranges::count(objects::kClosedShapes, type.name, objects::TypeOf) == 1;
+    const bool is_mesh = meshes::FindModel(type.name) != nullptr || type.name == "torus";
+    EXPECT_NE(is_closed, is_mesh) << type.name;
+  }
+}
+
 TEST(SolidFactory, EqualOnesAreSharedAndFormsAlways) {
   objects::SolidFactory maker;
   const Vector3d ones = Vector3d::Ones();

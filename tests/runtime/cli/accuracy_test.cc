@@ -5,10 +5,7 @@
 #include <cmath>
 
 #include "compiler/compile.h"
-#include "runtime/report/show_error.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -88,21 +85,23 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   const auto plans =
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   ASSERT_EQ(plans.at(0).references.size(), 2u);
-  const std::string reference = "gas.runs/" + plans[0].references[0].id + ".h5";
-  const std::string perturbed = "gas.runs/" + plans[0].references[1].id + ".h5";
+  const std::string reference = plans[0].references[0].id, perturbed = plans[0].references[1].id;
+  const fs::path folder = program.folder() / "gas.runs";
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--shard", "1/2"}).status, 0);
-  ASSERT_TRUE(program.Exists(reference) && program.Exists(perturbed));
-  const std::string before = program.Read(reference);
-  fs::remove(program.folder() / perturbed);
-  // A damaged perturbed run is executed again, as any shard.
-  program.Write(perturbed, before.substr(0, before.size() / 2));
+  const auto before = RunsIn(folder);
+  ASSERT_TRUE(before.contains(reference) && before.contains(perturbed));
+  // A perturbed run that is missing is executed again, as any run.
+  journal::Journal::OpenToWrite(folder, plans[0].Sha256()).Forget(perturbed);
   const Finished second = program.Run({"run", "gas.cdb", "--shard", "2/2"});
   ASSERT_EQ(second.status, 0) << second.err;
-  EXPECT_EQ(program.Read(reference), before) << "it was there";
-  EXPECT_TRUE(program.Exists(perturbed));
+  EXPECT_EQ(RunsIn(folder).at(reference), before.at(reference)) << "it was there";
+  EXPECT_GT(RunsIn(folder).at(perturbed), before.at(perturbed));
+  const Finished checked = program.Run({"check", "gas.runs/runs.journal"});
+  EXPECT_NE(checked.out.find("whole: a journal of 4 finished runs"), std::string::npos)
+      << checked.out << checked.err;
   const Finished all = program.Run({"run", "gas.cdb"});
   EXPECT_EQ(all.status, 0) << all.err;
-  EXPECT_FALSE(program.Exists(reference));
+  EXPECT_FALSE(program.Exists("gas.runs"));
   const store::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
 }
@@ -151,107 +150,6 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--only", id}).status, 0);
   const store::ResultFile file(program.folder() / (id + ".h5"));
   EXPECT_GT(file.ReadReal("accuracy/position", {{0}, 0}), 0);
-}
-
-/// The table of a result with known times and errors: a cycle of 1 / hz s takes `hz` * `us`.
-std::string ShownError(const statistics::ErrorOptions& options) {
-  plan::Plan plan =
-      MakePlan({NumberAxis("hz", {60, 120, 240}), TextAxis("precision", {"single", "double"})}, 2,
-               {.cycles = 4, .record = {"timing"}, .metrics = {"position", "pairs"}});
-  const TemporaryFolder folder;
-  for (const plan::Run& run : plan.runs) {
-    FakeResult fake(run);
-    const auto hz = std::get<double>(plan.axes[0].values[run.at[0]]);
-    const bool is_double = run.at[1] == 1;
-    std::vector<double> durations(measure::kPhaseCount * 4, 0);
-    for (std::size_t i = 0; i < 4; ++i)
-      durations[measure::IndexOf(measure::Phase::kStep) * 4 + i] =
-          (is_double ? 2000 : 1000) * (1 + 0.5 * static_cast<double>(run.rep));
-    fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
-    auto& values = fake.result.errors.values;
-    values["timestep"] = {1 / hz};
-    values["horizon"] = {1.5};
-    values["position"] = {is_double && hz == 240 ? NAN : (is_double ? 1 : 1.5) / hz};
-    values["position_floor"] = {hz == 240 ? 0.01 : 0.001};
-    if (std::isnan(values["position"][0])) fake.result.errors.message = "a test";
-    if (is_double && hz == 60) {
-      fake.result.status = store::Status::kCrashed;
-      fake.result.message = "of old age";
-    }
-    shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
-  }
-  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  return report::ShowError(store::ResultFile(folder / "out.h5"), options).text;
-}
-
-TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
-  EXPECT_EQ(ShownError({"position", {}, {}}), R"(A plan for tests – µ
-  position: distance from the true position, in sizes of the object; root mean square over objects and samples
-  1 without a place in it:
-    hz 240, precision double: a test
-  1 did not end well, marked and not on the front:
-    hz 60, precision double: crashed: of old age
-
-   hz  precision  x real time  ms per s           range  position     floor  horizon, s
-  -------------------------------------------------------------------------------------------------------
-   60  single           13330    0.0750  0.0600..0.0900  2.50e-02  1.00e-03        1.50  front
-  120  single            6667     0.150    0.120..0.180  1.25e-02  1.00e-03        1.50  front
-  120  double            3333     0.300    0.240..0.360  8.33e-03  1.00e-03        1.50  front
-  240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  tie, below floor
-   60  double            6667     0.150    0.120..0.180  1.67e-02  1.00e-03        1.50  crashed
-  Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
-  tie: what is as fast and as accurate is so only within the range and the floor.
-
-position, * front, = tie, x void
- 2.50e-02 |                                                           *
-          |
-          |
-          |
-          |                              x
-          |
-          |                              *
-          |
-          |
-          |
-          |*
-          |
-          |
- 6.25e-03 |=
-          +------------------------------------------------------------
-           3333                    x real time                    13330
-
-Below its floor an error says nothing: the reference and its perturbed run differ as much.
-)");
-}
-
-TEST(ShowError, MakesATableForEachValue) {
-  const std::string text = ShownError({"position", {}, {"precision"}});
-  EXPECT_NE(text.find("\nprecision single\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("\nprecision double\n"), std::string::npos) << text;
-}
-
-TEST(ShowError, TakesTheMeanOverTheCellsThatAllRowsHave) {
-  const std::string text = ShownError({"position", {"precision"}, {}});
-  EXPECT_NE(text.find("\n  the mean over hz\n"), std::string::npos) << text;
-  // Only the double-precision run at 120 Hz is left.
-  EXPECT_NE(text.find("\n  single     1 of 3 "), std::string::npos) << text;
-  EXPECT_NE(text.find("1.25e-02"), std::string::npos) << text;
-  EXPECT_NE(text.find("8.33e-03"), std::string::npos) << text;
-}
-
-TEST(ShowError, NamesWhatThereIs) {
-  const auto said = [](const statistics::ErrorOptions& options) -> std::string {
-    try {
-      ShownError(options);
-    } catch (const files::StoreError& error) {
-      return error.what();
-    }
-    return "nothing";
-  };
-  EXPECT_EQ(said({"energy", {}, {}}),
-            "there is no error 'energy' in this file; there are position, pairs_missed, "
-            "pairs_phantom");
-  EXPECT_EQ(said({"position", {"size"}, {}}), "there is no axis 'size'; there are hz, precision");
 }
 
 }  // namespace

@@ -67,8 +67,8 @@ class Compared {
   const std::vector<compare::BenchmarkHistory>& histories() const { return histories_; }
   const compare::Comparison& comparison() const { return histories_[0].steps[0]; }
   const CompareOptions& options() const { return options_; }
-  compare::Document document() const { return compare::CompareDocument(comparison(), options_); }
-  std::string Text() const { return compare::TerminalText(document()); }
+  printers::Document document() const { return compare::CompareDocument(comparison(), options_); }
+  std::string Text() const { return printers::TextOf(document(), printers::Format::kWrapped); }
   bool IsWorse() const { return compare::IsWorse(comparison(), options_); }
   /// The change of a group, in the phase step.
   const compare::TimeChange& Group(const std::string& name) const {
@@ -337,7 +337,7 @@ TEST(Compare, SaysFirstWhatDiffers) {
 
 TEST(Compare, PrintsMarkdownAndJson) {
   const Compared compared(SlowerSap(), {.phase = measure::Phase::kStep});
-  const std::string markdown = compare::MarkdownText(compared.document());
+  const std::string markdown = printers::TextOf(compared.document(), printers::Format::kMarkdown);
   EXPECT_NE(markdown.find("\n- SLOWER: sap: step +"), std::string::npos) << markdown;
   EXPECT_NE(markdown.find("\n| detector | points | phase | a.h5 | b.h5 | ratio | 95 % interval | "
                           "verdict |\n| --- | ---: | --- | ---: | ---: | ---: | ---: | --- |\n"),
@@ -362,8 +362,10 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
                        .change = i >= 2 ? Slower(2, 1.08) : ComparedResult().change,
                        .seed = i + 1});
   const Compared compared(results, {.phase = measure::Phase::kStep});
-  const std::string text = compare::TerminalText(compare::HistoryDocument(
-      compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"}, compared.options()));
+  const std::string text = printers::TextOf(
+      compare::HistoryDocument(compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"},
+                               compared.options()),
+      printers::Format::kWrapped);
   ExpectSays(text, "From file to file The same machine, versions and facts");
   ExpectSays(text, "fixture sap 1.000 0.9995 1.079 1.080 ▁▁██ c.h5 +8.0 %");
   ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.6 .. +8.4 %)");

@@ -7,7 +7,7 @@
 #include <map>
 
 #include "library/distributions/stream.h"
-#include "runtime/statistics/cycle_times.h"
+#include "runtime/figures/times.h"
 #include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
@@ -17,8 +17,8 @@ using compare::Change;
 using compare::ChangeTest;
 using compare::ChangeVerdict;
 using compare::TestedChange;
-using statistics::Bootstrap;
-using statistics::Estimate;
+using figures::Bootstrap;
+using figures::Estimate;
 
 TEST(CompareStatistics, TestsByStudentsDistribution) {
   // Two samples whose means have the bootstrap variance that Welch's test assumes.
@@ -39,7 +39,7 @@ TEST(CompareStatistics, CallsAChangeOfOnePercentNone) {
   const Bootstrap five(5);
   const Estimate a = five.MeanEstimate({100, 100.01, 99.99, 100, 100});
   const auto p = [&](double factor) {
-    return ChangeTest(five, five).Of(compare::ChangeOf(a, statistics::Scaled(a, factor))).p;
+    return ChangeTest(five, five).Of(compare::ChangeOf(a, figures::Scaled(a, factor))).p;
   };
   EXPECT_GT(p(1.0099), 0.5);
   EXPECT_LT(p(1.011), 1e-6);
@@ -124,8 +124,8 @@ class MadeUpFile {
                          stall);
       }
     }
-    return statistics::TimesOver(repeats, bootstrap_, statistics::CycleStatistic::kMean,
-                                 statistics::FastestOf(repeat_.size()))
+    return figures::TimesOver(repeats, bootstrap_, figures::CycleStatistic::kMean,
+                              figures::FastestOf(repeat_.size()))
         .mean;
   }
 

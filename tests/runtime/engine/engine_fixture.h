@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "compiler/schema/catalogue.h"
 #include "library/layouts/initial_state.h"
@@ -86,10 +87,9 @@ inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
 }
 
 /// Expects the same motion with all of the detectors that this build has.
-inline void ExpectAlike(plan::Scene scene, std::initializer_list<const char*> detectors) {
+inline void ExpectAlike(plan::Scene scene, const std::vector<std::string>& detectors) {
   std::string hash;
-  for (const char* detector : detectors) {
-    if (schema::FindDetector(detector) == nullptr) continue;
+  for (const std::string& detector : detectors) {
     SetWorld(scene, "detector", Word(detector));
     const Recorded run = RunHere(scene);
     ASSERT_TRUE(run.done()) << run.message();

@@ -9,8 +9,8 @@ namespace {
 
 using machine::Noise;
 
-measure::RunScalars QuietScalars() {
-  measure::RunScalars scalars;
+schema::RunScalars QuietScalars() {
+  schema::RunScalars scalars;
   scalars.cycles_wall_ns = 1e9;
   scalars.cycles_cpu_ns = 0.99e9;
   scalars.stolen_ns = 5e6;
@@ -33,7 +33,7 @@ TEST(Noise, IsUnknownOfARunThatWasNotMeasured) {
 }
 
 TEST(Noise, IsTimeOffTheProcessor) {
-  measure::RunScalars scalars = QuietScalars();
+  schema::RunScalars scalars = QuietScalars();
   scalars.cycles_cpu_ns = 0.4e9;
   const auto judged = machine::JudgeNoise(scalars, {1, 2}, 1, EvenSteps());
   EXPECT_EQ(judged.noise, Noise::kNoisy);
@@ -43,14 +43,14 @@ TEST(Noise, IsTimeOffTheProcessor) {
 }
 
 TEST(Noise, IsStolenTimeAndLoad) {
-  measure::RunScalars scalars = QuietScalars();
+  schema::RunScalars scalars = QuietScalars();
   scalars.stolen_ns = 0.2e9;
   EXPECT_EQ(machine::JudgeNoise(scalars, {11, 2}, 1, EvenSteps()).why,
             "20 % stolen by other virtual machines, load 11.0 on 2 processors");
 }
 
 TEST(Noise, IsOtherProgramsOnOtherProcessors) {
-  measure::RunScalars scalars = QuietScalars();
+  schema::RunScalars scalars = QuietScalars();
   scalars.others_ns = 0.95e9;
   EXPECT_EQ(machine::JudgeNoise(scalars, {1, 2}, 1, EvenSteps()).why,
             "other programs on 0.95 processors");
@@ -81,7 +81,7 @@ TEST(Noise, IsComparedByThePartThatOthersTook) {
   EXPECT_FALSE(quiet.IsQuieterThan(quiet));
   EXPECT_TRUE(louder.IsQuieterThan(unknown)) << "it was measured at least";
   EXPECT_FALSE(unknown.IsQuieterThan(louder));
-  measure::RunScalars scalars = QuietScalars();
+  schema::RunScalars scalars = QuietScalars();
   scalars.cycles_cpu_ns = 0.4e9;
   EXPECT_DOUBLE_EQ(machine::JudgeNoise(scalars, {1, 2}, 1, EvenSteps()).disturbed, 0.6);
   EXPECT_DOUBLE_EQ(machine::JudgeNoise(scalars, {1, 2}, 2, EvenSteps()).disturbed, 0.02);

@@ -37,18 +37,20 @@ class VerdictTest : public testing::Test {
     recording_.header().scales.speed_scale = 10;
     recording_.header().scales.least_side = 2;
     recording_.header().scales.moving_objects = 3;
-    for (const char* name : {"non_finite", "removed", "escaped", "contacts", "passed", "pressed",
-                             "inverted", "unheld", "frozen", "displaced"})
-      std::ranges::fill(recording_.Ints(name), 0);
-    for (const char* name : {"displacement", "penetration_ratio", "max_speed"})
-      std::ranges::fill(recording_.Reals(name), 0);
+    for (const schema::IntSeries count : std::initializer_list<schema::IntSeries>{
+             "non_finite", "removed", "escaped", "contacts", "passed", "pressed", "inverted",
+             "unheld", "frozen", "displaced"})
+      std::ranges::fill(recording_.Ints(count), 0);
+    for (const schema::RealSeries series : std::initializer_list<schema::RealSeries>{
+             "displacement", "penetration_ratio", "max_speed"})
+      std::ranges::fill(recording_.Reals(series), 0);
     std::ranges::fill(recording_.Reals("energy"), 100);
   }
-  void Set(const char* series, std::size_t from, double value, std::size_t to = kCycles) {
+  void Set(schema::RealSeries series, std::size_t from, double value, std::size_t to = kCycles) {
     std::fill(recording_.Reals(series).begin() + static_cast<std::ptrdiff_t>(from),
               recording_.Reals(series).begin() + static_cast<std::ptrdiff_t>(to), value);
   }
-  void SetCount(const char* series, std::size_t from, int value, std::size_t to = kCycles) {
+  void SetCount(schema::IntSeries series, std::size_t from, int value, std::size_t to = kCycles) {
     std::fill(recording_.Ints(series).begin() + static_cast<std::ptrdiff_t>(from),
               recording_.Ints(series).begin() + static_cast<std::ptrdiff_t>(to), value);
   }

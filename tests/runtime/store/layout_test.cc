@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <set>
-#include <sstream>
 #include <string>
 
 #include "compiler/analysis/requested_errors.h"
@@ -18,16 +17,15 @@ namespace {
 plan::Plan PlanWithEverything() {
   schema::WordList metrics;
   for (const schema::Metric& metric : schema::Metrics()) metrics.emplace_back(metric.name);
-  return MakePlan({NumberAxis("x", {1, 2})}, 1,
-                  {.record = {"timing", "counts", "energy", "stability", "contacts", "poses",
-                              "boxes", "memory", "pairs"},
-                   .metrics = metrics});
+  schema::WordList record;
+  for (const schema::RecordWord& word : schema::kRecordWords) record.emplace_back(word.name);
+  return MakePlan({NumberAxis("x", {1, 2})}, 1, {.record = record, .metrics = metrics});
 }
 
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const store::PlanFacts facts(plan);
-  const store::Layout layout = store::MakeLayout(plan, facts, nullptr, 1);
+  const store::Layout layout = store::MakeLayout(plan, facts, 1);
   std::set<std::string> names = {"provenance"};
   const auto add = [&names](const std::string& path) {
     for (const std::string& group :
@@ -53,10 +51,9 @@ TEST(ResultNames, AreThoseOfTheLayout) {
         << name << " is in the results and missing in compiler/schema/result_names.cc";
   std::set<std::string> listed;
   for (const schema::ResultNames& row : schema::ReservedNames()) {
-    std::istringstream names{std::string(row.names)};
-    for (std::string name; names >> name;) {
-      EXPECT_TRUE(used.contains(name)) << name << " is not in the results";
-      EXPECT_TRUE(listed.insert(name).second) << name << " is listed twice";
+    for (const std::string_view name : row.names) {
+      EXPECT_TRUE(used.contains(std::string(name))) << name << " is not in the results";
+      EXPECT_TRUE(listed.emplace(name).second) << name << " is listed twice";
     }
   }
   EXPECT_FALSE(schema::FindNameClash("x", errors));

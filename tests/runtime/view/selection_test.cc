@@ -25,8 +25,8 @@ TEST(Selection, FindsCoordinatesByTextAndByNearlyEqualNumbers) {
                                         TextAxis("detector", {"simple", "dbvt"})};
   store::ResultFile::Cell cell{{0, 0}, 0};
   view::Select(axes, 3,
-               {statistics::ParseSelection("dt=0.008333"),
-                statistics::ParseSelection("detector=dbvt"), statistics::ParseSelection("rep=2")},
+               {figures::ParseSelection("dt=0.008333"), figures::ParseSelection("detector=dbvt"),
+                figures::ParseSelection("rep=2")},
                cell);
   EXPECT_EQ(cell.at, (std::vector<std::size_t>{1, 1}));
   EXPECT_EQ(cell.rep, 2U);
@@ -38,7 +38,7 @@ TEST(Selection, RefusesByName) {
   const std::vector<plan::Axis> axes = {TextAxis("detector", {"simple", "dbvt"})};
   store::ResultFile::Cell cell{{0}, 0};
   const auto select = [&](const char* word) {
-    return MessageOf([&] { view::Select(axes, 2, {statistics::ParseSelection(word)}, cell); });
+    return MessageOf([&] { view::Select(axes, 2, {figures::ParseSelection(word)}, cell); });
   };
   EXPECT_EQ(select("detector"),
             "'detector' selects nothing; write AXIS=VALUE, such as detector=dbvt");

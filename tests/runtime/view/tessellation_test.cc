@@ -38,7 +38,7 @@ void ExpectFits(const objects::Solid& solid, double least) {
 
 TEST(Tessellation, HasTheExtentOfEverySolid) {
   auto stream = distributions::Stream(3);
-  for (const objects::Shape shape : kConvexShapes)
+  for (const objects::Shape shape : objects::kClosedShapes)
     for (int i = 0; i < 5; ++i) ExpectFits(RandomSolid(stream, shape, 4), 0.9);
   ExpectFits(Torus(), 0.999);
 }
@@ -56,11 +56,8 @@ double SignedVolume(const view::TriangleMesh& mesh) {
 }
 
 TEST(Tessellation, HasItsFacesOutwards) {
-  for (const auto& [shape, volume] : {std::pair(objects::Shape::kEllipsoid, 3.14159 / 6),
-                                      {objects::Shape::kCuboid, 1.0},
-                                      {objects::Shape::kCylinder, 3.14159 / 4},
-                                      {objects::Shape::kCone, 3.14159 / 12},
-                                      {objects::Shape::kTetrahedron, 1.0 / 3}}) {
+  for (const objects::Shape shape : objects::kClosedShapes) {
+    const double volume = objects::Solid{shape, Vector3d::Ones()}.Volume();
     view::Tessellation tessellation(1);
     const auto parts = tessellation.PartsOf({shape, Vector3d::Ones()});
     ASSERT_EQ(parts.size(), 1U);

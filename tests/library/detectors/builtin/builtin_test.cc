@@ -8,15 +8,11 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compiler/schema/catalogue.h"
-#include "library/detectors/builtin/auto.h"
 #include "library/detectors/builtin/builtin.h"
-#include "library/detectors/builtin/grid.h"
-#include "library/detectors/builtin/hierarchical_grid.h"
-#include "library/detectors/builtin/skin.h"
-#include "library/detectors/builtin/sweep.h"
 #include "library/detectors/exact_pairs.h"
 #include "library/detectors/kernels/kernels.h"
 #include "tests/library/detectors/box_scenes.h"
@@ -33,22 +29,26 @@ struct Named {
   std::unique_ptr<Detector> detector;
 };
 
-/// All built-in detectors, with each kind of kernels that this CPU supports.
+/// All built-in detectors that find pairs, with each kind of kernels that this CPU supports, and
+/// the changes of those that keep their pairs.
 std::vector<Named> All(unsigned threads = 1) {
   std::vector<Named> all;
-  for (const kernels::Kernels* kernels : {&kernels::PlainKernels(), kernels::Avx2Kernels()}) {
-    if (kernels == nullptr) continue;
-    const std::string with = std::string(", ") + kernels->name;
-    all.push_back({"auto" + with, builtin::MakeAuto({.threads = threads}, *kernels)});
-    all.push_back({"skin" + with, builtin::MakeSkin({.threads = threads}, *kernels)});
-    all.push_back({"changes of auto" + with,
-                   std::make_unique<KeptPairs>(builtin::MakeAuto({.threads = threads}, *kernels))});
-    all.push_back({"changes of skin" + with,
-                   std::make_unique<KeptPairs>(builtin::MakeSkin({.threads = threads}, *kernels))});
-    all.push_back({"grid" + with, builtin::MakeGrid({.threads = threads}, *kernels)});
-    all.push_back({"hierarchical_grid" + with,
-                   builtin::MakeHierarchicalGrid({.threads = threads}, *kernels)});
-    all.push_back({"sweep" + with, builtin::MakeSweep({.threads = threads}, *kernels)});
+  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
+    if (!schema::FindDetector(entry.name)->FindsPairs()) continue;
+    const std::string name = entry.name;
+    const Options options{.threads = threads};
+    if (!builtin::MakeWithKernels(name, options, kernels::PlainKernels()))
+      all.push_back({name, std::unique_ptr<Detector>(entry.make(options))});
+    for (const kernels::Kernels* kernels : {&kernels::PlainKernels(), kernels::Avx2Kernels()}) {
+      if (kernels == nullptr) continue;
+      auto detector = builtin::MakeWithKernels(name, options, *kernels);
+      if (!detector) continue;
+      all.push_back({name + ", " + kernels->name, std::move(detector)});
+      if (name == "auto" || name == "skin")
+        all.push_back(
+            {"changes of " + all.back().name,
+             std::make_unique<KeptPairs>(builtin::MakeWithKernels(name, options, *kernels))});
+    }
   }
   return all;
 }
@@ -203,10 +203,10 @@ class InLargeScenes : public testing::TestWithParam<const char*> {};
 TEST_P(InLargeScenes, BuiltinDetectorsFindTheSameInTheSameOrderOnThreads) {
   BoxScene moving(GetParam(), 17000, true, 7);
   moving.CutWalls();
-  for (const auto make : {builtin::MakeSkin, builtin::MakeGrid}) {
+  for (const char* name : {"skin", "grid"}) {
     std::vector<std::unique_ptr<Detector>> all;
     for (const unsigned threads : {1u, 2u, 3u})
-      all.push_back(make({.threads = threads}, kernels::BestKernels()));
+      all.push_back(builtin::MakeWithKernels(name, {.threads = threads}, kernels::BestKernels()));
     for (int cycle = 0; cycle < 6; ++cycle, moving.Move()) {
       const std::vector<Pair> pairs = Listed(*all[0], moving.View());
       EXPECT_EQ(Listed(*all[1], moving.View()), pairs);
@@ -386,30 +386,25 @@ TEST(BuiltinDetectors, AreExactWhenTheSceneChangesItsSize) {
   }
 }
 
-TEST(BuiltinDetectors, AreListedByName) {
-  for (const char* name : {"auto", "skin", "grid", "hierarchical_grid", "sweep", "null"}) {
-    const auto found = std::ranges::find(builtin::BuiltinDetectors(), std::string_view(name),
-                                         [](const DetectorEntry& entry) { return entry.name; });
-    ASSERT_NE(found, builtin::BuiltinDetectors().end()) << name;
-    const std::unique_ptr<Detector> detector(found->make({}));
-    EXPECT_NE(detector, nullptr);
+TEST(BuiltinDetectors, AreExactOnBoxesOfAnyKind) {
+  std::mt19937_64 random(7);
+  const double corners[] = {-1e30, -3, -1, -0.5, 0, 0, 0.5, 1, 1, 3, 1e6, 1e30, INFINITY, NAN};
+  std::uniform_int_distribution<std::size_t> pick(0, std::size(corners) - 1);
+  for (int round = 0; round < 300; ++round) {
+    Boxes bodies(std::vector<Box>(40));
+    for (Box& box : bodies.boxes)
+      for (const auto axis : kAxes) {
+        double a = corners[pick(random)], b = round % 2 == 0 ? a : corners[pick(random)];
+        if (b < a) std::swap(a, b);
+        box.lower.*axis = a == INFINITY ? -INFINITY : a;
+        box.upper.*axis = b;
+      }
+    for (std::size_t i = 0; i < bodies.filters.size(); i += 5) bodies.filters[i].is_fixed = true;
+    const Scene scene = bodies.View();
+    std::vector<Named> all = All();
+    for (Named& named : all) named.detector->Prepare(scene);
+    ExpectExact(all, scene, "round " + std::to_string(round));
   }
-}
-
-TEST(BuiltinDetectors, AreTheOnesTheCatalogueSaysAreOfCdb) {
-  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
-    const schema::DetectorInfo* info = schema::FindDetector(entry.name);
-    ASSERT_NE(info, nullptr) << entry.name;
-    EXPECT_EQ(info->source, "cdb") << entry.name;
-    EXPECT_EQ(info->HasPhase("broad"), HasAny(entry.phases, kBroad)) << entry.name;
-    EXPECT_EQ(info->HasPhase("narrow"), HasAny(entry.phases, kNarrow)) << entry.name;
-  }
-  for (const schema::DetectorInfo& info : schema::Detectors())
-    EXPECT_EQ(info.source == "cdb", std::ranges::any_of(builtin::BuiltinDetectors(),
-                                                        [&](const DetectorEntry& entry) {
-                                                          return info.name == entry.name;
-                                                        }))
-        << info.name;
 }
 
 }  // namespace

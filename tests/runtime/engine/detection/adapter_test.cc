@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/schema/catalogue.h"
 #include "library/detectors/builtin/builtin.h"
 #include "library/detectors/bullet/bullet.h"
 #include "library/detectors/exact_pairs.h"
@@ -146,7 +147,7 @@ TEST(Adapter, EveryExactDetectorOfOursMovesTheBodiesAlike) {
     Detectors exact{.broad = Named(std::make_shared<Exact>()), .narrow = {}};
     EXPECT_EQ(HashAfter(scene, state, kSteps, &exact), alone);
     for (const DetectorEntry& entry : builtin::BuiltinDetectors()) {
-      if (!HasAny(entry.phases, kBroad) || std::string_view(entry.name) == "null") continue;
+      if (!schema::FindDetector(entry.name)->FindsPairs()) continue;
       plan::Scene named = scene;
       SetWorld(named, "detector", Word(entry.name));
       SetWorld(named, "narrow_phase", Word("bullet"));

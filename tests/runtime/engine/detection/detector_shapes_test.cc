@@ -63,8 +63,11 @@ void ExpectHulls(const Shape& shape, const Solid& solid) {
 
 TEST(DetectorShapes, HullsAreTheSolidsOwn) {
   detection::DetectorShapes shapes;
-  const Solid tetrahedron{objects::Shape::kTetrahedron, {1, 2, 3}, nullptr};
-  ExpectHulls(shapes.Of(tetrahedron), tetrahedron);
+  for (const objects::Shape form : objects::kClosedShapes) {
+    const Solid solid{form, {1, 2, 3}, nullptr};
+    if (const Shape shape = shapes.Of(solid); shape.kind == ShapeKind::kHull)
+      ExpectHulls(shape, solid);
+  }
 
   plan::Scene scene = DefaultScene(1, 100);
   SetGroup(scene, "type", Word("torus"));

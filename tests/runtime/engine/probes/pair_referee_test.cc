@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/detector_names.h"
 
 namespace cdb::tests {
 namespace {
@@ -115,13 +116,14 @@ TEST(PairReferee, TakesADetectorsListAsItIs) {
 }
 
 TEST(PairReferee, FindsNothingMissedByOurs) {
-  for (const char* detector : {"auto", "skin", "grid", "sweep", "octree", "kd_tree"}) {
-    const Recorded recorded = RunHere(Gas(detector, {"pairs"}));
+  for (const std::string& detector : BroadPhases(/*only_own=*/true)) {
+    const Recorded recorded = RunHere(Gas(detector.c_str(), {"pairs"}));
     ASSERT_TRUE(recorded.done()) << recorded.message();
     const measure::Recording& got = recorded.recording;
     EXPECT_GT(Sum(got.Ints("exact_pairs")), 40) << detector;
-    for (const char* fault : {"missed_pairs", "phantom_pairs", "duplicate_pairs"})
-      EXPECT_EQ(Sum(got.Ints(fault)), 0) << detector << " " << fault;
+    for (const schema::IntSeries fault : std::initializer_list<schema::IntSeries>{
+             "missed_pairs", "phantom_pairs", "duplicate_pairs"})
+      EXPECT_EQ(Sum(got.Ints(fault)), 0) << detector << " " << fault.name();
   }
 }
 
@@ -150,9 +152,10 @@ TEST(PairReferee, LooksInAPassOfItsOwnWhereTimesAreTaken) {
   EXPECT_EQ(timed.hash(), both.hash());
   EXPECT_EQ(timed.hash(), untimed.hash());
   EXPECT_TRUE(timed.recording.Ints("exact_pairs").empty());
-  for (const char* series : {"pairs", "exact_pairs", "missed_pairs", "phantom_pairs"})
+  for (const schema::IntSeries series : std::initializer_list<schema::IntSeries>{
+           "pairs", "exact_pairs", "missed_pairs", "phantom_pairs"})
     EXPECT_TRUE(std::ranges::equal(both.recording.Ints(series), untimed.recording.Ints(series)))
-        << series;
+        << series.name();
 }
 
 TEST(PairReferee, KeepsDetectionAndIsSilentWithoutIt) {

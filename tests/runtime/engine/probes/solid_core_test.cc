@@ -13,8 +13,7 @@ using Eigen::Vector3d;
 using objects::Shape;
 using objects::Solid;
 
-constexpr Shape kClosedForms[] = {Shape::kEllipsoid, Shape::kCuboid,  Shape::kCylinder,
-                                  Shape::kCone,      Shape::kCapsule, Shape::kTetrahedron};
+constexpr auto& kClosedForms = objects::kClosedShapes;
 
 TEST(SolidCore, ContainsThePointsThatOverlapIt) {
   distributions::Stream stream(1);

@@ -1,4 +1,5 @@
 // Groups that may not collide: exact pairs by every detector, and the results of the probes.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "runtime/engine/probes/exact_geometry.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/paired_run.h"
+#include "tests/support/detector_names.h"
 
 namespace cdb::tests {
 namespace {
@@ -63,10 +65,10 @@ BodyPairs PairsWithinObjects(world::Engine& engine) {
   return pairs;
 }
 
-class CollidesWith : public testing::TestWithParam<const char*> {};
+class CollidesWith : public testing::TestWithParam<std::string> {};
 
 TEST_P(CollidesWith, LeavesExactlyThePairsThatMayTouch) {
-  const plan::Scene scene = Heap(GetParam());
+  const plan::Scene scene = Heap(GetParam().c_str());
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   const std::vector<probes::BodyPair> exact = probes::ExactPairs(engine);
   EXPECT_EQ(BodyPairs(exact.begin(), exact.end()), kExpected);
@@ -77,17 +79,16 @@ TEST_P(CollidesWith, LeavesExactlyThePairsThatMayTouch) {
 }
 
 TEST_P(CollidesWith, IsNoFaultOfTheDetector) {
-  const Recorded recorded = RunHere(Heap(GetParam()));
+  const Recorded recorded = RunHere(Heap(GetParam().c_str()));
   ASSERT_TRUE(recorded.done()) << recorded.message();
-  for (const char* fault : {"missed_pairs", "duplicate_pairs", "missed_contacts", "passed"})
-    for (const std::int32_t count : recorded.recording.Ints(fault)) EXPECT_EQ(count, 0) << fault;
+  for (const schema::IntSeries fault : std::initializer_list<schema::IntSeries>{
+           "missed_pairs", "duplicate_pairs", "missed_contacts", "passed"})
+    EXPECT_THAT(recorded.recording.Ints(fault), testing::Each(0)) << fault.name();
   // The nine pairs of objects; and pairs of planes with a and c, but not with b.
   EXPECT_GE(recorded.recording.Ints("exact_pairs")[0], 9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Detectors, CollidesWith,
-                         testing::Values("simple", "sap", "sap32", "dbvt", "auto", "skin", "grid",
-                                         "hierarchical_grid", "sweep", "octree", "kd_tree"));
+INSTANTIATE_TEST_SUITE_P(Detectors, CollidesWith, testing::ValuesIn(BroadPhases()));
 
 TEST(CollidesWithWalls, LetsOthersFallThrough) {
   plan::Scene scene = EngineScene(1, 20);

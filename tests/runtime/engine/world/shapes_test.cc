@@ -14,8 +14,7 @@ using Eigen::Vector3d;
 using objects::Shape;
 using objects::Solid;
 
-constexpr Shape kShapes[] = {Shape::kEllipsoid, Shape::kCuboid,  Shape::kCylinder,
-                             Shape::kCone,      Shape::kCapsule, Shape::kTetrahedron};
+constexpr auto& kShapes = objects::kClosedShapes;
 
 btTransform Turned(const Eigen::Quaterniond& q) {
   return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),

@@ -1,0 +1,243 @@
+// THE tables of series, the values that a run can record, most of them in each cycle, and of the
+// scalars of a run. The checker, `cdb doc results`, the recording, the results and the names that
+// an axis may have follow from them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace cdb::schema {
+
+/// A word of `record`, which selects series.
+struct RecordWord {
+  std::string_view name;
+  bool needs_detection = false;  ///< means nothing without broad and narrow phase
+  bool on_traces = false;        ///< can be recorded by a detector that runs on a trace
+};
+
+inline constexpr RecordWord kRecordWords[] = {
+    {.name = "timing", .needs_detection = true, .on_traces = true},
+    {.name = "counts", .needs_detection = true, .on_traces = true},
+    {.name = "energy"},
+    {.name = "stability"},
+    {.name = "contacts", .needs_detection = true},
+    {.name = "poses"},
+    {.name = "memory", .on_traces = true},
+    {.name = "pairs", .needs_detection = true, .on_traces = true},
+    {.name = "boxes", .needs_detection = true},
+};
+
+/// The phases of a cycle, in the order of the `phase` axis. Each is timed separately, in
+/// nanoseconds.
+enum class Phase { kBroad, kNarrow, kDetect, kSolve, kIntegrate, kStep };
+inline constexpr std::string_view kPhases[] = {"broad", "narrow",    "detect",
+                                               "solve", "integrate", "step"};
+inline constexpr std::string_view kPoseParts[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+inline constexpr std::string_view kBounds[] = {"lower_x", "lower_y", "lower_z",
+                                               "upper_x", "upper_y", "upper_z"};
+inline constexpr std::string_view kFilterParts[] = {"group", "mask", "fixed"};
+
+/// A dimension of series in addition to the axes of the sweep.
+enum class Dimension { kPhase, kCycle, kBody, kPose, kBoxBody, kBound, kFilter, kSample };
+
+struct DimensionInfo {
+  std::string_view name;
+  std::string_view doc;                           ///< the coordinate's long_name
+  std::span<const std::string_view> labels = {};  ///< empty if the extent depends on the run
+  /// The unit of each label, separated by spaces; empty if the series has the same one for all.
+  std::string_view units = {};
+};
+
+/// In the order of Dimension.
+inline constexpr DimensionInfo kDimensions[] = {
+    {.name = "phase", .doc = "part of a cycle that is timed", .labels = kPhases},
+    {.name = "cycle", .doc = "recorded cycle"},
+    {.name = "body", .doc = "object, in the order of its group and within it"},
+    {.name = "pose",
+     .doc = "centre of mass and orientation quaternion",
+     .labels = kPoseParts,
+     .units = "m m m 1 1 1 1"},
+    {.name = "box_body", .doc = "object as of `body`, then the walls -x +x -y +y -z +z"},
+    {.name = "bound", .doc = "side of a box", .labels = kBounds},
+    {.name = "filter", .doc = "collision filter of a body", .labels = kFilterParts},
+    {.name = "sample", .doc = "simulated time of a sample, warm-up included"},
+};
+constexpr const DimensionInfo& InfoOf(Dimension dimension) {
+  return kDimensions[static_cast<std::size_t>(dimension)];
+}
+
+enum class SeriesType { kInt32, kFloat64 };
+
+/// The dimensions of a series (DimensionsOf).
+enum class SeriesShape {
+  kScalar,  ///< a value for each cycle
+  kPhase,
+  kPose,
+  kBox,
+  kFilter,  ///< once per run
+  kSample,  ///< errors, which are not part of a recording
+};
+std::span<const Dimension> DimensionsOf(SeriesShape shape);
+
+/// Extents of one run, or the largest of all runs of a plan.
+struct RunExtents {
+  std::uint64_t cycles = 0;
+  std::uint64_t objects = 0;
+  std::uint64_t bodies = 0;  ///< objects, and the walls that are present
+};
+
+struct Series {
+  std::string_view name;     ///< name of the dataset
+  std::string_view records;  ///< space-separated words of `record`, each of which selects it
+  SeriesType type = SeriesType::kFloat64;
+  SeriesShape shape = SeriesShape::kScalar;
+  std::string_view unit = {};  ///< in the notation of results files; empty if there is none
+  std::string_view doc;        ///< the dataset's long_name
+  bool on_traces = false;      ///< also recorded by a detector that runs on a trace
+  bool may_be_none = false;    ///< NaN or infinite in a cycle without anything to measure
+
+  std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
+  /// The position of the cycle among its dimensions; nullopt if it has one value per run.
+  std::optional<std::size_t> CycleDimension() const;
+  bool HasCycles() const { return CycleDimension().has_value(); }
+  /// The extent of each of its dimensions in a recording, outermost first.
+  std::vector<std::uint64_t> Extents(const RunExtents& run) const;
+  std::size_t ValueCount(const RunExtents& run) const;
+};
+
+namespace series_table {
+using enum SeriesType;
+using enum SeriesShape;
+// clang-format off
+inline constexpr auto kRows = std::to_array<Series>({
+    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = true},
+    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = true},
+    {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point"},
+    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points"},
+    {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation"},
+    {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2"},
+    {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps"},
+    {.name = "penetration_ratio", .records = "stability", .doc = "depth of the deepest contact over the least side of the smaller object"},
+    {.name = "max_speed", .records = "stability", .unit = "m/s", .doc = "highest speed of any object's centre of mass"},
+    {.name = "escaped", .records = "stability", .type = kInt32, .doc = "objects with their centre beyond a wall"},
+    {.name = "asleep", .records = "stability", .type = kInt32, .doc = "objects that Bullet has put to sleep"},
+    {.name = "removed", .records = "stability", .type = kInt32, .doc = "objects that Bullet has switched off, or whose box it cannot hold"},
+    {.name = "non_finite", .records = "stability", .type = kInt32, .doc = "objects with a state that is not finite"},
+    {.name = "displacement", .records = "stability", .doc = "largest displacement of an object since the first cycle, over its least side"},
+    {.name = "displaced", .records = "stability", .type = kInt32, .doc = "objects displaced since the first cycle by more than a quarter of their least side"},
+    {.name = "motion_ratio", .records = "stability", .doc = "distance moved over the expected distance, |v| dt, since the object was last pushed, of the object where this is farthest from 1", .may_be_none = true},
+    {.name = "fall_ratio", .records = "stability", .doc = "least gain of speed over that due to gravity, dv / (g dt), since the last contact", .may_be_none = true},
+    {.name = "frozen", .records = "stability", .type = kInt32, .doc = "objects whose displacement or fall is off by more than a tenth, because of rounding"},
+    {.name = "lost_way", .records = "stability", .doc = "largest distance that rounding added to or took from the motion of an object since it was last pushed, over its least side"},
+    {.name = "turn_ratio", .records = "stability", .doc = "least angle turned over the expected angle, of the objects that rotate", .may_be_none = true},
+    {.name = "spin_ratio", .records = "stability", .doc = "rotational energy over that before the first cycle, of the object without any contact since then for which this is farthest from 1", .may_be_none = true},
+    {.name = "passed", .records = "stability", .type = kInt32, .doc = "objects whose centre of mass has passed through another object, detected in this cycle"},
+    {.name = "pressed", .records = "stability", .type = kInt32, .doc = "pairs of bodies that a load presses into each other, by more than a quarter of the smaller one's least side"},
+    {.name = "inverted", .records = "stability", .type = kInt32, .doc = "pairs of objects in which the object that lay on top is now below the other"},
+    {.name = "unheld", .records = "stability", .type = kInt32, .doc = "objects asleep in the air or on a slope that does not hold them"},
+    {.name = "lost_energy", .records = "stability", .doc = "energy lost, except to friction, inelastic bounces and sleep, over the largest kinetic energy so far and that of a small fall"},
+    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = true},
+    {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots", .may_be_none = true},
+    {.name = "poses", .records = "poses", .shape = kPose, .doc = "centre of mass and orientation quaternion after the cycle"},
+    {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .may_be_none = true},
+    {.name = "box_filters", .records = "boxes", .shape = kFilter, .doc = "bits of the group of the body and of the groups that it may collide with, and 1 if it is fixed; float64, as masks have 32 bits"},
+    {.name = "exact_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that may collide and whose boxes overlap, by brute force in double precision", .on_traces = true},
+    {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = true},
+    {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = true},
+    {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = true},
+    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps known in closed form that have no contact"},
+    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of overlaps known in closed form, in sizes of the smaller object", .may_be_none = true},
+    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of overlaps known in closed form", .may_be_none = true},
+});
+// clang-format on
+}  // namespace series_table
+inline constexpr const auto& kSeries = series_table::kRows;
+
+/// Null if there is none.
+const Series* FindSeries(std::string_view name);
+
+/// Not constexpr: a constant expression that calls one of these does not compile, and the error
+/// message shows its name.
+void NoSuchSeries();
+void SeriesHasAnotherType();
+
+/// A series named in the code: `recording.Ints("pairs")`. It is a compile error if the table has no
+/// such name, or if its values are of another type.
+template <typename T>
+class SeriesRef {
+  static_assert(std::is_same_v<T, std::int32_t> || std::is_same_v<T, double>);
+
+ public:
+  /// Implicit, so that `recording.Ints("pairs")` can be written.
+  consteval SeriesRef(const char* name) {
+    while (row_ < kSeries.size() && kSeries[row_].name != name) ++row_;
+    if (row_ == kSeries.size()) NoSuchSeries();
+    if ((kSeries[row_].type == SeriesType::kInt32) != std::is_same_v<T, std::int32_t>)
+      SeriesHasAnotherType();
+  }
+
+  constexpr const Series& operator*() const { return kSeries[row_]; }
+  constexpr std::string_view name() const { return kSeries[row_].name; }
+
+ private:
+  std::size_t row_ = 0;
+};
+using IntSeries = SeriesRef<std::int32_t>;
+using RealSeries = SeriesRef<double>;
+
+// THE table of scalars that a worker measures once per run.
+
+/// NaN if the run did not get that far.
+struct RunScalars {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double peak_rss_bytes = kNone;  ///< of the worker process
+  double place_ns = kNone;        ///< placing the objects
+  double build_ns = kNone;        ///< deciding the omissions and building the world
+  /// Overhead of a cycle: its clock stamps and a call of a detector that does nothing.
+  double harness_ns = kNone;
+  double fill_fraction = kNone;  ///< objects' volume over the cube's
+  // For all recorded cycles, including the measurements between them.
+  double cycles_wall_ns = kNone, cycles_cpu_ns = kNone;
+  double preemptions = kNone;  ///< involuntary context switches of the thread
+  double page_faults = kNone;  ///< of the thread
+  double stolen_ns = kNone;    ///< taken by other virtual machines, summed over all processors
+  double others_ns = kNone;    ///< processor time of other programs, summed over all processors
+  double processors = kNone;   ///< number that the process may run on
+  /// Set by the runner: the number of times that the run was measured; the quietest one is kept.
+  double attempts = kNone;
+};
+
+struct RunScalarInfo {
+  std::string_view name;  ///< name of the array in the results
+  std::string_view unit = {};
+  std::string_view doc;  ///< the array's long_name
+  double RunScalars::*value;
+  bool is_count = false;  ///< stored as int32 in the results
+};
+
+// clang-format off
+inline constexpr RunScalarInfo kRunScalars[] = {
+    {.name = "peak_rss", .unit = "bytes", .doc = "peak memory of the run's process", .value = &RunScalars::peak_rss_bytes},
+    {.name = "place_time", .unit = "ns", .doc = "time to place the objects", .value = &RunScalars::place_ns},
+    {.name = "build_time", .unit = "ns", .doc = "time to decide the omissions and build the world", .value = &RunScalars::build_ns},
+    {.name = "harness", .unit = "ns", .doc = "measurement overhead of a cycle: time stamps, and calling a detector that does nothing", .value = &RunScalars::harness_ns},
+    {.name = "fill_fraction", .doc = "volume of the objects over that of the world", .value = &RunScalars::fill_fraction},
+    {.name = "cycles_time", .unit = "ns", .doc = "wall-clock time of the recorded cycles, with what is measured between them", .value = &RunScalars::cycles_wall_ns},
+    {.name = "cpu_time", .unit = "ns", .doc = "of cycles_time, the time that the thread spent on a processor", .value = &RunScalars::cycles_cpu_ns},
+    {.name = "preemptions", .doc = "how often the thread was taken off its processor meanwhile", .value = &RunScalars::preemptions, .is_count = true},
+    {.name = "page_faults", .doc = "page faults of the thread meanwhile", .value = &RunScalars::page_faults, .is_count = true},
+    {.name = "steal", .unit = "ns", .doc = "processor time taken by other virtual machines meanwhile, of all processors", .value = &RunScalars::stolen_ns},
+    {.name = "other_time", .unit = "ns", .doc = "processor time of other programs meanwhile, of all processors", .value = &RunScalars::others_ns},
+    {.name = "processors", .doc = "processors that the run was allowed to use", .value = &RunScalars::processors, .is_count = true},
+    {.name = "attempts", .doc = "times that the run was measured, of which the quietest is kept", .value = &RunScalars::attempts, .is_count = true},
+};
+// clang-format on
+
+}  // namespace cdb::schema

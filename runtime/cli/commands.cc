@@ -1,0 +1,23 @@
+#include "runtime/cli/commands.h"
+
+namespace cdb::cli {
+
+using MakeCommand = options::Command();
+
+// Each is in the file of its name.
+MakeCommand CheckCommand, PlanCommand, RunCommand, SubmitCommand, TraceCommand, ShowCommand,
+    ReportCommand, ViewCommand, CompareCommand, StabilityCommand, SuiteCommand, VerifyCommand,
+    MergeCommand, DoctorCommand, FormatCommand, LspCommand;
+MakeCommand ExplainCommand, DocCommand, ListCommand, GenerateCommand;
+
+std::span<const options::Command> Commands() {
+  static const options::Command kCommands[] = {
+      CheckCommand(),     ExplainCommand(), PlanCommand(),   RunCommand(),   SubmitCommand(),
+      TraceCommand(),     ShowCommand(),    ReportCommand(), ViewCommand(),  CompareCommand(),
+      StabilityCommand(), SuiteCommand(),   VerifyCommand(), MergeCommand(), DoctorCommand(),
+      FormatCommand(),    LspCommand(),     DocCommand(),    ListCommand(),  GenerateCommand(),
+  };
+  return kCommands;
+}
+
+}  // namespace cdb::cli

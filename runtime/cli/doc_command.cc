@@ -1,0 +1,91 @@
+// `cdb doc`: the reference of the language and of the results.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/compile.h"
+#include "dsl/diagnostics.h"
+#include "runtime/cli/help/topics.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/manual/lookup.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/wrap.h"
+
+namespace cdb::cli {
+namespace {
+
+std::vector<std::string> DocNames() {
+  std::vector<std::string> names = manual::KnownNames();
+  for (const std::string_view topic : help::TopicNames()) names.emplace_back(topic);
+  return names;
+}
+
+/// The entries of everything called `name`: a topic, words, parameters and a command. Empty if
+/// there are none.
+std::string ReferenceOf(const std::string& name, const CLI::App& app) {
+  std::string text = help::TopicText(name);
+  const auto add = [&text](const std::string& part) {
+    if (part.empty()) return;
+    text += (text.empty() ? "" : "\n") + terminal::Fitted(part, terminal::TerminalWidth());
+  };
+  add(manual::TextAbout(name));
+  for (const CLI::App* command :
+       app.get_subcommands([&](const CLI::App* one) { return one->get_name() == name; }))
+    add(command->help());
+  return text;
+}
+
+/// The text of a scenario that comes with cdb; empty if there is none of that name.
+std::string ScenarioText(const std::string& name) {
+  const std::filesystem::path library = options::ScenarioLibrary();
+  if (library.empty() || name.find("..") != name.npos) return {};
+  std::string why;
+  for (const char* extension : {"", ".cdb"})
+    if (const auto text = compiler::ReadFromDisk((library / (name + extension)).string(), why))
+      return *text;
+  return {};
+}
+
+/// `name`: a topic, a parameter, a word, a command or a scenario; empty for the list of topics.
+options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
+  const std::string text =
+      name.empty() ? help::TopicText(help::kListOfTopics) : ReferenceOf(name, app);
+  if (!text.empty()) {
+    terminal::Print(text);
+    return options::ExitStatus::kGood;
+  }
+  if (const std::string scenario = ScenarioText(name); !scenario.empty()) {
+    terminal::PrintExact(scenario);
+    return options::ExitStatus::kGood;
+  }
+  const std::vector<std::string> names = DocNames();
+  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
+  throw options::CommandError(fmt::format("there is nothing about '{}'; {}", name,
+                                          near.empty()
+                                              ? std::string("`cdb doc` lists what there is")
+                                              : fmt::format("did you mean '{}'?", near)));
+}
+
+void DeclareDoc(options::Subcommand& command) {
+  const auto name = std::make_shared<std::string>();
+  command.Optional("NAME", *name,
+                   "a topic, a parameter, a word, a command, or a scenario that comes with cdb");
+  command.Action([name, &app = command.program()] { return Doc(*name, app); });
+}
+
+}  // namespace
+
+options::Command DocCommand() {
+  return {.name = "doc",
+          .help = "print the reference: language, parameters, results",
+          .declare = DeclareDoc,
+          .words = DocNames};
+}
+
+}  // namespace cdb::cli

@@ -1,0 +1,70 @@
+// `cdb explain`: explains a kind of error or warning, with a wrong and a right example.
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "dsl/diagnostics.h"
+#include "dsl/render.h"
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/manual/explanation.h"
+#include "runtime/terminal/console.h"
+#include "runtime/terminal/wrap.h"
+
+namespace cdb::cli {
+namespace {
+
+/// The output of `cdb check` for the wrong example.
+std::string RenderedWrong(const manual::Explanation& explanation) {
+  const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
+    if (path == "wrong.cdb") return std::string(explanation.wrong);
+    why = "No such file or directory";
+    return std::nullopt;
+  };
+  return dsl::Render(options::CompileWith("wrong.cdb", read, std::nullopt).diagnostics,
+                     options::RenderOptionsForTerminal());
+}
+
+std::vector<std::string> CodesAndNames() {
+  std::vector<std::string> names;
+  for (const manual::Explanation* row : manual::AllExplanations())
+    names.insert(names.end(), {std::string(row->kind->code), std::string(row->kind->id)});
+  return names;
+}
+
+/// `code`: a code or a name; empty for the list of all.
+options::ExitStatus Explain(const std::string& code) {
+  if (code.empty()) {
+    terminal::Print(terminal::Fitted(manual::ExplanationList(), terminal::TerminalWidth()));
+    return options::ExitStatus::kGood;
+  }
+  const auto found = manual::FindExplanations(code);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    terminal::Print((i > 0 ? "\n" : "") +
+                    manual::ExplanationText(*found[i], RenderedWrong(*found[i])));
+  if (!found.empty()) return options::ExitStatus::kGood;
+  const std::vector<std::string> names = CodesAndNames();
+  const std::string_view near = dsl::DidYouMean(code, {names.begin(), names.end()});
+  throw options::CommandError(fmt::format("there is no code '{}'; {}", code,
+                                          near.empty() ? std::string("`cdb explain` lists them")
+                                                       : fmt::format("did you mean '{}'?", near)));
+}
+
+void DeclareExplain(options::Subcommand& command) {
+  const auto code = std::make_shared<std::string>();
+  command.Optional("CODE", *code, "a code such as E0201, or a name; without it, all are listed");
+  command.Action([code] { return Explain(*code); });
+}
+
+}  // namespace
+
+options::Command ExplainCommand() {
+  return {.name = "explain",
+          .help = "explain an error or a warning, with a wrong and a right example",
+          .declare = DeclareExplain,
+          .words = CodesAndNames};
+}
+
+}  // namespace cdb::cli

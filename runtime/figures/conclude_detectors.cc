@@ -1,0 +1,258 @@
+// Conclusions about detectors (conclusions.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "compiler/schema/catalogue.h"
+#include "runtime/figures/conclusions.h"
+#include "runtime/figures/detectors.h"
+#include "runtime/figures/numbers.h"
+#include "runtime/figures/ratios.h"
+#include "runtime/figures/words.h"
+#include "runtime/terminal/table.h"
+
+namespace cdb::figures {
+namespace {
+
+/// Limit of exceptions that are named individually.
+constexpr std::size_t kMaxExceptions = 3;
+/// Limit of points whose worst cycles get intervals, which takes a second bootstrap.
+constexpr std::size_t kMaxWorstPoints = 1000;
+/// A smaller relative difference in the memory of a process is no difference between detectors.
+constexpr double kLikeMemory = 0.02;
+
+class DetectorConclusions {
+ public:
+  DetectorConclusions(const Model& model, std::size_t axis)
+      : model_(model),
+        file_(model.file()),
+        axis_(axis),
+        comparison_(CompareValues(model, axis, std::nullopt)) {
+    for (std::size_t i = 0; i < Axis().values.size(); ++i)
+      if (!IsHonest(i)) left_out_.insert(i);
+  }
+
+  std::vector<Conclusion> Times() {
+    AddPairs();
+    if (!model_.HasTimes() || comparison_.is_void) return std::move(all_);
+    if (comparison_.MatchedCount() == 0)
+      Add({"Which detector is the fastest?",
+           "The file does not say: no cell has a sound run of every detector without omissions "
+           "that others lack.",
+           "fastest", Certainty::kUnknown});
+    AddTimes();
+    AddGrowth();
+    return std::move(all_);
+  }
+
+  std::vector<Conclusion> Limits() {
+    if (!model_.HasTimes() || comparison_.is_void) return {};
+    AddWorstCycle();
+    AddMemory();
+    return std::move(all_);
+  }
+
+ private:
+  const plan::Axis& Axis() const { return file_.axes()[axis_]; }
+  std::string Name(std::size_t value) const { return terminal::CoordinateText(Axis(), value); }
+  void Add(Conclusion conclusion) { all_.push_back(std::move(conclusion)); }
+
+  /// True if the detector does the work that is timed: it finds pairs, and misses none.
+  bool IsHonest(std::size_t value) const {
+    const schema::DetectorInfo* info = schema::FindDetector(Name(value));
+    if (info != nullptr && info->family == "none") return false;
+    return std::ranges::none_of(model_.findings(), [&](const DetectorFindings& of) {
+      return of.detector == Name(value) && of.missed > 0;
+    });
+  }
+
+  void AddTimes() {
+    for (const auto& [phase, question, kind] :
+         {std::tuple(measure::Phase::kStep, "Which detector takes the least time for a step?",
+                     "fastest"),
+          std::tuple(measure::Phase::kDetect,
+                     "Which detector takes the least time for collision detection alone?",
+                     "detect")}) {
+      const auto figure = [&, phase = phase](const MeasuredPoint& point) {
+        return model_.times().Of(point, phase).mean;
+      };
+      AddRanking(question, kind, figure, "time", phase == measure::Phase::kStep ? NotRanked() : "");
+    }
+  }
+
+  void AddWorstCycle() {
+    if (model_.points().size() > kMaxWorstPoints) return;
+    CycleTimes longest(file_, CycleStatistic::kMax);
+    AddRanking(
+        "Which detector has the shortest worst cycle?", "worst_cycle",
+        [&](const MeasuredPoint& point) {
+          return longest.FigureOf(point, measure::Phase::kDetect);
+        },
+        "time");
+  }
+
+  void AddMemory() {
+    if (!file_.Has("peak_rss")) return;
+    const char* question = "Which detector takes the least memory?";
+    const Bootstrap& bootstrap = model_.times().bootstrap();
+    const auto figure = [&](const MeasuredPoint& point) -> Estimate {
+      std::vector<double> bytes;
+      for (const auto& cell : point.cells) bytes.push_back(file_.ReadReal("peak_rss", cell));
+      if (bytes.size() == bootstrap.size()) return bootstrap.MeanEstimate(bytes);
+      return {Mean(bytes), std::vector(bootstrap.draws().size(), kNone), bytes.size()};
+    };
+    const auto ranking = RankValues(comparison_, figure, left_out_);
+    if (ranking && ranking->others.back().ratio.value < 1 + kLikeMemory)
+      Add({question,
+           fmt::format("None: the peak memory of all is the same to within {:.0f} %.",
+                       100 * kLikeMemory),
+           "memory", Certainty::kTie});
+    else
+      AddRanking(question, "memory", figure, "memory");
+  }
+
+  void AddRanking(const char* question, const char* kind, const FigureOfPoint& figure,
+                  const char* quantity, const std::string& caveat = "") {
+    const auto ranking = RankValues(comparison_, figure, left_out_);
+    if (!ranking) return;
+    Add({question, Winner(*ranking, quantity) + Where(*ranking) + caveat, kind,
+         ranking->certainty()});
+  }
+
+  /// Compares the best with those that it is tied with, or else with the next, and with the last.
+  std::string Winner(const Ranking& ranking, const char* quantity) const {
+    std::vector<std::string> ties = {Name(ranking.best)};
+    std::size_t shown = 0;  // of the others
+    for (std::size_t i = 0; i < ranking.others.size(); ++i) {
+      if (ranking.others[i].certainty != Certainty::kTie) continue;
+      ties.push_back(Name(ranking.others[i].value));
+      shown = i;
+    }
+    const auto times = [&](std::size_t other) {
+      const Estimate& ratio = ranking.others[other].ratio;
+      return fmt::format("{} times the {} of {}{}.", terminal::ShortNumber(ratio.value), quantity,
+                         ties[0], IntervalNote(model_.times(), ratio));
+    };
+    const auto name = [&](std::size_t other) { return Name(ranking.others[other].value); };
+    std::string text = ties.size() > 1 ? fmt::format("{} cannot be told apart: {} takes {}",
+                                                     JoinWords(ties), name(shown), times(shown))
+                                       : fmt::format("{}. Next is {}, with {}", ties[0],
+                                                     name(shown), times(shown));
+    const std::size_t last = ranking.others.size() - 1;
+    return last > shown ? fmt::format("{} Last is {}, with {}", text, name(last), times(last))
+                        : text;
+  }
+
+  /// The cells compared, and the exceptions where another value is better.
+  std::string Where(const Ranking& ranking) const {
+    std::string text;
+    if (ranking.of > 1)
+      text += fmt::format(" These are geometric means over {} cells{}.",
+                          ranking.cells < ranking.of
+                              ? fmt::format("{} of {}", ranking.cells, ranking.of)
+                              : fmt::format("{}", ranking.cells),
+                          ranking.cells < ranking.of ? " (those that all detectors have)" : "");
+    if (model_.times().bootstrap().size() == 1) text += " One repeat: there is no interval.";
+    const std::size_t count = ranking.exceptions.size();
+    if (count == 0) return text;
+    std::vector<std::string> places;
+    const std::vector<std::size_t> others = OtherAxes(file_, axis_);
+    for (std::size_t i = 0; i < std::min(count, kMaxExceptions); ++i)
+      places.push_back(fmt::format("{} at {}", Name(ranking.exceptions[i].value),
+                                   PlaceText(file_, others, ranking.exceptions[i].at)));
+    if (count > kMaxExceptions)
+      return text + fmt::format(" It is not the best everywhere: {} of {} cells have another.",
+                                count, ranking.cells);
+    return text + fmt::format(" It is not the best everywhere: {}.", JoinWords(places));
+  }
+
+  /// Names the detectors that were not ranked because they did not do the work.
+  std::string NotRanked() const {
+    std::string text;
+    for (const std::size_t value : left_out_)
+      for (const DetectorFindings& of : model_.findings())
+        if (of.detector == Name(value) && of.missed > 0)
+          text += fmt::format(" {} is not ranked: it missed {} of {} pairs.", of.detector,
+                              of.missed, of.exact);
+    return text;
+  }
+
+  void AddPairs() {
+    std::uint64_t exact = 0, missed = 0;
+    std::vector<std::string> wrong;
+    for (const DetectorFindings& of : model_.findings()) {
+      exact += of.exact;
+      missed += of.missed;
+      if (of.missed > 0)
+        wrong.push_back(fmt::format("{} missed {} of {} pairs, in {} of {} runs", of.detector,
+                                    of.missed, of.exact, of.wrong_runs, of.runs));
+    }
+    if (exact == 0) return;
+    const std::string question = "Did every detector find every pair?";
+    if (missed == 0) {
+      Add({question, fmt::format("Yes: none of {} pairs was missed.", exact), "pairs",
+           Certainty::kClear});
+    } else {
+      Add({question, fmt::format("No: {}.", JoinWords(wrong)), "pairs", Certainty::kClear});
+    }
+  }
+
+  void AddGrowth() {
+    const auto growth = GrowthByRow(model_, {axis_});
+    if (!growth || !growth->is_matched) return;
+    std::vector<std::pair<double, std::size_t>> exponents;
+    double least = kNone, most = kNone;
+    for (const auto& [row, exponent] : growth->exponents) {
+      if (std::isnan(exponent.p) || left_out_.contains(row[0])) continue;
+      exponents.emplace_back(exponent.p, row[0]);
+      least = exponent.least;
+      most = exponent.most;
+    }
+    if (exponents.size() < 2) return;
+    std::ranges::sort(exponents);
+    std::vector<std::string> rest;
+    for (std::size_t i = 1; i < exponents.size(); ++i)
+      rest.push_back(fmt::format("{} n^{:.2f}", Name(exponents[i].second), exponents[i].first));
+    Add({"Which detector grows the least with the number of objects?",
+         fmt::format("{}: its time for collision detection grows as n^{:.2f} from {:.0f} to {:.0f} "
+                     "objects; {}. The exponents are fitted, without an interval.",
+                     Name(exponents[0].second), exponents[0].first, least, most, JoinWords(rest)),
+         "growth", Certainty::kUnknown});
+  }
+
+  const Model& model_;
+  const store::ResultFile& file_;
+  const std::size_t axis_;
+  const Comparison comparison_;
+  std::set<std::size_t> left_out_;  ///< detectors that must not win
+  std::vector<Conclusion> all_;
+};
+
+/// The axis of detectors, if there are several.
+std::optional<std::size_t> ComparedDetectors(const Model& model) {
+  const auto axis = model.detector_axis();
+  if (!axis || model.axis(*axis).values.size() < 2 || model.points().empty()) return std::nullopt;
+  return axis;
+}
+
+}  // namespace
+
+void ConcludeDetectors(const Model& model, std::vector<Conclusion>& all) {
+  const auto axis = ComparedDetectors(model);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(model, *axis).Times())
+    all.push_back(std::move(conclusion));
+}
+
+void ConcludeDetectorLimits(const Model& model, std::vector<Conclusion>& all) {
+  const auto axis = ComparedDetectors(model);
+  if (!axis) return;
+  for (Conclusion& conclusion : DetectorConclusions(model, *axis).Limits())
+    all.push_back(std::move(conclusion));
+}
+
+}  // namespace cdb::figures

@@ -1,0 +1,45 @@
+// The conclusions of a sweep, in sentences: the best configuration for each purpose, its margin,
+// the certainty, and any faults. They are chosen by what the file sweeps.
+//
+// A difference is clear if the 95 % interval of the ratio (cycle_times.h) excludes 1, and a tie if
+// it does not. With too few repeats for an interval, it is unknown.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cdb::figures {
+
+enum class Certainty { kClear, kTie, kUnknown };
+/// `clear`, `tie`, `unknown`.
+std::string_view CertaintyName(Certainty certainty);
+
+struct Conclusion {
+  std::string question, answer;  ///< whole sentences
+  std::string_view kind;         ///< `fastest`, `growth`: for readers that select among them
+  Certainty certainty;
+};
+
+class Model;
+
+/// The first conclusion answers the main question of the sweep. Empty if nothing was measured.
+/// Throws StoreError.
+std::vector<Conclusion> Conclusions(const Model& model);
+
+// The parts of Conclusions, each for one kind of sweep. For the axis of detectors: missed pairs,
+// times of step and detect, growth.
+void ConcludeDetectors(const Model& model, std::vector<Conclusion>& all);
+/// For the axis of detectors: worst cycle and memory.
+void ConcludeDetectorLimits(const Model& model, std::vector<Conclusion>& all);
+/// The change of the time of a step along the other axes, and its growth with the number of
+/// objects.
+void ConcludeAxes(const Model& model, std::vector<Conclusion>& all);
+/// For each error: the most accurate configuration within real time, and the fastest of the front.
+void ConcludeErrors(const Model& model, std::vector<Conclusion>& all);
+/// The limits of sound simulation.
+void ConcludeVerdicts(const Model& model, std::vector<Conclusion>& all);
+/// The time of a step and its largest phase, for a file without axes.
+void ConcludeStep(const Model& model, std::vector<Conclusion>& all);
+
+}  // namespace cdb::figures

@@ -1,0 +1,281 @@
+#include "runtime/figures/detectors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "compiler/schema/catalogue.h"
+#include "compiler/yaml/brief_runs.h"
+#include "runtime/figures/model.h"
+#include "runtime/figures/numbers.h"
+
+namespace cdb::figures {
+namespace {
+
+/// An incremental mean.
+struct RunningMean {
+  double sum = 0, count = 0;
+  void Add(double value) {
+    if (std::isnan(value)) return;
+    sum += value;
+    ++count;
+  }
+  double value() const { return count > 0 ? sum / count : kNone; }
+};
+
+struct Tally {
+  DetectorFindings findings;
+  RunningMean depth, normal;
+};
+
+/// Cycles without a value are -1.
+void AddPairs(const store::ResultFile& file, const Cell& cell, Tally& tally) {
+  DetectorFindings& findings = tally.findings;
+  // A trace has no contacts.
+  const auto series = [&](const char* name) {
+    return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
+  };
+  const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
+             false_positives = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
+             contacts = series("missed_contacts");
+  bool is_wrong = false, is_watched = false;
+  for (std::uint64_t cycle = 0; cycle < exact.size(); ++cycle) {
+    if (!(exact[cycle] >= 0)) continue;
+    is_watched = true;
+    ++findings.cycles;
+    const auto add = [&](std::uint64_t& sum, const std::vector<double>& values) {
+      sum += static_cast<std::uint64_t>(values[cycle]);
+      return values[cycle] > 0;
+    };
+    add(findings.exact, exact);
+    add(findings.false_positives, false_positives);
+    const auto note = [&](std::uint64_t& sum, const std::vector<double>& values,
+                          std::optional<DetectorFindings::Place>& first) {
+      if (add(sum, values) && !first) first = {cell, cycle};
+    };
+    note(findings.missed, missed, findings.first_missed);
+    note(findings.duplicate, duplicate, findings.first_duplicate);
+    if (cycle < contacts.size() && contacts[cycle] >= 0)
+      note(findings.missed_contacts, contacts, findings.first_missed_contact);
+    is_wrong = is_wrong || missed[cycle] > 0;
+  }
+  for (const double error : series("depth_error")) tally.depth.Add(error);
+  for (const double error : series("normal_error")) tally.normal.Add(error);
+  findings.wrong_runs += is_wrong ? 1 : 0;
+  ++(is_watched ? findings.runs : findings.unwatched_runs);
+}
+
+constexpr std::size_t kLeastPoints = 3;
+
+/// Adds the counts of the cycles that have a value.
+double AddCounts(double sum, const std::vector<double>& counts) {
+  for (const double count : counts)
+    if (count >= 0) sum = (std::isnan(sum) ? 0 : sum) + count;
+  return sum;
+}
+
+bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size() >= kLeastPoints; }
+
+/// The number of objects at each point. Empty if it is not useful, or the plan cannot be read.
+std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
+  std::map<Point, double> objects;
+  if (std::ranges::none_of(file.axes(), CanFit)) return objects;
+  const auto runs = yaml::FindBriefRuns(file.ReadProvenance("plan_text"));
+  if (!runs) return objects;
+  for (const yaml::BriefRun& run : *runs)
+    if (const auto at = file.SelectedPoint(run.at)) objects[*at] = static_cast<double>(run.objects);
+  return objects;
+}
+
+/// The axis to fit over: the only one that changes the number of objects. Nullopt if there is none,
+/// or several.
+std::optional<std::size_t> CountAxis(const store::ResultFile& file,
+                                     const std::map<Point, double>& objects) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < file.axes().size(); ++i) {
+    if (!CanFit(file.axes()[i])) continue;
+    std::map<Point, double> of_others;
+    const bool changes = std::ranges::any_of(objects, [&](const auto& point) {
+      return of_others.emplace(Without(point.first, i), point.second).first->second != point.second;
+    });
+    if (!changes) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  return found;
+}
+
+/// Times of detect at points that differ only in the number of objects.
+struct TimesAtPoint {
+  Point row;
+  std::map<double, std::vector<double>> by_count;
+};
+
+std::map<Point, TimesAtPoint> TimesByCount(const Model& model,
+                                           const std::map<Point, double>& objects,
+                                           const DetectorGrowth& growth) {
+  std::map<Point, TimesAtPoint> found;
+  for (const MeasuredPoint& point : model.points()) {
+    const auto count = objects.find(point.at);
+    if (count == objects.end() || !point.IsSound()) continue;
+    TimesAtPoint& at = found[Without(point.at, growth.axis)];
+    at.row = Project(point.at, growth.rows);
+    at.by_count[count->second].push_back(
+        model.times().Of(point, measure::Phase::kDetect).mean.value);
+  }
+  return found;
+}
+
+/// Drops the numbers of objects that some point lacks, if enough remain to fit over.
+void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
+  std::map<double, std::size_t> having;
+  for (const auto& [point, at] : found)
+    for (const auto& [count, times] : at.by_count) ++having[count];
+  const std::size_t all = having.size();
+  std::erase_if(having, [&](const auto& count) { return count.second < found.size(); });
+  growth.is_matched = having.size() == all || having.size() >= kLeastPoints;
+  if (!growth.is_matched) return;
+  growth.dropped = all - having.size();
+  for (auto& [point, at] : found)
+    std::erase_if(at.by_count, [&](const auto& count) { return !having.contains(count.first); });
+}
+
+}  // namespace
+
+std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
+  const bool has_pairs = file.Has("exact_pairs");
+  const CellDetectors detectors(file);
+  std::vector<Tally> tallies;
+  const auto tally_of = [&](const std::string& detector) -> Tally& {
+    const auto found = std::ranges::find(
+        tallies, detector, [](const Tally& tally) { return tally.findings.detector; });
+    if (found != tallies.end()) return *found;
+    Tally& tally = tallies.emplace_back();
+    tally.findings.detector = detector;
+    return tally;
+  };
+  if (const auto axis = DetectorAxis(file))
+    for (const auto& value : file.axes()[*axis].values) tally_of(std::get<std::string>(value));
+  std::set<std::string> seen;
+  for (const Cell& cell : AllCells(file)) {
+    const Ending ending = EndingOf(file, cell);
+    if (ending.Rank() < 0) continue;
+    if (!seen.insert(file.ReadText("run_id", cell)).second) continue;
+    Tally& tally = tally_of(detectors.Of(cell));
+    if (ending.status != store::Status::kDone) {
+      ++tally.findings.failed_runs;
+      if (!tally.findings.first_failed) tally.findings.first_failed = cell;
+    }
+    if (has_pairs) {
+      AddPairs(file, cell, tally);
+    } else {
+      ++tally.findings.unwatched_runs;
+    }
+  }
+  std::vector<DetectorFindings> all;
+  for (Tally& tally : tallies) {
+    tally.findings.depth_error = tally.depth.value();
+    tally.findings.normal_error = tally.normal.value();
+    all.push_back(std::move(tally.findings));
+  }
+  return all;
+}
+
+DetectorCosts CostsOf(const Model& model, const Row& row) {
+  const store::ResultFile& file = model.file();
+  DetectorCosts costs = {.mean = model.TimeOf(row, measure::Phase::kDetect)};
+  for (const MeasuredPoint* point : row.points) {
+    costs.worst =
+        std::fmax(costs.worst, Largest(model.times().Of(*point, measure::Phase::kDetect).cycles));
+    if (!file.Has("exact_pairs")) continue;
+    for (const Cell& cell : point->cells) {
+      costs.missed = AddCounts(costs.missed, file.ReadSeries("missed_pairs", cell));
+      costs.phantom = AddCounts(costs.phantom, file.ReadSeries("phantom_pairs", cell));
+    }
+  }
+  if (file.Has("pairs")) costs.pairs = model.CountOf(row, "pairs");
+  costs.peak_rss = model.MemoryOf(row, "peak_rss");
+  costs.heap = model.MemoryOf(row, "heap");
+  return costs;
+}
+
+std::optional<DetectorGrowth> GrowthByRow(const Model& model,
+                                          const std::vector<std::size_t>& rows) {
+  const std::map<Point, double> objects = ObjectCounts(model.file());
+  const auto axis = CountAxis(model.file(), objects);
+  if (!axis) return std::nullopt;
+  DetectorGrowth growth = {*axis, rows, {}};
+  std::erase(growth.rows, *axis);
+  auto found = TimesByCount(model, objects, growth);
+  MatchCounts(found, growth);
+  std::map<Point, std::vector<double>> exponents;
+  for (const auto& [point, at] : found) {
+    std::vector<std::pair<double, double>> fitted;
+    for (const auto& [count, values] : at.by_count) fitted.emplace_back(count, Median(values));
+    auto& of_row = exponents[at.row];
+    if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
+    auto& row = growth.exponents.try_emplace(at.row, kNone, kNone, kNone).first->second;
+    row.least = std::fmin(row.least, fitted.front().first);
+    row.most = std::fmax(row.most, fitted.back().first);
+  }
+  for (const auto& [row, of_row] : exponents) growth.exponents[row].p = Mean(of_row);
+  growth.is_mean = found.size() > exponents.size();
+  for (const MeasuredPoint& point : model.points())
+    for (const std::string& name : point.unlike)
+      if (point.IsSound() && std::ranges::find(growth.unlike, name) == growth.unlike.end())
+        growth.unlike.push_back(name);
+  return growth;
+}
+
+double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
+  std::vector<double> xs;
+  std::vector<double> ys;
+  for (const auto& [x, y] : points) {
+    if (!(x > 0) || !(y > 0)) return kNone;
+    xs.push_back(std::log(x));
+    ys.push_back(std::log(y));
+  }
+  if (std::set<double>(xs.begin(), xs.end()).size() < kLeastPoints) return kNone;
+  const double middle_x = Mean(xs);
+  const double middle_y = Mean(ys);
+  double across = 0;
+  double along = 0;
+  for (std::size_t i = 0; i < xs.size(); ++i) {
+    across += (xs[i] - middle_x) * (ys[i] - middle_y);
+    along += (xs[i] - middle_x) * (xs[i] - middle_x);
+  }
+  return across / along;
+}
+
+std::optional<HarnessCost> HarnessCostOf(const Model& model) {
+  const store::ResultFile& file = model.file();
+  if (!model.HasTimes() || !file.Has("harness")) return std::nullopt;
+  std::vector<double> harness;
+  std::map<std::string, std::vector<double>> detect;
+  const CellDetectors detectors(file);
+  for (const MeasuredPoint& point : model.points()) {
+    if (!point.IsSound()) continue;
+    for (const Cell& cell : point.cells)
+      if (const double ns = file.ReadReal("harness", cell); std::isfinite(ns))
+        harness.push_back(ns);
+    const std::string detector = detectors.Of(point.cells[0]);
+    const schema::DetectorInfo* info = schema::FindDetector(detector);
+    // For a detector that finds nothing, the whole time is harness.
+    if (info == nullptr || info->family != "none")
+      detect[detector].push_back(model.times().Of(point, measure::Phase::kDetect).mean.value);
+  }
+  if (harness.empty()) return std::nullopt;
+  HarnessCost cost = {Median(harness), std::nullopt};
+  std::vector<std::pair<double, std::string>> timed;
+  for (auto& [detector, of_points] : detect)
+    if (const double time = Median(of_points); std::isfinite(time))
+      timed.emplace_back(time, detector);
+  if (!timed.empty()) {
+    const auto& [time, detector] = *std::ranges::min_element(timed);
+    cost.fastest = {time, detector, timed.size() == 1};
+  }
+  return cost;
+}
+
+}  // namespace cdb::figures

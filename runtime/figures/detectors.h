@@ -1,0 +1,95 @@
+// The figures of detectors: what the pair referee found (`record pairs`), the cost of each, its
+// growth, and the overhead of calling it.
+//
+// Times in ns, memory in bytes; NaN where the file has no value. Throws StoreError.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/figures/bootstrap.h"
+#include "runtime/figures/numbers.h"
+#include "runtime/figures/rows.h"
+#include "runtime/store/store.h"
+
+namespace cdb::figures {
+
+class Model;
+
+/// The findings for one detector over all runs of a file; a run that fills several cells counts
+/// once.
+struct DetectorFindings {
+  std::string detector;
+  std::size_t runs = 0;  ///< with recorded pairs
+  std::uint64_t cycles = 0;
+  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0, missed_contacts = 0;
+  /// Means over the cycles that have a value; NaN if none has.
+  double depth_error = 0, normal_error = 0;
+  std::size_t wrong_runs = 0;  ///< with a missed pair
+  struct Place {
+    Cell cell;
+    std::uint64_t cycle;
+  };
+  std::optional<Place> first_missed, first_duplicate, first_missed_contact;
+  std::size_t failed_runs = 0;  ///< that failed, whatever they recorded
+  std::optional<Cell> first_failed;
+  std::size_t unwatched_runs = 0;  ///< without recorded pairs
+  std::size_t AllRuns() const { return runs + unwatched_runs; }
+};
+
+/// In the order of the axis of detectors, or else of the cells. Throws StoreError.
+std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file);
+
+/// Over all points of a row.
+struct DetectorCosts {
+  Estimate mean;         ///< of detect
+  double worst = kNone;  ///< cycle of detect
+  double pairs = kNone;  ///< mean
+  double missed = kNone,
+         phantom = kNone;                 ///< sums; NaN if pairs were not checked in any cycle
+  double peak_rss = kNone, heap = kNone;  ///< maxima
+};
+DetectorCosts CostsOf(const Model& model, const Row& row);
+
+/// p of detect ~ objects^p, by least squares over the logarithms of means.
+struct DetectorGrowth {
+  std::size_t axis;               ///< the axis that changes the number of objects
+  std::vector<std::size_t> rows;  ///< the axes of the rows, without that one
+  struct Exponent {
+    double p;            ///< the mean of the exponents pooled in the row
+    double least, most;  ///< range of the numbers of objects in the fit
+  };
+  std::map<Point, Exponent> exponents;   ///< by row
+  bool is_mean = false;                  ///< some row pools several exponents
+  bool is_matched = true;                ///< all rows are fitted over the same numbers of objects
+  std::size_t dropped = 0;               ///< numbers of objects that some row lacks
+  std::vector<std::string> unlike = {};  ///< components that some points omitted and others kept
+};
+/// Fitted over the sound points at each value of the axes other than the one that changes the
+/// number of objects, and over the numbers of objects that all rows have, if there are at least
+/// three. Nullopt if no axis with at least three numbers changes it, or several do.
+std::optional<DetectorGrowth> GrowthByRow(const Model& model, const std::vector<std::size_t>& rows);
+
+/// The slope of log y over log x by least squares; NaN if there are fewer than three different x,
+/// or if a value is not positive.
+double GrowthExponent(const std::vector<std::pair<double, double>>& points);
+
+/// The overhead of calling a detector in a cycle, in relation to the fastest detector.
+struct HarnessCost {
+  struct Fastest {
+    double time;           ///< the median over its points
+    std::string detector;  ///< empty if the plan cannot be read
+    bool is_only;
+  };
+  double median;
+  std::optional<Fastest> fastest;  ///< nullopt if no detector has timings
+};
+/// Nullopt if no run states it.
+std::optional<HarnessCost> HarnessCostOf(const Model& model);
+
+}  // namespace cdb::figures

@@ -1,0 +1,118 @@
+#include "runtime/figures/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dsl/text/check.h"
+#include "runtime/figures/numbers.h"
+
+namespace cdb::figures {
+
+Model::Model(const store::ResultFile& file, const ModelOptions& options)
+    : file_(file),
+      options_(options),
+      points_(MeasuredPoints(file, options.only_sound)),
+      detector_axis_(DetectorAxis(file)),
+      times_(file, options.statistic, options.fastest_of) {
+  for (const MeasuredPoint& point : points_) by_place_[point.at] = &point;
+}
+
+const MeasuredPoint* Model::Find(const Point& at) const {
+  const auto found = by_place_.find(at);
+  return found == by_place_.end() ? nullptr : found->second;
+}
+
+const std::vector<GridPoint>& Model::grid() const {
+  if (grid_) return *grid_;
+  grid_.emplace();
+  for (const Point& at : AllPoints(file_)) {
+    const MeasuredPoint* measured = Find(at);
+    if (measured == nullptr && options_.only_sound) continue;
+    const Ending ending = WorstEnding(file_, at);
+    if (ending.Rank() >= 0) grid_->push_back({at, ending, measured});
+  }
+  return *grid_;
+}
+
+std::size_t Model::IndexOf(const Point& at) const {
+  const auto found = std::ranges::lower_bound(grid(), at, {}, &GridPoint::at);
+  CDB_CHECK(found != grid().end() && found->at == at);
+  return static_cast<std::size_t>(found - grid().begin());
+}
+
+const CellGroups& Model::runs() const {
+  if (!runs_) runs_ = GroupCells(file_);
+  return *runs_;
+}
+
+const std::vector<DetectorFindings>& Model::findings() const {
+  if (!findings_) findings_ = FindingsOf(file_);
+  return *findings_;
+}
+
+const std::vector<std::string>& Model::reference_troubles() const {
+  if (!reference_troubles_) reference_troubles_ = file_.ReadReferenceTroubles();
+  return *reference_troubles_;
+}
+
+std::optional<std::size_t> Model::ComparedDetectors() const {
+  if (!detector_axis_ || axis(*detector_axis_).values.size() < 2 || !HasTimes() || points_.empty())
+    return std::nullopt;
+  return detector_axis_;
+}
+
+double Model::CountOf(const MeasuredPoint& point, const std::string& series) const {
+  return Mean(file_.ReadSeries(series, point.cells[0]));
+}
+
+double Model::MemoryOf(const MeasuredPoint& point, const std::string& name) const {
+  double largest = kNone;
+  if (!file_.Has(name)) return largest;
+  for (const Cell& cell : point.cells)
+    largest = std::fmax(largest, name == "heap" ? Largest(file_.ReadSeries(name, cell))
+                                                : file_.ReadReal(name, cell));
+  return largest;
+}
+
+double Model::ErrorOf(const MeasuredPoint& point, const std::string& name) const {
+  const std::string dataset = "accuracy/" + name;
+  return file_.Has(dataset) ? file_.ReadReal(dataset, point.cells[0]) : kNone;
+}
+
+void Model::ReadTimeSteps() const {
+  time_steps_.emplace();
+  if (const auto plan = ReadPlan(file_))
+    for (const plan::Run& run : plan->runs)
+      time_steps_->emplace(run.id, run.scene.world.Real("timestep"));
+}
+
+double Model::TimeStepOf(const MeasuredPoint& point) const {
+  if (file_.Has("accuracy/timestep")) return file_.ReadReal("accuracy/timestep", point.cells[0]);
+  if (!time_steps_) ReadTimeSteps();
+  const auto found = time_steps_->find(file_.ReadText("run_id", point.cells[0]));
+  return found == time_steps_->end() ? kNone : found->second;
+}
+
+Estimate Model::MsPerSecondOf(const MeasuredPoint& point) const {
+  return Scaled(times_.Of(point, measure::Phase::kStep).mean, 1e-6 / TimeStepOf(point));
+}
+
+Estimate Model::TimeOf(const Row& row, measure::Phase phase) const {
+  std::vector<const Estimate*> times;
+  for (const MeasuredPoint* point : row.points) times.push_back(&TimeOf(*point, phase));
+  return MeanOf(times);
+}
+
+double Model::CountOf(const Row& row, const std::string& series) const {
+  std::vector<double> means;
+  for (const MeasuredPoint* point : row.points) means.push_back(CountOf(*point, series));
+  return Mean(means);
+}
+
+double Model::MemoryOf(const Row& row, const std::string& name) const {
+  std::vector<double> all;
+  for (const MeasuredPoint* point : row.points) all.push_back(MemoryOf(*point, name));
+  return Largest(all);
+}
+
+}  // namespace cdb::figures

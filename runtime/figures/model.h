@@ -1,0 +1,108 @@
+// The model behind every figure: the points of a results file, or of the selected part of it, with
+// their times, counts, memory and errors, each computed once, and pooled in one way. What prints
+// figures (printers/) and what concludes from them reads them here.
+//
+// Times in ns, memory in bytes; NaN where the file has no value. Throws StoreError. Not
+// thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/figures/detectors.h"
+#include "runtime/figures/points.h"
+#include "runtime/figures/rows.h"
+#include "runtime/figures/times.h"
+#include "runtime/store/store.h"
+
+namespace cdb::figures {
+
+struct ModelOptions {
+  /// Leave out points whose timings are voided by their verdict.
+  bool only_sound = false;
+  CycleStatistic statistic = CycleStatistic::kMean;
+  std::optional<std::size_t> fastest_of = {};  ///< as of CycleTimes
+};
+
+/// A point with at least one run.
+struct GridPoint {
+  Point at;
+  Ending ending;                  ///< the worst of its repeats
+  const MeasuredPoint* measured;  ///< null if no repeat has cycles
+
+  bool IsVoid() const { return measured == nullptr || !measured->IsSound(); }
+  std::string Mark() const { return measured != nullptr ? measured->Mark() : ending.Word(); }
+};
+
+class Model {
+ public:
+  explicit Model(const store::ResultFile& file, const ModelOptions& options = {});
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const store::ResultFile& file() const { return file_; }
+  const plan::Axis& axis(std::size_t index) const { return file_.axes()[index]; }
+  bool only_sound() const { return options_.only_sound; }
+  /// In grid order.
+  const std::vector<MeasuredPoint>& points() const { return points_; }
+  /// Null if no repeat of the point has cycles.
+  const MeasuredPoint* Find(const Point& at) const;
+  /// In grid order; without void points if these are left out.
+  const std::vector<GridPoint>& grid() const;
+  /// The index of a point in `grid()`.
+  std::size_t IndexOf(const Point& at) const;
+  CycleTimes& times() const { return times_; }
+  const CellGroups& runs() const;
+  const std::vector<DetectorFindings>& findings() const;
+  /// The reasons why reference runs cannot be used, a line each.
+  const std::vector<std::string>& reference_troubles() const;
+  /// Runs that failed or are void, with references.
+  std::size_t bad_count() const { return runs().bad.size() + reference_troubles().size(); }
+
+  bool HasTimes() const { return file_.Has("duration"); }
+  const std::optional<std::size_t>& detector_axis() const { return detector_axis_; }
+  /// The axis of detectors, if times of several can be compared.
+  std::optional<std::size_t> ComparedDetectors() const;
+
+  // Values of a point. Repeats have the same motion, and so the same counts and errors.
+  const Estimate& TimeOf(const MeasuredPoint& point, measure::Phase phase) const {
+    return times_.FigureOf(point, phase);
+  }
+  /// The mean of a series over the cycles.
+  double CountOf(const MeasuredPoint& point, const std::string& series) const;
+  /// `peak_rss` or `heap`: the largest of the repeats.
+  double MemoryOf(const MeasuredPoint& point, const std::string& name) const;
+  /// `position`, `position_floor`, `horizon`.
+  double ErrorOf(const MeasuredPoint& point, const std::string& name) const;
+  /// The simulated time of a cycle, s.
+  double TimeStepOf(const MeasuredPoint& point) const;
+  /// The run time of a simulated second, ms.
+  Estimate MsPerSecondOf(const MeasuredPoint& point) const;
+
+  // Values of a row: the mean over its points, and the largest of memory.
+  Estimate TimeOf(const Row& row, measure::Phase phase) const;
+  double CountOf(const Row& row, const std::string& series) const;
+  double MemoryOf(const Row& row, const std::string& name) const;
+
+ private:
+  void ReadTimeSteps() const;
+
+  const store::ResultFile& file_;
+  const ModelOptions options_;
+  const std::vector<MeasuredPoint> points_;
+  std::map<Point, const MeasuredPoint*> by_place_;
+  const std::optional<std::size_t> detector_axis_;
+  // Computed on demand.
+  mutable CycleTimes times_;
+  mutable std::optional<std::vector<GridPoint>> grid_;
+  mutable std::optional<CellGroups> runs_;
+  mutable std::optional<std::vector<DetectorFindings>> findings_;
+  mutable std::optional<std::vector<std::string>> reference_troubles_;
+  mutable std::optional<std::map<std::string, double>> time_steps_;  ///< by run
+};
+
+}  // namespace cdb::figures

@@ -1,0 +1,52 @@
+// One table, and documents of tables and sentences, printed for a terminal, in Markdown, LaTeX or
+// CSV.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cdb::printers {
+
+struct Table {
+  struct Column {
+    std::string head;
+    bool is_number;  ///< aligned to the right
+  };
+  std::vector<Column> columns = {};
+  std::vector<std::vector<std::string>> rows = {};
+  std::size_t keys = 1;  ///< the number of leading columns that identify a row
+
+  void AddColumn(std::string_view head, bool is_number) {
+    columns.push_back({std::string(head), is_number});
+  }
+};
+
+/// The parts of a section are printed in this order.
+struct Section {
+  std::string title = {};               ///< may be empty
+  std::vector<std::string> lines = {};  ///< sentences; two leading spaces continue the one above
+  Table table = {};                     ///< not printed if it has no rows
+  std::string plot = {};                ///< of characters
+  std::vector<std::string> notes = {};  ///< as `lines`
+};
+using Document = std::vector<Section>;
+
+/// `kWrapped` breaks lines and notes of more than 100 columns.
+enum class Format { kTerminal, kWrapped, kMarkdown, kLatex };
+/// Markdown is GitHub's dialect, which has tables. LaTeX needs the package booktabs.
+std::string TextOf(const Document& document, Format format);
+
+/// A field of CSV, quoted as RFC 4180 requires.
+std::string CsvField(std::string_view text);
+/// A header line, then a line for each row.
+std::string CsvOf(const Table& table);
+
+/// Text, and the number of runs that failed or are void, with references.
+struct Printed {
+  std::string text;
+  std::size_t bad_count = 0;
+};
+
+}  // namespace cdb::printers

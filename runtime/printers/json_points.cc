@@ -1,0 +1,270 @@
+// The axes and points of a results document.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "compiler/plan/coordinates.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/schema.h"
+#include "runtime/printers/json_parts.h"
+
+namespace cdb::printers {
+namespace {
+
+using figures::Estimate;
+using figures::GridPoint;
+using figures::MeasuredPoint;
+
+struct PhaseWords {
+  std::string_view label, definition;
+};
+/// In the order of measure::Phase.
+constexpr std::array<PhaseWords, measure::kPhaseCount> kPhaseWords = {{
+    {"broad phase", "Boxes are moved; overlapping pairs of boxes are found and lost."},
+    {"narrow phase", "Contacts of the pairs are computed, and manifolds refreshed."},
+    {"collision detection", "Broad and narrow phase."},
+    {"solver",
+     "Islands are built from the manifolds; contacts are set up and solved; gravity and applied "
+     "forces become velocity."},
+    {"integration", "Positions and orientations are moved, with the sweeps of ccd."},
+    {"whole step",
+     "All of a cycle: also what is in none of the other phases, such as predicted poses and "
+     "sleeping."},
+}};
+
+struct AxisLabel {
+  std::string_view parameter, label;
+};
+constexpr AxisLabel kAxisLabels[] = {
+    {"quantity", "number of objects"},   {"timestep", "time step"},
+    {"type", "type of object"},          {"size", "size of an object"},
+    {"iterations", "solver iterations"}, {"side", "side of the world"},
+};
+
+/// `quantity` of `objects.quantity`.
+std::string KindOf(const plan::Axis& axis) {
+  const auto dot = axis.parameter.rfind('.');
+  return dot == std::string::npos ? axis.parameter : axis.parameter.substr(dot + 1);
+}
+
+std::string LabelOf(const plan::Axis& axis) {
+  const std::string kind = KindOf(axis);
+  for (const AxisLabel& known : kAxisLabels)
+    if (known.parameter == kind && axis.name == kind) return std::string(known.label);
+  std::string label = axis.name;
+  std::ranges::replace(label, '_', ' ');
+  return label;
+}
+
+std::string DocOf(const plan::Axis& axis) {
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (parameter.FullName() == axis.parameter) return std::string(parameter.doc);
+  return {};
+}
+
+class PointColumns {
+ public:
+  explicit PointColumns(const figures::Model& model)
+      : model_(model), file_(model.file()), points_(model.grid()) {}
+
+  Json All() const {
+    Json columns = Json::object();
+    AddFacts(columns);
+    if (model_.HasTimes()) AddTimes(columns);
+    if (!IsLarge(model_)) AddCounts(columns);
+    AddErrors(columns);
+    Json all = {{"at", IsLarge(model_) ? FlatIndices() : Column([](const GridPoint& point) -> Json {
+                   return point.at;
+                 })}};
+    all.update(IsLarge(model_) ? FoldColumns(std::move(columns)) : columns);
+    return all;
+  }
+
+ private:
+  template <typename Of>
+  Json Column(Of of) const {
+    return JsonColumn(points_.size(), [&](std::size_t i) -> Json { return of(points_[i]); });
+  }
+  /// Values for points with cycles; null for the others.
+  template <typename Of>
+  Json MeasuredColumn(Of of) const {
+    return Column([&](const GridPoint& point) -> Json {
+      if (point.measured == nullptr) return nullptr;
+      return ModelNumber(model_, of(*point.measured));
+    });
+  }
+
+  /// `{"grid": [[first, count], …]}`: runs of indices, the last axis fastest.
+  Json FlatIndices() const {
+    Json ranges = Json::array();
+    for (const GridPoint& point : points_) {
+      std::size_t flat = 0;
+      for (std::size_t i = 0; i < point.at.size(); ++i)
+        flat = flat * file_.axes()[i].values.size() + point.at[i];
+      if (!ranges.empty() &&
+          ranges.back()[0].get<std::size_t>() + ranges.back()[1].get<std::size_t>() == flat) {
+        ranges.back()[1] = ranges.back()[1].get<std::size_t>() + 1;
+      } else {
+        ranges.push_back({flat, 1});
+      }
+    }
+    return {{"grid", std::move(ranges)}};
+  }
+
+  void AddFacts(Json& all) const {
+    all["mark"] = Column([](const GridPoint& point) -> Json { return point.Mark(); });
+    all["is_void"] = Column([](const GridPoint& point) -> Json { return point.IsVoid(); });
+    all["repeats"] = Column([](const GridPoint& point) -> Json {
+      return point.measured == nullptr ? 0 : point.measured->cells.size();
+    });
+    all["verdict"] = Column([](const GridPoint& point) -> Json { return point.ending.Word(); });
+    all["first_bad_cycle"] =
+        Column([](const GridPoint& point) { return CycleOrNull(point.ending); });
+    all["cycles"] = Column([&](const GridPoint& point) -> Json {
+      std::uint64_t most = 0;
+      for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep)
+        most = std::max(most, file_.ReadCycleCount({point.at, rep}));
+      return most;
+    });
+  }
+
+  void AddTimes(Json& all) const {
+    for (const measure::Phase phase : DocumentedPhases(model_))
+      all["times"][figures::PhaseName(phase)] = TimesOf(phase);
+    if (IsLarge(model_)) return;
+    all["time_step"] =
+        MeasuredColumn([&](const MeasuredPoint& point) { return model_.TimeStepOf(point); });
+    const auto add = [&](const char* name, auto part_of) {
+      all[name] = MeasuredColumn(
+          [&](const MeasuredPoint& point) { return part_of(model_.MsPerSecondOf(point)); });
+    };
+    add("ms_per_s", [](const Estimate& ms) { return ms.value; });
+    add("ms_per_s_low", [&](const Estimate& ms) { return model_.times().IntervalOf(ms).low; });
+    add("ms_per_s_high", [&](const Estimate& ms) { return model_.times().IntervalOf(ms).high; });
+  }
+
+  Json TimesOf(measure::Phase phase) const {
+    figures::CycleTimes& times = model_.times();
+    Json columns = Json::object();
+    const auto add = [&](const char* name, auto part_of) {
+      columns[name] = MeasuredColumn(
+          [&](const MeasuredPoint& point) { return part_of(times.Of(point, phase).mean); });
+    };
+    add("mean", [](const Estimate& mean) { return mean.value; });
+    add("low", [&](const Estimate& mean) { return times.IntervalOf(mean).low; });
+    add("high", [&](const Estimate& mean) { return times.IntervalOf(mean).high; });
+    if (IsLarge(model_)) return columns;
+    for (const auto& [name, statistic] : kDocumentedStatistics)
+      columns[name] = MeasuredColumn([&, statistic = statistic](const MeasuredPoint& point) {
+        return times.StatisticOf(point, phase, statistic);
+      });
+    return columns;
+  }
+
+  void AddCounts(Json& all) const {
+    for (const std::string& series : DocumentedCounts(model_))
+      all["counts"][series] =
+          MeasuredColumn([&](const MeasuredPoint& point) { return model_.CountOf(point, series); });
+    for (const std::string& name : DocumentedMemory(model_))
+      all["memory"][name] =
+          MeasuredColumn([&](const MeasuredPoint& point) { return model_.MemoryOf(point, name); });
+  }
+
+  void AddErrors(Json& all) const {
+    for (const schema::ErrorInfo& error : schema::Errors()) {
+      const std::string name(error.name);
+      if (!file_.Has("accuracy/" + name)) continue;
+      Json& columns = all["errors"][name];
+      columns["unit"] = error.unit;
+      columns["label"] = error.doc;
+      columns["value"] =
+          MeasuredColumn([&](const MeasuredPoint& point) { return model_.ErrorOf(point, name); });
+      if (file_.Has("accuracy/" + name + "_floor"))
+        columns["floor"] = MeasuredColumn(
+            [&](const MeasuredPoint& point) { return model_.ErrorOf(point, name + "_floor"); });
+    }
+  }
+
+  const figures::Model& model_;
+  const store::ResultFile& file_;
+  const std::vector<GridPoint>& points_;
+};
+
+Json ValueJson(const plan::Axis& axis, std::size_t index) {
+  const plan::Coordinate& value = axis.values[index];
+  if (const auto* number = std::get_if<double>(&value)) return JsonNumber(*number, 17);
+  return std::get<std::string>(value);
+}
+
+std::vector<std::string> Those(const store::ResultFile& file,
+                               std::initializer_list<const char*> names) {
+  std::vector<std::string> those;
+  for (const char* name : names)
+    if (file.Has(name)) those.emplace_back(name);
+  return those;
+}
+
+}  // namespace
+
+bool IsLarge(const figures::Model& model) { return model.grid().size() > kMaxWholePoints; }
+
+Json ModelNumber(const figures::Model& model, double value) {
+  return JsonNumber(value, IsLarge(model) ? 4 : 6);
+}
+
+Json CycleOrNull(const figures::Ending& ending) {
+  return ending.judgement.first_bad_cycle < 0 ? Json(nullptr)
+                                              : Json(ending.judgement.first_bad_cycle);
+}
+
+std::vector<measure::Phase> DocumentedPhases(const figures::Model& model) {
+  if (!IsLarge(model)) return figures::AllPhases();
+  return {measure::Phase::kDetect, measure::Phase::kStep};
+}
+
+std::vector<std::string> DocumentedCounts(const figures::Model& model) {
+  return Those(model.file(), {"pairs", "manifolds", "contacts", "exact_pairs", "missed_pairs"});
+}
+
+std::vector<std::string> DocumentedMemory(const figures::Model& model) {
+  return Those(model.file(), {"peak_rss", "heap"});
+}
+
+Json PlaceJson(const figures::Model& model, const std::vector<std::size_t>& axes,
+               const figures::Point& at) {
+  Json place = Json::object();
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    place[model.axis(axes[i]).name] = ValueJson(model.axis(axes[i]), at[i]);
+  return place;
+}
+
+Json DocumentAxes(const figures::Model& model) {
+  Json axes = Json::array();
+  for (std::size_t i = 0; i < model.file().axes().size(); ++i) {
+    const plan::Axis& axis = model.axis(i);
+    axes.push_back({{"name", axis.name},
+                    {"label", LabelOf(axis)},
+                    {"unit", axis.unit},
+                    {"is_text", axis.IsText()},
+                    {"kind", KindOf(axis)},
+                    {"doc", DocOf(axis)},
+                    {"value_labels", plan::CoordinateLabels(axis)},
+                    {"values", JsonColumn(axis.values.size(),
+                                          [&](std::size_t v) { return ValueJson(axis, v); })}});
+  }
+  return axes;
+}
+
+Json DocumentPhases() {
+  return JsonColumn(measure::kPhaseCount, [](std::size_t i) -> Json {
+    return {{"name", measure::PhaseNames()[i]},
+            {"label", kPhaseWords[i].label},
+            {"definition", kPhaseWords[i].definition}};
+  });
+}
+
+Json DocumentPoints(const figures::Model& model) { return PointColumns(model).All(); }
+
+}  // namespace cdb::printers

@@ -1,0 +1,207 @@
+// Conclusions from files whose times, errors and verdicts follow a formula.
+#include "runtime/figures/conclusions.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "runtime/figures/model.h"
+#include "tests/runtime/figures/made_up_file.h"
+
+namespace cdb::tests {
+namespace {
+
+using figures::Certainty;
+using figures::Conclusion;
+
+std::vector<Conclusion> ConclusionsOf(const plan::Plan& plan, const MakeUp& make_up) {
+  return WithMadeUpFile(plan, make_up, [](const store::ResultFile& file) {
+    return figures::Conclusions(figures::Model(file));
+  });
+}
+
+/// The first conclusion of a kind, or an empty one.
+Conclusion FindConclusion(const std::vector<Conclusion>& all, std::string_view kind) {
+  for (const Conclusion& of : all)
+    if (of.kind == kind) return of;
+  return {"", "", kind, Certainty::kUnknown};
+}
+
+plan::Plan DetectorPlan(std::uint64_t repeats) {
+  return MakePlan(
+      {TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20, 40})},
+      repeats, {.cycles = kMadeUpCycles, .record = {"timing"}});
+}
+
+/// 100 ns per object, times a factor for the detector, plus 1 % in each repeat.
+MadeUp FactorTimes(const plan::Run& run, const std::vector<double>& factors) {
+  constexpr double kObjects[] = {10, 20, 40};
+  return {.ns = 100 * kObjects[run.at[1]] * factors[run.at[0]] *
+                (1 + 0.01 * static_cast<double>(run.rep))};
+}
+
+TEST(Conclusions, NameTheFastestDetectorWithItsInterval) {
+  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
+    return FactorTimes(run, {2, 1, 1.2});
+  });
+  const Conclusion step = FindConclusion(all, "fastest");
+  EXPECT_EQ(step.question, "Which detector takes the least time for a step?");
+  // The repeats of all detectors are slowed equally, so that the ratios are known.
+  EXPECT_EQ(step.answer,
+            "dbvt. Next is sap, with 1.20 times the time of dbvt (95 % interval 1.20 .. 1.20). "
+            "Last is simple, with 2.00 times the time of dbvt (95 % interval 2.00 .. 2.00). These "
+            "are geometric means over 3 cells.");
+  EXPECT_EQ(step.certainty, Certainty::kClear);
+}
+
+TEST(Conclusions, BeginWithWhatTheSweepAsks) {
+  const auto kinds = [](const plan::Plan& plan) {
+    std::string text;
+    for (const Conclusion& of : ConclusionsOf(plan, [](const plan::Run& run) {
+           return FactorTimes(run, {2, 1, 1.2});
+         }))
+      text += std::string(of.kind) + " ";
+    return text;
+  };
+  EXPECT_EQ(kinds(DetectorPlan(5)), "fastest detect stability scaling worst_cycle memory ");
+  plan::Plan with_errors =
+      MakePlan({TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20})},
+               5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  EXPECT_TRUE(kinds(with_errors).starts_with("error error fastest detect "));
+}
+
+TEST(Conclusions, CallWhatCannotBeToldApartATie) {
+  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
+    MadeUp made = FactorTimes(run, {2, 1, 1.001});
+    // The repeats of one detector are slow when those of the other are fast.
+    if (run.at[0] == 1) made.ns *= 1 + 0.02 * static_cast<double>(run.rep % 2);
+    return made;
+  });
+  const Conclusion step = FindConclusion(all, "fastest");
+  EXPECT_TRUE(step.answer.starts_with("sap and dbvt cannot be told apart: dbvt takes 1.0") ||
+              step.answer.starts_with("dbvt and sap cannot be told apart: sap takes 1.0"))
+      << step.answer;
+  EXPECT_EQ(step.certainty, Certainty::kTie);
+}
+
+TEST(Conclusions, KnowNothingFromOneRepeat) {
+  const auto all = ConclusionsOf(DetectorPlan(1), [](const plan::Run& run) {
+    return FactorTimes(run, {2, 1, 1.2});
+  });
+  const Conclusion step = FindConclusion(all, "fastest");
+  EXPECT_EQ(
+      step.answer,
+      "dbvt. Next is sap, with 1.20 times the time of dbvt. Last is simple, with 2.00 times the "
+      "time of dbvt. These are geometric means over 3 cells. One repeat: there is no interval.");
+  EXPECT_EQ(step.certainty, Certainty::kUnknown);
+}
+
+TEST(Conclusions, SayWhereAnotherDetectorIsFaster) {
+  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
+    // n^2 compared with 15 n: faster at 10, slower at 20 and 40.
+    constexpr double kObjects[] = {10, 20, 40};
+    const double n = kObjects[run.at[1]];
+    return MadeUp{.ns = run.at[0] == 0 ? n * n : (run.at[0] == 1 ? 15 : 30) * n};
+  });
+  const Conclusion step = FindConclusion(all, "fastest");
+  EXPECT_NE(step.answer.find("dbvt. Next is simple, with 1.33 times the time of dbvt"),
+            std::string::npos)
+      << step.answer;
+  EXPECT_NE(step.answer.find("It is not the best everywhere: simple at quantity 10."),
+            std::string::npos)
+      << step.answer;
+}
+
+TEST(Conclusions, RankOverTheCellsThatAllHave) {
+  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
+    MadeUp made = FactorTimes(run, {2, 1, 1.2});
+    if (run.at[0] == 1 && run.at[1] == 2) made = {.ns = 1, .verdict = measure::Verdict::kFrozen};
+    return made;
+  });
+  EXPECT_NE(FindConclusion(all, "fastest")
+                .answer.find("geometric means over 2 of 3 cells (those that all detectors have)"),
+            std::string::npos);
+  const Conclusion sound = FindConclusion(all, "stability");
+  EXPECT_EQ(
+      sound.answer,
+      "8 of 9 configurations are stable (1 frozen). Along the number of objects with detector "
+      "dbvt: stable 10 .. 20, frozen 40. Along the number of objects (2 cases): stable 10 .. 40.");
+}
+
+TEST(Conclusions, CompareMemory) {
+  const auto memory = [](double of_simple) {
+    return FindConclusion(
+        ConclusionsOf(DetectorPlan(5),
+                      [&](const plan::Run& run) {
+                        return MadeUp{.peak_rss = run.at[0] == 0 ? of_simple : 4e6};
+                      }),
+        "memory");
+  };
+  EXPECT_EQ(memory(4.02e6).answer, "None: the peak memory of all is the same to within 2 %.");
+  EXPECT_NE(memory(8e6).answer.find("Last is simple, with 2.00 times the memory of"),
+            std::string::npos)
+      << memory(8e6).answer;
+}
+
+TEST(Conclusions, TellHowAStepScales) {
+  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
+    return FactorTimes(run, {2, 1, 1.2});
+  });
+  const Conclusion scaling = FindConclusion(all, "scaling");
+  EXPECT_EQ(scaling.question, "How does the time of a step change with the number of objects?");
+  EXPECT_EQ(scaling.answer,
+            "A step takes 4.00 times as long with quantity 40 as with quantity 10 (95 % interval "
+            "4.00 .. 4.00), the geometric mean over 3 cells.");
+  EXPECT_EQ(scaling.certainty, Certainty::kClear);
+}
+
+TEST(Conclusions, NameTheMostAccurateWithinRealTime) {
+  plan::Plan plan =
+      MakePlan({NumberAxis("iterations", {5, 10, 20, 40})}, 5,
+               {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  plan.axes[0].parameter = "solver.iterations";
+  const auto all = ConclusionsOf(plan, [](const plan::Run& run) {
+    // A cycle of 1 ms takes 0.1, 0.2 or 0.4 ms, or, slower than real time, 2 ms.
+    constexpr double kNs[] = {1e5, 2e5, 4e5, 2e6}, kErrors[] = {0.4, 0.2, 0.1, 0.01};
+    return MadeUp{.ns = kNs[run.at[0]], .errors = {{"position", kErrors[run.at[0]]}}};
+  });
+  const Conclusion error = FindConclusion(all, "error");
+  EXPECT_EQ(error.question,
+            "Which configuration has the least error of position within real time?");
+  EXPECT_EQ(error.answer,
+            "iterations 20: 1.00e-01, at 2.50 times real time (95 % interval 2.50 .. 2.50). The "
+            "fastest is iterations 5: 4.00e-01, at 10.0 times real time (95 % interval 10.0 .. "
+            "10.0). All 4 configurations are on the front: accuracy costs time throughout.");
+  EXPECT_EQ(error.certainty, Certainty::kClear);
+}
+
+TEST(Conclusions, TellWhatAStepTakesWithoutAxes) {
+  const plan::Plan plan = MakePlan({}, 5, {.cycles = kMadeUpCycles, .record = {"timing"}});
+  const auto all = ConclusionsOf(plan, [](const plan::Run&) { return MadeUp{.ns = 2500}; });
+  EXPECT_EQ(FindConclusion(all, "fastest").answer,
+            "2.50 us (95 % interval 2.50 .. 2.50). Its largest phase is broad: 2.50 us, 100 % of "
+            "the step.");
+  EXPECT_EQ(FindConclusion(all, "stability").answer, "Yes: it is stable.");
+}
+
+TEST(Conclusions, AreOfNoTimeWhereEveryRunIsVoid) {
+  const auto all = ConclusionsOf(DetectorPlan(1), [](const plan::Run&) {
+    return MadeUp{.verdict = measure::Verdict::kFrozen};
+  });
+  ASSERT_EQ(all.size(), 1u) << all[0].answer;
+  EXPECT_EQ(all[0].answer, "0 of 9 configurations are stable (9 frozen).");
+}
+
+TEST(Conclusions, AreNoneOfFailedRuns) {
+  const auto all = ConclusionsOf(DetectorPlan(1), [](const plan::Run&) {
+    return MadeUp{
+        .verdict = measure::Verdict::kUnknown, .status = store::Status::kFailed, .cycles = 0};
+  });
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].answer, "0 of 9 configurations are stable (9 failed).");
+}
+
+}  // namespace
+}  // namespace cdb::tests

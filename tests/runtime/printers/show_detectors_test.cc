@@ -1,0 +1,315 @@
+// Summaries of detectors: the wrong ones first, then the cost of each.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "compiler/schema/catalogue.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "runtime/printers/show.h"
+#include "runtime/printers/show_parts.h"
+#include "runtime/printers/verify_table.h"
+#include "tests/runtime/store/store_fixture.h"
+#include "tests/support/program.h"
+
+namespace cdb::tests {
+namespace {
+
+constexpr std::uint64_t kCycles = 3;
+/// The title of every made-up plan.
+const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
+
+/// A made-up run: values of its series, the same in every cycle or one for each.
+class Made {
+ public:
+  explicit Made(const plan::Run& run) : fake_(run) {
+    for (const char* name : {"missed_pairs", "phantom_pairs", "duplicate_pairs", "missed_contacts"})
+      Ints(name, {0, 0, 0});
+    Ints("exact_pairs", {10, 10, 10});
+    Reals("depth_error", {1e-5, NAN, 3e-5});
+    Reals("normal_error", {NAN, NAN, NAN});
+    fake_.result.message = fake_.result.omitted = fake_.result.decisions = "";
+    fake_.result.scalars.peak_rss_bytes = 8e6;
+    fake_.result.scalars.harness_ns = NAN;
+  }
+  void Ints(const char* name, const std::vector<std::int32_t>& values) { Put(name, values); }
+  void Reals(const char* name, const std::vector<double>& values) { Put(name, values); }
+  /// Sets the time of detect in each cycle, ns; and of every phase, because the others are not
+  /// used.
+  void Detect(const std::vector<double>& ns) {
+    std::vector<double> all;
+    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+      all.insert(all.end(), ns.begin(), ns.end());
+    Put("duration", all);
+  }
+  store::RunResult& result() { return fake_.result; }
+
+ private:
+  template <typename T>
+  void Put(const char* name, const std::vector<T>& values) {
+    for (auto& [series, bytes] : fake_.result.series) {
+      if (series->name != name) continue;
+      ASSERT_EQ(bytes.size(), values.size() * sizeof(T)) << name;
+      auto& memory = memory_[name];
+      memory.resize(bytes.size());
+      std::memcpy(memory.data(), values.data(), bytes.size());
+      bytes = memory;
+    }
+  }
+
+  FakeResult fake_;
+  std::map<std::string, std::vector<std::byte>> memory_;
+};
+
+plan::Plan PlanOf(std::vector<plan::Axis> axes, schema::WordList record) {
+  return MakePlan(std::move(axes), 1, {.cycles = kCycles, .record = std::move(record)});
+}
+
+/// A plan that can be read back.
+plan::Plan RealPlanOf(const schema::WordList& record, const std::vector<std::string>& detectors) {
+  const Program program;
+  program.Write("fixture.cdb",
+                fmt::format("benchmark fixture \"{}\" {{ cycles {}; record {}; warmup 0\n"
+                            "objects {{ quantity sweep(10, 20, 40) }} detector sweep({}) }}",
+                            kTitle, kCycles, fmt::join(record, ", "), fmt::join(detectors, ", ")));
+  const Finished planned = program.Run({"plan", "fixture.cdb", "-o", "plan.yaml"});
+  EXPECT_EQ(planned.status, 0) << planned.err;
+  return yaml::FromYaml(program.Read("plan.yaml"), "plan.yaml");
+}
+
+/// Returns `use(file)` for the file of a plan whose runs `settle` makes.
+template <typename Use>
+auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&, Made&)>& settle,
+              Use use) {
+  const TemporaryFolder folder;
+  for (const plan::Run& run : plan.runs) {
+    Made made(run);
+    settle(run, made);
+    WriteRun(plan, run, made.result(), TestProvenance(), folder.path());
+  }
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  return use(store::ResultFile(folder / "out.h5"));
+}
+
+std::string IdOf(const plan::Plan& plan, std::size_t run) { return plan.runs[run].id; }
+
+TEST(Verify, TellsTheWrongFirst) {
+  const plan::Plan plan =
+      PlanOf({TextAxis("detector", {"simple", "dbvt", "twice", "broken", "null"}),
+              NumberAxis("quantity", {10, 20})},
+             {"pairs"});
+  const printers::VerifyText verified = WithFile(
+      plan,
+      [](const plan::Run& run, Made& made) {
+        if (run.at[0] == 1) made.Ints("phantom_pairs", {0, 2, 1});
+        if (run.at[0] == 2) made.Ints("duplicate_pairs", {0, 0, 4});
+        if (run.at[0] == 3 && run.at[1] == 1) {
+          made.result().status = store::Status::kCrashed;
+          made.result().n_cycles = 0;
+          made.result().message = "ended by signal 11 (SIGSEGV)";
+        }
+        if (run.at[0] == 4) made.Ints("missed_pairs", {0, run.at[1] == 0 ? 0 : 3, 10});
+      },
+      [](const store::ResultFile& file) {
+        return printers::VerifyTable(file, {"sap is not built"});
+      });
+  EXPECT_FALSE(verified.is_good);
+  EXPECT_EQ(
+      verified.text,
+      kTitle +
+          "\n  detector  points  cycles  exact pairs  missed  phantom  duplicate  contacts missed  "
+          "depth error  normal error  verdict\n"
+          "  "
+          "----------------------------------------------------------------------------------------"
+          "---"
+          "---------------------------------------\n"
+          "  null           2       6           60      23        0          0                0    "
+          "  2.0e-05             -  wrong: misses pairs\n"
+          "  broken         2       3           30       0        0          0                0    "
+          "  "
+          "2.0e-05             -  failed: 1 of 2\n"
+          "  simple         2       6           60       0        0          0                0    "
+          "  2.0e-05             -  exact\n"
+          "  dbvt           2       6           60       0        6          0                0    "
+          "  "
+          "2.0e-05             -  superset\n"
+          "  twice          2       6           60       0        0          8                0    "
+          "  2.0e-05             -  lists pairs twice\n"
+          "\n"
+          "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
+          "    cdb run fixture.cdb -b fixture --only " +
+          IdOf(plan, 8) +
+          "\n"
+          "  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)\n"
+          "    cdb run fixture.cdb -b fixture --only " +
+          IdOf(plan, 7) +
+          "\n"
+          "  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on\n"
+          "    cdb run fixture.cdb -b fixture --only " +
+          IdOf(plan, 4) + "\n  Left out: sap is not built.\n");
+}
+
+TEST(Verify, IsGoodWhereNothingIsMissed) {
+  const plan::Plan plan = PlanOf({TextAxis("detector", {"simple", "dbvt"})}, {"pairs"});
+  const auto judge = [&](const char* series, std::vector<std::int32_t> values) {
+    return WithFile(
+        plan, [&](const plan::Run&, Made& made) { made.Ints(series, values); },
+        [](const store::ResultFile& file) { return printers::VerifyTable(file, {}); });
+  };
+  EXPECT_TRUE(judge("phantom_pairs", {9, 9, 9}).is_good);
+  EXPECT_TRUE(judge("duplicate_pairs", {1, 0, 0}).is_good);
+  EXPECT_FALSE(judge("missed_pairs", {0, 0, 1}).is_good);
+  const printers::VerifyText contacts = judge("missed_contacts", {0, 1, 0});
+  EXPECT_FALSE(contacts.is_good);
+  EXPECT_NE(contacts.text.find("wrong: misses contacts"), std::string::npos) << contacts.text;
+  const std::string narrow = "the narrow phase misses the contacts";
+  EXPECT_NE(contacts.text.find(narrow), std::string::npos) << contacts.text;
+  EXPECT_EQ(judge("missed_pairs", {0, 0, 1}).text.find(narrow), std::string::npos);
+  EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
+}
+
+/// The summary of three detectors at three quantities; detect grows as quantity, as quantity^2, and
+/// not at all.
+std::string Shown(const schema::WordList& record, const std::vector<std::string>& detectors,
+                  const std::vector<std::string>& by = {},
+                  const std::function<void(const plan::Run&, Made&)>& more = {}) {
+  const plan::Plan plan = RealPlanOf(record, detectors);
+  return WithFile(
+      plan,
+      [&](const plan::Run& run, Made& made) {
+        const double n = std::get<double>(plan.axes[0].values[run.at[0]]);
+        const double ns = std::pow(n, run.at[1] == 0 ? 1 : run.at[1] == 1 ? 2 : 0);
+        made.Detect({ns, ns, 100 * ns});
+        if (more) more(run, made);
+      },
+      [&](const store::ResultFile& file) { return printers::Show(file, {by}).text; });
+}
+
+TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {
+  const std::string text = Shown({"timing", "pairs"}, {"sap", "dbvt", "simple"}, {"detector"},
+                                 [](const plan::Run& run, Made& made) {
+                                   if (run.at[1] == 1) made.Ints("phantom_pairs", {0, 1, 2});
+                                 });
+  EXPECT_NE(text.find("\nDetectors: a cycle's detect, ns\n"
+                      "  detector  cells   mean   worst  missed  phantom  peak rss, MB\n"
+                      "  -------------------------------------------------------------\n"
+                      "  sap           3    793    4000       0        0          8.00\n"
+                      "  dbvt          3  23800  160000       0        9          8.00\n"
+                      "  simple        3   34.0     100       0        0          8.00\n"
+                      "  Mean over cycles and cells; no interval: one repeat.\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\nGrowth over quantity: p of detect ~ objects^p\n"
+                      "  detector     p\n"
+                      "  --------------\n"
+                      "  sap       1.00\n"
+                      "  dbvt      2.00\n"
+                      "  simple    0.00\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("\nPairs listed that do not overlap: dbvt 9 beside 90.\n"), std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("WRONG"), std::string::npos) << text;
+}
+
+TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
+  const std::string text =
+      Shown({"timing", "pairs"}, {"sap", "dbvt", "null"}, {}, [](const plan::Run& run, Made& made) {
+        if (run.at[1] == 2) made.Ints("missed_pairs", {run.at[0] == 0 ? 0 : 5, 10, 10});
+      });
+  const std::string line =
+      kTitle +
+      "\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
+      "  WRONG: null missed 70 of 90 pairs, in 3 of 3 runs; first in cycle 1 of quantity 10, "
+      "detector null, rep 0.\n"
+      "    Its times are of less work than there was. That run by itself: cdb run fixture.cdb -b "
+      "fixture --only ";
+  EXPECT_TRUE(text.starts_with(line)) << text;
+}
+
+TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
+  if (!schema::FindDetectorPart("fcl")->is_built) GTEST_SKIP() << "needs libfcl-dev (./setup --third-party)";
+  const std::string blind = Shown({"timing", "counts"}, {"sap", "fcl_spatialhash", "dbvt"});
+  EXPECT_NE(
+      blind.find(
+          "\n  Known to miss pairs, and nobody looked: fcl_spatialhash. record pairs does.\n"),
+      std::string::npos)
+      << blind;
+  const std::string seen = Shown({"timing", "pairs"}, {"sap", "fcl_spatialhash", "dbvt"});
+  EXPECT_EQ(seen.find("nobody looked"), std::string::npos) << seen;
+}
+
+TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
+  const auto set = [](const plan::Run& run, Made& made) {
+    made.result().scalars.harness_ns = run.at[1] == 2 ? NAN : 68;
+  };
+  const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
+  // Detect takes 680 ns with sap at the middle point; null would take 34 ns, all of which is
+  // overhead of the harness.
+  EXPECT_NE(text.find("\n  Harness: 68.0 ns a cycle, 10.0 % of the detect of sap, the fastest; "
+                      "nothing is subtracted.\n"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(Shown({"timing"}, {"sap", "dbvt", "null"}).find("Harness"), std::string::npos);
+}
+
+TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { let n = sweep(10, 20, 40)\n"
+                "cycles 3; detector sweep(simple, dbvt); world.side 2000\n"
+                "objects { quantity 2 * n } }");
+  const Finished grown = program.Run({"run", "s.cdb"});
+  EXPECT_NE(grown.out.find("\nGrowth over n: p of detect ~ objects^p\n"), std::string::npos)
+      << grown.out << grown.err;
+  program.Write("t.cdb",
+                "benchmark t { objects { restitution sweep(0, 0.5, 1) }\n"
+                "cycles 3; detector sweep(simple, dbvt) }");
+  const Finished level = program.Run({"run", "t.cdb"});
+  EXPECT_NE(level.out.find("\nDetectors: "), std::string::npos) << level.out << level.err;
+  EXPECT_EQ(level.out.find("Growth"), std::string::npos) << level.out;
+}
+
+TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
+  const Program program;
+  const std::string scene =
+      "cycles 3; detector sweep(simple, dbvt); world.side 2000; omit none\n"
+      "objects.quantity sweep(10, 20, 40, 80)\n";
+  program.Write("s.cdb", "benchmark s { " + scene +
+                             "skip when detector == simple and quantity > 40 }\n"
+                             "benchmark t { " +
+                             scene + "skip when detector == simple and quantity > 20 }\n");
+  const Finished matched = program.Run({"run", "s.cdb", "-b", "s"});
+  EXPECT_NE(matched.out.find("\n  Over the numbers of objects that all rows have, 10 .. 40.\n"),
+            std::string::npos)
+      << matched.out << matched.err;
+  // Two quantities are too few for a fit.
+  const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
+  EXPECT_NE(unlike.out.find("\n  Rows are of unlike numbers of objects: do not compare them.\n"),
+            std::string::npos)
+      << unlike.out << unlike.err;
+}
+
+TEST(ShowDetectors, SaysWhereGrowthMixesOmissions) {
+  const auto shown = [](bool of_all) {
+    return Shown({"timing"}, {"sap", "dbvt"}, {}, [of_all](const plan::Run& run, Made& made) {
+      const bool left_out = of_all || run.at[0] == 0;
+      made.result().omitted = left_out ? "solver" : "";
+      made.result().decisions =
+          std::string("solver: ") + (left_out ? "left out" : "kept") + ": a test\n";
+    });
+  };
+  const std::string note =
+      "\n  Some points ran without solver and others with: growth is not of the objects alone.\n";
+  EXPECT_NE(shown(false).find(note), std::string::npos) << shown(false);
+  EXPECT_EQ(shown(true).find(note), std::string::npos) << shown(true);
+}
+
+}  // namespace
+}  // namespace cdb::tests
