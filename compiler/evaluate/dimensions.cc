@@ -9,6 +9,7 @@
 #include "compiler/evaluate/functions.h"
 #include "compiler/names/arguments.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/functions.h"
 #include "dsl/text/check.h"
 
 namespace cdb::evaluate {
@@ -314,13 +315,14 @@ Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Sc
 
 Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario::Scope& scope) {
   const Parts parts = ArgumentsOf(expr, scope);
-  if (expr.text == "abs" || expr.text == "min" || expr.text == "max") return Join(parts);
+  const schema::FunctionUnits units = schema::FindFunction(expr.text)->units;
+  if (units == schema::FunctionUnits::kSame) return Join(parts);
   if (parts.size() != 1) return {};  // reported by the evaluator
   const Dimension& of = parts[0].dimension;
   if (of.kind == Kind::kDrawn) return {};
   if (of.kind != Kind::kUnit) return of;
   const Unit& unit = of.unit;
-  if (expr.text == "sqrt") {
+  if (units == schema::FunctionUnits::kRoot) {
     const Unit root = {.length = unit.length / 2,
                        .mass = unit.mass / 2,
                        .time = unit.time / 2,
@@ -330,7 +332,7 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
     return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
   }
   const bool is_angle = unit.HasDimensionOf(SchemaUnit("rad"));
-  if (is_angle && (expr.text == "sin" || expr.text == "cos")) return Pure();
+  if (is_angle && units == schema::FunctionUnits::kOfAngle) return Pure();
   return Report(parts[0].span, fmt::format("{}( ) takes a number without a unit; this is {}",
                                            expr.text, DimensionName(unit)));
 }

@@ -64,12 +64,11 @@ std::optional<Value> EvaluateFunction(const dsl::Expr& call, const scenario::Sco
   }
   if (numbers.size() < operands.size())
     return MakeFormula(call.text, std::move(operands), call.span, evaluator);
-  const double first = numbers[0].AsReal();
-  if ((call.text == "sqrt" && first < 0) || (call.text == "log" && first <= 0))
-    return evaluator.Error(scenario::kNotFinite, call.span,
-                           fmt::format("{}({}) is not a real number", call.text, numbers[0].Text()),
-                           fmt::format("{}( ) takes a number {}", call.text,
-                                       call.text == "log" ? "more than 0" : "0 or more"));
+  if (!function.domain.Contains(numbers[0].AsReal()))
+    return evaluator.Error(
+        scenario::kNotFinite, call.span,
+        fmt::format("{}({}) is not a real number", call.text, numbers[0].Text()),
+        fmt::format("{}( ) takes a number {}", call.text, function.domain.Text()));
   const Number result = function.apply(numbers);
   if (std::isfinite(result.AsReal())) return result;
   return evaluator.Error(

@@ -40,17 +40,22 @@ Number Absolute(Numbers x) { return IsLess(x[0], Number::Whole(0)) ? -x[0] : x[0
 Number Least(Numbers x) { return *std::ranges::min_element(x, IsLess); }
 Number Most(Numbers x) { return *std::ranges::max_element(x, IsLess); }
 
-constexpr auto kFunctions = std::to_array<Function>({{"round", 1, Rounded<RoundReal>},
-                                                     {"floor", 1, Rounded<FloorReal>},
-                                                     {"ceil", 1, Rounded<CeilReal>},
-                                                     {"abs", 1, Absolute},
-                                                     {"min", kAnyNumber, Least},
-                                                     {"max", kAnyNumber, Most},
-                                                     {"sqrt", 1, OfReal<SqrtReal>},
-                                                     {"sin", 1, OfReal<SinReal>},
-                                                     {"cos", 1, OfReal<CosReal>},
-                                                     {"exp", 1, OfReal<ExpReal>},
-                                                     {"log", 1, OfReal<LogReal>}});
+constexpr auto kFunctions = std::to_array<Function>({
+    {.name = "round", .apply = Rounded<RoundReal>},
+    {.name = "floor", .apply = Rounded<FloorReal>},
+    {.name = "ceil", .apply = Rounded<CeilReal>},
+    {.name = "abs", .apply = Absolute, .units = FunctionUnits::kSame},
+    {.name = "min", .most_arguments = kAnyNumber, .apply = Least, .units = FunctionUnits::kSame},
+    {.name = "max", .most_arguments = kAnyNumber, .apply = Most, .units = FunctionUnits::kSame},
+    {.name = "sqrt",
+     .apply = OfReal<SqrtReal>,
+     .domain = {.min = 0},
+     .units = FunctionUnits::kRoot},
+    {.name = "sin", .apply = OfReal<SinReal>, .units = FunctionUnits::kOfAngle},
+    {.name = "cos", .apply = OfReal<CosReal>, .units = FunctionUnits::kOfAngle},
+    {.name = "exp", .apply = OfReal<ExpReal>},
+    {.name = "log", .apply = OfReal<LogReal>, .domain = {.min = 0, .min_open = true}},
+});
 
 }  // namespace
 

@@ -6,13 +6,24 @@
 #include <string_view>
 
 #include "compiler/schema/number.h"
+#include "compiler/schema/schema.h"
 
 namespace cdb::schema {
 
+/// The units of the arguments that a function takes, and of its value.
+enum class FunctionUnits {
+  kNone,     ///< numbers without a unit
+  kSame,     ///< all of one unit, that of the value
+  kRoot,     ///< any unit; that of the value is its root
+  kOfAngle,  ///< an angle, or none; the value has none
+};
+
 struct Function {
   std::string_view name;
-  std::size_t most_arguments;
+  std::size_t most_arguments = 1;
   Number (*apply)(std::span<const Number>);  ///< at least one number; may give NaN or infinity
+  Domain domain = {};                        ///< of the arguments
+  FunctionUnits units = FunctionUnits::kNone;
 };
 
 /// `round floor ceil abs min max sqrt sin cos exp log`.

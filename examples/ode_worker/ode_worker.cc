@@ -50,8 +50,7 @@ constexpr std::string_view kFollowed =
 void RequireDefault(const schema::Parameter& parameter, const plan::Settings& settings) {
   if (schema::ListsWord(kFollowed, parameter.name) || !settings.Has(parameter)) return;
   const std::string text = schema::ToText(settings.ValueOf(parameter));
-  if (text != parameter.default_text && !(parameter.name == "omit" && text == "none"))
-    Refuse(parameter.FullName() + " " + text);
+  if (parameter.name != "omit" || text != "none") Refuse(parameter.FullName() + " " + text);
 }
 
 void RefuseWhatItCannotDo(const plan::Scene& scene) {

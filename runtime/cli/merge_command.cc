@@ -85,6 +85,11 @@ plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
                       "one plan: merge the shards of each by themselves",
                       files[0], file));
   }
+  if (sized.plan.version != plan::kPlanVersion)
+    throw options::CommandError(fmt::format(
+        "'{}' is a plan of format {} of an earlier cdb, which named its runs differently: merge "
+        "the shards beside it with that cdb; this one reads the result",
+        files[0], sized.plan.version));
   return sized;
 }
 

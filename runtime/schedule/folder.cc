@@ -54,7 +54,21 @@ void ForEachName(const fs::path& folder, Visit visit) {
   if (error) FailStore("read the folder", folder, error.value());
 }
 
+/// The format of the plan in the folder, if an earlier cdb wrote it.
+std::optional<int> EarlierFormat(const fs::path& folder) {
+  std::string why;
+  const auto text = plan::ReadInputFile(folder / kPlanName, why);
+  const auto version = text ? yaml::FindPlanVersion(*text) : std::nullopt;
+  return version && *version < plan::kPlanVersion ? version : std::nullopt;
+}
+
 [[noreturn]] void RefuseMixture(const fs::path& file) {
+  if (const auto version = EarlierFormat(file.parent_path()))
+    throw process::ScheduleError(fmt::format(
+        "{} holds runs that an earlier cdb finished (plan format {}). This cdb names runs "
+        "differently and cannot use them: finish the sweep with the earlier cdb, or name another "
+        "result with -o, or start over with --fresh",
+        file.parent_path().string(), *version));
   throw process::ScheduleError(fmt::format(
       "{} is {} another plan; two plans are never mixed in one folder. Name another result "
       "with -o, or forget what {} holds with --fresh",
@@ -111,6 +125,7 @@ void ShardFolder::RefuseOtherWhole() const {
   const fs::path file = folder_ / kPlanName;
   std::string why;
   if (const auto text = plan::ReadInputFile(file, why)) {
+    if (EarlierFormat(folder_)) RefuseMixture(file);
     const auto there = yaml::FindShortPlan(*text, file.string());
     if (!there || there->sha256 != plan_sha256_) RefuseMixture(file);
     return;

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -15,6 +16,7 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cluster/submission.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/statistics/cells.h"
 #include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
@@ -33,6 +35,14 @@ std::string PlanOf(const std::string& results) {
   }
 }
 
+/// True if the results are those of the plan in an earlier format, with other ids of runs.
+bool IsOfEarlierFormat(const store::ResultFile& file, const plan::Plan& plan) {
+  std::optional<plan::Plan> there = statistics::ReadPlan(file);
+  if (!there || there->version == plan::kPlanVersion) return false;
+  there->Renew();
+  return there->Sha256() == plan.Sha256();
+}
+
 }  // namespace
 
 fs::path ShardFolderOf(const fs::path& out) {
@@ -45,12 +55,16 @@ bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_vie
   std::error_code error;
   if (!fs::exists(out, error)) return false;
   const store::ResultFile file(out);
-  if (file.plan_sha256() != plan.Sha256())
-    throw options::CommandError(fmt::format(
-        "'{}' holds the results of another plan and is left as it is; name another file "
-        "by -o, or say --fresh to write over it{}",
-        out.string(), hint));
-  return CountMissing(file, plan) == 0;
+  if (file.plan_sha256() == plan.Sha256()) return CountMissing(file, plan) == 0;
+  const bool is_earlier = IsOfEarlierFormat(file, plan);
+  if (is_earlier && hint.empty() && CountMissing(file, plan) == 0) return true;
+  throw options::CommandError(fmt::format(
+      "'{}' holds the results of {} and is left as it is; name another file by -o, or say --fresh "
+      "to write over it{}",
+      out.string(),
+      is_earlier ? "an earlier cdb, which named its runs differently, so that none can be added,"
+                 : "another plan",
+      is_earlier ? "" : hint));
 }
 
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {

@@ -1,11 +1,13 @@
 // Compiled by named_parameters_test.py: without FAULTS it must compile; with FAULTS the compiler
 // must reject each line that ends in `refused:` and the reason, and no other line.
 #include "compiler/plan/plan.h"
+#include "library/layouts/initial_state.h"
 
 namespace cdb::tests {
 
 plan::WorldSettings& World();
 plan::GroupSettings& Objects();
+layouts::DrawnNumbers& Numbers();
 
 double Read() {
   return World().Real("timestep") + World().Real("cycles") + Objects().Real("size") +
@@ -15,6 +17,8 @@ double Read() {
 }
 
 void Write() { World().Set("cycles", std::uint64_t{1}); }
+
+void SetFriction() { Numbers()["friction"] = Numbers().On("ccd") ? 1 : 0; }
 
 #if defined(FAULTS)
 // clang-format off
@@ -32,6 +36,8 @@ void WordOfReal() { World().WordOr("timestep"); }         // refused: ParameterH
 void WordOfList() { World().WordOr("record"); }           // refused: ParameterHasAnotherKind
 void VectorOfReal() { Objects().Vector("size"); }         // refused: ParameterHasAnotherKind
 void ListOfWord() { World().Lists("detector", "dbvt"); }  // refused: ParameterHasAnotherKind
+void MisspeltNumber() { Numbers()["frictoin"] = 1; }      // refused: NoSuchParameter
+void NumberOfVector() { Numbers()["linear_velocity"] = 1; }  // refused: ParameterHasAnotherKind
 void RunTimeName(const char* name) { World().Real(name); }  // refused: constant expression
 
 // clang-format on
