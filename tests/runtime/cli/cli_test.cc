@@ -172,18 +172,50 @@ TEST(Run, InShardsIsTheSameAsWhole) {
     EXPECT_EQ(program.Run({"run", "small.cdb", "--shard", shard}).status, 0);
   EXPECT_FALSE(program.Exists("small.h5"));
   EXPECT_EQ(program.Run({"merge", "-o", "small.h5", "small.runs"}).status, 0);
-  EXPECT_TRUE(program.Exists("small.runs")) << "merge leaves the shards";
+  EXPECT_TRUE(program.Exists("small.runs")) << "merge leaves the journals";
   EXPECT_EQ(Hashes(program.folder() / "whole.h5"), Hashes(program.folder() / "small.h5"));
 
-  // The shards of two machines: some in a folder, some by name.
-  ASSERT_EQ(program
-                .Shell("rm small.h5; mkdir a b; cp small.runs/plan.yaml a; cd small.runs;"
-                       "set -- *.h5; cp $1 $2 ../a; cp $3 $4 ../b")
-                .status,
-            0);
-  EXPECT_EQ(program.Shell("$CDB merge -o small.h5 a b/*.h5").status, 0)
+  // Parts of two machines: a folder, and a journal by name.
+  ASSERT_EQ(program.Shell("rm -r small.h5 small.runs; mkdir b").status, 0);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "--shard", "1/2"}).status, 0);
+  ASSERT_EQ(program.Shell("mv small.runs a").status, 0);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "--shard", "2/2"}).status, 0);
+  ASSERT_EQ(
+      program.Shell("mv small.runs/*.journal b/node.journal; mv small.runs/plan.yaml b").status, 0);
+  EXPECT_EQ(program.Shell("$CDB merge -o small.h5 a b/node.journal").status, 0)
       << program.Read("stderr.txt");
   EXPECT_EQ(Hashes(program.folder() / "whole.h5"), Hashes(program.folder() / "small.h5"));
+}
+
+TEST(Merge, RefusesShardsOfEarlierVersions) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "-q", "--shard", "1/2"}).status, 0);
+  program.Write("small.runs/0123456789abcdef.h5", "a shard");
+  for (const char* command : {"$CDB merge -o small.h5 small.runs", "$CDB run small.cdb"}) {
+    const Finished refused = program.Shell(command);
+    EXPECT_EQ(refused.status, 2) << command;
+    EXPECT_NE(refused.err.find("0123456789abcdef.h5 was written by an earlier version"),
+              std::string::npos)
+        << refused.err;
+  }
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "--fresh"}).status, 0);
+  EXPECT_FALSE(program.Exists("small.runs"));
+}
+
+/// As a `merge --remove` leaves it that is killed while it removes the folder.
+TEST(Merge, RemovesWhatAKilledMergeHasLeft) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  ASSERT_EQ(program.Run({"run", "small.cdb", "-q"}).status, 0);
+  for (const bool has_plan : {true, false}) {
+    ASSERT_EQ(program.Shell("mkdir small.runs; touch small.runs/runs.journal-wal").status, 0);
+    if (has_plan)
+      ASSERT_EQ(program.Run({"plan", "small.cdb", "-o", "small.runs/plan.yaml"}).status, 0);
+    const Finished merged = program.Run({"merge", "--remove", "-o", "small.h5", "small.runs"});
+    EXPECT_EQ(merged.status, 0) << merged.err;
+    EXPECT_FALSE(program.Exists("small.runs"));
+  }
 }
 
 TEST(Run, AllBenchmarksOfAFileIntoAFolder) {
@@ -388,7 +420,7 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
 }
 
-TEST(Merge, RefusesShardsOfTwoPlans) {
+TEST(Merge, RefusesRunsOfTwoPlans) {
   const Program program;
   for (const char* name : {"a", "b"}) {
     program.Write(fmt::format("{}.cdb", name),
@@ -487,7 +519,7 @@ TEST(Run, ALongSweepRunsInShardsAndIsMerged) {
   program.Write("many.cdb", other);
   const Finished mixed = program.Run({"run", "many.cdb", "--shard", "4/11045"});
   EXPECT_EQ(mixed.status, 2);
-  EXPECT_NE(mixed.err.find("plan.yaml is of another plan"), std::string::npos) << mixed.err;
+  EXPECT_NE(mixed.err.find("runs.journal is of another plan"), std::string::npos) << mixed.err;
   const Finished listed = program.Run({"plan", "short.yaml"});
   EXPECT_EQ(listed.status, 2);
   EXPECT_NE(listed.err.find("short form, as it has 110450 runs"), std::string::npos) << listed.err;

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/files.h"
@@ -54,7 +53,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
     fake.result.errors.values["position_floor"] = {0};
     for (const auto& [name, value] : made.errors) fake.result.errors.values[name] = {value};
   }
-  shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder);
+  WriteRun(plan, run, fake.result, {{"build_type", "Release"}}, folder);
 }
 
 /// Returns `use(file)` for the merged file.
@@ -62,7 +61,7 @@ template <typename Use>
 auto WithMadeUpFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, make_up(run), folder.path());
-  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   return use(store::ResultFile(folder / "out.h5"));
 }
 

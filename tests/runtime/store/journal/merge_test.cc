@@ -1,4 +1,4 @@
-// Merging shards neither adds nor loses data.
+// Merging journals neither adds nor loses data.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -69,12 +68,12 @@ TEST(Merge, PutsEveryRunInItsCell) {
     const store::Status status = i % 5 == 0 ? store::Status::kFailed : store::Status::kDone;
     ended[plan.runs[i].id] = {status, status == store::Status::kDone ? 6 : i % 6};
     const auto& [how, n_cycles] = ended[plan.runs[i].id];
-    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i], how, n_cycles).result,
-                       TestProvenance(), folder.path());
+    WriteRun(plan, plan.runs[i], FakeResult(plan.runs[i], how, n_cycles).result, TestProvenance(),
+             folder.path());
   }
   const std::vector<std::string> shards = FilesIn(folder.path());
   const TemporaryFolder target;
-  shards::Merge(plan, TestProvenance(), folder.path(), target / "out.h5");
+  journal::Merge(plan, TestProvenance(), folder.path(), target / "out.h5");
   EXPECT_EQ(FilesIn(folder.path()), shards);
   EXPECT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
 
@@ -111,9 +110,9 @@ TEST(Merge, OneRunAtTwoPointsFillsBoth) {
   plan.runs[3].id = plan.runs[0].id;
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
-  EXPECT_EQ(FilesIn(folder.path()).size(), 3u);
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, run, FakeResult(run).result, {}, folder.path());
+  EXPECT_EQ(RunsIn(folder.path()).size(), 3u);
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   for (const plan::Run& run : plan.runs) ExpectCell(file, run, store::Status::kDone, 5);
   const double rows = file.ReadReal("contact_first", CellOf(plan.runs[1]));
@@ -128,8 +127,8 @@ TEST(Merge, RunsOfOtherLengthsAndRecordsStandSideBySide) {
   Resize(plan.runs[2], {.cycles = 4, .objects = 9, .record = {"counts"}});
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, run, FakeResult(run).result, {}, folder.path());
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.cycles(), 9u);
   for (const plan::Run& run : plan.runs)
@@ -140,17 +139,17 @@ TEST(Merge, RunsOfOtherLengthsAndRecordsStandSideBySide) {
   EXPECT_NE(none, none);
 }
 
-TEST(Merge, OfNoShardsAndOfAGridThatIsAllSkipped) {
+TEST(Merge, OfNoRunsAndOfAGridThatIsAllSkipped) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
-  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   for (const plan::Run& run : plan.runs)
     EXPECT_EQ(file.ReadStatus(CellOf(run)), store::Status::kMissing);
   EXPECT_EQ(file.ReadProvenance("bullet_version"), "3.24");
 
   const Plan skipped = MakePlan({NumberAxis("quantity", {1, 2})}, 1, {}, {{0}, {1}});
-  shards::Merge(skipped, {}, folder.path(), folder / "skipped.h5");
+  journal::Merge(skipped, {}, folder.path(), folder / "skipped.h5");
   EXPECT_EQ(store::ResultFile(folder / "skipped.h5").ReadStatus({{1}, 0}), store::Status::kSkipped);
 }
 
@@ -158,26 +157,26 @@ TEST(Merge, GrowsWithTheFolder) {
   const Plan plan = Grid();
   const TemporaryFolder folder;
   for (std::size_t n = 0; n < 3; ++n) {
-    shards::WriteShard(plan, plan.runs[n], FakeResult(plan.runs[n]).result, {}, folder.path());
-    shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, plan.runs[n], FakeResult(plan.runs[n]).result, {}, folder.path());
+    journal::Merge(plan, {}, folder.path(), folder / "out.h5");
     const store::ResultFile file(folder / "out.h5");
     for (std::size_t i = 0; i <= n; ++i) ExpectCell(file, plan.runs[i], store::Status::kDone, 6);
   }
 }
 
-TEST(Merge, RefusesAShardOfAnotherPlan) {
+TEST(Merge, RefusesAJournalOfAnotherPlan) {
   const Plan plan = Grid();
   Plan other = Grid();
   other.axes[1].values[1] = 2.75;
   ASSERT_EQ(other.runs[0].id, plan.runs[0].id) << "the same run in another sweep";
   const TemporaryFolder folder;
-  shards::WriteShard(other, other.runs[0], FakeResult(other.runs[0]).result, {}, folder.path());
+  WriteRun(other, other.runs[0], FakeResult(other.runs[0]).result, {}, folder.path());
   WriteFile(folder / "out.h5", "as before");
   try {
-    shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    journal::Merge(plan, {}, folder.path(), folder / "out.h5");
     FAIL() << "was merged";
   } catch (const files::StoreError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(plan.runs[0].id + ".h5"));
+    EXPECT_THAT(error.what(), HasSubstr("runs.journal"));
     EXPECT_THAT(error.what(), HasSubstr("another plan"));
     EXPECT_THAT(error.what(), HasSubstr("--fresh"));
   }
@@ -185,12 +184,23 @@ TEST(Merge, RefusesAShardOfAnotherPlan) {
   EXPECT_EQ(FilesIn(folder.path()).size(), 2u) << "no temporary is left";
 }
 
-TEST(Merge, RefusesAShardUnderAnotherName) {
-  const Plan plan = Grid();
-  const TemporaryFolder folder;
-  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-  std::filesystem::rename(folder / (plan.runs[0].id + ".h5"), folder / (plan.runs[1].id + ".h5"));
-  EXPECT_THROW(shards::Merge(plan, {}, folder.path(), folder / "out.h5"), files::StoreError);
+/// A run of several journals of a folder counts as it was written last; of several arguments, as in
+/// the first.
+TEST(Merge, TakesTheNewestOfAFolderAndTheFirstOfSeveralFolders) {
+  const Plan plan = MakePlan({NumberAxis("quantity", {10})}, 1, {});
+  const plan::Run& run = plan.runs[0];
+  const TemporaryFolder one, two, folder;
+  WriteRun(plan, run, FakeResult(run, store::Status::kCrashed, 2).result, {}, one.path());
+  std::filesystem::rename(one / "runs.journal", one / "z.journal");
+  WriteRun(plan, run, FakeResult(run).result, {}, one.path());
+  WriteRun(plan, run, FakeResult(run, store::Status::kTimedOut, 3).result, {}, two.path());
+  const auto status = [&](const std::vector<std::filesystem::path>& places) {
+    journal::Merge(plan, {}, places, folder / "out.h5");
+    return store::ResultFile(folder / "out.h5").ReadStatus({{0}, 0});
+  };
+  EXPECT_EQ(status({one.path(), two.path()}), store::Status::kDone);
+  EXPECT_EQ(status({two.path(), one.path()}), store::Status::kTimedOut);
+  EXPECT_EQ(status({one / "z.journal"}), store::Status::kCrashed);
 }
 
 TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
@@ -198,10 +208,9 @@ TEST(Merge, FactsThatDifferBetweenRunsAreAllKept) {
   const TemporaryFolder folder;
   for (const char* cpu : {"fast", "slow"}) {
     const plan::Run& run = plan.runs[cpu == std::string_view("slow") ? 1 : 0];
-    shards::WriteShard(plan, run, FakeResult(run).result, {{"cpu", cpu}, {"compiler", "gcc"}},
-                       folder.path());
+    WriteRun(plan, run, FakeResult(run).result, {{"cpu", cpu}, {"compiler", "gcc"}}, folder.path());
   }
-  shards::Merge(plan, {{"cpu", "of the merging machine"}}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {{"cpu", "of the merging machine"}}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.ReadProvenance("cpu"), "fast; slow");
   EXPECT_EQ(file.ReadProvenance("compiler"), "gcc");
@@ -219,8 +228,8 @@ TEST(Merge, AxesKeepTheirNames) {
       1, {});
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, run, FakeResult(run).result, {}, folder.path());
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   EXPECT_EQ(file.axes(), plan.axes);
   for (const plan::Axis& axis : plan.axes) {
@@ -236,9 +245,9 @@ TEST(Merge, TheAxisTimestepAndTheTimeStepOfARunAreInOneGroup) {
   for (const plan::Run& run : plan.runs) {
     FakeResult fake(run);
     fake.result.errors.values["timestep"] = {static_cast<double>(1 + run.at[0])};
-    shards::WriteShard(plan, run, fake.result, {}, folder.path());
+    WriteRun(plan, run, fake.result, {}, folder.path());
   }
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   const hdf5::File file = hdf5::File::Open(folder / "out.h5");
   EXPECT_EQ(file.OpenDataset("accuracy/timestep").shape(), hdf5::Shape{2});
   EXPECT_EQ(file.OpenDataset("accuracy/step_size").shape(), (hdf5::Shape{2, 1}));
@@ -252,7 +261,7 @@ TEST(Merge, RefusesAnAxisWithTheNameOfSomethingElse) {
     const Plan plan = MakePlan({NumberAxis(name, {1, 2})}, 1, {});
     const TemporaryFolder folder;
     try {
-      shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+      WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
       ADD_FAILURE() << name << " was written";
     } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr("the axis '" + std::string(name) + "'"));
@@ -264,17 +273,17 @@ TEST(Merge, RefusesAnAxisWithTheNameOfSomethingElse) {
   const Plan without = MakePlan({NumberAxis("height", {1, 2})}, 1, {});
   const Plan with = MakePlan({NumberAxis("height", {1, 2})}, 1, {.metrics = {"height"}});
   const TemporaryFolder folder;
-  shards::Merge(without, {}, folder.path(), folder / "out.h5");
-  EXPECT_THROW(shards::Merge(with, {}, folder.path(), folder / "out.h5"), files::StoreError);
+  journal::Merge(without, {}, folder.path(), folder / "out.h5");
+  EXPECT_THROW(journal::Merge(with, {}, folder.path(), folder / "out.h5"), files::StoreError);
 }
 
 TEST(Merge, FactsThatDifferAreArraysOverTheRuns) {
   const Plan plan = MakePlan({NumberAxis("cpu", {10, 20, 30})}, 1, {});
   const TemporaryFolder folder;
   for (std::size_t i = 0; i < 2; ++i)
-    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result,
-                       {{"cpu", i == 0 ? "fast" : "slow"}}, folder.path());
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, plan.runs[i], FakeResult(plan.runs[i]).result,
+             {{"cpu", i == 0 ? "fast" : "slow"}}, folder.path());
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   const hdf5::File file = hdf5::File::Open(folder / "out.h5");
   EXPECT_THAT(file.OpenDataset("provenance/run").ReadText(),
               ElementsAre(plan.runs[0].id, plan.runs[1].id));
@@ -286,10 +295,10 @@ TEST(Merge, RefusesMoreAxesThanHdf5HasDimensions) {
   std::vector<plan::Axis> axes;
   for (int i = 0; i < 28; ++i) axes.push_back(NumberAxis("a" + std::to_string(i), {1}));
   const TemporaryFolder folder;
-  shards::Merge(MakePlan(axes, 1, {.record = {"poses"}}), {}, folder.path(), folder / "out.h5");
+  journal::Merge(MakePlan(axes, 1, {.record = {"poses"}}), {}, folder.path(), folder / "out.h5");
   EXPECT_EQ(store::ResultFile(folder / "out.h5").axes().size(), 28u);
   axes.push_back(NumberAxis("b", {1}));
-  EXPECT_THROW(shards::Merge(MakePlan(axes, 1, {}), {}, folder.path(), folder / "out29.h5"),
+  EXPECT_THROW(journal::Merge(MakePlan(axes, 1, {}), {}, folder.path(), folder / "out29.h5"),
                files::StoreError);
 }
 

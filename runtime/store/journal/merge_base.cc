@@ -1,4 +1,4 @@
-#include "runtime/store/shards/merge_base.h"
+#include "runtime/store/journal/merge_base.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
-namespace cdb::shards {
+namespace cdb::journal {
 
 MergeBase::MergeBase(const std::filesystem::path& path, const store::PlanFacts& facts)
     : file_(hdf5::File::Open(path)) {
@@ -90,4 +90,4 @@ std::optional<MergeBase::Rows> MergeBase::ContactRows(std::size_t cell) const {
   return Rows{begin, static_cast<std::uint64_t>(end) - begin};
 }
 
-}  // namespace cdb::shards
+}  // namespace cdb::journal

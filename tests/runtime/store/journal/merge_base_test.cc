@@ -1,6 +1,6 @@
-// Runs replaced in a results file: the new ones come from shards, all others are unchanged to the
+// Runs replaced in a results file: the new ones come from journals, all others are unchanged to the
 // bit.
-#include "runtime/store/shards/merge_base.h"
+#include "runtime/store/journal/merge_base.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/shards/reference_shard.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
@@ -45,17 +44,17 @@ std::string ValuesIn(const hdf5::Group& group, const std::string& path = "") {
 
 class MergeBaseTest : public testing::Test {
  protected:
-  void WriteRun(const plan::Run& run, store::Status status, std::uint64_t n_cycles,
-                const fs::path& folder, const store::Provenance& provenance) const {
-    shards::WriteShard(plan_, run, FakeResult(run, status, n_cycles).result, provenance, folder);
+  void Write(const plan::Run& run, store::Status status, std::uint64_t n_cycles,
+             const fs::path& folder, const store::Provenance& provenance) const {
+    tests::WriteRun(plan_, run, FakeResult(run, status, n_cycles).result, provenance, folder);
   }
-  void WriteReferences(const fs::path& folder) const {
+  void WriteAllReferences(const fs::path& folder) const {
     for (const plan::Run& run : plan_.references) {
       store::RunResult result;
       result.status = store::Status::kDone;
       result.state_hash = run.id;
       const std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count(), 0.1);
-      shards::WriteReference(plan_.Sha256(), run, result, samples, TestProvenance(), folder);
+      WriteReference(plan_, run, result, samples, TestProvenance(), folder);
     }
   }
 
@@ -72,19 +71,19 @@ TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
   const store::Provenance elsewhere = {{"cpu", "another processor"}, {"compiler", "one"}};
   const plan::Run& crashed = plan_.runs[3];
   for (const plan::Run& run : plan_.runs)
-    WriteRun(run, store::Status::kDone, 6, shards_.path(),
-             &run == &plan_.runs[5] ? elsewhere : TestProvenance());
-  WriteReferences(shards_.path());
-  WriteRun(crashed, store::Status::kCrashed, 2, shards_.path(), TestProvenance());
+    Write(run, store::Status::kDone, 6, shards_.path(),
+          &run == &plan_.runs[5] ? elsewhere : TestProvenance());
+  WriteAllReferences(shards_.path());
+  Write(crashed, store::Status::kCrashed, 2, shards_.path(), TestProvenance());
   const fs::path out = folder_ / "out.h5";
-  shards::Merge(plan_, TestProvenance(), shards_.path(), out);
+  journal::Merge(plan_, TestProvenance(), shards_.path(), out);
   EXPECT_EQ(store::ResultFile(out).ReadStatus({crashed.at, crashed.rep}), store::Status::kCrashed);
 
   // As it would be if the run had succeeded at first.
   for (const fs::path& folder : {shards_.path(), retried_.path()})
-    WriteRun(crashed, store::Status::kDone, 6, folder, TestProvenance());
-  shards::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "wanted.h5");
-  shards::Merge(plan_, TestProvenance(), {retried_.path()}, out, out);
+    Write(crashed, store::Status::kDone, 6, folder, TestProvenance());
+  journal::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "wanted.h5");
+  journal::Merge(plan_, TestProvenance(), {retried_.path()}, out, out);
   EXPECT_EQ(store::ResultFile(out).ReadStatus({crashed.at, crashed.rep}), store::Status::kDone);
   EXPECT_TRUE(ValuesIn(hdf5::File::Open(out)) == ValuesIn(hdf5::File::Open(folder_ / "wanted.h5")))
       << ValuesIn(hdf5::File::Open(out)) << "\n----\n"
@@ -94,11 +93,11 @@ TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
 
 TEST_F(MergeBaseTest, RefusesTheFileOfAnotherPlan) {
   const plan::Plan other = MakePlan({}, 1, {});
-  shards::WriteShard(other, other.runs[0], FakeResult(other.runs[0]).result, {}, shards_.path());
-  shards::Merge(other, {}, shards_.path(), folder_ / "other.h5");
+  WriteRun(other, other.runs[0], FakeResult(other.runs[0]).result, {}, shards_.path());
+  journal::Merge(other, {}, shards_.path(), folder_ / "other.h5");
   const std::string before = ReadFile(folder_ / "other.h5");
   EXPECT_THROW(
-      shards::Merge(plan_, {}, {retried_.path()}, folder_ / "other.h5", folder_ / "other.h5"),
+      journal::Merge(plan_, {}, {retried_.path()}, folder_ / "other.h5", folder_ / "other.h5"),
       files::StoreError);
   EXPECT_TRUE(ReadFile(folder_ / "other.h5") == before);
 }

@@ -1,13 +1,16 @@
-// Merges many shards into one file without decoding values: chunks are copied as stored, filtered.
+// Merges finished runs into one file without decoding values: chunks are copied as stored,
+// filtered.
+#include "runtime/store/journal/merge.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <unordered_map>
@@ -19,20 +22,18 @@
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/files/seal.h"
 #include "runtime/store/files/temporary_file.h"
+#include "runtime/store/hdf5/filters.h"
+#include "runtime/store/journal/journals.h"
+#include "runtime/store/journal/merge_base.h"
+#include "runtime/store/journal/references.h"
+#include "runtime/store/journal/run_writer.h"
 #include "runtime/store/layout.h"
 #include "runtime/store/layout_file.h"
 #include "runtime/store/merged_provenance.h"
 #include "runtime/store/proof.h"
-#include "runtime/store/shards/merge_base.h"
-#include "runtime/store/shards/reference_shard.h"
-#include "runtime/store/shards/shard.h"
-#include "runtime/store/shards/shard_index.h"
-#include "runtime/store/shards/shard_places.h"
-#include "runtime/store/shards/shards.h"
-#include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
-namespace cdb::shards {
+namespace cdb::journal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,20 +59,6 @@ struct Cells {
   std::vector<std::size_t> cells;
 };
 
-/// A shard in the merge without a usable index.
-struct Source {
-  const hdf5::File& file;
-  int version;
-
-  /// Nullopt if the cdb that wrote the shard did not have the array; the merged file then keeps
-  /// fill values. A shard is proven to be as it was written, so that nothing else can be missing.
-  std::optional<hdf5::Dataset> Open(const std::string& path) const {
-    const std::string there = store::PathIn(version, path);
-    if (!file.Has(there)) return std::nullopt;
-    return file.OpenDataset(there);
-  }
-};
-
 std::size_t FlatIndex(const hdf5::Shape& grid, const std::vector<std::size_t>& at,
                       std::uint64_t rep) {
   std::size_t index = 0;
@@ -87,21 +74,20 @@ hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
 
 class Merger {
  public:
-  /// `base`: empty, or the file with the runs that have no shard.
+  /// `base`: empty, or the file with the runs that no journal holds.
   Merger(const plan::Plan& plan, const store::Provenance& provenance,
-         const std::vector<fs::path>& shards, const fs::path& base)
-      : plan_(plan), provenance_(provenance), places_(shards), facts_(plan) {
+         const std::vector<fs::path>& places, const fs::path& base)
+      : plan_(plan), provenance_(provenance), journals_(places), facts_(plan) {
+    journals_.RequirePlan(plan, facts_.sha256);
     if (!base.empty()) base_.emplace(base, facts_);
     hdf5::Shape grid;
     for (const plan::Axis& axis : plan.axes) grid.push_back(axis.values.size());
     grid.push_back(plan.repeats);
     FindRuns(grid);
     PlaceContacts(hdf5::Product(grid));
-    layout_ = store::MakeLayout(plan, facts_, nullptr, contact_rows_);
+    layout_ = store::MakeLayout(plan, facts_, contact_rows_);
     for (const store::Array& array : layout_.arrays)
       if (array.series != nullptr) series_.push_back(&array);
-    layout_checksum_ = LayoutChecksum(layout_, facts_);
-    is_cut_known_.assign(series_.size(), false);
     for (const store::RunNumber& number : facts_.numbers)
       numbers_.emplace_back(hdf5::Product(grid), number.missing);
     for (const store::RunText& text : facts_.texts) {
@@ -119,7 +105,7 @@ class Merger {
   void Write(const fs::path& path) {
     hdf5::File file = hdf5::File::Create(path);
     store::CreateArrays(file, layout_);
-    const std::size_t merged = CopyShards(file);
+    const std::size_t merged = CopyRuns(file);
     store::WriteHead(file, plan_, facts_,
                      fmt::format("merged {} of {} runs", merged, runs_.size()));
     file.SetText(store::kDigestAttribute, store::kDigestText);
@@ -128,14 +114,14 @@ class Merger {
     for (std::size_t i = 0; i < texts_.size(); ++i)
       file.OpenDataset(facts_.texts[i].name).WriteText(texts_[i]);
     if (!plan_.references.empty())
-      MergeReferences(plan_, layout_, ReferencePaths(), base_ ? &base_->file() : nullptr, file);
+      MergeReferences(plan_, layout_, journals_, base_ ? &base_->file() : nullptr, file);
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
     WriteProvenance(file);
     file.Close();
   }
 
-  /// Reads the closed file back and compares it with the data from the shards.
-  void Verify(const fs::path& path) const {
+  /// Reads the closed file back and compares it with the data of the runs.
+  void Verify(const fs::path& path) {
     const hdf5::File file = hdf5::File::Open(path);
     std::vector<hdf5::Dataset> series;
     for (const store::Array* array : series_) series.push_back(file.OpenDataset(array->name));
@@ -163,7 +149,7 @@ class Merger {
         throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
     }
     if (!plan_.references.empty())
-      VerifyReferences(plan_, layout_, ReferencePaths(), base_ ? &base_->file() : nullptr, file);
+      VerifyReferences(plan_, layout_, journals_, base_ ? &base_->file() : nullptr, file);
     for (std::size_t i = 0; i < texts_.size(); ++i) {
       const std::string& name = facts_.texts[i].name;
       if (file.OpenDataset(name).ReadText() != texts_[i])
@@ -183,9 +169,6 @@ class Merger {
   }
 
  private:
-  static constexpr const char* kContactArrays[] = {"contact_body", "contact_point",
-                                                   "contact_normal", "contact_distance"};
-
   static bool SameBits(double a, double b) { return a == b || (a != a && b != b); }
 
   void FindRuns(const hdf5::Shape& grid) {
@@ -197,57 +180,6 @@ class Merger {
     });
   }
 
-  /// The path of the shard of each reference; empty if there is none.
-  std::vector<fs::path> ReferencePaths() const {
-    std::vector<fs::path> paths;
-    for (const plan::Run& reference : plan_.references)
-      paths.push_back(places_.Find(reference.id).value_or(fs::path()));
-    return paths;
-  }
-
-  /// `plan_sha256` and `run_id`: as stated in the shard at `path`.
-  void CheckIsOf(const std::string& wanted, const fs::path& path, const std::string& plan_sha256,
-                 const std::string& run_id) const {
-    if (plan_sha256 != facts_.sha256)
-      throw files::StoreError(fmt::format(
-          "{}: belongs to another plan than `{}`; nothing was merged, and it was left as it is: "
-          "start over with --fresh, or choose another name (-o)",
-          path.string(), plan_.benchmark));
-    if (run_id != wanted)
-      throw files::StoreError(
-          fmt::format("{}: holds the run {} under another name; nothing was merged: "
-                      "rename or remove it",
-                      path.string(), run_id));
-  }
-
-  hdf5::File OpenOf(const std::string& wanted, const fs::path& path,
-                    std::span<const std::byte> bytes) const {
-    hdf5::File shard = OpenShard(path, bytes);
-    CheckIsOf(wanted, path, shard.Text("plan_sha256"), shard.Text("run_id"));
-    return shard;
-  }
-
-  struct ShardContacts {
-    bool are_recorded = false;
-    std::uint64_t rows = 0;
-  };
-  static ShardContacts ContactsOf(const hdf5::File& shard, const fs::path& path) {
-    try {
-      const std::vector<double> first = shard.OpenDataset("contact_first").Read();
-      const hdf5::Shape rows = shard.OpenDataset("contact_distance").shape();
-      if (first.size() != 1 || rows.size() != 1 ||
-          shard.OpenDataset("contact_body").shape() != hdf5::Shape{rows[0], 2} ||
-          shard.OpenDataset("contact_point").shape() != hdf5::Shape{rows[0], 3} ||
-          shard.OpenDataset("contact_normal").shape() != hdf5::Shape{rows[0], 3})
-        throw hdf5::Error("its contacts have arrays of several lengths");
-      return {first[0] == first[0], rows[0]};
-    } catch (const hdf5::Error& error) {
-      throw files::StoreError(
-          fmt::format("{}: is damaged: {}; nothing was merged: remove it and its run is done again",
-                      path.string(), error.what()));
-    }
-  }
-
   /// Rows of contacts in grid order; a run that fills two cells has them twice.
   void PlaceContacts(std::size_t cells) {
     if (!facts_.contacts) return;
@@ -255,19 +187,18 @@ class Merger {
     std::vector<std::uint64_t> rows(cells, 0);
     std::vector<bool> recorded(cells, false);
     for (const Cells& run : runs_) {
-      const auto path = places_.Find(run.run_id);
-      if (!path && base_)
+      const auto record = journals_.Find(run.run_id);
+      if (!record && base_)
         for (const std::size_t cell : run.cells)
           if (const auto there = base_->ContactRows(cell)) {
             recorded[cell] = true;
             rows[cell] = there->count;
           }
-      if (!path) continue;
-      const hdf5::File shard = OpenOf(run.run_id, *path, files::ReadSealed(*path));
-      const ShardContacts contacts = ContactsOf(shard, *path);
+      if (!record) continue;
+      const double there = record->Number(kContactRows).value_or(store::kNaN);
       for (const std::size_t cell : run.cells) {
-        recorded[cell] = contacts.are_recorded;
-        rows[cell] = contacts.rows;
+        recorded[cell] = there >= 0;
+        rows[cell] = there >= 0 ? static_cast<std::uint64_t>(there) : 0;
       }
     }
     for (std::size_t cell = 0; cell < cells; ++cell) {
@@ -280,28 +211,24 @@ class Merger {
     return {store::kSchemaVersion, layout_.grid, facts_.cycles};
   }
 
-  /// Returns the number of shards.
-  std::size_t CopyShards(hdf5::File& file) {
+  /// Returns the number of runs that the file has then.
+  std::size_t CopyRuns(hdf5::File& file) {
     std::vector<hdf5::Dataset> series, contacts;
     for (const store::Array* array : series_) series.push_back(file.OpenDataset(array->name));
     if (facts_.contacts)
       for (const char* name : kContactArrays) contacts.push_back(file.OpenDataset(name));
     std::size_t merged = 0;
     for (const Cells& run : runs_) {
-      const auto path = places_.Find(run.run_id);
-      if (!path && base_ && base_->Has(run.cells.front())) {
+      if (const auto record = journals_.Find(run.run_id)) {
+        try {
+          CopyRecord(*record, run, series, contacts);
+        } catch (const hdf5::Error& error) {
+          throw DamagedRun(journals_.PathOf(run.run_id), run.run_id, error.what());
+        }
+      } else if (base_ && base_->Has(run.cells.front())) {
         CopyFromBase(run, series, contacts);
-        file.CheckWritten();
-        ++merged;
-      }
-      if (!path) continue;
-      try {
-        CopyShard(run, *path, series, contacts);
-      } catch (const hdf5::Error& error) {
-        throw files::StoreError(
-            fmt::format("{}: is damaged: {}; nothing was merged: remove it and its run is done "
-                        "again",
-                        path->string(), error.what()));
+      } else {
+        continue;
       }
       file.CheckWritten();
       ++merged;
@@ -359,122 +286,117 @@ class Merger {
     copied_rows_.push_back({name, to, count, files::Checksum(std::as_bytes(std::span(values)))});
   }
 
-  void CopyShard(const Cells& run, const fs::path& path, std::vector<hdf5::Dataset>& series,
-                 std::vector<hdf5::Dataset>& contacts) {
-    const std::vector<std::byte> bytes = files::ReadSealed(path);
-    const auto index = FindIndex(bytes);
-    if (index && IsUsable(*index)) {
-      CheckIsOf(run.run_id, path, index->info.plan_sha256, index->info.run_id);
-      return CopyIndexed(*index, bytes, run, series);
-    }
-    CopyFile(run, path, OpenOf(run.run_id, path, bytes), series, contacts);
-  }
+  /// Where the arrays and facts of records with the same head go.
+  struct Places {
+    std::shared_ptr<const About> about;
+    std::vector<std::optional<std::uint32_t>> series, contacts;  ///< by array of the head
+    std::vector<std::optional<std::size_t>> numbers, texts;      ///< by fact of the head
+  };
 
-  bool IsUsable(const ShardIndex& index) const {
-    const auto is_known = [this](const IndexedChunk& chunk) {
-      return chunk.series < series_.size() &&
-             chunk.chunk < store::ChunksOfCell(*series_[chunk.series], layout_.grid.size());
+  /// Records of another version of cdb may lack arrays and facts, or have more; cells without them
+  /// keep fill values, and what the file has no place for is left out.
+  const Places& PlacesOf(const Record& record) {
+    if (places_.about == record.about) return places_;
+    places_ = {record.about, {}, {}, {}, {}};
+    for (const RecordedArray& array : record.about->arrays) {
+      places_.series.push_back(FindSeries(array));
+      const auto contact = std::ranges::find(kContactArrays, array.name);
+      const bool is_contact = facts_.contacts && contact != std::end(kContactArrays);
+      places_.contacts.push_back(
+          is_contact ? std::optional(static_cast<std::uint32_t>(contact - kContactArrays))
+                     : std::nullopt);
+    }
+    const auto find = [](const auto& table, const std::string& name) {
+      const auto found = std::ranges::find(table, name, [](const auto& fact) { return fact.name; });
+      return found == table.end() ? std::nullopt
+                                  : std::optional(static_cast<std::size_t>(found - table.begin()));
     };
-    return index.layout == layout_checksum_ && index.numbers.size() == numbers_.size() &&
-           index.texts.size() == texts_.size() && std::ranges::all_of(index.chunks, is_known);
+    for (const std::string& name : record.about->numbers)
+      places_.numbers.push_back(find(facts_.numbers, name));
+    for (const std::string& name : record.about->texts)
+      places_.texts.push_back(find(facts_.texts, name));
+    return places_;
   }
 
-  void CopyFile(const Cells& run, const fs::path& path, const hdf5::File& shard,
-                std::vector<hdf5::Dataset>& series, std::vector<hdf5::Dataset>& contacts) {
-    const Source source = {shard, store::ReadVersion(shard, path.string())};
-    try {
-      for (std::size_t i = 0; i < series.size(); ++i) CopySeries(source, run.cells, i, series[i]);
-      ReadRunArrays(source, run);
-      for (std::size_t i = 0; i < contacts.size(); ++i)
-        CopyContacts(kContactArrays[i], shard.OpenDataset(kContactArrays[i]), run.cells,
-                     contacts[i]);
-    } catch (const std::out_of_range&) {
-      throw files::StoreError(
-          fmt::format("{}: lacks the values of its run; nothing was merged: remove "
-                      "it and its run is done again",
-                      path.string()));
+  std::optional<std::uint32_t> FindSeries(const RecordedArray& array) const {
+    const std::size_t outer = layout_.grid.size();
+    for (std::uint32_t i = 0; i < series_.size(); ++i) {
+      if (series_[i]->name != array.name) continue;
+      const auto is_alike = [outer](const hdf5::Shape& file, const hdf5::Shape& cell) {
+        return std::ranges::equal(std::span(file).subspan(outer), cell);
+      };
+      if (series_[i]->type != array.type || !is_alike(series_[i]->shape, array.shape) ||
+          !is_alike(series_[i]->chunk, array.chunk))
+        throw hdf5::Error(fmt::format("{} of a finished run has another shape", array.name));
+      return i;
     }
+    return std::nullopt;
   }
 
-  /// The same by the index of a shard, without HDF5.
-  void CopyIndexed(const ShardIndex& index, std::span<const std::byte> bytes, const Cells& run,
-                   std::vector<hdf5::Dataset>& series) {
-    for (std::size_t i = 0; i < numbers_.size(); ++i)
-      store::CheckValues(facts_.numbers[i].name, std::span(&index.numbers[i], 1), extents());
-    for (const IndexedChunk& chunk : index.chunks)
-      CopyChunk(chunk.series, chunk.chunk, chunk.filter_mask,
-                bytes.subspan(chunk.begin, chunk.bytes), run.cells, series[chunk.series]);
-    for (const std::size_t cell : run.cells) {
-      for (std::size_t i = 0; i < numbers_.size(); ++i) numbers_[i][cell] = index.numbers[i];
-      for (std::size_t i = 0; i < texts_.size(); ++i) texts_[i][cell] = index.texts[i];
+  void CopyRecord(const Record& record, const Cells& run, std::vector<hdf5::Dataset>& series,
+                  std::vector<hdf5::Dataset>& contacts) {
+    const Places& places = PlacesOf(record);
+    for (std::size_t i = 0; i < record.numbers.size(); ++i) {
+      const auto place = places.numbers[i];
+      if (!place) continue;
+      store::CheckValues(facts_.numbers[*place].name, std::span(&record.numbers[i], 1), extents());
+      for (const std::size_t cell : run.cells) numbers_[*place][cell] = record.numbers[i];
     }
-    run_provenance_.Add(run.run_id, index.provenance);
+    for (std::size_t i = 0; i < record.texts.size(); ++i)
+      if (const auto place = places.texts[i])
+        for (const std::size_t cell : run.cells) texts_[*place][cell] = record.texts[i];
+    std::span<const std::byte> left(record.bytes);
+    for (const Record::Chunk& chunk : record.chunks) {
+      const auto bytes = left.first(chunk.bytes);
+      left = left.subspan(chunk.bytes);
+      if (const auto place = places.series[chunk.array]) {
+        if (chunk.index >= store::ChunksOfCell(*series_[*place], layout_.grid.size()))
+          throw hdf5::Error(
+              fmt::format("{} of a finished run has too many chunks", series_[*place]->name));
+        CopyChunk(*place, chunk.index, bytes, run.cells, series[*place]);
+      } else if (const auto contact = places.contacts[chunk.array]) {
+        CopyContacts(*contact, bytes, record, run.cells, contacts[*contact]);
+      }
+    }
+    run_provenance_.Add(run.run_id, record.about->provenance);
   }
 
-  void CopyChunk(std::uint32_t series, std::uint32_t chunk, std::uint32_t filter_mask,
-                 std::span<const std::byte> bytes, const std::vector<std::size_t>& cells,
-                 hdf5::Dataset& target) {
+  void CopyChunk(std::uint32_t series, std::uint32_t chunk, std::span<const std::byte> bytes,
+                 const std::vector<std::size_t>& cells, hdf5::Dataset& target) {
     const std::uint64_t checksum = files::Checksum(bytes);
     for (const std::size_t cell : cells) {
       target.WriteChunk(store::ChunkStart(*series_[series], Unflatten(layout_.grid, cell), chunk),
-                        filter_mask, bytes);
+                        0, bytes);
       copied_.push_back({series, chunk, cell, checksum});
     }
   }
 
-  void CopySeries(const Source& shard, const std::vector<std::size_t>& cells, std::size_t index,
-                  hdf5::Dataset& target) {
-    const store::Array& array = *series_[index];
-    const auto found = shard.Open(array.name);
-    if (!found) return;
-    const hdf5::Dataset& source = *found;
-    hdf5::Shape shape = array.shape;
-    std::fill_n(shape.begin(), layout_.grid.size(), 1);
-    // The chunk shape of an array follows from plan and schema version; reading it is slow.
-    const bool is_cut_alike = is_cut_known_[index] || source.ChunkShape() == array.chunk;
-    is_cut_known_[index] = true;
-    if (source.type() != array.type || source.shape() != shape || !is_cut_alike)
-      throw hdf5::Error(fmt::format("{} of a shard has another shape", array.name));
-    const bool has_checksums = source.HasChecksums();
-    const hdf5::Shape origin(layout_.grid.size(), 0);
-    const std::uint64_t chunks = store::ChunksOfCell(array, origin.size());
-    hdf5::RawChunk chunk;
-    for (std::uint32_t i = 0; i < chunks; ++i) {
-      if (!source.ReadChunk(store::ChunkStart(array, origin, i), chunk))
-        continue;  // no cycle in this chunk ran
-      // Shards of earlier versions have chunks without checksums.
-      const std::uint32_t mask = chunk.filter_mask | (has_checksums ? 0 : hdf5::kNoChecksum);
-      CopyChunk(static_cast<std::uint32_t>(index), i, mask, chunk.bytes, cells, target);
-    }
-  }
-
-  void ReadRunArrays(const Source& shard, const Cells& run) {
-    for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      const auto dataset = shard.Open(facts_.numbers[i].name);
-      if (!dataset) continue;
-      const double value = dataset->Read().at(0);
-      for (const std::size_t cell : run.cells) numbers_[i][cell] = value;
-    }
-    for (std::size_t i = 0; i < texts_.size(); ++i) {
-      const auto dataset = shard.Open(facts_.texts[i].name);
-      if (!dataset) continue;
-      const std::string text = dataset->ReadText().at(0);
-      for (const std::size_t cell : run.cells) texts_[i][cell] = text;
-    }
-    run_provenance_.Add(run.run_id, shard.file.OpenGroup("provenance").Texts());
-  }
-
-  void CopyContacts(const char* name, const hdf5::Dataset& source,
+  void CopyContacts(std::uint32_t array, std::span<const std::byte> stored, const Record& record,
                     const std::vector<std::size_t>& cells, hdf5::Dataset& target) {
-    const std::vector<double> values = source.Read();
-    if (values.empty()) return;
-    const std::uint64_t checksum = files::Checksum(std::as_bytes(std::span(values)));
+    hdf5::Shape count = target.shape();
+    count[0] = static_cast<std::uint64_t>(record.Number(kContactRows).value_or(0));
+    const std::size_t item_bytes = hdf5::ItemBytes(target.type());
+    const std::vector<std::byte> bytes =
+        hdf5::Unfiltered(stored, item_bytes, hdf5::Product(count) * item_bytes);
     for (const std::size_t cell : cells) {
-      hdf5::Shape start(source.shape().size(), 0);
+      hdf5::Shape start(count.size(), 0);
       start[0] = static_cast<std::uint64_t>(contact_first_[cell]);
-      target.Write(start, source.shape(), values);
-      copied_rows_.push_back({name, std::move(start), source.shape(), checksum});
+      target.Write(start, count, bytes.data(), count);
+      copied_rows_.push_back({kContactArrays[array], std::move(start), count,
+                              ChecksumOfDoubles(bytes, target.type())});
     }
+  }
+
+  /// Of the values as `Dataset::Read` returns them.
+  static std::uint64_t ChecksumOfDoubles(std::span<const std::byte> bytes, hdf5::Type type) {
+    if (type == hdf5::Type::kFloat64) return files::Checksum(bytes);
+    std::vector<double> values;
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(std::int32_t)) {
+      std::int32_t value = 0;
+      std::memcpy(&value, &bytes[at], sizeof value);
+      values.push_back(value);
+    }
+    return files::Checksum(std::as_bytes(std::span(values)));
   }
 
   void WriteProvenance(hdf5::File& file) const {
@@ -491,14 +413,13 @@ class Merger {
 
   const plan::Plan& plan_;
   const store::Provenance& provenance_;
-  const ShardPlaces places_;
+  Journals journals_;
   const store::PlanFacts facts_;
   std::optional<MergeBase> base_;
   std::vector<Cells> runs_;  ///< each id once, in grid order
   store::Layout layout_;
-  std::uint64_t layout_checksum_ = 0;
   std::vector<const store::Array*> series_;
-  std::vector<bool> is_cut_known_;  ///< in the order of series_
+  Places places_;  ///< of the latest record
   std::vector<CopiedChunk> copied_;
   std::vector<CopiedRows> copied_rows_;
   std::vector<std::vector<double>> numbers_;     ///< in the order of facts_.numbers
@@ -516,32 +437,33 @@ void Merge(const plan::Plan& plan, const store::Provenance& provenance, const fs
 }
 
 void Merge(const plan::Plan& plan, const store::Provenance& provenance,
-           const std::vector<fs::path>& shards, const fs::path& out, const fs::path& base) {
+           const std::vector<fs::path>& places, const fs::path& out, const fs::path& base) {
   std::error_code not_there;
-  for (const fs::path& place : shards)
-    if (!fs::is_regular_file(place, not_there)) files::RequireFolder(place, "shards");
+  for (const fs::path& place : places)
+    if (!fs::exists(place, not_there) || fs::is_directory(place, not_there))
+      files::RequireFolder(place, "finished runs");
   files::RequireFolder(out.has_parent_path() ? out.parent_path() : ".", "the result");
   std::error_code ignored;
   if (fs::is_directory(out, ignored))
     throw files::StoreError(
-        fmt::format("{}: is a folder where the result should go; the shards were left "
-                    "as they are: choose another name (-o)",
+        fmt::format("{}: is a folder where the result should go; the finished runs were left as "
+                    "they are: choose another name (-o)",
                     out.string()));
   files::RemoveStaleTemporariesBeside(out);
   files::TemporaryFile temporary(out);
   try {
-    Merger merger(plan, provenance, shards, base);
+    Merger merger(plan, provenance, places, base);
     merger.Write(temporary.path());
     merger.Verify(temporary.path());
     merger.Prove(temporary.path());
   } catch (const hdf5::Error& error) {
     throw files::StoreError(
-        fmt::format("{}: cannot merge the shards: {}; they are all kept in {}: make "
-                    "room or mend it, and merge again",
-                    out.string(), error.what(), shards.empty() ? "" : shards.front().string()));
+        fmt::format("{}: cannot merge the finished runs: {}; they are all kept in {}: make room or "
+                    "mend it, and merge again",
+                    out.string(), error.what(), places.empty() ? "" : places.front().string()));
   }
   files::AppendSeal(temporary.path(), out);
   temporary.Publish();
 }
 
-}  // namespace cdb::shards
+}  // namespace cdb::journal

@@ -1,4 +1,4 @@
-// The results file from which a merge takes the runs without a shard.
+// The results file from which a merge takes the runs that no journal holds.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "runtime/store/layout.h"
 #include "runtime/store/run_facts.h"
 
-namespace cdb::shards {
+namespace cdb::journal {
 
 /// Values are passed on as stored, with filtered chunks. Cells are numbered in grid order. Throws
 /// StoreError, hdf5::Error. Not thread-safe.
@@ -50,4 +50,4 @@ class MergeBase {
   std::map<std::string, std::vector<std::string>> varied_;
 };
 
-}  // namespace cdb::shards
+}  // namespace cdb::journal

@@ -1,15 +1,12 @@
-// A shard is read as it was written.
+// A run is read from the merged file as it was written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 
-#include "runtime/store/files/safe_file.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/shards/shard_index.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -18,7 +15,6 @@ namespace {
 
 using plan::Plan;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 const SceneSize kEverything = {
     .cycles = 7,
@@ -54,27 +50,21 @@ void ExpectSeries(const store::ResultFile& file, const store::ResultFile::Cell& 
   }
 }
 
-TEST(Shard, HoldsEverySeriesOfItsRun) {
+store::ResultFile Merged(const Plan& plan, const TemporaryFolder& folder) {
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
+  return store::ResultFile(folder / "out.h5");
+}
+
+TEST(Record, HoldsEverySeriesOfItsRun) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
   const plan::Run& run = plan.runs[13];
   const FakeResult fake(run);
-  shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
-  ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
+  WriteRun(plan, run, fake.result, TestProvenance(), folder.path());
+  ASSERT_THAT(FilesIn(folder.path()), ElementsAre("runs.journal"));
 
-  const store::ResultFile file(folder / (run.id + ".h5"));
-  EXPECT_EQ(file.plan_sha256(), plan.Sha256());
-  EXPECT_EQ(file.title(), plan.title);
-  EXPECT_EQ(file.repeats(), 1u);
-  EXPECT_EQ(file.cycles(), 7u);
-  ASSERT_EQ(file.axes().size(), 3u);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(file.axes()[i].name, plan.axes[i].name);
-    EXPECT_EQ(file.axes()[i].parameter, plan.axes[i].parameter);
-    EXPECT_EQ(file.axes()[i].unit, plan.axes[i].unit);
-    EXPECT_THAT(file.axes()[i].values, ElementsAre(plan.axes[i].values[run.at[i]]));
-  }
-  const store::ResultFile::Cell cell = {{0, 0, 0}, 0};
+  const store::ResultFile file = Merged(plan, folder);
+  const store::ResultFile::Cell cell = {run.at, run.rep};
   ExpectSeries(file, cell, run, 7);
   EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
   EXPECT_EQ(file.ReadCycleCount(cell), 7u);
@@ -93,15 +83,14 @@ TEST(Shard, HoldsEverySeriesOfItsRun) {
   EXPECT_EQ(file.ReadReal("fill_fraction", cell), fake.result.scalars.fill_fraction);
   EXPECT_EQ(file.ReadReal("harness", cell), fake.result.scalars.harness_ns);
   EXPECT_EQ(file.ReadProvenance("cpu"), "a µ-processor");
-  EXPECT_THAT(file.ReadProvenance("run_text"), HasSubstr(run.id));
   EXPECT_EQ(file.ReadProvenance("no such fact"), "");
 }
 
-TEST(Shard, HasNoDatasetThatNobodyAskedFor) {
+TEST(Record, HasNoDatasetThatNobodyAskedFor) {
   const Plan plan = TwoAxes({.record = {"timing"}});
   const TemporaryFolder folder;
-  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-  const store::ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  const store::ResultFile file = Merged(plan, folder);
   for (const measure::Series& series : measure::AllSeries())
     EXPECT_EQ(file.Has(series.name), series.name == "duration") << series.name;
   for (const char* name : {"body", "pose", "contact_row", "contact_body", "contact_first"})
@@ -109,93 +98,93 @@ TEST(Shard, HasNoDatasetThatNobodyAskedFor) {
   EXPECT_THROW(file.ReadSeries("pairs", {{0, 0, 0}, 0}), files::StoreError);
 }
 
-TEST(Shard, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
+TEST(Record, OfARunThatCrashedKeepsItsCyclesAndNoMore) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
   for (const std::uint64_t n_cycles : {0, 3}) {
     const plan::Run& run = plan.runs[n_cycles];
     FakeResult fake(run, store::Status::kCrashed, 7);
     fake.result.n_cycles = n_cycles;  // values after them are not valid
-    shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
-    const store::ResultFile file(folder / (run.id + ".h5"));
-    const store::ResultFile::Cell cell = {{0, 0, 0}, 0};
+    WriteRun(plan, run, fake.result, TestProvenance(), folder.path());
+    const store::ResultFile file = Merged(plan, folder);
+    const store::ResultFile::Cell cell = {run.at, run.rep};
     EXPECT_EQ(file.ReadStatus(cell), store::Status::kCrashed);
     EXPECT_EQ(file.ReadCycleCount(cell), n_cycles);
     EXPECT_EQ(file.ReadText("message", cell), fake.result.message);
     EXPECT_EQ(file.ReadText("state_hash", cell), "");
     ExpectSeries(file, cell, run, n_cycles);
     // Readers of the file itself find fill values after these cycles.
-    const hdf5::File raw = hdf5::File::OpenImage(files::ReadSealed(folder / (run.id + ".h5")));
-    const std::vector<double> pairs = raw.OpenDataset("pairs").Read();
-    const std::vector<double> poses = raw.OpenDataset("poses").Read();
+    const hdf5::File raw = hdf5::File::Open(folder / "out.h5");
+    const auto read = [&](const char* name) {
+      const hdf5::Dataset dataset = raw.OpenDataset(name);
+      hdf5::Shape start(run.at.begin(), run.at.end()), count = dataset.shape();
+      start.push_back(run.rep);
+      std::fill_n(count.begin(), start.size(), 1);
+      start.resize(count.size());
+      return dataset.Read(start, count);
+    };
+    const std::vector<double> pairs = read("pairs"), poses = read("poses"), boxes = read("boxes");
     ASSERT_EQ(pairs.size(), 7u);
     ASSERT_EQ(poses.size(), 7u * 2 * measure::kPoseSize);
     for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i] == -1, i >= n_cycles) << i;
     for (std::size_t i = 0; i < poses.size(); ++i)
       EXPECT_EQ(std::isnan(poses[i]), i >= n_cycles * 2 * measure::kPoseSize) << i;
-    const std::vector<double> boxes = raw.OpenDataset("boxes").Read();
     ASSERT_EQ(boxes.size(), 7u * 8 * measure::kBoxSize);
     for (std::size_t i = 0; i < boxes.size(); ++i)
       EXPECT_EQ(std::isnan(boxes[i]), i >= n_cycles * 8 * measure::kBoxSize) << i;
   }
 }
 
-TEST(Shard, IsNotMuchLargerThanItsValues) {
+TEST(Record, IsNotMuchLargerThanItsValues) {
   const Plan plan = TwoAxes({.cycles = 1000, .record = {"timing", "counts", "stability"}});
   const TemporaryFolder folder;
   const plan::Run& run = plan.runs[0];
-  shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
-  const std::vector<std::byte> shard = files::ReadSealed(folder / (run.id + ".h5"));
-  const auto index = shards::FindIndex(shard);
-  ASSERT_TRUE(index);
-  std::size_t values = 0;
-  for (const shards::IndexedChunk& chunk : index->chunks) values += chunk.bytes;
-  // The rest of a run: 60 arrays with their attributes, its settings, and the index.
-  EXPECT_LT(shard.size(), values + 25'000);
+  WriteRun(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  const auto record = journal::Journals({folder.path()}).Find(run.id);
+  ASSERT_TRUE(record);
+  EXPECT_LT(record->EncodeFacts().size(), 2'000u);
+  EXPECT_LT(record->about->Encode().size(), 3'000u) << "shared by many runs";
 }
 
-TEST(Shard, OfARunWithoutObjectsOrAxes) {
+TEST(Record, OfARunWithoutObjectsOrAxes) {
   const Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 0, .record = {"poses", "contacts"}});
   const TemporaryFolder folder;
   FakeResult fake(plan.runs[0]);
-  shards::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path());
-  const store::ResultFile file(folder / (plan.runs[0].id + ".h5"));
+  WriteRun(plan, plan.runs[0], fake.result, {}, folder.path());
+  const store::ResultFile file = Merged(plan, folder);
   EXPECT_TRUE(file.axes().empty());
   EXPECT_EQ(file.ReadStatus({{}, 0}), store::Status::kDone);
   EXPECT_EQ(file.ReadSeries("contacts", {{}, 0}).size(), 1u);
 }
 
-TEST(Shard, WrittenTwiceIsTheSame) {
+TEST(Record, WrittenTwiceIsTheSame) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
   const plan::Run& run = plan.runs[5];
   const FakeResult fake(run);
-  for (int i = 0; i < 2; ++i)
-    shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
-  ASSERT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
-  ExpectSeries(store::ResultFile(folder / (run.id + ".h5")), {{0, 0, 0}, 0}, run, 7);
+  for (int i = 0; i < 2; ++i) WriteRun(plan, run, fake.result, TestProvenance(), folder.path());
+  EXPECT_EQ(RunsIn(folder.path()).size(), 1u);
+  ExpectSeries(Merged(plan, folder), {run.at, run.rep}, run, 7);
 }
 
-TEST(Shard, InfoNamesRunPlanAndStatus) {
+TEST(Record, InfoNamesRunAndStatus) {
   const Plan plan = TwoAxes();
   const TemporaryFolder folder;
   const plan::Run& run = plan.runs[2];
-  shards::WriteShard(plan, run, FakeResult(run, store::Status::kTimedOut, 4).result, {},
-                     folder.path());
-  const shards::ShardInfo info = shards::ReadShardInfo(folder / (run.id + ".h5"));
+  WriteRun(plan, run, FakeResult(run, store::Status::kTimedOut, 4).result, {}, folder.path());
+  const auto info = journal::InfoOf(*journal::Journals({folder.path()}).Find(run.id));
   EXPECT_EQ(info.run_id, run.id);
-  EXPECT_EQ(info.plan_sha256, plan.Sha256());
   EXPECT_EQ(info.outcome.status, store::Status::kTimedOut);
 }
 
-TEST(Shard, LongRunsAreCutIntoChunksUnderOneMebibyte) {
+TEST(Record, LongRunsAreCutIntoChunksUnderOneMebibyte) {
   // 50,000 cycles of 6 phases are 2.4 MB, 3 cycles of 40,000 poses 2.2 MB each.
   for (const SceneSize& size : {SceneSize{.cycles = 50000, .objects = 1, .record = {"timing"}},
                                 SceneSize{.cycles = 3, .objects = 40000, .record = {"poses"}}}) {
     const Plan plan = MakePlan({NumberAxis("quantity", {10})}, 1, size);
     const TemporaryFolder folder;
-    shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-    shards::Merge(plan, {}, folder.path(), folder / "out.h5");
+    WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+    journal::Merge(plan, {}, folder.path(), folder / "out.h5");
     ExpectSeries(store::ResultFile(folder / "out.h5"), {{0}, 0}, plan.runs[0], size.cycles);
   }
 }
