@@ -17,7 +17,7 @@ constexpr ResultNames kNames[] = {
      "max_speed escaped asleep removed non_finite displacement displaced motion_ratio "
      "fall_ratio frozen lost_way turn_ratio spin_ratio passed pressed inverted unheld lost_energy "
      "heap joint_gap poses boxes box_filters exact_pairs missed_pairs phantom_pairs "
-     "duplicate_pairs missed_contacts depth_error normal_error"},
+     "duplicate_pairs exact_contacts missed_contacts unsure_contacts depth_error normal_error"},
     {"an array of contacts in the results",
      "contact_body contact_point contact_normal contact_distance contact_first"},
     {"a fact of each run in the results",

@@ -61,7 +61,8 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
     one.plan.source = plan_file;
     if (runner.Execute(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
-    const report::VerifyText text = report::VerifyTable(store::ResultFile(out), one.left_out);
+    const report::VerifyText text =
+        report::VerifyTable(store::ResultFile(out), one.narrow_phases, one.left_out);
     terminal::Print(text.text + "\n");
     if (!text.is_good) status = options::ExitStatus::kRuns;
   }

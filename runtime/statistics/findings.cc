@@ -43,7 +43,8 @@ void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell
   };
   const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
              false_positives = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
-             contacts = series("missed_contacts");
+             contacts = series("missed_contacts"), compared = series("exact_contacts"),
+             unsure = series("unsure_contacts");
   bool is_wrong = false, is_watched = false;
   for (std::uint64_t cycle = 0; cycle < exact.size(); ++cycle) {
     if (!(exact[cycle] >= 0)) continue;
@@ -63,6 +64,9 @@ void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell
     note(findings.duplicate, duplicate, findings.first_duplicate);
     if (cycle < contacts.size() && contacts[cycle] >= 0)
       note(findings.missed_contacts, contacts, findings.first_missed_contact);
+    // Results from before these were counted have neither.
+    if (cycle < compared.size() && compared[cycle] >= 0) add(findings.exact_contacts, compared);
+    if (cycle < unsure.size() && unsure[cycle] >= 0) add(findings.unsure_contacts, unsure);
     is_wrong = is_wrong || missed[cycle] > 0;
   }
   for (const double error : series("depth_error")) tally.depth.Add(error);
@@ -71,11 +75,11 @@ void AddPairs(const store::ResultFile& file, const store::ResultFile::Cell& cell
   ++(is_watched ? findings.runs : findings.unwatched_runs);
 }
 
-}  // namespace
-
-std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
+/// `names`: those that come first, whether or not there are cells of them.
+std::vector<DetectorFindings> Findings(
+    const store::ResultFile& file, const std::vector<std::string>& names,
+    const std::function<std::string(const store::ResultFile::Cell&)>& name_of) {
   const bool has_pairs = file.Has("exact_pairs");
-  const CellDetectors detectors(file);
   std::vector<Tally> tallies;
   const auto tally_of = [&](const std::string& detector) -> Tally& {
     const auto found = std::ranges::find(
@@ -85,14 +89,13 @@ std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
     tally.findings.detector = detector;
     return tally;
   };
-  if (const auto axis = DetectorAxis(file))
-    for (const auto& value : file.axes()[*axis].values) tally_of(std::get<std::string>(value));
+  for (const std::string& name : names) tally_of(name);
   std::set<std::string> seen;
   for (const store::ResultFile::Cell& cell : AllCells(file)) {
     const store::Status status = file.ReadStatus(cell);
     if (status == store::Status::kSkipped || status == store::Status::kMissing) continue;
     if (!seen.insert(file.ReadText("run_id", cell)).second) continue;
-    Tally& tally = tally_of(detectors.Of(cell));
+    Tally& tally = tally_of(name_of(cell));
     if (status != store::Status::kDone) {
       ++tally.findings.failed_runs;
       if (!tally.findings.first_failed) tally.findings.first_failed = cell;
@@ -110,6 +113,24 @@ std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
     all.push_back(std::move(tally.findings));
   }
   return all;
+}
+
+}  // namespace
+
+std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
+  std::vector<std::string> names;
+  if (const auto axis = DetectorAxis(file))
+    for (const auto& value : file.axes()[*axis].values)
+      names.push_back(std::get<std::string>(value));
+  const CellDetectors detectors(file);
+  return Findings(file, names,
+                  [&](const store::ResultFile::Cell& cell) { return detectors.Of(cell); });
+}
+
+std::vector<DetectorFindings> FindingsBy(
+    const store::ResultFile& file,
+    const std::function<std::string(const store::ResultFile::Cell&)>& name_of) {
+  return Findings(file, {}, name_of);
 }
 
 std::string WrongDetectors(const store::ResultFile& file,

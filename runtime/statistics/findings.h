@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,13 +13,15 @@
 
 namespace cdb::statistics {
 
-/// The findings for one detector over all runs of a file; a run that fills several cells counts
-/// once.
+/// The findings for one detector or narrow phase over all runs of a file; a run that fills several
+/// cells counts once.
 struct DetectorFindings {
   std::string detector;
   std::size_t runs = 0;  ///< with recorded pairs
   std::uint64_t cycles = 0;
-  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0, missed_contacts = 0;
+  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0;
+  /// Overlaps that were compared, those without a contact, and those that could not be compared.
+  std::uint64_t exact_contacts = 0, missed_contacts = 0, unsure_contacts = 0;
   /// Means over the cycles that have a value; NaN if none has.
   double depth_error = 0, normal_error = 0;
   std::size_t wrong_runs = 0;  ///< with a missed pair
@@ -35,6 +38,11 @@ struct DetectorFindings {
 
 /// In the order of the axis of detectors, or else of the cells. Throws StoreError.
 std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file);
+/// For each name, such as that of a narrow phase, the findings of the cells that have it; in the
+/// order of the cells.
+std::vector<DetectorFindings> FindingsBy(
+    const store::ResultFile& file,
+    const std::function<std::string(const store::ResultFile::Cell&)>& name_of);
 
 /// Lines for the head of a summary, before any timing: detectors that missed pairs, and those that
 /// are known to miss some and were not checked. Empty if there are none.

@@ -106,6 +106,16 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   return every;
 }
 
+/// The detector itself if it has a narrow phase, otherwise the one that the scene names, or Bullet.
+std::string NarrowPhaseOf(const plan::Scene& scene,
+                          std::span<const schema::PluginDetector> plugins) {
+  const std::string_view named = scene.world.WordOr("narrow_phase");
+  if (named != "own") return std::string(named);
+  const std::string_view detector = scene.world.WordOr("detector");
+  const auto info = schema::FindDetector(detector, plugins);
+  return info && info->HasPhase("narrow") ? std::string(detector) : "bullet";
+}
+
 }  // namespace
 
 VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
@@ -134,6 +144,8 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
         fmt::format("{}: there is nothing to verify: {}", plan.benchmark,
                     made.left_out.empty() ? "every point is left out"
                                           : fmt::format("{}", fmt::join(made.left_out, "; "))));
+  for (const plan::Run& run : made.plan.runs)
+    made.narrow_phases[run.id] = NarrowPhaseOf(run.scene, options.plugins);
   return made;
 }
 

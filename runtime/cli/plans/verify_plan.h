@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct VerifyOptions {
 struct VerifyPlan {
   plan::Plan plan;
   std::vector<std::string> left_out;  ///< detectors and points, with the reason: a line each
+  /// By the id of each run: the narrow phase that makes its contacts.
+  std::map<std::string, std::string> narrow_phases;
 };
 
 /// Every point of the plan once, recording `pairs` alone, with pairs in sorted order and no errors.

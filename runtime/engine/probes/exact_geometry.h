@@ -1,5 +1,5 @@
-// Exact pairs and overlaps of the bodies in their current poses, by brute force and closed forms,
-// in double.
+// Exact pairs and overlaps of the bodies in their current poses, by brute force and the referee of
+// library/exact, in double.
 //
 // Not thread-safe with respect to the engine.
 #pragma once
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "library/objects/penetration.h"
+#include "library/exact/signed_distance.h"
 #include "runtime/engine/world/engine.h"
 
 namespace cdb::probes {
@@ -23,17 +23,24 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine);
 /// Two overlapping bodies.
 struct ExactOverlap {
   BodyPair bodies;
-  objects::Penetration contact;  ///< the normal points from the second body to the first
-  double size;                   ///< m, of the smaller object; walls have none
+  double depth = 0;        ///< m
+  Eigen::Vector3d normal;  ///< from the second body to the first
+  bool has_one_normal = true;
+  double size = 0;  ///< m, of the smaller object; walls have none
 };
 
 /// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
 inline constexpr double kLeastOverlap = 1e-4;
 
-/// Overlaps deeper than kLeastOverlap, in the order of their bodies, for pairs with a closed form:
-/// objects that may collide, and objects and walls. `pairs`: ExactPairs.
-std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
-                                        const std::vector<BodyPair>& pairs);
+struct ExactContacts {
+  std::vector<ExactOverlap> overlaps;  ///< deeper than kLeastOverlap, in the order of their bodies
+  /// Other pairs that may overlap as deeply, but whose distance is not known to a billionth of the
+  /// size of the smaller object.
+  std::size_t unsure = 0;
+};
+
+/// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs.
+ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs);
 
 /// Errors of the narrow phase over a set of overlaps.
 struct NarrowPhaseErrors {

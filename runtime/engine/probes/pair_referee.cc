@@ -34,7 +34,9 @@ PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
       missed_pairs_(recording.Ints("missed_pairs")),
       false_positives_(recording.Ints("phantom_pairs")),
       duplicate_pairs_(recording.Ints("duplicate_pairs")),
+      exact_contacts_(recording.Ints("exact_contacts")),
       missed_contacts_(recording.Ints("missed_contacts")),
+      unsure_contacts_(recording.Ints("unsure_contacts")),
       depth_error_(recording.Reals("depth_error")),
       normal_error_(recording.Reals("normal_error")),
       boxes_(engine.objects().size() + pruning::kWallCount,
@@ -45,7 +47,7 @@ PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
 
 void PairReferee::BeforeStep() {
   // The detector runs before the bodies are moved.
-  if (detects_) overlaps_ = ExactOverlaps(engine_, ExactPairs(engine_));
+  if (detects_) contacts_ = ExactOverlaps(engine_, ExactPairs(engine_));
 }
 
 void PairReferee::AfterStep(std::uint64_t cycle) {
@@ -108,9 +110,11 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
 }
 
 void PairReferee::JudgeContacts(std::uint64_t cycle) {
-  const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
+  const NarrowPhaseErrors errors = CompareContacts(engine_, contacts_.overlaps);
+  exact_contacts_[cycle] = static_cast<std::int32_t>(contacts_.overlaps.size());
+  unsure_contacts_[cycle] = static_cast<std::int32_t>(contacts_.unsure);
   missed_contacts_[cycle] = static_cast<std::int32_t>(errors.missed);
-  const double found = static_cast<double>(overlaps_.size()) - errors.missed;
+  const double found = static_cast<double>(contacts_.overlaps.size()) - errors.missed;
   if (found > 0) depth_error_[cycle] = errors.depth_sum / found;
   if (errors.normals > 0) normal_error_[cycle] = errors.normal_sum / errors.normals;
 }

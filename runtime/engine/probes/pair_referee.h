@@ -16,8 +16,8 @@ namespace cdb::probes {
 
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are
-/// compared with closed forms, in the poses that the detector saw. Requires that the run records
-/// pairs. Engine and recording must outlive it. Not thread-safe.
+/// compared with those of library/exact, in the poses that the detector saw. Requires that the run
+/// records pairs. Engine and recording must outlive it. Not thread-safe.
 class PairReferee {
  public:
   PairReferee(world::Engine& engine, measure::Recording& recording);
@@ -36,11 +36,11 @@ class PairReferee {
   detection::AdapterBroadPhase* const adapter_;  ///< null if the broad phase is Bullet's own
   const bool detects_;                           ///< otherwise nothing is compared or stored
   std::span<std::int32_t> exact_pairs_, missed_pairs_, false_positives_, duplicate_pairs_,
-      missed_contacts_;
+      exact_contacts_, missed_contacts_, unsure_contacts_;
   std::span<double> depth_error_, normal_error_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
-  std::vector<ExactOverlap> overlaps_;  ///< in the poses before the step
+  ExactContacts contacts_;  ///< in the poses before the step
 };
 
 }  // namespace cdb::probes

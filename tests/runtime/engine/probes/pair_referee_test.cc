@@ -125,7 +125,7 @@ TEST(PairReferee, FindsNothingMissedByOurs) {
   }
 }
 
-TEST(PairReferee, HoldsContactsAgainstClosedForms) {
+TEST(PairReferee, HoldsContactsAgainstExactOnes) {
   plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{30});
   SetWorld(scene, "record", schema::WordList{"pairs"});
@@ -140,6 +140,50 @@ TEST(PairReferee, HoldsContactsAgainstClosedForms) {
   EXPECT_TRUE(std::isnan(depth[0])) << "it has not landed yet";
   EXPECT_GT(std::ranges::count_if(depth, [](double error) { return error < 1e-5; }), 0);
   EXPECT_GT(std::ranges::count_if(normal, [](double error) { return error < 1e-3; }), 0);
+}
+
+TEST(PairReferee, SeesTheContactThatBulletMissesAtTheRimOfACylinder) {
+  // Bullet rounds the rim by its margin. The ball overlaps it by .061 mm, along the diagonal.
+  plan::Scene scene = EngineScene(1, 10);
+  SetWorld(scene, "cycles", std::uint64_t{1});
+  SetWorld(scene, "world.walls", Word("none"));
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  SetWorld(scene, "record", schema::WordList{"pairs"});
+  SetGroup(scene, "overlap", true);
+  scene.groups.push_back(scene.groups[0]);
+  scene.groups[1].name = "lower";
+  const double at = 0.135 + (0.05 - 0.061e-3) / std::sqrt(2.0);
+  SetGroup(scene, "type", Word("sphere"));
+  SetGroup(scene, "size", 0.1);
+  SetGroup(scene, "location", Layout("at", {{"x", at}, {"y", at}, {"z", 0.0}}));
+  SetGroup(scene, "type", Word("cylinder"), 1);
+  SetGroup(scene, "size", 0.27, 1);
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}), 1);
+  const Recorded recorded = RunHere(scene);
+  ASSERT_TRUE(recorded.done()) << recorded.message();
+  EXPECT_EQ(recorded.recording.Ints("exact_contacts")[0], 1);
+  EXPECT_EQ(recorded.recording.Ints("missed_contacts")[0], 1);
+  EXPECT_EQ(recorded.recording.Ints("unsure_contacts")[0], 0);
+}
+
+TEST(PairReferee, CountsWhatItCannotCompare) {
+  // Bodies about one axis: the depth is equal along every direction of a plane.
+  plan::Scene scene = EngineScene(1, 10);
+  SetWorld(scene, "cycles", std::uint64_t{1});
+  SetWorld(scene, "world.walls", Word("none"));
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  SetWorld(scene, "record", schema::WordList{"pairs"});
+  SetGroup(scene, "overlap", true);
+  SetGroup(scene, "type", Word("cylinder"));
+  SetGroup(scene, "size", 1.0);
+  SetGroup(scene, "aspect", schema::Ratio{Vector3d(1, 3, 1)});
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}));
+  scene.groups.push_back(scene.groups[0]);
+  scene.groups[1].name = "other";
+  const Recorded recorded = RunHere(scene);
+  ASSERT_TRUE(recorded.done()) << recorded.message();
+  EXPECT_EQ(recorded.recording.Ints("exact_contacts")[0], 0);
+  EXPECT_EQ(recorded.recording.Ints("unsure_contacts")[0], 1);
 }
 
 TEST(PairReferee, LooksInAPassOfItsOwnWhereTimesAreTaken) {
