@@ -19,8 +19,8 @@ namespace {
 
 std::string Proof(bool has_digest) {
   return has_digest ? "every byte is as it was written"
-                    : "it carries no digest that would show changed bytes, as it is from an "
-                      "earlier version of cdb";
+                    : "it has no digest that would reveal changed bytes, as it is from an earlier "
+                      "version of cdb";
 }
 
 const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
@@ -34,7 +34,7 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 /// read. Throws StoreError if the plan is missing from a file that must have one.
 std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
-  if (text.empty() && results.has_digest()) RefuseContents(file, "it holds no plan");
+  if (text.empty() && results.has_digest()) RefuseContents(file, "it contains no plan");
   if (text.empty()) return std::nullopt;
   try {
     return plans::ReadSizedPlan(text, file);
@@ -68,19 +68,19 @@ StatusCounts CountCells(const store::ResultFile& results) {
 void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
                      const std::string& file) {
   if (plan.Sha256() != results.plan_sha256())
-    RefuseContents(file, "its plan is not the one that its plan_sha256 names");
+    RefuseContents(file, "its plan differs from its plan_sha256");
   bool is_alike = plan.axes.size() == results.axes().size() && plan.repeats == results.repeats();
   for (std::size_t i = 0; is_alike && i < plan.axes.size(); ++i)
     is_alike = plan.axes[i].name == results.axes()[i].name &&
                plan.axes[i].values == results.axes()[i].values;
-  if (!is_alike) RefuseContents(file, "its axes are not those of its plan");
+  if (!is_alike) RefuseContents(file, "its axes differ from those of its plan");
   plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
     const store::ResultFile::Cell cell{at, rep};
     if (results.ReadStatus(cell) == store::Status::kSkipped)
       RefuseContents(file, fmt::format("the run {} of its plan is marked as skipped", id));
     const std::string holds = results.ReadText("run_id", cell);
     if (holds != id)
-      RefuseContents(file, fmt::format("it holds the run {} where its plan has {}", holds, id));
+      RefuseContents(file, fmt::format("it contains the run {} where its plan has {}", holds, id));
   });
 }
 

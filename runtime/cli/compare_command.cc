@@ -44,9 +44,9 @@ std::optional<measure::Phase> ParsePhase(const std::string& name) {
 compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw options::CommandError(
-        "compare takes two results files or more, or two folders of them or more");
+        "compare takes two or more results files, or two or more folders of them");
   if (arguments.is_markdown && arguments.is_json)
-    throw options::CommandError("--markdown and --json are two forms of the same: choose one");
+    throw options::CommandError("choose either --markdown or --json");
   return {arguments.select, ParsePhase(arguments.phase),
           options::ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
           arguments.lists_all};
@@ -137,7 +137,7 @@ compare::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& bench
                              const compare::CompareOptions& options) {
   compare::Document document;
   if (!unmatched.empty())
-    document.push_back({"Not in all folders, and not compared", unmatched, {}, {}});
+    document.push_back({"Not compared, because not in all folders", unmatched, {}, {}});
   if (benchmarks[0].files.size() > 2) {
     compare::Document history = compare::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));

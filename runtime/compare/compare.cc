@@ -16,7 +16,7 @@ PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b,
     return MatchPoints(a, b, selections);
   } catch (const files::StoreError& error) {
     if (a.file.benchmark() == b.file.benchmark()) throw;
-    throw files::StoreError(fmt::format("{} is of the benchmark '{}', {} of '{}': {}", a.name,
+    throw files::StoreError(fmt::format("{} has the benchmark '{}', but {} has '{}': {}", a.name,
                                         a.file.benchmark(), b.name, b.file.benchmark(),
                                         error.what()));
   }
@@ -31,10 +31,10 @@ Comparison Compare(const ComparedFile& a, const ComparedFile& b, const CompareOp
   made.facts = CompareFacts(a, b, made.match);
   made.times = CompareTimes(a, b, made.match, options.phase);
   if (options.is_relative && !made.times.common)
-    throw files::StoreError(fmt::format(
-        "--relative takes {} detectors or more, whose median shows what all have in common; {} and "
-        "{} have {}",
-        TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));
+    throw files::StoreError(
+        fmt::format("--relative needs {} detectors or more, whose median shows the common change; "
+                    "{} and {} have {}",
+                    TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));
   return made;
 }
 

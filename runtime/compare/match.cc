@@ -106,8 +106,7 @@ class Matcher {
     const std::string values = statistics::ValuesText(of.file.axes()[axis.place], axis.values);
     if (axis.values.size() > 1)
       throw files::StoreError(fmt::format(
-          "only {} has the axis '{}' ({}): choose one of its values, as in --select "
-          "{}={}",
+          "only {} has the axis '{}' ({}): choose one of its values, such as --select {}={}",
           of.name, name, values, name, terminal::CoordinateText(of.file.axes()[axis.place], 0)));
     match_.notes.push_back(
         fmt::format("only {} has the axis {}, with the value {}", of.name, name, values));

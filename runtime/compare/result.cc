@@ -33,9 +33,10 @@ class ResultText {
     for (const FactComparison& fact : of_.facts) AddFact(lines, fact);
     AddUnchanged(lines);
     const std::vector<std::string> worse = WorseThings(of_, options_);
-    lines.push_back(worse.empty() ? fmt::format("Nothing is surely worse by more than {}", Margin())
-                                  : fmt::format("WORSE by more than {}, exit status 4: {}",
-                                                Margin(), PlacesText(worse)));
+    lines.push_back(
+        worse.empty()
+            ? fmt::format("Nothing is significantly worse by more than {}", Margin())
+            : fmt::format("WORSE by more than {}, exit status 4: {}", Margin(), PlacesText(worse)));
     return lines;
   }
 
@@ -103,7 +104,7 @@ class ResultText {
     if (bound == 0) why = "repeats are missing or void";
     if (!of_.times.has_intervals)
       why = fmt::format(
-          "there {} {} repeat{}, and an interval takes {} in each file (facts below are exact)",
+          "there {} {} repeat{}, but an interval needs {} in each file (facts below are exact)",
           least == 1 ? "is" : "are", least, least == 1 ? "" : "s",
           statistics::Bootstrap::kLeastForInterval);
     lines.push_back(fmt::format("Cannot tell, as {}: {}", why, PlacesText(groups)));
@@ -115,8 +116,8 @@ class ResultText {
     const TestedChange& common = *times.common;
     const std::string phase = PhaseName(times.common_phase);
     std::string line = fmt::format(
-        "EVERYTHING is {}: the median {} over all groups is {} ({}). That is the machine, or "
-        "code that all have in common",
+        "EVERYTHING is {}: the median {} over all groups is {} ({}). The cause is the machine, or "
+        "shared code",
         common.ratio > 1 ? "slower" : "faster", phase, PercentText(common.ratio),
         PercentRange(common.interval.low, common.interval.high));
     if (times.harness && times.harness->IsTested())
@@ -170,9 +171,9 @@ class ResultText {
       lines.push_back(
           fmt::format("{} at {} of {}{}",
                       states.of_pairs ? "Pairs: the same in the last cycle"
-                                      : "Physics: the same last state to the bit",
+                                      : "Physics: the same last state to the last bit",
                       states.same, Counted(of_.match.points.size(), "point"),
-                      states.unknown > 0 ? "; at the others, a run did not get to its end" : ""));
+                      states.unknown > 0 ? "; at the others, a run did not reach its end" : ""));
       return;
     }
     std::vector<std::string> other, unsettled;
@@ -180,13 +181,13 @@ class ResultText {
     for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceOf(point));
     if (!other.empty())
       lines.push_back(fmt::format("{} at {} of {}, whose times are of {}: {}",
-                                  states.of_pairs ? "PAIRS DIFFER: others in the last cycle"
+                                  states.of_pairs ? "PAIRS DIFFER: other pairs in the last cycle"
                                                   : "PHYSICS DIFFERS: another last state",
                                   other.size(), Counted(known, "point"),
                                   states.of_pairs ? "other pairs" : "another motion",
                                   PlacesText(other)));
     if (!unsettled.empty())
-      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in other states: {}",
+      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in different states: {}",
                                   PlacesText(unsettled)));
   }
 

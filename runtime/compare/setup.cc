@@ -127,10 +127,10 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
                                           std::vector<std::string>& notes) {
   for (const ComparedFile* of : {&a, &b})
     if (!of->plan)
-      notes.push_back(fmt::format(
-          "{} was written by a version of cdb with other plans, so that its scenes cannot be "
-          "compared: make sure that they are those of the other file",
-          of->name));
+      notes.push_back(
+          fmt::format("{} was written by a version of cdb with other plans, so its scenes cannot "
+                      "be compared: make sure that they are the same as those of the other file",
+                      of->name));
   if (!a.plan || !b.plan) return {};
   const auto scenes_a = ScenesOf(*a.plan), scenes_b = ScenesOf(*b.plan);
   SceneDifferences differences;
@@ -144,11 +144,11 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
     unlike += fmt::format("{}{} ({} in {}, {} in {})", unlike.empty() ? "" : "; ", of.name, of.a,
                           a.name, of.b, b.name);
   if (!unlike.empty())
-    throw files::StoreError(fmt::format(
-        "{} and {} are of unlike scenes: {}; a difference between them would be that of the "
-        "scenes. Run the same scenario with both, or sweep the parameter in one file and use "
-        "`cdb show`",
-        a.name, b.name, unlike));
+    throw files::StoreError(
+        fmt::format("{} and {} have different scenes: {}; a difference between them could be due "
+                    "to the scenes. Run the same scenario for both, or sweep the parameter in one "
+                    "file and use `cdb show`",
+                    a.name, b.name, unlike));
   return differences.List(false);
 }
 
@@ -175,14 +175,14 @@ void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupCompari
   if (setup.is_interleaved) return;
   const bool a_first = of_a[0] < of_b[0];
   const double gap = a_first ? of_b[0] - of_a.back() : of_a[0] - of_b.back();
-  setup.notes.push_back(fmt::format(
-      "{} ran after {}, {} later: a change of the machine in between is in every ratio. Interleave "
-      "the runs (cdb doc compare)",
-      a_first ? b.name : a.name, a_first ? a.name : b.name,
-      gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
-      : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)
-      : gap < 2e5  ? fmt::format("{:.0f} h", gap / 3600)
-                   : fmt::format("{:.0f} days", gap / 86400)));
+  setup.notes.push_back(
+      fmt::format("{} ran after {}, {} later: a change of the machine in between affects every "
+                  "ratio. Interleave the runs (cdb doc compare)",
+                  a_first ? b.name : a.name, a_first ? a.name : b.name,
+                  gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
+                  : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)
+                  : gap < 2e5  ? fmt::format("{:.0f} h", gap / 3600)
+                               : fmt::format("{:.0f} days", gap / 86400)));
 }
 
 }  // namespace
@@ -202,8 +202,8 @@ SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
   for (const ComparedFile* of : {&a, &b})
     if (const std::string build = of->file.ReadProvenance("build_type"); build != "Release")
       setup.notes.push_back(
-          fmt::format("{} was timed with a {} build of cdb: these are not timings to quote",
-                      of->name, build.empty() ? "unknown" : build));
+          fmt::format("{} was timed with a {} build of cdb: do not quote its timings", of->name,
+                      build.empty() ? "unknown" : build));
   CompareOccasions(a, b, setup);
   return setup;
 }

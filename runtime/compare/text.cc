@@ -132,7 +132,7 @@ class ComparisonText {
     std::string statistic = "Mean";
     if (const std::size_t m = statistics::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
       statistic = fmt::format(
-          "Fastest of {} repeats per cycle, the mean over all choices of so many (of {} and {}), "
+          "Fastest of {} repeats per cycle, averaged over all choices of that many (of {} and {}), "
           "then mean",
           m, n_a, n_b);
     std::vector<std::string> notes = {

@@ -42,8 +42,7 @@ class DetectorConclusions {
     if (!file_.Has("duration") || comparison_.is_void) return std::move(all_);
     if (comparison_.MatchedCount() == 0)
       Add({"Which detector is the fastest?",
-           "The file does not say: no cell has a sound run of every detector without omissions "
-           "that others lack.",
+           "Not known: no cell has a sound run of every detector with the same omissions.",
            "fastest", Certainty::kUnknown});
     AddTimes();
     AddGrowth();
@@ -168,8 +167,9 @@ class DetectorConclusions {
       places.push_back(fmt::format("{} at {}", Name(ranking.exceptions[i].value),
                                    report::SettingText(file_, others, ranking.exceptions[i].at)));
     if (count > kMaxExceptions)
-      return text + fmt::format(" It is not the best everywhere: {} of {} cells have another.",
-                                count, ranking.cells);
+      return text +
+             fmt::format(" It is not the best everywhere: another is the best in {} of {} cells.",
+                         count, ranking.cells);
     return text + fmt::format(" It is not the best everywhere: {}.", report::JoinWords(places));
   }
 

@@ -46,8 +46,8 @@ Json DocumentConclusions(const DocumentSource& source, bool only_sound) {
 void CheckSize(const DocumentSource& source) {
   if (source.points().size() > kMaxDocumentPoints)
     throw files::StoreError(
-        fmt::format("{} points are more than a document holds ({}): take a part of them, by "
-                    "`cdb show --json --select AXIS=VALUE`",
+        fmt::format("{} points are more than a document can have ({}): select a part, by `cdb show "
+                    "--json --select AXIS=VALUE`",
                     source.points().size(), kMaxDocumentPoints));
 }
 

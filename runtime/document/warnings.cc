@@ -34,10 +34,9 @@ class WarningList {
     AddMissing();
     AddRepeats();
     if (source_.IsLarge())
-      Add("pooled",
-          fmt::format("There are {} points: the page has the mean of step and detect of each, and "
-                      "no single cycles.",
-                      source_.points().size()));
+      Add("pooled", fmt::format("There are {} points: the page has only the mean of step and "
+                                "detect of each, without single cycles.",
+                                source_.points().size()));
     return std::move(all_);
   }
 
@@ -48,18 +47,16 @@ class WarningList {
 
   void AddBuild() {
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
-      Add("debug",
-          fmt::format("Timed with a {} build of cdb: these are not timings to quote.", build));
+      Add("debug", fmt::format("Timed with a {} build of cdb: do not quote these timings.", build));
   }
 
   void AddFindings() {
     for (const statistics::DetectorFindings& of : source_.findings())
       if (of.missed > 0)
-        Add("missed_pairs",
-            fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are of less work than "
-                        "there was.",
-                        of.detector, of.missed, of.exact, of.wrong_runs, of.runs,
-                        of.runs == 1 ? "run" : "runs"));
+        Add("missed_pairs", fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are "
+                                        "of less work than necessary.",
+                                        of.detector, of.missed, of.exact, of.wrong_runs, of.runs,
+                                        of.runs == 1 ? "run" : "runs"));
   }
 
   void AddBadRuns() {
@@ -69,8 +66,8 @@ class WarningList {
     std::vector<std::string> texts;
     for (const auto& [fault, count] : faults) texts.push_back(fmt::format("{} {}", count, fault));
     if (!texts.empty())
-      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and in no "
-                                "mean or ratio with others.",
+      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and not "
+                                "pooled with others in means and ratios.",
                                 groups_.bad.size(), groups_.NotSkipped(), fmt::join(texts, ", ")));
     for (const std::string& trouble : source_.references())
       Add("failed", fmt::format("A reference is missing: {}", trouble));
@@ -90,8 +87,7 @@ class WarningList {
   void AddNoise() {
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
       Add("noise",
-          fmt::format("Timed with several runs at a time (jobs {}), which disturb each other.",
-                      jobs));
+          fmt::format("Timed with parallel runs (jobs {}), which disturb each other.", jobs));
     if (const std::string noise = Sentence(report::NoiseText(file_, groups_.good)); !noise.empty())
       Add("noise", noise);
   }
@@ -111,14 +107,14 @@ class WarningList {
     for (const statistics::MeasuredPoint& point : source_.measured())
       components.insert(point.unlike.begin(), point.unlike.end());
     if (!components.empty())
-      Add("unlike", fmt::format("Some points ran without {} and others with; they are marked.",
+      Add("unlike", fmt::format("Some points ran without {} and others with it; they are marked.",
                                 fmt::join(components, ", ")));
   }
 
   void AddMissing() {
     if (groups_.missing > 0)
       Add("partial",
-          fmt::format("{} of {} runs are not there yet.", groups_.missing, groups_.NotSkipped()));
+          fmt::format("{} of {} runs are missing.", groups_.missing, groups_.NotSkipped()));
   }
 
   void AddRepeats() {
@@ -126,7 +122,7 @@ class WarningList {
     if (file_.begun_repeats() == 1) {
       Add("repeats", "One repeat: there are no intervals.");
     } else if (file_.begun_repeats() < statistics::Bootstrap::kLeastForInterval) {
-      Add("repeats", fmt::format("{} repeats: ranges stand in place of intervals, which take {}.",
+      Add("repeats", fmt::format("{} repeats: ranges instead of intervals, which need {}.",
                                  file_.begun_repeats(), statistics::Bootstrap::kLeastForInterval));
     }
   }

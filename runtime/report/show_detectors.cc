@@ -91,13 +91,15 @@ std::string ObjectsText(const statistics::DetectorGrowth::Exponent& exponent) {
 /// Notes to read before the exponents of two rows are compared.
 std::string GrowthNotes(const statistics::DetectorGrowth& growth) {
   std::string text;
-  if (!growth.is_matched) text += "  Rows are of unlike numbers of objects: do not compare them.\n";
+  if (!growth.is_matched)
+    text += "  The rows have different numbers of objects: do not compare them.\n";
   if (growth.dropped > 0)
     text += fmt::format("  Over the numbers of objects that all rows have, {}.\n",
                         ObjectsText(growth.exponents.begin()->second));
   if (!growth.unlike.empty())
     text += fmt::format(
-        "  Some points ran without {} and others with: growth is not of the objects alone.\n",
+        "  Some points ran without {} and others with it: the growth is not due to the number of "
+        "objects alone.\n",
         fmt::join(growth.unlike, ", "));
   return text;
 }
@@ -140,13 +142,14 @@ std::string HarnessText(const store::ResultFile& file,
                         statistics::CycleTimes& times) {
   const auto cost = statistics::HarnessCostOf(file, points, times);
   if (!cost) return {};
-  std::string text = fmt::format("  Harness: {} ns a cycle", terminal::ShortNumber(cost->median));
+  std::string text =
+      fmt::format("  Measurement overhead: {} ns per cycle", terminal::ShortNumber(cost->median));
   if (const auto& fastest = cost->fastest)
-    text += fmt::format(", {} % of the detect of {}{}",
+    text += fmt::format(", {} % of the detection of {}{}",
                         terminal::ShortNumber(100 * cost->median / fastest->time),
                         fastest->detector.empty() ? "the detector" : fastest->detector,
                         fastest->is_only ? "" : ", the fastest");
-  return text + "; nothing is subtracted.\n";
+  return text + "; not subtracted.\n";
 }
 
 }  // namespace cdb::report

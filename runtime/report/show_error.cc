@@ -38,8 +38,8 @@ class ErrorSummary {
     }
     if (has_below_floor)
       text +=
-          "\nBelow its floor an error says nothing: the reference and its perturbed run differ as "
-          "much.\n";
+          "\nAn error below its floor is not significant: the reference and its perturbed run "
+          "differ by as much.\n";
     return {text, figures_.bad_cells};
   }
 
@@ -73,16 +73,15 @@ class ErrorSummary {
                     statistics::WrongDetectors(file_, statistics::FindingsOf(file_)), name_,
                     info.unit.empty() ? "" : fmt::format(", {}", info.unit), info.doc);
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
-      text +=
-          fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);
+      text += fmt::format("  Timed with a {} build of cdb: do not quote these timings.\n", build);
     text += statistics::ProcessorText(file_, statistics::AllCells(file_));
     std::string pooled;
     for (std::size_t i = 0; i < file_.axes().size(); ++i)
       if (!IsIn(figures_.rows, i) && !IsIn(figures_.each, i))
         pooled += (pooled.empty() ? "" : ", ") + file_.axes()[i].name;
     if (!pooled.empty()) text += fmt::format("  the mean over {}\n", pooled);
-    return text + Listed(figures_.left_out, "without a place in it") +
-           Listed(figures_.marked, "did not end well, marked and not on the front");
+    return text + Listed(figures_.left_out, "not on the plot, as the error is not known") +
+           Listed(figures_.marked, "did not end well; marked, and not on the front");
   }
 
   std::string Listed(const std::vector<statistics::ErrorFigures::LeftOut>& points,
@@ -138,11 +137,12 @@ class ErrorSummary {
     if (HasErrorIntervals())
       text += fmt::format("  Errors: the mean over {} seeds, their {}.\n", figures_.seed_count,
                           ErrorKind() == statistics::IntervalKind::kRange
-                              ? "range the least and the greatest from any draw of the seeds"
+                              ? "range over all draws of the seeds"
                               : "interval by bootstrap over the seeds");
     if (std::ranges::any_of(rows.rows, &statistics::ErrorRow::is_tie))
       text += fmt::format(
-          "  tie: what is as fast and as accurate is so only within the {} and the floor.\n",
+          "  tie: every configuration that is as fast and as accurate lies within the {} and the "
+          "floor.\n",
           times_.IntervalName());
     return text + rows.matched.MatchLines();
   }

@@ -63,7 +63,7 @@ class Head {
     std::string text =
         fmt::format("{}\n  {} {}{}, {} cycles", file_.title(), cells, cells == 1 ? "run" : "runs",
                     grid.empty() ? "" : " (" + grid + ")", file_.cycles());
-    if (groups_.skipped > 0) text += fmt::format(", {} left out by skip", groups_.skipped);
+    if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
     return text + '\n' + Padding();
   }
 
@@ -80,20 +80,18 @@ class Head {
     const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
     if (share < kNoticeablePadding) return {};
     return fmt::format(
-        "  The runs have {} to {} cycles: {:.0f} % of the arrays over cycle is padding without "
-        "values.\n",
-        least, file_.cycles(), 100 * share);
+        "  The runs have {} to {} cycles: {:.0f} % of the arrays over cycles is padding.\n", least,
+        file_.cycles(), 100 * share);
   }
 
   /// The reasons why the timings must not be quoted.
   std::string Timing() const {
     std::string text;
     if (const std::string build = file_.ReadProvenance("build_type"); build != "Release")
-      text +=
-          fmt::format("  Timed with a {} build of cdb: these are not timings to quote.\n", build);
+      text += fmt::format("  Timed with a {} build of cdb: do not quote these timings.\n", build);
     if (const std::string jobs = file_.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
-      text += fmt::format(
-          "  Timed with several runs at a time (jobs {}), which disturb each other.\n", jobs);
+      text +=
+          fmt::format("  Timed with parallel runs (jobs {}), which disturb each other.\n", jobs);
     return text;
   }
 
@@ -163,7 +161,7 @@ class Head {
                                     ? fmt::format(" in {} of {} runs", count, measured_.size())
                                 : count > 1 ? fmt::format(" in all {} runs", count)
                                             : std::string();
-      text += fmt::format("{}  Left out{}: {}.", text.empty() ? "" : "\n", where, names);
+      text += fmt::format("{}  Omitted{}: {}.", text.empty() ? "" : "\n", where, names);
     }
     return text.empty() ? text : text + " omit none times everything.\n";
   }
@@ -183,15 +181,15 @@ class Head {
   std::string BadRuns() const {
     const auto& bad = groups_.bad;
     if (bad.empty()) return {};
-    std::string text =
-        fmt::format("  {} did not end well ({}), {}:\n", bad.size(), Faults(),
-                    parts_.only_sound ? "left out by --sound"
-                                      : "marked below and in no mean or ratio with others");
+    std::string text = fmt::format(
+        "  {} did not end well ({}), {}:\n", bad.size(), Faults(),
+        parts_.only_sound ? "excluded by --sound"
+                          : "marked below, and not pooled with others in means and ratios");
     for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
       text += fmt::format("    {}: {}\n", statistics::PlaceText(file_, bad[i].cell), bad[i].why);
     if (bad.size() > kMaxBadListed)
       text += fmt::format("    and {} more\n", bad.size() - kMaxBadListed);
-    return text + fmt::format("  To run the first of them by itself: {}\n",
+    return text + fmt::format("  To repeat only the first of them: {}\n",
                               statistics::OnlyCommand(file_, bad[0].cell));
   }
 

@@ -62,7 +62,7 @@ std::string OverCycles(const store::ResultFile& file,
     table.AddRow(std::move(row));
   }
   std::string text =
-      fmt::format("\nTime of {} over the cycles{}; each line has a scale of its own\n{}",
+      fmt::format("\nTime of {} over the cycles{}; each line has its own scale\n{}",
                   measure::PhaseNames()[measure::IndexOf(phase)],
                   times.bootstrap().size() > 1 ? ", medians over the repeats" : "", table.Text());
   if (points.size() > kMaxSparklines)

@@ -27,8 +27,8 @@ std::string UnlikeText(const statistics::Comparison& comparison) {
   }
   if (unlike == 0) return {};
   return fmt::format(
-      "\nAt {} of {} points some detectors ran without {} and others with: their ratios there "
-      "are not of the detectors alone. omit none makes them alike.\n",
+      "\nAt {} of {} points, some detectors ran without {} and others with it: these ratios are "
+      "not due to the detectors alone. omit none makes them alike.\n",
       unlike, comparison.points.size(), fmt::join(components, ", "));
 }
 

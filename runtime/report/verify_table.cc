@@ -27,7 +27,7 @@ bool MissesOnlyContacts(const statistics::DetectorFindings& of) {
 
 /// Boxes of objects in contact overlap.
 constexpr const char* kOnlyContacts =
-    "  Where no pair is missed, the narrow phase misses the contacts, not the detector.\n";
+    "  If no pair is missed, the narrow phase misses the contacts, not the detector.\n";
 
 std::string Verdict(const statistics::DetectorFindings& of) {
   switch (FaultOf(of)) {
@@ -117,7 +117,7 @@ class Verified {
 VerifyText VerifyTable(const store::ResultFile& file, const std::vector<std::string>& left_out) {
   const Verified verified(file);
   std::string text = fmt::format("{}\n{}", file.title(), verified.Text());
-  for (const std::string& line : left_out) text += fmt::format("  Left out: {}.\n", line);
+  for (const std::string& line : left_out) text += fmt::format("  Omitted: {}.\n", line);
   return {text, verified.IsGood()};
 }
 

@@ -326,7 +326,7 @@ std::string CycleTimes::IntervalLine(bool lacks_repeats) const {
       return "  No interval: one repeat.\n";
     case IntervalKind::kRange:
       return fmt::format(
-          "  Over all draws of {} repeats; an interval of 95 % takes {} repeats.{}\n",
+          "  Range over all draws of {} repeats; a 95 % interval needs {} repeats.{}\n",
           bootstrap_.size(), Bootstrap::kLeastForInterval, lack);
     case IntervalKind::kInterval:
       break;

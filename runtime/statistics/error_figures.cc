@@ -62,8 +62,8 @@ class Collector {
         names += fmt::format("{}{}", names.empty() ? "" : ", ", error.name);
     if (names.empty())
       throw files::StoreError(
-          "this file holds no errors: its scenario has no accuracy { metrics … }, see "
-          "`cdb doc accuracy`");
+          "this file has no errors: its scenario has no accuracy { metrics … }, see `cdb doc "
+          "accuracy`");
     const bool is_error = std::ranges::any_of(
         schema::Errors(), [&](const schema::ErrorInfo& error) { return error.name == name_; });
     if (!is_error || !file_.Has(dataset_))
@@ -71,8 +71,8 @@ class Collector {
           fmt::format("there is no error '{}' in this file; there are {}", name_, names));
     if (!file_.Has("duration"))
       throw files::StoreError(
-          "this file holds no timings to set errors against; add timing to what the scenario "
-          "records");
+          "this file has no timings to plot errors against; add timing to `record` in the "
+          "scenario");
   }
 
   /// All axes make rows, unless some are requested; seeds only on request.

@@ -118,8 +118,8 @@ std::string WrongDetectors(const store::ResultFile& file,
   for (const DetectorFindings& of : findings) {
     if (of.missed == 0) continue;
     text += fmt::format(
-        "  WRONG: {} missed {} of {} pairs, in {} of {} {}; first in cycle {} of {}.\n"
-        "    Its times are of less work than there was. That run by itself: {}\n",
+        "  WRONG: {} missed {} of {} pairs, in {} of {} {}; first in cycle {} of {}.\n    Its "
+        "times are of less work than necessary. To repeat that run: {}\n",
         of.detector, of.missed, of.exact, of.wrong_runs, of.runs, of.runs == 1 ? "run" : "runs",
         of.first_missed->cycle, PlaceText(file, of.first_missed->cell),
         OnlyCommand(file, of.first_missed->cell));
@@ -129,8 +129,8 @@ std::string WrongDetectors(const store::ResultFile& file,
     if (of.missed == 0 && of.unwatched_runs > 0 && MayMissPairs(of.detector))
       names += (names.empty() ? "" : ", ") + of.detector;
   if (!names.empty())
-    text +=
-        fmt::format("  Known to miss pairs, and nobody looked: {}. record pairs does.\n", names);
+    text += fmt::format("  Known to miss pairs, but not checked: {}. `record pairs` checks them.\n",
+                        names);
   return text;
 }
 
@@ -145,7 +145,7 @@ std::string OtherFaults(const std::vector<DetectorFindings>& findings) {
   };
   return line("Pairs listed that do not overlap", &DetectorFindings::false_positives, true) +
          line("Pairs listed again", &DetectorFindings::duplicate, true) +
-         line("Overlaps left without a contact", &DetectorFindings::missed_contacts, false);
+         line("Overlaps without a contact", &DetectorFindings::missed_contacts, false);
 }
 
 }  // namespace cdb::statistics

@@ -137,7 +137,8 @@ std::string Rows::MatchLines() const {
   if (drops) text += "  A row pools only the cells that all rows of its kind have: k of its n.\n";
   if (is_unmatched)
     text +=
-        "  No cell is in all rows of a kind, so that each row has its own: do not compare them.\n";
+        "  No cell is in all rows of a kind, so each row has different cells: do not compare "
+        "them.\n";
   return text;
 }
 

@@ -26,7 +26,8 @@ std::string ProcessorText(const store::ResultFile& file,
     kinds[detector ? Without(cell.at, *detector) : cell.at].insert(std::move(kind));
   }
   if (runs.size() < 2) return {};
-  std::string text = "  Made on unlike processors, whose times do not compare (cdb doc cluster):\n";
+  std::string text =
+      "  Run on different processors, whose times are not comparable (cdb doc cluster):\n";
   for (const auto& [kind, count] : runs)
     text += fmt::format("    {} run{} on {}\n", count, count == 1 ? "" : "s", kind);
   const auto mixed = static_cast<std::size_t>(

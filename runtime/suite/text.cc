@@ -156,8 +156,7 @@ std::string DefaultsText(const std::vector<SceneFigures>& scenes) {
     else if (const ConfigurationFigures* faster = FindFaster(scene))
       slow.push_back(fmt::format("{} ({} {:.2f})", id, faster->name, faster->speedup.value));
   }
-  if (known == 0)
-    return "Whether Bullet's defaults are right is not known: the machine was disturbed.";
+  if (known == 0) return "Unknown whether Bullet's defaults are right: the machine was disturbed.";
   std::string text =
       slow.empty()
           ? fmt::format(
@@ -210,8 +209,8 @@ std::string AnswerText(const SceneFigures& scene) {
   const auto best = Best(scene, false), own = Best(scene, true);
   if (best.empty())
     return std::ranges::any_of(scene.configurations, &ConfigurationFigures::is_disturbed)
-               ? "Not known: the machine was disturbed."
-               : "No configuration is right.";
+               ? "Unknown: the machine was disturbed."
+               : "No configuration is correct.";
   std::string text = fmt::format("{}: {} a step, {}.{}", best[0]->name, TimeText(best[0]->step_ns),
                                  SpeedOver(*best[0], baseline), TiesText(best));
   if (!own.empty() && own[0] != best[0])

@@ -62,10 +62,10 @@ void CheckUntil(const plan::Plan& plan) {
     throw options::CommandError(
         fmt::format("--until: '{}' records no times; add timing to `record`", plan.benchmark));
   if (plan.repeats <= statistics::Bootstrap::kLeastForInterval)
-    throw options::CommandError(fmt::format(
-        "--until: '{}' has repeats {}, which is the most that are run, and an interval takes {}; "
-        "write more, such as repeats 50",
-        plan.benchmark, plan.repeats, statistics::Bootstrap::kLeastForInterval));
+    throw options::CommandError(
+        fmt::format("--until: '{}' has repeats {}, the upper limit, but an interval needs {}; "
+                    "write more, such as repeats 50",
+                    plan.benchmark, plan.repeats, statistics::Bootstrap::kLeastForInterval));
 }
 
 }  // namespace cdb::plans

@@ -124,7 +124,8 @@ TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   EXPECT_NE(file.ReadText("accuracy/message", {{}, 0}).find("out of reach of single precision"),
             std::string::npos);
   const Finished shown = program.Run({"show", "far.h5", "--error", "position"});
-  EXPECT_NE(shown.out.find("without a place in it"), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find("not on the plot, as the error is not known"), std::string::npos)
+      << shown.out;
 }
 
 TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
@@ -134,8 +135,8 @@ TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
   for (const std::string command : {"check", "run"}) {
     const Finished refused = program.Run({command, "no.cdb"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` is not of this scene: there "
-                               "are 10 objects [E0222 wrong-form]"),
+    EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` does not apply to this "
+                               "scene: there are 10 objects [E0222 wrong-form]"),
               std::string::npos)
         << refused.err;
   }
@@ -187,9 +188,9 @@ std::string ShownError(const statistics::ErrorOptions& options) {
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   EXPECT_EQ(ShownError({"position", {}, {}}), R"(A plan for tests – µ
   position: distance from the true position, in sizes of the object; root mean square over objects and samples
-  1 without a place in it:
+  1 not on the plot, as the error is not known:
     hz 240, precision double: a test
-  1 did not end well, marked and not on the front:
+  1 did not end well; marked, and not on the front:
     hz 60, precision double: crashed: of old age
 
    hz  precision  x real time  ms per s           range  position     floor  horizon, s
@@ -200,7 +201,7 @@ TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  tie, below floor
    60  double            6667     0.150    0.120..0.180  1.67e-02  1.00e-03        1.50  crashed
   Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
-  tie: what is as fast and as accurate is so only within the range and the floor.
+  tie: every configuration that is as fast and as accurate lies within the range and the floor.
 
 position, * front, = tie, x void
  2.50e-02 |                                                           *
@@ -220,7 +221,7 @@ position, * front, = tie, x void
           +------------------------------------------------------------
            3333                    x real time                    13330
 
-Below its floor an error says nothing: the reference and its perturbed run differ as much.
+An error below its floor is not significant: the reference and its perturbed run differ by as much.
 )");
 }
 

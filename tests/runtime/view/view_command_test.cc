@@ -95,11 +95,11 @@ TEST(ViewCommand, RefusesByName) {
   EXPECT_THAT(error({"drop.h5", "--beside", "size=1"}), HasSubstr("there is no axis 'size'"));
   EXPECT_THAT(error({"drop.h5", "drop.h5", "--select", "size=1"}),
               HasSubstr("no file has the axis 'size'"));
-  EXPECT_THAT(error({"drop.h5", "--cycles", "3..9"}), HasSubstr("the run has the cycles 0 to 4"));
+  EXPECT_THAT(error({"drop.h5", "--cycles", "3..9"}), HasSubstr("the cycles of the run are 0 to 4"));
   EXPECT_THAT(error({"drop.h5", "--every", "0"}), HasSubstr("--every 0: a whole number"));
-  EXPECT_THAT(error({"drop.cdb", "--every", "2"}), HasSubstr("a scenario shows its start"));
-  EXPECT_THAT(error({"drop.h5", "-b", "drop"}), HasSubstr("-b is for a scenario"));
-  EXPECT_THAT(error({"drop.h5", "--gltf", "a.gltf"}), HasSubstr("whose files end with .glb"));
+  EXPECT_THAT(error({"drop.cdb", "--every", "2"}), HasSubstr("only the start is shown"));
+  EXPECT_THAT(error({"drop.h5", "-b", "drop"}), HasSubstr("-b is for scenarios"));
+  EXPECT_THAT(error({"drop.h5", "--gltf", "a.gltf"}), HasSubstr("must end in .glb"));
   EXPECT_THAT(error({"drop.h5", "drop.h5", "drop.h5"}), HasSubstr("name one or two files"));
   EXPECT_THAT(error({"drop.h5", "--serve"}), HasSubstr("--serve edits one scenario file"));
   EXPECT_THAT(error({"drop.cdb", "--serve", "-o", "a.html"}), HasSubstr("-o is for a page in a"));
