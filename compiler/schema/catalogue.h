@@ -25,7 +25,7 @@ constexpr KnownErrors operator|(KnownErrors a, KnownErrors b) {
   return static_cast<KnownErrors>(static_cast<std::uint8_t>(a) | static_cast<std::uint8_t>(b));
 }
 
-/// A row of detector_table.h.
+/// A row of catalogue_table.h.
 struct DetectorInfo {
   std::string_view name;
   std::string_view doc;

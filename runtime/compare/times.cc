@@ -15,7 +15,7 @@ namespace {
 
 using measure::Phase;
 
-/// The number of fastest repeats that count: see cycle_times.h.
+/// The number of fastest repeats that count: see runtime/figures/times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
   return figures::FastestOf(std::min(a.file.begun_repeats(), b.file.begun_repeats()));
 }

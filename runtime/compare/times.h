@@ -1,5 +1,5 @@
-// The run times of two results files: the statistic of cycle_times.h at each matched point and in
-// each phase, and its ratio b / a (`cdb compare`).
+// The run times of two results files: the statistic of runtime/figures/times.h at each matched
+// point and in each phase, and its ratio b / a (`cdb compare`).
 #pragma once
 
 #include <optional>

@@ -1,7 +1,7 @@
 // The conclusions of a sweep, in sentences: the best configuration for each purpose, its margin,
 // the certainty, and any faults. They are chosen by what the file sweeps.
 //
-// A difference is clear if the 95 % interval of the ratio (cycle_times.h) excludes 1, and a tie if
+// A difference is clear if the 95 % interval of the ratio (times.h) excludes 1, and a tie if
 // it does not. With too few repeats for an interval, it is unknown.
 #pragma once
 

@@ -32,7 +32,7 @@ NamedValues FindValues(const plan::Axis& axis, const std::string& text);
 std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& indices);
 std::string ValuesText(const plan::Axis& axis);
 
-/// Each of `selections` is `axis=value`, `axis=a,b` or `axis=a..b` (axis_values.h). Throws
+/// Each of `selections` is `axis=value`, `axis=a,b` or `axis=a..b` (FindValues). Throws
 /// StoreError that names the axes of the file, or the values of the axis.
 void SelectPart(store::ResultFile& file, const std::vector<std::string>& selections);
 

@@ -156,7 +156,7 @@ double PercentileOf(std::vector<double>& values, double p) {
   return std::lerp(*low, *high, place - std::floor(place));
 }
 
-/// Limits times far from `typical`, the time of each cycle (cycle_times.h).
+/// Limits times far from `typical`, the time of each cycle (times.h).
 void Winsorise(SortedCycles& cycles, const std::vector<double>& typical) {
   std::vector<double> distances;
   distances.reserve(cycles.time_count());
