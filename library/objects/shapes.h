@@ -12,6 +12,7 @@
 //                             points, equal to those of the support points to the bit
 //   BoxCentre                 optional: height of its box's centre above the centre of mass
 //   InnerRadius, OuterRadius  of the balls about the centre of mass inside and around it
+//   LeastRadiusOfCurvature    optional: of a surface without edges or corners
 //   Contains                  whether a point is inside
 //   KindOf                    its kind for detectors; with flat faces, kHull will do
 //   Faces, Profiles           its surface with extents of 1: flat faces, or profiles to turn about

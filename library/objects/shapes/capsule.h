@@ -8,6 +8,7 @@
 
 #include "compiler/schema/catalogue_table.h"
 #include "library/detectors/detector.h"
+#include "library/objects/shapes/ellipsoid.h"
 #include "library/objects/shapes/support.h"
 #include "library/objects/shapes/triangles.h"
 
@@ -55,6 +56,10 @@ struct Capsule {
     const double cosine = cap * straight / (across * across - cap * cap);
     if (!(across > cap) || cosine >= 1) return half.y();
     return std::hypot(across * std::sqrt(1 - cosine * cosine), straight + cap * cosine);
+  }
+  static double LeastRadiusOfCurvature(const Eigen::Vector3d& sides) {
+    return Ellipsoid::LeastRadiusOfCurvature(
+        {sides.x(), sides.y() - 2 * StraightHalf(sides), sides.z()});
   }
   static bool Contains(const Eigen::Vector3d& sides, const Eigen::Vector3d& point) {
     const Eigen::Vector3d half = sides / 2;

@@ -26,6 +26,10 @@ struct Ellipsoid {
   }
   static double InnerRadius(const Eigen::Vector3d& sides) { return (sides / 2).minCoeff(); }
   static double OuterRadius(const Eigen::Vector3d& sides) { return (sides / 2).maxCoeff(); }
+  static double LeastRadiusOfCurvature(const Eigen::Vector3d& sides) {
+    const double least = sides.minCoeff() / 2, most = sides.maxCoeff() / 2;
+    return least == most ? most : least / most * least;
+  }
   static bool Contains(const Eigen::Vector3d& sides, const Eigen::Vector3d& point) {
     return point.cwiseQuotient(sides / 2).squaredNorm() <= 1;
   }

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 objects::Solid Ball(double size) { return {objects::Shape::kEllipsoid, Vector3d::Constant(size)}; }
-objects::Pose At(double x, double y, double z) { return {Vector3d(x, y, z)}; }
+objects::Pose PoseAt(double x, double y, double z) { return {Vector3d(x, y, z)}; }
 
 /// The displacement along `normal` that separates a from b, for any shapes.
 double MoveAlong(const Vector3d& normal, const objects::Solid& a, const objects::Pose& pose_a,
@@ -90,10 +90,10 @@ TEST(ExactContact, IsTheOtherWayRoundForTheOtherOrder) {
 }
 
 TEST(ExactContact, OfBallsIsTheirReachLessTheirDistance) {
-  const auto exact = objects::ExactContact(Ball(2), At(0, 1.5, 0), Ball(4), objects::Pose());
+  const auto exact = objects::ExactContact(Ball(2), PoseAt(0, 1.5, 0), Ball(4), objects::Pose());
   EXPECT_DOUBLE_EQ(exact->depth, 1.5);
   EXPECT_EQ(exact->normal, Vector3d::UnitY());
-  EXPECT_DOUBLE_EQ(objects::ExactContact(Ball(2), At(0, 0, 7), Ball(4), objects::Pose())->depth,
+  EXPECT_DOUBLE_EQ(objects::ExactContact(Ball(2), PoseAt(0, 0, 7), Ball(4), objects::Pose())->depth,
                    -4);
   const auto same = objects::ExactContact(Ball(2), objects::Pose(), Ball(4), objects::Pose());
   EXPECT_DOUBLE_EQ(same->depth, 3);
@@ -102,19 +102,19 @@ TEST(ExactContact, OfBallsIsTheirReachLessTheirDistance) {
 
 TEST(ExactContact, OfABallInACuboidIsToTheNearestFace) {
   const objects::Solid cuboid{objects::Shape::kCuboid, {8, 4, 6}};
-  const auto exact = objects::ExactContact(Ball(1), At(3.5, -1, 0), cuboid, objects::Pose());
+  const auto exact = objects::ExactContact(Ball(1), PoseAt(3.5, -1, 0), cuboid, objects::Pose());
   EXPECT_DOUBLE_EQ(exact->depth, 1);
   EXPECT_EQ(exact->normal, Vector3d::UnitX());
   EXPECT_DOUBLE_EQ(exact->next_depth, 1.5);
   // At a corner, and separated.
-  const auto corner = objects::ExactContact(Ball(1), At(5, 3, 4), cuboid, objects::Pose());
+  const auto corner = objects::ExactContact(Ball(1), PoseAt(5, 3, 4), cuboid, objects::Pose());
   EXPECT_DOUBLE_EQ(corner->depth, 0.5 - std::sqrt(3));
   EXPECT_NEAR((corner->normal - Vector3d::Ones() / std::sqrt(3)).norm(), 0, 1e-15);
 }
 
 TEST(ExactContact, OfAStackedBoxHasOneNormalThoughTwoFacesSayIt) {
   const objects::Solid box{objects::Shape::kCuboid, Vector3d::Constant(10)};
-  const auto exact = objects::ExactContact(box, At(1, 9.5, 2), box, objects::Pose());
+  const auto exact = objects::ExactContact(box, PoseAt(1, 9.5, 2), box, objects::Pose());
   EXPECT_DOUBLE_EQ(exact->depth, 0.5);
   EXPECT_EQ(exact->normal, Vector3d::UnitY());
   EXPECT_DOUBLE_EQ(exact->next_depth, 8);
@@ -124,7 +124,7 @@ TEST(ExactContact, OfEdgesAcrossIsAlongTheirProduct) {
   // Each box stands on an edge, one along x and the other along z.
   const objects::Solid box{objects::Shape::kCuboid, Vector3d::Constant(2)};
   const double turn = std::numbers::pi / 4, height = 2 * std::sqrt(2.0);
-  objects::Pose a = At(0, height - 0.25, 0), b;
+  objects::Pose a = PoseAt(0, height - 0.25, 0), b;
   a.orientation = Eigen::AngleAxisd(turn, Vector3d::UnitX());
   b.orientation = Eigen::AngleAxisd(turn, Vector3d::UnitZ());
   const auto exact = objects::ExactContact(box, a, box, b);
@@ -163,7 +163,8 @@ TEST(ExactContact, IsNotToldOfOtherPairs) {
   const objects::Solid egg{objects::Shape::kEllipsoid, {1, 2, 1}};
   EXPECT_FALSE(objects::ExactContact(cuboid, objects::Pose(), cone, objects::Pose()));
   EXPECT_FALSE(objects::ExactContact(egg, objects::Pose(), Ball(1), objects::Pose()));
-  EXPECT_FALSE(objects::ExactContact(cuboid, objects::Pose(), cuboid, At(1.5, 0, 0))) << "apart";
+  EXPECT_FALSE(objects::ExactContact(cuboid, objects::Pose(), cuboid, PoseAt(1.5, 0, 0)))
+      << "apart";
   EXPECT_FALSE(objects::ExactContact(Torus(), objects::Pose(), Vector3d::UnitY(), 0));
 }
 

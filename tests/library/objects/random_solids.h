@@ -10,14 +10,19 @@
 
 namespace cdb::tests {
 
-/// A torus, approximated by a polyhedron: 4 wide and 1 high, with a hole 2 wide along y.
+/// A torus, approximated by a polyhedron: 4 wide and 1 high, with a hole 2 wide along y. Made once,
+/// because assessing its hulls takes time.
 inline objects::Solid Torus() {
-  const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
-  const auto form = std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
-      "ring", mesh, meshes::MassPropertiesOf(mesh), meshes::TorusHulls(1.5, 0.5, 8)));
-  objects::Solid solid{objects::Shape::kCompound, {4, 1, 4}};
-  solid.compound = std::make_shared<const objects::Compound>(form, solid.sides);
-  return solid;
+  static const objects::Solid torus = [] {
+    const meshes::Mesh mesh = meshes::TorusMesh(1.5, 0.5, 32, meshes::kTorusCorners);
+    const auto form =
+        std::make_shared<const objects::ConvexDecomposition>(objects::MakeDecomposition(
+            "ring", mesh, meshes::MassPropertiesOf(mesh), meshes::TorusHulls(1.5, 0.5, 8)));
+    objects::Solid solid{objects::Shape::kCompound, {4, 1, 4}};
+    solid.compound = std::make_shared<const objects::Compound>(form, solid.sides);
+    return solid;
+  }();
+  return torus;
 }
 
 inline Eigen::Vector3d RandomDirection(distributions::Stream& stream) {
