@@ -41,7 +41,8 @@ bool DecidesSeedsOrPlugins(const schema::Parameter& parameter,
            std::holds_alternative<Eigen::Vector3d>(value) ||
            std::holds_alternative<schema::Ratio>(value);
   };
-  return parameter.name == "seed" || !std::ranges::all_of(values, is_plain);
+  return &parameter == schema::WorldParameter("seed").get() ||
+         !std::ranges::all_of(values, is_plain);
 }
 
 }  // namespace

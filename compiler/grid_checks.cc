@@ -34,15 +34,18 @@ void GridChecks::Check() {
 /// depend on every axis.
 grid::AxisSet GridChecks::AxesOfPlacement() const {
   grid::AxisSet axes;
+  constexpr schema::WorldParameter kClosedForm = "accuracy.closed_form", kSeed = "seed",
+                                   kSide = "world.side", kTrace = "trace";
   bool has_closed_form = false;
   for (const grid::Block& block : grid_.blocks) {
-    const schema::Parameter& form = *schema::WorldParameter("accuracy.closed_form");
-    has_closed_form = has_closed_form || !block.base.world.Has(form) ||
-                      block.base.world.WordOr("accuracy.closed_form") != "none";
-    for (const grid::VaryingSetting& setting : block.varying)
-      if (setting.parameter->grouped || setting.parameter->name == "seed" ||
-          setting.parameter->name == "world.side" || setting.parameter->name == "trace")
+    has_closed_form = has_closed_form || block.base.world.WordOr("accuracy.closed_form") != "none";
+    for (const grid::VaryingSetting& setting : block.varying) {
+      const schema::Parameter* parameter = setting.parameter;
+      has_closed_form = has_closed_form || parameter == kClosedForm.get();
+      if (parameter->grouped || parameter == kSeed.get() || parameter == kSide.get() ||
+          parameter == kTrace.get())
         axes = grid::Union(axes, setting.by.axes());
+    }
   }
   return has_closed_form ? grid::AllAxes(grid_.head.axes.size()) : axes;
 }

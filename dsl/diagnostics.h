@@ -20,6 +20,8 @@ enum class Severity { kError, kWarning };
 struct DiagnosticKind {
   std::string_view code;  ///< stable, `E0201`, or `W0201` for a warning: `cdb explain E0201`
   std::string_view id;    ///< in words, shown after the code: `[E0201 unknown-name]`
+  /// An expression with this fault is wrong wherever it is used.
+  bool is_of_expression = false;
   constexpr Severity severity() const {
     return code.starts_with('W') ? Severity::kWarning : Severity::kError;
   }

@@ -27,6 +27,7 @@ CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/y
 EXTERNAL = [
     (r"(hdf5|H5.*)\.h$", ("runtime/store/hdf5/",)),
     (r"^zlib", ("runtime/store/hdf5/",)),
+    (r"^sqlite3", ("runtime/store/journal/journal.cc",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
     (r"^fcl/", ("library/detectors/third_party/fcl/",)),

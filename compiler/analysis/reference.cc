@@ -44,8 +44,7 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
 template <bool kGrouped>
 bool StretchSchedules(plan::SettingsOf<kGrouped>& settings, double from_s, double to_s) {
   for (const schema::Parameter& parameter : schema::Schema()) {
-    if (parameter.grouped != kGrouped || !parameter.TakesCall("every") || !settings.Has(parameter))
-      continue;
+    if (parameter.grouped != kGrouped || !parameter.TakesCall("every")) continue;
     const schema::Call* call = schema::AsCall(settings.ValueOf(parameter));
     if (call == nullptr || call->name != "every") continue;
     const auto& cycles = std::get<schema::Number>(schema::ArgumentOf(*call, "cycles"));
@@ -140,34 +139,21 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   CDB_CHECK(sampling);
   plan::Scene reference = scene;
   reference.role = plan::Role::kReference;
-  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
-    reference.world.Set(parameter, std::move(value));
-  };
   const auto& world = scene.world;
   const double timestep = world.Real("accuracy.reference.timestep");
   const auto steps = WholeSteps(sampling->interval_s, timestep);
   CDB_CHECK(steps);
-  set("timestep", timestep);
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (parameter.grouped) continue;
+    if (parameter.IsIgnoredBy(schema::Parameter::kReference)) reference.world.EraseValue(parameter);
+    if (parameter.of_reference.empty()) continue;
+    const schema::Value& value = world.ValueOf(parameter);
+    if (value != schema::Value(schema::Word{"same"}))
+      reference.world.SetValue(*schema::FindParameter(parameter.of_reference, false), value);
+  }
   // Up to the last sample of any run that uses this reference.
-  set("cycles", (sampling->count - 1) * *steps);
-  set("warmup", std::uint64_t{0});
-  set("precision", world.Get("accuracy.reference.precision"));
-  set("detector", world.Get("accuracy.reference.detector"));
-  // The reference's own detector also finds the contacts.
-  set("narrow_phase", schema::Word{"own"});
-  set("pair_order", schema::Word{"listed"});
-  set("threads", std::uint64_t{1});
-  set("solver.iterations", world.Get("accuracy.reference.iterations"));
-  if (world.WordOr("accuracy.reference.contact") != "same")
-    set("contact", world.Get("accuracy.reference.contact"));
-  // A setting without effect on the reference must not change its id.
-  set("accuracy.reference.contact", schema::Word{"same"});
-  set("accuracy.metrics", schema::WordList{"none"});
-  set("omit", schema::WordList{"auto"});
-  set("record", schema::WordList{});
-  set("repeats", std::uint64_t{1});
-  set("timeout", schema::Word{"none"});
-  set("memory", schema::Word{"none"});
+  reference.world.Set("cycles", (sampling->count - 1) * *steps);
+  reference.world.Set("record", schema::WordList{});
   bool whole = StretchSchedules(reference.world, world.Real("timestep"), timestep);
   for (plan::Group& group : reference.groups)
     whole = StretchSchedules(group.settings, world.Real("timestep"), timestep) && whole;

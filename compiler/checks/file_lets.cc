@@ -62,14 +62,6 @@ class NameCollector {
   std::set<std::string> groups_;
 };
 
-bool IsFaultAnywhere(const dsl::DiagnosticKind& kind) {
-  return &kind == &scenario::kCircular || &kind == &scenario::kNotFinite ||
-         &kind == &scenario::kBadRange || &kind == &scenario::kOutOfDomain ||
-         &kind == &scenario::kBadArguments || &kind == &scenario::kMisplacedSweep ||
-         &kind == &scenario::kNoSuchFile || &kind == &scenario::kWrongUnit ||
-         &kind == &scenario::kContradiction;
-}
-
 }  // namespace
 
 void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnostics) {
@@ -95,7 +87,7 @@ void CheckFileLets(const scenario::Scenario& scenario, dsl::Diagnostics& diagnos
     if (is_unused) ReportUnusedSweep(*let, diagnostics);
     for (; seen < found.all().size(); ++seen) {
       const dsl::Diagnostic& fault = found.all()[seen];
-      if (is_unused || IsFaultAnywhere(*fault.kind))
+      if (is_unused || fault.kind->is_of_expression)
         diagnostics.Report(*fault.kind, fault.span, fault.message, fault.help, fault.notes);
     }
   }

@@ -18,10 +18,9 @@ struct MotionFault {
 
 /// Bullet's treatment of a margin differs from shape to shape.
 std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
-  const schema::Value& given = group.settings.Get("margin");
   // The default means no margin here.
-  if (schema::ToText(given) == (*schema::GroupParameter("margin")).default_text)
-    return std::nullopt;
+  if (!group.settings.Has(*schema::GroupParameter("margin"))) return std::nullopt;
+  const schema::Value& given = group.settings.Get("margin");
   return MotionFault{"margin",
                      fmt::format("a surface has no margin, and that of {} is {}", group.name,
                                  schema::ToText(given)),

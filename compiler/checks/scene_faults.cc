@@ -24,7 +24,7 @@ std::string PlacementKey(const plan::Scene& scene) {
   std::string key = schema::ToText(scene.world.Get("world.side"));
   for (const plan::Group& group : scene.groups) {
     key += "\n" + group.name;
-    for (const auto& [name, value] : group.settings) key += "\n" + schema::ToText(value);
+    for (const auto& [name, value] : group.settings) key += "\n" + plan::CanonicalLine(name, value);
   }
   for (const auto& [name, seed] : scene.seeds) key += fmt::format("\n{} {}", name, seed);
   return key;
@@ -35,7 +35,7 @@ bool NamesClosedForm(const plan::Scene& scene) {
 }
 
 std::string DefaultSizeText() {
-  return fmt::format("{} {}", GroupParameter("size").get()->default_text,
+  return fmt::format("{} {}", GroupParameter("size").get()->DefaultText(),
                      GroupParameter("size").get()->unit);
 }
 

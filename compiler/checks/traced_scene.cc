@@ -11,17 +11,14 @@
 namespace cdb::checks {
 namespace {
 
-constexpr schema::WorldParameter kMeaningful[] = {
-    "trace", "detector", "threads", "repeats", "warmup", "cycles", "timeout", "memory", "record"};
-
 bool IsMeaningful(const schema::Parameter& parameter) {
-  return std::ranges::find(kMeaningful, &parameter, &schema::WorldParameter::get) !=
-         std::end(kMeaningful);
+  return !parameter.IsIgnoredBy(schema::Parameter::kTrace);
 }
 
 std::string MeaningfulNames() {
   std::vector<std::string_view> names;
-  for (const schema::WorldParameter parameter : kMeaningful) names.push_back(parameter.name());
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (IsMeaningful(parameter)) names.push_back(parameter.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

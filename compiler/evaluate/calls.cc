@@ -67,7 +67,7 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
   for (std::size_t i = 0; i < info.arguments.size(); ++i) {
     const schema::Parameter& parameter = info.arguments[i];
     if (given[i] == nullptr) {
-      if (parameter.default_text.empty()) {
+      if (parameter.DefaultText().empty()) {
         missing.push_back(parameter.name);
       } else {
         call.arguments.push_back(schema::DefaultOf(parameter));

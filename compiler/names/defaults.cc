@@ -18,7 +18,7 @@ struct Defaults {
 Defaults ParseDefaults() {
   std::string text = "benchmark defaults {\n";
   for (const schema::Parameter& parameter : schema::Schema())
-    text += "  " + parameter.FullName() + " " + std::string(parameter.default_text) + "\n";
+    text += "  " + parameter.FullName() + " " + std::string(parameter.DefaultText()) + "\n";
   text += "}\n";
   dsl::Diagnostics diagnostics;
   Defaults defaults;

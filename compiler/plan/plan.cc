@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "compiler/plan/coordinates.h"
 #include "compiler/plan/sha256.h"
@@ -15,14 +16,12 @@ namespace {
 
 std::string CanonicalText(const Settings& settings) {
   std::string text;
-  for (const auto& [name, value] : settings)
-    if (!IsLeftOutOfPlans(name, value)) text += fmt::format("{} {}\n", name, schema::ToText(value));
+  for (const auto& [name, value] : settings) text += CanonicalLine(name, value);
   return text;
 }
 
 std::string CanonicalText(const Scene& scene) {
-  std::string text = CanonicalText(scene.world);
-  if (scene.role != Role::kMeasured) text += fmt::format("role {}\n", RoleName(scene.role));
+  std::string text = CanonicalText(scene.world) + CanonicalLine(scene.role);
   for (const Group& group : scene.groups)
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
   return text + CanonicalTail(scene);
@@ -33,6 +32,14 @@ std::string CanonicalText(const Scene& scene) {
 std::string CoordinateText(const Coordinate& coordinate) {
   if (const auto* number = std::get_if<double>(&coordinate)) return schema::FormatReal(*number);
   return std::get<std::string>(coordinate);
+}
+
+std::string CanonicalLine(std::string_view name, const schema::Value& value) {
+  return fmt::format("{} {}\n", name, schema::ToText(value));
+}
+
+std::string CanonicalLine(Role role) {
+  return role == Role::kMeasured ? "" : fmt::format("role {}\n", RoleName(role));
 }
 
 std::string CanonicalTail(const Scene& scene) {
@@ -88,8 +95,8 @@ bool Axis::IsInteger() const {
   });
 }
 
-std::string RunIdOf(std::uint64_t rep, std::string_view canonical) {
-  return Sha256Hex(fmt::format("plan {}\nrep {}\n{}", kPlanVersion, rep, canonical)).substr(0, 16);
+std::string RunIdOf(std::uint64_t rep, std::string_view canonical, int version) {
+  return Sha256Hex(fmt::format("plan {}\nrep {}\n{}", version, rep, canonical)).substr(0, 16);
 }
 
 std::string RunId(const Scene& scene, std::uint64_t rep) {
@@ -108,7 +115,7 @@ void Plan::ForEachSkipped(const WholePlan::VisitPoint& visit) const {
 
 std::string Plan::Sha256() const {
   if (whole) return whole->sha256;
-  std::string text = fmt::format("plan {}\n{}\nrepeats {}\n", kPlanVersion, benchmark, repeats);
+  std::string text = fmt::format("plan {}\n{}\nrepeats {}\n", version, benchmark, repeats);
   for (const Axis& axis : axes) {
     text += fmt::format("axis {} {} {}", axis.name, axis.parameter, axis.unit);
     for (const Coordinate& value : axis.values) text += "\t" + CoordinateText(value);
@@ -118,6 +125,11 @@ std::string Plan::Sha256() const {
     text += fmt::format("run {} {} {}\n", run.id, fmt::join(run.at, " "), run.rep);
   for (const auto& point : skipped) text += fmt::format("skip {}\n", fmt::join(point, " "));
   return Sha256Hex(text);
+}
+
+void Plan::Renew() {
+  if (std::exchange(version, kPlanVersion) == kPlanVersion) return;
+  for (Run& run : runs) run.id = RunId(run.scene, run.rep);
 }
 
 std::uint64_t Plan::MaxCycles() const {

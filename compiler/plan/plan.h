@@ -18,8 +18,12 @@
 
 namespace cdb::plan {
 
-/// Incremented with every change of the plan format. Part of every run's id.
-inline constexpr int kPlanVersion = 5;
+/// Incremented with every change of the plan format, but not for a new parameter or a changed
+/// default (schema::Parameter). Part of every run's id.
+inline constexpr int kPlanVersion = 6;
+/// The oldest format that is still read. Format 5 listed every parameter, and its ids were hashes
+/// of all of them.
+inline constexpr int kOldestPlanVersion = 5;
 
 /// One `objects` group of a run.
 struct Group {
@@ -106,11 +110,12 @@ struct WholePlan {
 };
 
 struct Plan {
-  std::string benchmark;      ///< its name, which determines that of the result file
-  std::string title;          ///< the text after the name; may be empty
-  std::string source;         ///< the scenario file, as the user named it
-  std::string scenario_text;  ///< the text of this file, and of the files it uses
-  std::vector<Axis> axes;     ///< the first varies slowest; may be empty (one run)
+  int version = kPlanVersion;  ///< of the format of its ids
+  std::string benchmark;       ///< its name, which determines that of the result file
+  std::string title;           ///< the text after the name; may be empty
+  std::string source;          ///< the scenario file, as the user named it
+  std::string scenario_text;   ///< the text of this file, and of the files it uses
+  std::vector<Axis> axes;      ///< the first varies slowest; may be empty (one run)
   std::uint64_t repeats = 1;
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
@@ -129,6 +134,8 @@ struct Plan {
   /// 64 hex digits, a hash of axes, repeats, runs and skipped points, which determine the results;
   /// title, source and text are excluded. That of `whole` if there is one.
   std::string Sha256() const;
+  /// Gives a plan that was read from an earlier format the ids of this one.
+  void Renew();
   /// The maximum of cycles, or objects, of any run: the extent of `cycle`, or `body`, in the
   /// results.
   std::uint64_t MaxCycles() const;
@@ -140,9 +147,13 @@ struct Plan {
 
 /// 16 hex digits for a run; see Run::id.
 std::string RunId(const Scene& scene, std::uint64_t rep);
-/// The same, from the text that is hashed: the settings of the scene, one per line, followed by its
-/// CanonicalTail.
-std::string RunIdOf(std::uint64_t rep, std::string_view canonical);
+/// The same, from the text that is hashed: the CanonicalLines of world, role and groups, followed
+/// by the CanonicalTail.
+std::string RunIdOf(std::uint64_t rep, std::string_view canonical, int version = kPlanVersion);
+/// `timestep 0.01`, a line.
+std::string CanonicalLine(std::string_view name, const schema::Value& value);
+/// `role reference`, a line; empty for a measured run.
+std::string CanonicalLine(Role role);
 /// The lines of seeds and plug-ins.
 std::string CanonicalTail(const Scene& scene);
 

@@ -44,9 +44,10 @@ class ReadRecorder {
 };
 
 /// Values by the name of the parameter without its group: `timestep`, `world.side`; in a group
-/// `quantity`, `size`. For parameters known only at run time; code that names a parameter uses
-/// SettingsOf. Copies share equal values, as the scenes of a sweep differ in few. Threads: one for
-/// an object and its copies.
+/// `quantity`, `size`. Holds only those that differ from ValueIfAbsent, as plans and the ids of
+/// runs do; every other parameter has that value. For parameters known only at run time; code that
+/// names a parameter uses SettingsOf. Copies share equal values, as the scenes of a sweep differ in
+/// few. Threads: one for an object and its copies.
 class Settings {
   struct Entry {
     const schema::Parameter* parameter;
@@ -74,7 +75,8 @@ class Settings {
     const Entry* at_;
   };
 
-  /// In the order of their names. Counts as a read of every parameter, of the world and of groups.
+  /// Those held, in the order of their names. Counts as a read of every parameter, of the world and
+  /// of groups.
   Iterator begin() const {
     NoteReads(false);
     NoteReads(true);
@@ -83,10 +85,15 @@ class Settings {
   Iterator end() const { return Iterator(table().data() + table().size()); }
   std::size_t size() const { return table().size(); }
 
-  bool Has(const schema::Parameter& parameter) const { return Find(parameter) != nullptr; }
-  /// The value, which must be there (CDB_CHECK).
+  /// True if it is held: it differs from ValueIfAbsent, or has none.
+  bool Has(const schema::Parameter& parameter) const {
+    NoteRead(parameter);
+    return Find(parameter) != nullptr;
+  }
+  /// A parameter without a ValueIfAbsent must be held (CDB_CHECK).
   const schema::Value& ValueOf(const schema::Parameter& parameter) const;
   void SetValue(const schema::Parameter& parameter, schema::Value value);
+  /// Restores the ValueIfAbsent.
   void EraseValue(const schema::Parameter& parameter);
 
   bool operator==(const Settings& other) const;
@@ -104,16 +111,13 @@ class Settings {
   std::shared_ptr<Table> table_;  ///< by name; null: empty; modified through OwnTable
 };
 
-/// True for a brief parameter at its default, which plans omit. So plans of earlier versions, and
-/// the ids of their runs, stay the same.
-bool IsLeftOutOfPlans(std::string_view name, const schema::Value& value);
-/// The default of a brief parameter.
-schema::Value BriefDefault(const schema::Parameter& parameter);
+/// The value that settings without the parameter have: its first default. Null if that is an
+/// expression of other parameters.
+const schema::Value* ValueIfAbsent(const schema::Parameter& parameter);
 
-/// The settings of the world, or of a group. Complete: a parameter not set in the file has the
-/// schema's default. A parameter of the other kind, an unknown one or one of another type is a
-/// compile error. A missing value or, if the parameter has several types, one of another type is an
-/// internal error (CDB_CHECK).
+/// The settings of the world, or of a group. A parameter of the other kind, an unknown one or one
+/// of another type is a compile error. If the parameter has several types, a value of another type
+/// is an internal error (CDB_CHECK).
 template <bool kGrouped>
 class SettingsOf : public Settings {
  public:

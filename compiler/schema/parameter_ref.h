@@ -20,6 +20,9 @@ enum class ValueKind {
   kWords,  ///< a list
   kVector,
   kDrawn,  ///< constants and distributions
+  /// A number or a switch drawn for each object. The size and the mass are not: they go with the
+  /// solid, which has three sizes and whose volume may give the mass.
+  kDrawnNumber,
 };
 
 constexpr bool MayBe(const Parameter& parameter, ValueKind kind) {
@@ -41,6 +44,9 @@ constexpr bool MayBe(const Parameter& parameter, ValueKind kind) {
       return parameter.type == ParameterType::kVector;
     case ValueKind::kDrawn:
       return parameter.distribution;
+    case ValueKind::kDrawnNumber:
+      return parameter.grouped && parameter.distribution && parameter.calls.empty() &&
+             (parameter.type == ParameterType::kReal || parameter.type == ParameterType::kSwitch);
   }
   return false;
 }
@@ -70,6 +76,7 @@ class ParameterRef {
   constexpr const Parameter* get() const { return &kParameters[row_]; }
   constexpr const Parameter& operator*() const { return kParameters[row_]; }
   constexpr std::string_view name() const { return kParameters[row_].name; }
+  constexpr std::size_t row() const { return row_; }
 
  private:
   template <bool, ValueKind>

@@ -18,7 +18,7 @@ constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
 
 struct ArgumentOptions {
-  std::string_view default_text = {};
+  std::string_view first_default = {};
   std::string_view words = {};
   bool distribution = false;
 };
@@ -32,19 +32,19 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.domain = domain;
   parameter.distribution = options.distribution;
   parameter.unit = unit;
-  parameter.default_text = options.default_text;
+  parameter.first_default = options.first_default;
   parameter.words = options.words;
   parameter.doc = doc;
   return parameter;
 }
 
-constexpr ArgumentOptions kFit = {.default_text = "fit", .words = "fit"};
+constexpr ArgumentOptions kFit = {.first_default = "fit", .words = "fit"};
 
 // clang-format off
 constexpr Parameter kGrid[] = {
     Argument("spacing", kReal, kPositive, "m", "between centres; fit distributes them over the cube", kFit)};
 constexpr Parameter kStack[] = {
-    Argument("height", kCount, kCountFromOne, "", "objects in a column; all puts them into one column", {.default_text = "all", .words = "all"}),
+    Argument("height", kCount, kCountFromOne, "", "objects in a column; all puts them into one column", {.first_default = "all", .words = "all"}),
     Argument("gap", kReal, kNotNegative, "m", "between surfaces; 0 lets them touch; fit is a thousandth of the larger object's height", kFit),
     Argument("spacing", kReal, kPositive, "m", "between the columns' centres; fit is 1.5 times the widest object", kFit)};
 constexpr Parameter kPyramid[] = {
@@ -55,7 +55,7 @@ constexpr Parameter kRing[] = {
     Argument("radius", kReal, kPositive, "m", "of the centres; fit leaves a tenth of the largest extent between neighbours", kFit)};
 constexpr Parameter kLine[] = {
     Argument("gap", kReal, kAny, "m", "between surfaces along the line; fit is a tenth of the largest extent", kFit),
-    Argument("along", kVector, kNotZero, "", "direction from the first to the last; down is (0, -1, 0)", {.default_text = "down", .words = "down"})};
+    Argument("along", kVector, kNotZero, "", "direction from the first to the last; down is (0, -1, 0)", {.first_default = "down", .words = "down"})};
 constexpr Parameter kAt[] = {
     Argument("x", kReal, kAny, "m", "of the centre of mass"),
     Argument("y", kReal, kAny, "m", "of the centre of mass"),
@@ -64,24 +64,24 @@ constexpr Parameter kPair[] = {
     Argument("distance", kReal, kNotNegative, "m", "between the surfaces; 0 lets them touch")};
 constexpr Parameter kPoses[] = {
     Argument("file", kText, kAny, "", "CSV or HDF5, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; a different file is refused", {.default_text = "any", .words = "any"}),
-    Argument("cycle", kCount, kCountFromZero, "", "for a results file: the cycle after which the poses are taken", {.default_text = "last", .words = "last"}),
-    Argument("run", kText, kAny, "", "for a results file: the run, such as \"detector=dbvt, quantity=100\"; only requires that the file has a single run", {.default_text = "only", .words = "only"}),
-    Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.default_text = "all", .words = "all"})};
+    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("cycle", kCount, kCountFromZero, "", "for a results file: the cycle after which the poses are taken", {.first_default = "last", .words = "last"}),
+    Argument("run", kText, kAny, "", "for a results file: the run, such as \"detector=dbvt, quantity=100\"; only requires that the file has a single run", {.first_default = "only", .words = "only"}),
+    Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.first_default = "all", .words = "all"})};
 constexpr Parameter kPath[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
-    Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.default_text = "stay", .words = "stay repeat"})};
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"})};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"})};
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"})};
 constexpr Parameter kHeights[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: each line is a row of heights along x; the lines follow each other along z"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.default_text = "any", .words = "any"}),
-    Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is 1", {.default_text = "unit", .words = "unit"})};
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is 1", {.first_default = "unit", .words = "unit"})};
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.default_text = "any", .words = "any"})};
+    Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.first_default = "any", .words = "any"})};
 constexpr Parameter kEvery[] = {
     Argument("cycles", kCount, kCountFromOne, "", "cycles between draws"),
     Argument("value", kVector, kAny, kParametersUnit, "a vector, or a distribution, drawn each time", {.distribution = true})};
@@ -130,13 +130,13 @@ const ParametrisedWord* FindParametrisedWord(std::string_view name) {
 std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info) {
   std::vector<std::string_view> names;
   for (const Parameter& argument : info.arguments)
-    if (argument.default_text.empty()) names.push_back(argument.name);
+    if (argument.first_default.empty()) names.push_back(argument.name);
   return names;
 }
 
 Value DefaultOf(const Parameter& argument) {
-  CDB_CHECK(argument.HasWord(argument.default_text));
-  return Word{std::string(argument.default_text)};
+  CDB_CHECK(argument.HasWord(argument.first_default));
+  return Word{std::string(argument.first_default)};
 }
 
 std::optional<Call> WithDefaults(const ParametrisedWord& info) {

@@ -50,21 +50,49 @@ struct Domain {
   std::string Text() const;
 };
 
+/// What a parameter determines.
+enum class Concern {
+  kScene,        ///< what is simulated
+  kMethod,       ///< how it is simulated, and for how long
+  kMeasurement,  ///< how a run is executed and measured, on the same scene
+};
+
+/// A row. Absence of a parameter from a plan means its first default, and ids of runs are hashes of
+/// what differs from it. So a new row changes no plan and no id, and a row's `first_default` never
+/// changes: another default goes into `later_default`, and plans then state it.
 struct Parameter {
-  std::string_view name;  ///< without its group: `world.side`; `size`
-  bool grouped = false;   ///< one for each `objects` group
+  /// Scenes that are made from the scene of a run.
+  enum DerivedScene : unsigned {
+    kPile = 1,       ///< settles the piles of the run (compiler/yaml/pile.h)
+    kReference = 2,  ///< the reference run (compiler/analysis/reference.h)
+    kTrace = 4,      ///< the run on recorded boxes (compiler/checks/traced_scene.h)
+  };
+
+  std::string_view name = {};  ///< without its group: `world.side`; `size`
+  bool grouped = false;        ///< one for each `objects` group
   ParameterType type = ParameterType::kReal;
-  Domain domain;
-  bool distribution = false;      ///< may be drawn (for each object; for the world, once)
-  std::string_view unit;          ///< SI, empty if it has none
-  std::string_view default_text;  ///< as written in `.cdb`
-  std::string_view words;         ///< space-separated words it also takes
+  Domain domain = {};
+  bool distribution = false;            ///< may be drawn (for each object; for the world, once)
+  std::string_view unit = {};           ///< SI, empty if it has none
+  std::string_view first_default = {};  ///< as written in `.cdb`; see above
+  std::string_view later_default = {};  ///< if it is no longer the first one
+  std::string_view words = {};          ///< space-separated words it also takes
   WordSource word_source = WordSource::kOwn;
-  std::string_view doc;         ///< one line
+  std::string_view doc = {};    ///< one line
   std::string_view also = {};   ///< space-separated names often tried first, for suggestions
   std::string_view calls = {};  ///< space-separated words that take arguments: parametrised_words.h
-  bool is_brief = false;        ///< plans omit it at its default
+  double number_of_word = 0;    ///< that a word stands for, if numbers are drawn: fixed is 0 kg
+  Concern concern = Concern::kScene;
+  unsigned ignored_by = kTrace;            ///< DerivedScenes in which it has its default instead
+  bool closed_forms_need_default = false;  ///< other values: the scene has no closed form
+  /// The parameter of the world whose value in the reference run this is, unless it is `same`.
+  std::string_view of_reference = {};
 
+  /// As written in `.cdb`.
+  std::string_view DefaultText() const {
+    return later_default.empty() ? first_default : later_default;
+  }
+  bool IsIgnoredBy(DerivedScene scene) const { return (ignored_by & scene) != 0; }
   /// `objects.size`, `timestep`.
   std::string FullName() const;
   /// Every word it takes, including those of the catalogue and of `plugins`.

@@ -56,9 +56,9 @@ std::string CallText(const Call& call) {
   for (std::size_t i = 0; i < call.arguments.size(); ++i) {
     const Parameter& argument = info->arguments[i];
     const std::string value = ToText(call.arguments[i]);
-    if (value == argument.default_text) continue;
+    if (value == argument.DefaultText()) continue;
     if (!text.empty()) text += ", ";
-    if (!argument.default_text.empty()) text += fmt::format("{}: ", argument.name);
+    if (!argument.DefaultText().empty()) text += fmt::format("{}: ", argument.name);
     text += value;
   }
   return text.empty() ? call.name : fmt::format("{}({})", call.name, text);

@@ -12,7 +12,7 @@ bool HasPile(const plan::Group& group);
 bool HasPile(const plan::Scene& scene);
 
 /// The scene in which its piles settle: in double precision, with a fixed detector and solver,
-/// recording nothing. The time step is that of `scene`.
+/// recording nothing. What piles ignore is at its default (schema::Parameter::ignored_by).
 plan::Scene SettlingScene(const plan::Scene& scene);
 
 /// Everything that determines the piles of a scene, as text: scenes with the same text have the

@@ -1,6 +1,7 @@
 // The plan as a YAML document: the output of `cdb plan -o` and the input of a worker.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,13 +19,17 @@ class PlanError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reading the text back gives an equal plan: reals are written so that they round-trip, seeds in
-/// hexadecimal.
+/// Only what differs from the defaults (plan::Settings). Reading the text back gives an equal plan:
+/// reals are written so that they round-trip, seeds in hexadecimal.
 std::string ToYaml(const plan::Plan& plan);
 
-/// `name` is for messages. Throws PlanError for a document of another version, a wrong type, an
-/// unknown parameter, or a run whose id does not match its contents.
+/// `name` is for messages. Formats from kOldestPlanVersion are read, and their ids kept
+/// (Plan::Renew). Throws PlanError for a document of another one, a wrong type, an unknown
+/// parameter, or a run whose id does not match its contents.
 plan::Plan FromYaml(const std::string& text, const std::string& name);
+
+/// The format of a plan, in either form, without reading all of it; nullopt for other texts.
+std::optional<int> FindPlanVersion(std::string_view yaml);
 
 /// A single run, as passed to a worker. Same form as an entry of the plan's `runs`.
 std::string RunToYaml(const plan::Run& run);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -269,38 +270,48 @@ class PlanReader : public ValueReader {
  public:
   using ValueReader::ValueReader;
 
+  /// Appends the settings as they are listed to `canonical`.
   template <bool kGrouped>
   plan::SettingsOf<kGrouped> ReadSettings(
-      const YAML::Node& map, std::span<const schema::PluginDetector> plugins = {}) const {
+      const YAML::Node& map, std::string& canonical,
+      std::span<const schema::PluginDetector> plugins = {}) const {
     if (!map.IsMap()) Fail(map.Mark(), "a map of settings should be here");
     plan::SettingsOf<kGrouped> settings;
+    std::map<std::string_view, std::string> lines;
     for (const auto& entry : map) {
       const std::string& key = Text(entry.first);
       if (kGrouped && key == "name") continue;
       const schema::Parameter* parameter = schema::FindParameter(key, kGrouped);
       if (parameter == nullptr)
         Fail(entry.first.Mark(), fmt::format("this version has no parameter `{}`", key));
-      settings.SetValue(*parameter, ReadValue(entry.second, *parameter, plugins));
+      schema::Value value = ReadValue(entry.second, *parameter, plugins);
+      lines[parameter->name] = plan::CanonicalLine(parameter->name, value);
+      settings.SetValue(*parameter, std::move(value));
     }
     for (const schema::Parameter& parameter : schema::Schema())
-      if (parameter.grouped == kGrouped && !settings.Has(parameter) && parameter.is_brief)
-        settings.SetValue(parameter, plan::BriefDefault(parameter));
-    for (const schema::Parameter& parameter : schema::Schema())
-      if (parameter.grouped == kGrouped && !settings.Has(parameter))
+      if (parameter.grouped == kGrouped && !settings.Has(parameter) &&
+          plan::ValueIfAbsent(parameter) == nullptr)
         Fail(map.Mark(), fmt::format("`{}` is missing", parameter.name));
+    for (const auto& [name, line] : lines) canonical += line;
     return settings;
   }
 
-  plan::Run ReadRun(const YAML::Node& node) const {
+  /// `version`: of the plan.
+  plan::Run ReadRun(const YAML::Node& node, int version = plan::kPlanVersion) const {
     plan::Run run;
     run.id = Text(Member(node, "id"));
     run.at = Indices(Member(node, "at"));
     run.rep = Count(Member(node, "rep"));
     if (node["role"]) run.scene.role = ReadRole(node["role"]);
     if (node["plugins"]) run.scene.plugins = ReadPlugins(node["plugins"]);
-    run.scene.world = ReadSettings<false>(Member(node, "world"), run.scene.plugins);
-    for (const YAML::Node& group : Member(node, "groups"))
-      run.scene.groups.push_back({Name(Member(group, "name")), ReadSettings<true>(group)});
+    std::string canonical;
+    run.scene.world = ReadSettings<false>(Member(node, "world"), canonical, run.scene.plugins);
+    canonical += plan::CanonicalLine(run.scene.role);
+    for (const YAML::Node& group : Member(node, "groups")) {
+      const std::string name = Name(Member(group, "name"));
+      canonical += "group " + name + "\n";
+      run.scene.groups.push_back({name, ReadSettings<true>(group, canonical)});
+    }
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
     if (analysis::Collisions(run.scene).ClassCount() > analysis::kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
@@ -310,7 +321,11 @@ class PlanReader : public ValueReader {
     for (const schema::PluginDetector& plugin : run.scene.plugins)
       if (!run.scene.Uses(plugin.name))
         Fail(node.Mark(), fmt::format("the run lists `{}` and does not use it", plugin.name));
-    const std::string id = plan::RunId(run.scene, run.rep);
+    // In format 5, the id is a hash of everything that is listed.
+    const std::string id =
+        version == plan::kPlanVersion
+            ? plan::RunId(run.scene, run.rep)
+            : plan::RunIdOf(run.rep, canonical + plan::CanonicalTail(run.scene), version);
     if (run.id != id)
       Fail(node.Mark(), fmt::format("the run `{}` was changed by hand (its contents make `{}`); "
                                     "write the change into the .cdb file and plan again",
@@ -370,15 +385,17 @@ class PlanReader : public ValueReader {
     if (!root.IsMap() || !root[std::string(kPlanFormat)])
       throw PlanError(
           fmt::format("{}: this is no cdb plan; `cdb plan FILE.cdb -o` writes one", name_));
-    CheckPlanVersion(Count(root[std::string(kPlanFormat)]), name_);
+    const std::uint64_t version = Count(root[std::string(kPlanFormat)]);
+    CheckPlanVersion(version, plan::kOldestPlanVersion, name_);
     plan::Plan plan;
+    plan.version = static_cast<int>(version);
     plan.benchmark = Name(Member(root, "benchmark"));
     plan.title = Text(Member(root, "title"));
     plan.source = Text(Member(root, "source"));
     plan.repeats = Count(Member(root, "repeats"));
     for (const YAML::Node& axis : Member(root, "axes")) plan.axes.push_back(ReadAxis(axis));
     for (const YAML::Node& run : Member(root, "runs")) {
-      plan.runs.push_back(ReadRun(run));
+      plan.runs.push_back(ReadRun(run, plan.version));
       CheckPlace(run, plan, plan.runs.back().at);
       if (plan.runs.back().rep >= plan.repeats) Fail(run.Mark(), "`rep` is past `repeats`");
       if (plan.runs.back().scene.role != plan::Role::kMeasured)

@@ -32,8 +32,8 @@ std::string ToYaml(const ShortPlan& plan) {
   return std::string(out.c_str()) + "\n";
 }
 
-void CheckPlanVersion(std::uint64_t version, const std::string& name) {
-  if (version != plan::kPlanVersion)
+void CheckPlanVersion(std::uint64_t version, int oldest, const std::string& name) {
+  if (version < static_cast<std::uint64_t>(oldest) || version > plan::kPlanVersion)
     throw PlanError(
         fmt::format("{}: a plan of format {}, this cdb reads format {}; plan again from the .cdb "
                     "file",
@@ -46,7 +46,9 @@ std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::strin
   if (text.substr(0, 400).find(key) == std::string::npos) return std::nullopt;
   try {
     const YAML::Node root = YAML::Load(text);
-    CheckPlanVersion(root[std::string(kShortPlanFormat)].as<std::uint64_t>(), name);
+    // Its hash is of the plan that is compiled from it, in the same format.
+    CheckPlanVersion(root[std::string(kShortPlanFormat)].as<std::uint64_t>(), plan::kPlanVersion,
+                     name);
     ShortPlan plan;
     plan.benchmark = root["benchmark"].as<std::string>();
     if (!text::IsPlainName(plan.benchmark))

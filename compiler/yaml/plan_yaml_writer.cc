@@ -158,12 +158,11 @@ bool RunText::Update(const plan::Settings& settings, std::string_view indent, Li
   bool is_changed = false;
   std::size_t i = 0;
   for (const auto& [name, value] : settings) {
-    if (plan::IsLeftOutOfPlans(name, value)) continue;
     if (i == lines.size()) lines.emplace_back();
     Line& line = lines[i++];
     if (line.name == name && schema::IsIdentical(line.value, value) && !line.yaml.empty()) continue;
     const std::string yaml = SettingYaml(name, value);
-    line = {std::string(name), value, fmt::format("{} {}\n", name, schema::ToText(value)), {}};
+    line = {std::string(name), value, plan::CanonicalLine(name, value), {}};
     AppendIndented(yaml, indent_ + std::string(indent), line.yaml);
     is_changed = true;
   }
@@ -200,12 +199,12 @@ void RunText::Join(const plan::Scene& scene) {
   yaml_.clear();
   const auto add = [this](std::string_view line) { AppendIndented(line, indent_, yaml_); };
   if (role_ != plan::Role::kMeasured) add(fmt::format("role: {}\n", plan::RoleName(role_)));
-  add("world:\n");
+  add(world_.empty() ? "world:\n  {}\n" : "world:\n");
   for (const Line& line : world_) {
     canonical_ += line.canonical;
     yaml_ += line.yaml;
   }
-  if (role_ != plan::Role::kMeasured) canonical_ += fmt::format("role {}\n", plan::RoleName(role_));
+  canonical_ += plan::CanonicalLine(role_);
   add("groups:\n");
   for (const GroupLines& group : groups_) {
     canonical_ += "group " + group.name + "\n";
@@ -246,7 +245,9 @@ std::string RunText::YamlOf(const plan::Run& run) {
 PlanWriter::PlanWriter(const plan::Plan& head, std::function<void(std::string_view)> write)
     : head_(head), write_(std::move(write)) {
   YAML::Emitter out;
-  out << YAML::Comment("A cdb plan: every run of a benchmark. `cdb run` executes it as it is.");
+  out << YAML::Comment(
+      "A cdb plan: every run of a benchmark, with the settings that differ from their defaults. "
+      "`cdb run` executes it as it is.");
   out << YAML::BeginMap;
   out << YAML::Key << std::string(kPlanFormat) << YAML::Value << plan::kPlanVersion;
   out << YAML::Key << "benchmark" << YAML::Value << YAML::DoubleQuoted << head.benchmark;

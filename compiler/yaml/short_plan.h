@@ -32,7 +32,8 @@ std::string ToYaml(const ShortPlan& plan);
 /// a short plan of another version or a damaged one; `name` is for messages.
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name);
 
-/// Throws PlanError if the plan `name`, in either form, has a format other than kPlanVersion.
-void CheckPlanVersion(std::uint64_t version, const std::string& name);
+/// Throws PlanError if the format of the plan `name`, in either form, is not one from `oldest` to
+/// kPlanVersion.
+void CheckPlanVersion(std::uint64_t version, int oldest, const std::string& name);
 
 }  // namespace cdb::yaml

@@ -50,8 +50,7 @@ constexpr std::string_view kFollowed =
 void RequireDefault(const schema::Parameter& parameter, const plan::Settings& settings) {
   if (schema::ListsWord(kFollowed, parameter.name) || !settings.Has(parameter)) return;
   const std::string text = schema::ToText(settings.ValueOf(parameter));
-  if (text != parameter.default_text && !(parameter.name == "omit" && text == "none"))
-    Refuse(parameter.FullName() + " " + text);
+  if (parameter.name != "omit" || text != "none") Refuse(parameter.FullName() + " " + text);
 }
 
 void RefuseWhatItCannotDo(const plan::Scene& scene) {
@@ -185,10 +184,10 @@ class World {
     for (int i = 0; i < count; ++i) {
       points[i].surface = {};
       points[i].surface.mode = dContactApprox1;
-      points[i].surface.mu = (first ? first->friction : library::kWallFriction) *
-                             (second ? second->friction : library::kWallFriction);
-      const double bounce = (first ? first->restitution : library::kWallRestitution) *
-                            (second ? second->restitution : library::kWallRestitution);
+      points[i].surface.mu = (first ? first->numbers["friction"] : library::kWallFriction) *
+                             (second ? second->numbers["friction"] : library::kWallFriction);
+      const double bounce = (first ? first->numbers["restitution"] : library::kWallRestitution) *
+                            (second ? second->numbers["restitution"] : library::kWallRestitution);
       if (bounce > 0) points[i].surface.mode |= dContactBounce;
       points[i].surface.bounce = bounce;
       dJointAttach(dJointCreateContact(world_, contact_joints_, &points[i]), dGeomGetBody(a),

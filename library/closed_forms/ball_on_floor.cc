@@ -109,7 +109,7 @@ std::unique_ptr<BallOnFloor> MakeBallOnFloor(const Fit& fit, const Vector3d& alo
   const layouts::ObjectState& ball = fit.object(0);
   const double radius = ball.solid.sides.x() / 2;
   fit.RequireStanding(0, ball.pose.position.y() - radius - fit.WallAt(-1), 2 * radius);
-  const double grip = ball.friction * library::kWallFriction * fit.Pressing();
+  const double grip = ball.numbers["friction"] * library::kWallFriction * fit.Pressing();
   auto form = std::make_unique<BallOnFloor>(fit, along, grip);
   objects::Box reach{Vector3d::Constant(-radius), Vector3d::Constant(radius)};
   reach.lower.y() = reach.upper.y() = 0;  // it stands on the floor
@@ -125,7 +125,7 @@ std::unique_ptr<BallOnFloor> MakeBallOnFloor(const Fit& fit, const Vector3d& alo
 void RequireRollingBall(const Fit& fit) {
   fit.RequireOneObject();
   fit.RequireBall(0);
-  if (fit.object(0).rolling_friction != 0)
+  if (fit.object(0).numbers["rolling_friction"] != 0)
     fit.Refuse(fit.Name(0) + " has rolling friction", "make its rolling_friction 0");
 }
 
@@ -148,7 +148,7 @@ std::unique_ptr<ClosedForm> MakeBowl(const Fit& fit) {
   const layouts::ObjectState& ball = fit.object(0);
   if (ball.angular_velocity.y() != 0)
     fit.Refuse(fit.Name(0) + " spins about the vertical", "make the y of its angular_velocity 0");
-  if (!(ball.friction > 0))
+  if (!(ball.numbers["friction"] > 0))
     fit.Refuse("the ball never comes to roll", "make its friction more than 0");
   auto form = MakeBallOnFloor(fit, Vector3d::Zero());
   if (form->slips_for() > fit.end())

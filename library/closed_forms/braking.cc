@@ -58,7 +58,7 @@ std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit) {
   const double height = box.solid.sides[upright];
   fit.RequireStanding(0, box.pose.position.y() - height / 2 - fit.WallAt(-1), height);
   fit.RequireLevelVelocity(0);
-  const double friction = box.friction * library::kWallFriction;
+  const double friction = box.numbers["friction"] * library::kWallFriction;
   if (!(friction > 0)) fit.Refuse("nothing stops the box", "make its friction more than 0");
   // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = friction * height / 2 * box.linear_velocity.normalized();

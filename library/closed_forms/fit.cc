@@ -7,6 +7,7 @@
 
 #include "compiler/analysis/collisions.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -43,14 +44,16 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
   for (const plan::Group& group : scene.groups)
     if (group.HasLinks() && !IsOfLinks(form))
       Refuse(fmt::format("the {} are linked", group.name), "make links.type none");
-  for (std::size_t i = 0; i < size(); ++i) {
+  for (const plan::Group& group : scene.groups)
+    for (const schema::Parameter& parameter : schema::Schema())
+      if (parameter.closed_forms_need_default && group.settings.Count("quantity") > 0 &&
+          group.settings.Has(parameter))
+        Refuse(fmt::format("{}.{} is {}", group.name, parameter.name,
+                           schema::LabelOf(group.settings.ValueOf(parameter))),
+               fmt::format("make it {}", parameter.first_default));
+  for (std::size_t i = 0; i < size(); ++i)
     if (object(i).IsFixed())
       Refuse(Name(i) + (object(i).is_kinematic ? " is kinematic" : " is fixed"), "give it a mass");
-    if (object(i).linear_damping != 0 || object(i).angular_damping != 0)
-      Refuse(Name(i) + " is damped", "make linear_damping and angular_damping 0");
-    if (std::isfinite(object(i).contact_stiffness))
-      Refuse(Name(i) + " has soft contacts", "make contact_stiffness rigid");
-  }
 }
 
 void Fit::Refuse(const std::string& what, const std::string& remedy) const {

@@ -23,8 +23,9 @@ inline constexpr double kBallInertia = 0.4;  ///< I/(m r²)
 /// Scene and state must outlive it. SI units.
 class Fit {
  public:
-  /// Checks the requirements common to all forms: objects, none fixed, none damped, no schedules,
-  /// rigid contacts, and links only in forms of linked objects.
+  /// Checks the requirements common to all forms: objects, none fixed, no schedules, links only in
+  /// forms of linked objects, and the defaults of parameters that no form takes into account
+  /// (schema::Parameter::closed_forms_need_default).
   Fit(std::string_view form, const plan::Scene& scene, const layouts::InitialState& state);
 
   /// Reports that `what` violates the form; `remedy` would fix it.

@@ -18,7 +18,7 @@ class HeadOn : public ClosedForm {
     const layouts::ObjectState &a = objects_[0], &b = objects_[1];
     const double mass = a.mass + b.mass;
     const Vector3d common = (a.mass * a.linear_velocity + b.mass * b.linear_velocity) / mass;
-    const double restitution = a.restitution * b.restitution;
+    const double restitution = a.numbers["restitution"] * b.numbers["restitution"];
     after_ = {common + restitution * (common - a.linear_velocity),
               common + restitution * (common - b.linear_velocity)};
     const double closing = (b.linear_velocity - a.linear_velocity).norm();

@@ -80,7 +80,7 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
   for (std::size_t i = 0; i < fit.size(); ++i) {
     fit.RequireNoSpin(i);
     fit.RequireNoVelocity(i);
-    if (fit.object(i).rolling_friction != 0)
+    if (fit.object(i).numbers["rolling_friction"] != 0)
       fit.Refuse(fit.Name(i) + " has rolling friction", "make its rolling_friction 0");
     if (fit.object(i).solid.shape != objects::Shape::kCuboid) continue;
     if (plate < fit.size()) fit.Refuse("there are two cuboids", "it is of one, on balls");
@@ -134,7 +134,7 @@ struct PlateOnBalls {
     fit.RequireBall(i);
     const layouts::ObjectState& object = fit.object(i);
     if (object.solid.sides != ball.solid.sides || object.mass != ball.mass ||
-        object.friction != ball.friction)
+        object.numbers["friction"] != ball.numbers["friction"])
       fit.Refuse(fit.Name(i) + " is not like the other balls",
                  "give all one size, mass and friction");
   }
@@ -162,8 +162,9 @@ struct PlateOnBalls {
     const double on_plate = plate.mass * held.norm();
     const double on_floor =
         (balls() * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
-    const double above = plate.friction * ball.friction * plate.mass * fit.Pressing();
-    const double below = ball.friction * library::kWallFriction *
+    const double above =
+        plate.numbers["friction"] * ball.numbers["friction"] * plate.mass * fit.Pressing();
+    const double below = ball.numbers["friction"] * library::kWallFriction *
                          (plate.mass + balls() * ball.mass) * fit.Pressing();
     if (on_plate > above || on_floor > below)
       fit.Refuse(

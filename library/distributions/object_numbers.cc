@@ -28,7 +28,8 @@ const schema::Formula* FormulaIn(const schema::Value& value) {
 ObjectNumbers::ObjectNumbers(const plan::Scene& scene, const plan::Group& group) : group_(group) {
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped || !parameter.distribution ||
-        parameter.type != schema::ParameterType::kReal)
+        (parameter.type != schema::ParameterType::kReal &&
+         parameter.type != schema::ParameterType::kSwitch))
       continue;
     const schema::Value& value = group.settings.ValueOf(parameter);
     settings_.push_back({&parameter, Draw(scene, &group, parameter), FormulaIn(value),
@@ -64,15 +65,8 @@ Eigen::Vector3d ObjectNumbers::Sides() {
   return *sides_;
 }
 
-double ObjectNumbers::Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
-  const auto number = Find(parameter);
-  CDB_CHECK(number.has_value());
-  return *number;
-}
-
-std::string_view ObjectNumbers::Word(
-    schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
-  Setting& setting = SettingOf(parameter.name());
+std::string_view ObjectNumbers::Word(const schema::Parameter& parameter) {
+  Setting& setting = SettingOf(parameter.name);
   Find(setting);
   return setting.word;
 }
@@ -93,6 +87,8 @@ std::optional<double> ObjectNumbers::Make(Setting& setting) {
   setting.word = {};
   if (setting.formula != nullptr) {
     number = Evaluated(setting);
+  } else if (setting.parameter->type == schema::ParameterType::kSwitch) {
+    number = setting.draw.On() ? 1 : 0;
   } else if (setting.parameter->words.empty()) {
     number = setting.draw.Real();
   } else {

@@ -27,13 +27,13 @@ class ObjectNumbers {
   Eigen::Vector3d Sides();
   /// m^3; must be set before a mass is computed from a density.
   void SetVolume(double volume) { volume_ = volume; }
-  /// Empty if a word was drawn (`mass fixed`, `contact_stiffness rigid`). Not for the size.
-  std::optional<double> Find(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter) {
-    return Find(SettingOf(parameter.name()));
+  /// For a parameter of the group that draws numbers or switches (0 or 1), but not the size. Empty
+  /// if a word was drawn (`mass fixed`, `contact_stiffness rigid`).
+  std::optional<double> Find(const schema::Parameter& parameter) {
+    return Find(SettingOf(parameter.name));
   }
-  double Real(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
   /// Empty if a number was drawn. Valid for the lifetime of the scene.
-  std::string_view Word(schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter);
+  std::string_view Word(const schema::Parameter& parameter);
 
  private:
   enum class State { kUnknown, kActive, kKnown };

@@ -86,7 +86,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     return distributions::Draw(scene, group, parameter);
   };
   const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
-  distributions::Draw type = draw("type"), orientation = draw("orientation"), ccd = draw("ccd");
+  distributions::Draw type = draw("type"), orientation = draw("orientation");
   distributions::Draw linear_velocity = draw("linear_velocity"),
                       angular_velocity = draw("angular_velocity");
   distributions::ObjectNumbers numbers(scene, group);
@@ -98,22 +98,15 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     const schema::Value& chosen = type.Choice();
     object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, group.name);
     numbers.SetVolume(object.solid.Volume());
-    object.mass = numbers.Find("mass").value_or(0);  // the word is `fixed` or `kinematic`
-    object.is_kinematic = numbers.Word("mass") == analysis::kKinematicWord;
+    const schema::Parameter& mass = *schema::GroupParameter("mass");
+    object.mass = numbers.Find(mass).value_or(mass.number_of_word);
+    object.is_kinematic = numbers.Word(mass) == analysis::kKinematicWord;
     object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
-    object.friction = numbers.Real("friction");
-    object.rolling_friction = numbers.Real("rolling_friction");
-    object.restitution = numbers.Real("restitution");
-    object.linear_damping = numbers.Real("linear_damping");
-    object.angular_damping = numbers.Real("angular_damping");
-    object.margin = numbers.Real("margin");
-    object.ccd = ccd.On();
-    // The word is `rigid`.
-    object.contact_stiffness =
-        numbers.Find("contact_stiffness").value_or(std::numeric_limits<double>::infinity());
-    object.contact_damping = numbers.Real("contact_damping");
+    object.numbers.ForEach([&](const schema::Parameter& parameter, double& number) {
+      number = numbers.Find(parameter).value_or(parameter.number_of_word);
+    });
   }
   TakeTable(group, std::span(objects).last(quantity));
   TakePath(group, std::span(objects).last(quantity));

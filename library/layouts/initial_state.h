@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -13,6 +13,42 @@
 
 namespace cdb::layouts {
 
+/// For each row of the schema, how many rows before it are drawn numbers; last, how many there are.
+inline constexpr auto kNumberSlots = [] {
+  std::array<std::size_t, schema::kParameters.size() + 1> slots = {};
+  for (std::size_t row = 0; row < schema::kParameters.size(); ++row)
+    slots[row + 1] =
+        slots[row] +
+        (schema::MayBe(schema::kParameters[row], schema::ValueKind::kDrawnNumber) ? 1 : 0);
+  return slots;
+}();
+
+/// The numbers drawn for an object, by parameter: `numbers["friction"]`. A misspelt one is a
+/// compile error. A word is the number that its row gives; a switch is 0 or 1. SI units.
+class DrawnNumbers {
+ public:
+  using Parameter = schema::ParameterRef<true, schema::ValueKind::kDrawnNumber>;
+
+  /// 0, or the numbers of words: rigid contacts.
+  DrawnNumbers() {
+    ForEach([](const schema::Parameter& row, double& number) { number = row.number_of_word; });
+  }
+
+  double& operator[](Parameter parameter) { return values_[kNumberSlots[parameter.row()]]; }
+  double operator[](Parameter parameter) const { return values_[kNumberSlots[parameter.row()]]; }
+  bool On(Parameter parameter) const { return (*this)[parameter] != 0; }
+  /// Calls `visit` with the row and the number of each.
+  template <typename Visit>
+  void ForEach(Visit visit) {
+    for (std::size_t row = 0; row < schema::kParameters.size(); ++row)
+      if (kNumberSlots[row] != kNumberSlots[row + 1])
+        visit(schema::kParameters[row], values_[kNumberSlots[row]]);
+  }
+
+ private:
+  std::array<double, kNumberSlots.back()> values_;
+};
+
 /// One object. SI units.
 struct ObjectState {
   std::size_t group = 0;  ///< index into Scene::groups
@@ -21,15 +57,7 @@ struct ObjectState {
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
   double mass = 1;  ///< 0 if the object is fixed or kinematic
-  double friction = 0;
-  double rolling_friction = 0;
-  double restitution = 0;
-  double linear_damping = 0;
-  double angular_damping = 0;
-  double margin = 0;
-  double contact_stiffness = std::numeric_limits<double>::infinity();  ///< infinite: rigid
-  double contact_damping = 0;
-  bool ccd = false;
+  DrawnNumbers numbers;
   /// It follows its velocities or its path, whatever it touches.
   bool is_kinematic = false;
   std::shared_ptr<const Path> path = nullptr;  ///< of a kinematic object; null: none

@@ -1,5 +1,5 @@
 // `cdb check`: reports the errors of scenario files without running them, and whether results
-// files, shards and traces are intact.
+// files, journals and traces are intact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,6 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/schedule/bounds.h"
-#include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -50,7 +49,7 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
 options::ExitStatus Check(const CheckArguments& arguments) {
   options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
-    if (name != "-" && (store::IsStored(name) || name.ends_with(".h5"))) {
+    if (name != "-" && IsStored(name)) {
       if (arguments.json)
         throw options::CommandError(fmt::format(
             "--json is for scenario files, and '{}' is none; check it without --json", name));
@@ -79,7 +78,7 @@ options::ExitStatus Check(const CheckArguments& arguments) {
 void DeclareCheck(options::Subcommand& command) {
   const auto arguments = std::make_shared<CheckArguments>();
   command.Required("FILE", arguments->files,
-                   "scenario files (- for standard input), results files, shards or traces");
+                   "scenario files (- for standard input), results files, journals or traces");
   command.Flag("--json", arguments->json,
                "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);

@@ -9,7 +9,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/figures/points.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "runtime/terminal/console.h"
@@ -87,13 +87,6 @@ void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
 options::ExitStatus CheckResults(const std::string& file) {
   const store::ResultFile results(file, store::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
-  if (results.is_shard()) {
-    shards::ReadShardInfo(file);  // refuses a truncated shard, as a merge does
-    terminal::Print(fmt::format("{}: {}: the shard of a run of plan {}; {}\n", file,
-                                State(results.has_digest()), plan_name,
-                                Proof(results.has_digest())));
-    return options::ExitStatus::kGood;
-  }
   const auto sized = PlanIn(results, file);
   if (sized) CompareWithPlan(results, sized->plan, file);
   const StatusCounts counts = CountCells(results);
@@ -119,10 +112,40 @@ options::ExitStatus CheckTraceFile(const std::string& file) {
   return options::ExitStatus::kGood;
 }
 
+/// Reads every run of a journal.
+void CheckJournal(const std::string& file) {
+  auto journal = journal::Journal::OpenToRead(file);
+  if (const std::string fault = journal.FindFault(); !fault.empty())
+    throw journal::DamagedJournal(file, fault);
+  std::uint64_t runs = 0;
+  journal.ForEachRun([&](const journal::Journal::Row& row) {
+    try {
+      const auto record = journal.ReadRow(row.number);
+      if (!record) return;  // by another process
+      journal::InfoOf(*record);
+    } catch (const hdf5::Error& error) {
+      throw journal::DamagedRun(file, row.run_id, error.what());
+    }
+    ++runs;
+  });
+  terminal::Print(fmt::format("{}: whole: a journal of {} finished run{} of plan {}; {}\n", file,
+                              runs, runs == 1 ? "" : "s", journal.plan_sha256().substr(0, 12),
+                              Proof(true)));
+}
+
 }  // namespace
+
+bool IsStored(const std::string& file) {
+  return store::IsStored(file) || journal::IsJournal(file) || file.ends_with(".h5") ||
+         file.ends_with(journal::kEnding);
+}
 
 options::ExitStatus CheckStored(const std::string& file) {
   try {
+    if (file.ends_with(journal::kEnding) || journal::IsJournal(file)) {
+      CheckJournal(file);
+      return options::ExitStatus::kGood;
+    }
     return store::ReadSchema(file) == store::kTraceSchema ? CheckTraceFile(file)
                                                           : CheckResults(file);
   } catch (const files::StoreError& error) {

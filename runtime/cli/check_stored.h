@@ -1,4 +1,4 @@
-// `cdb check` for files that cdb wrote: results files, shards and traces.
+// `cdb check` for files that cdb wrote: results files, journals and traces.
 #pragma once
 
 #include <string>
@@ -6,6 +6,9 @@
 #include "runtime/cli/options/exit_status.h"
 
 namespace cdb::cli {
+
+/// True if the file is one of them, or has the name of one.
+bool IsStored(const std::string& file);
 
 /// Reads every byte of `file`. Prints in one line whether it is as it was written, whether its runs
 /// are those of its plan, and how many are missing (kRuns). Damage is an error (kWorld).

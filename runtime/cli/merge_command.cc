@@ -1,4 +1,4 @@
-// `cdb merge`: makes a results file from the shards of a sweep.
+// `cdb merge`: makes a results file from the journals of a sweep.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@
 #include "runtime/printers/notes.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/store/files/local_disk.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
@@ -34,16 +34,16 @@ namespace fs = std::filesystem;
 
 struct MergeArguments {
   std::string out;
-  std::vector<std::string> shards;  ///< shards, or folders of them
-  std::uint64_t wait_s = 0;         ///< time to wait for missing shards
-  bool removes = false;             ///< remove the shards once all are merged
+  std::vector<std::string> journals;  ///< or folders of them
+  std::uint64_t wait_s = 0;           ///< time to wait for missing runs
+  bool removes = false;               ///< remove the folder once all are merged
 };
 
-/// The plans that lie beside the shards. A file is listed once.
-std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
+/// The plans that lie beside the journals. A file is listed once.
+std::vector<std::string> FindPlans(const std::vector<std::string>& places) {
   std::error_code error;
   std::vector<std::string> plans;
-  for (const std::string& place : shards) {
+  for (const std::string& place : places) {
     const fs::path folder =
         fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
     const std::string quick = (folder / schedule::kShortPlanName).string();
@@ -51,11 +51,7 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& shards) {
     if (fs::exists(beside, error) && std::ranges::find(plans, beside) == plans.end())
       plans.push_back(beside);
   }
-  if (!plans.empty()) return plans;
-  throw options::CommandError(
-      fmt::format("there is no plan.yaml in or beside '{}'; merge takes the folders that shards "
-                  "are in, as `cdb run` makes them",
-                  fmt::join(shards, "', '")));
+  return plans;
 }
 
 /// Reads a plan file. If this cdb, or its plug-ins, expand a short form to another plan, the list
@@ -81,15 +77,36 @@ plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
     if (other != text && ReadPlan(file, other).plan.Sha256() != sized.plan.Sha256())
       throw options::CommandError(
           fmt::format("'{}' and '{}' are two plans, and nothing was merged; a results file is of "
-                      "one plan: merge the shards of each by themselves",
+                      "one plan: merge the folders of each by themselves",
                       files[0], file));
   }
+  if (sized.plan.version != plan::kPlanVersion)
+    throw options::CommandError(fmt::format(
+        "'{}' is a plan of format {} of an earlier cdb, which named its runs differently: merge "
+        "the shards beside it with that cdb; this one reads the result",
+        files[0], sized.plan.version));
   return sized;
+}
+
+/// The plan of the journals. A `merge --remove` that was killed may have left a folder without one;
+/// the result has it then.
+plans::SizedPlan ReadPlanOf(const MergeArguments& arguments) {
+  const std::vector<std::string> files = FindPlans(arguments.journals);
+  if (!files.empty()) return ReadOnePlan(files);
+  std::error_code error;
+  if (arguments.removes && fs::is_directory(arguments.journals[0], error) &&
+      journal::JournalsIn(arguments.journals[0]).empty() && store::IsStored(arguments.out))
+    return plans::ReadSizedPlan(store::ResultFile(arguments.out).ReadProvenance("plan_text"),
+                                arguments.out);
+  throw options::CommandError(fmt::format(
+      "there is no plan.yaml in or beside '{}'; merge takes the folders that journals are in, as "
+      "`cdb run` makes them",
+      fmt::join(arguments.journals, "', '")));
 }
 
 /// Waits until `is_there` returns true or `seconds` have passed. A network file system may show a
 /// file of another node only after a while, and sooner if the folder is read.
-void WaitForShards(const std::function<bool()>& is_there, double seconds) {
+void WaitForRuns(const std::function<bool()>& is_there, double seconds) {
   constexpr auto kPause = std::chrono::milliseconds(500);
   const auto begin = std::chrono::steady_clock::now();
   while (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() <
@@ -106,13 +123,14 @@ void SayProcessors(const store::ResultFile& file) {
 }
 
 options::ExitStatus Merge(const MergeArguments& arguments) {
-  const plans::SizedPlan sized = ReadOnePlan(FindPlans(arguments.shards));
+  const plans::SizedPlan sized = ReadPlanOf(arguments);
   const plan::Plan& plan = sized.plan;
   plans::CheckIsOfPlan(arguments.out, plan);
-  const std::vector<fs::path> places(arguments.shards.begin(), arguments.shards.end());
+  const std::vector<fs::path> places(arguments.journals.begin(), arguments.journals.end());
+  for (const fs::path& place : places) schedule::RefuseShards(place);
   std::error_code error;
   if (arguments.removes && (places.size() != 1 || !fs::is_directory(places[0], error)))
-    throw options::CommandError("--remove goes with one folder of shards");
+    throw options::CommandError("--remove goes with one folder of journals");
   std::optional<plans::FolderLock> lock;
   if (arguments.removes) lock.emplace(places[0]);
   const bool is_retry = lock && !plans::FindStartedRetry(places[0]).is_empty();
@@ -120,10 +138,10 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
     return is_retry ? plans::CountNotRunAgain(plan, places[0], arguments.out) : 0;
   };
   const auto is_there = [&] {
-    return is_retry ? count_not_again() == 0 : shards::HasAllShards(plan, places);
+    return is_retry ? count_not_again() == 0 : journal::HasAllRuns(plan, places);
   };
   if (!std::ranges::all_of(places, files::IsOnLocalDisk))
-    WaitForShards(is_there, static_cast<double>(arguments.wait_s));
+    WaitForRuns(is_there, static_cast<double>(arguments.wait_s));
   const std::size_t not_again = count_not_again();
   plans::MergeOnto(plan, places, arguments.out);
   const store::ResultFile file(arguments.out);
@@ -132,20 +150,19 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
   terminal::Say(fmt::format(
       "{} of {} runs in '{}'{}{}\n", plan.RunCount() - missing, plan.RunCount(), arguments.out,
       not_again > 0 ? fmt::format(", {} of them still to be run again", not_again) : "",
-      removes ? "" : "; the shards are left where they are"));
+      removes ? "" : "; the journals are left where they are"));
   SayProcessors(file);
-  if (removes) plans::RemoveMergedShards(plan, places[0], *lock, /*is_quiet=*/false);
+  if (removes) plans::RemoveMergedRuns(plan, places[0], *lock, /*is_quiet=*/false);
   return options::ExitStatus::kGood;
 }
 
 void DeclareMerge(options::Subcommand& command) {
   const auto arguments = std::make_shared<MergeArguments>();
   command.Required("-o,--out", arguments->out, "results file");
-  command.Required("SHARDS", arguments->shards, "folders of shards, or shards");
+  command.Required("RUNS", arguments->journals, "folders of unfinished sweeps, or journals");
   command.Count("--wait", arguments->wait_s,
-                "seconds to wait for missing shards, which a network file system may show late");
-  command.Flag("--remove", arguments->removes,
-               "remove the folder of shards once all of them are merged");
+                "seconds to wait for missing runs, which a network file system may show late");
+  command.Flag("--remove", arguments->removes, "remove the folder once all runs are merged");
   command.Action([arguments] { return Merge(*arguments); });
 }
 
@@ -153,7 +170,7 @@ void DeclareMerge(options::Subcommand& command) {
 
 options::Command MergeCommand() {
   return {.name = "merge",
-          .help = "merge shards into a results file, even if some are missing",
+          .help = "merge finished runs into a results file, even if some are missing",
           .declare = DeclareMerge};
 }
 

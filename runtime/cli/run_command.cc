@@ -224,7 +224,7 @@ void DeclareRun(options::Subcommand& command) {
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
-  command.Fresh(arguments->fresh, "discard results and shards and start over");
+  command.Fresh(arguments->fresh, "discard results and finished runs and start over");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
   command.Action([arguments] { return Run(*arguments); });

@@ -30,7 +30,7 @@
 #include "runtime/schedule/order.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress_bar.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
@@ -109,12 +109,12 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
   return std::min(wanted, most);
 }
 
-/// The tasks with a run that is not in `kept` (which may be null) and that lacks an intact shard
-/// itself or for one of its references.
+/// The tasks with a run that is not in `kept` (which may be null) and that has not finished, or one
+/// of its references has not.
 std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks,
                                        const plans::KeptRuns* kept, bool is_quiet) {
   const plan::Plan& plan = target.plan();
-  const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
+  schedule::SweepFolder folder(plan, target.shards, schedule::SweepStart::kResume);
   std::vector<std::uint64_t> missing;
   if (plan.whole) {
     if (kept == nullptr) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
@@ -165,8 +165,7 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
 /// Refuses a folder that a stopped `cdb run --fresh` has left: it keeps its state there and works
 /// on one machine only.
 void RefuseOtherWork(const Target& target) {
-  std::error_code error;
-  if (fs::exists(plans::FreshMark(target.shards), error))
+  if (!journal::FindRequest(target.shards, journal::kFresh).empty())
     throw options::CommandError(
         fmt::format("'{}' holds what a stopped `cdb run --fresh` has done; let `cdb run` end it "
                     "first, or remove the folder",
@@ -305,15 +304,16 @@ class Submitter {
     if (!retry.is_empty()) {
       kept.emplace(target.out, retry);
       // The tasks read it.
-      files::WriteWhole(retry.Text(), target.shards / schedule::kRetryMarkName);
+      journal::Ask(target.shards, plan.Sha256(), journal::kRetry, retry.Text());
     }
     sweep.missing = FindMissing(target, tasks, kept ? &*kept : nullptr, arguments_.quiet);
-    const schedule::ShardFolder folder(plan, target.shards, /*fresh=*/false);
-    folder.WritePlan(plan);
-    if (!plan.whole && !target.sized.short_text.empty()) {
-      folder.WriteShortPlan(target.sized.short_text);
-      sweep.files.plan.replace_filename(schedule::kShortPlanName);
+    const bool is_short = !plan.whole && !target.sized.short_text.empty();
+    {
+      const schedule::SweepFolder folder(plan, target.shards, schedule::SweepStart::kResume);
+      folder.WritePlan(plan);
+      if (is_short) folder.WriteShortPlan(target.sized.short_text);
     }
+    if (is_short) sweep.files.plan.replace_filename(schedule::kShortPlanName);
     if (sweep.missing.empty()) return std::nullopt;
     const std::string array = cluster::Submit(cluster::ArrayJob(sweep, arguments_.job));
     cluster::Submission made = {plan.Sha256(), tasks, array, array};
@@ -350,14 +350,14 @@ class Submitter {
     if (!plans::IsThereAlready(target.out, plan) || is_retried) {
       std::error_code error;
       const bool has_result = fs::exists(target.out, error);
-      if (!plans::HasShards(target.shards)) {
+      if (!plans::HasRuns(target.shards)) {
         SayMissing(target, submission,
                    has_result ? std::max(not_again,
                                          plans::CountMissing(store::ResultFile(target.out), plan))
                               : plan.RunCount());
         return options::ExitStatus::kWorld;
       }
-      // Shards that the merge job has merged, if it ran, and any that came later.
+      // Runs that the merge job has merged, if it ran, and any that came later.
       plans::MergeOnto(plan, {target.shards}, target.out);
       const std::size_t missing =
           std::max(not_again, plans::CountMissing(store::ResultFile(target.out), plan));
@@ -367,7 +367,7 @@ class Submitter {
                         options::ExitStatus::kWorld);
       }
     }
-    plans::RemoveMergedShards(plan, target.shards, lock, /*is_quiet=*/true);
+    plans::RemoveMergedRuns(plan, target.shards, lock, /*is_quiet=*/true);
     return plans::ShowResult(target.out, arguments_.quiet);
   }
 

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
-#include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "runtime/cluster/slurm.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/store/shards/shards.h"
-#include "runtime/store/store.h"
+#include "runtime/store/journal/journals.h"
 
 namespace cdb::cluster {
 namespace {
@@ -40,14 +39,14 @@ class Watch {
  public:
   Watch(const plan::Plan& plan, const fs::path& shards, const Submission& submission,
         const schedule::ProgressOutput& output, bool is_quiet)
-      : shards_(plan, shards), submission_(submission), bar_(output), is_quiet_(is_quiet) {
-    shards_.Update();
-    begin_ended_ = told_ = shards_.ended();
+      : runs_(plan, shards), submission_(submission), bar_(output), is_quiet_(is_quiet) {
+    runs_.Update();
+    begin_ended_ = told_ = runs_.ended();
     begin_s_ = output.now_s();
     pace_.Begin(begin_ended_, begin_s_);
     if (is_quiet_ || output.is_terminal) return;
-    std::string text = fmt::format("{}: {} run{}", plan.benchmark, shards_.total(),
-                                   shards_.total() == 1 ? "" : "s");
+    std::string text =
+        fmt::format("{}: {} run{}", plan.benchmark, runs_.total(), runs_.total() == 1 ? "" : "s");
     if (begin_ended_ > 0) text += fmt::format(", {} of them there already", begin_ended_);
     bar_.Line(text + fmt::format("; job {}", submission.array));
   }
@@ -55,8 +54,8 @@ class Watch {
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
 
-  /// True if every run has a shard.
-  bool IsMerging() const { return shards_.ended() == shards_.total(); }
+  /// True if every run has finished.
+  bool IsMerging() const { return runs_.ended() == runs_.total(); }
 
   /// Queries folder and Slurm. False if Slurm no longer lists the jobs.
   bool Look() {
@@ -68,18 +67,18 @@ class Watch {
     } else if (std::exchange(is_answered_, false) && !is_quiet_) {
       bar_.Line(fmt::format("warning: Slurm does not answer ({}); waiting for it", why));
     }
-    shards_.Update();
+    runs_.Update();
     if (!is_quiet_) Show();
     return !active || active_.count() > 0;
   }
 
  private:
   schedule::ProgressState State() const {
-    schedule::ProgressState state = {shards_.ended(), shards_.total(), shards_.bad(), {}, {}};
+    schedule::ProgressState state = {runs_.ended(), runs_.total(), runs_.bad(), {}, {}};
     const double elapsed_s = bar_.output().now_s() - begin_s_;
-    const auto came = static_cast<double>(shards_.ended() - begin_ended_);
+    const auto came = static_cast<double>(runs_.ended() - begin_ended_);
     if (came > 0 && active_.running > 0)
-      state.left_s = elapsed_s / came * static_cast<double>(shards_.total() - shards_.ended());
+      state.left_s = elapsed_s / came * static_cast<double>(runs_.total() - runs_.ended());
     state.detail = !is_answered_ ? "Slurm does not answer"
                    : IsMerging() ? fmt::format("merging, job {}", submission_.merge)
                                  : TaskText(active_);
@@ -89,9 +88,9 @@ class Watch {
   void Show() {
     if (bar_.output().is_terminal) return bar_.Draw(true, [this] { return State(); });
     // No line if nothing has changed.
-    if (shards_.ended() == told_) return;
-    if (!pace_.IsDue(shards_.ended(), shards_.total(), bar_.output().now_s())) return;
-    told_ = shards_.ended();
+    if (runs_.ended() == told_) return;
+    if (!pace_.IsDue(runs_.ended(), runs_.total(), bar_.output().now_s())) return;
+    told_ = runs_.ended();
     const schedule::ProgressState state = State();
     std::string text = schedule::ShareText(state.ended, state.total);
     if (const std::string left = schedule::LeftText(state); !left.empty()) text += "  " + left;
@@ -99,7 +98,7 @@ class Watch {
     bar_.Line(text + "  " + state.detail);
   }
 
-  ShardCount shards_;
+  RunCount runs_;
   const Submission& submission_;
   schedule::ProgressBar bar_;
   schedule::LogPace pace_;
@@ -112,7 +111,7 @@ class Watch {
 
 }  // namespace
 
-ShardCount::ShardCount(const plan::Plan& plan, fs::path folder) : folder_(std::move(folder)) {
+RunCount::RunCount(const plan::Plan& plan, fs::path folder) : folder_(std::move(folder)) {
   if (plan.whole) {
     total_ = plan.RunCount();
     return;
@@ -123,22 +122,23 @@ ShardCount::ShardCount(const plan::Plan& plan, fs::path folder) : folder_(std::m
   total_ = ids.size();
 }
 
-void ShardCount::Update() {
-  std::error_code error;
-  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    std::string id = schedule::RunIdOfShard(name);
-    if (id.empty() || seen_.contains(id)) continue;
-    if (!is_first_) {
-      try {
-        bad_ += !shards::ReadShardInfo(entry->path()).outcome.IsGood();
-      } catch (const std::runtime_error&) {
-        continue;  // is being written and not yet visible, or was just merged
-      }
+void RunCount::Update() {
+  for (const fs::path& file : journal::JournalsIn(folder_)) try {
+      auto journal = journal::Journal::OpenToRead(file);
+      std::int64_t& last = last_row_[file];
+      std::vector<std::int64_t> added;
+      journal.ForEachRun(
+          [&](const journal::Journal::Row& row) {
+            last = row.number;
+            if (seen_.insert(row.run_id).second && !is_first_) added.push_back(row.number);
+          },
+          last);
+      for (const std::int64_t row : added)
+        if (const auto record = journal.ReadRow(row))
+          bad_ += !journal::InfoOf(*record).outcome.IsGood();
+    } catch (const std::runtime_error&) {
+      // is being written and not yet visible, or was just merged
     }
-    seen_.insert(std::move(id));
-  }
   is_first_ = false;
   ended_ = std::min(seen_.size(), total_);
 }

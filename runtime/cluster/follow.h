@@ -1,11 +1,12 @@
-// Follows a sweep on a cluster until its jobs have ended, by the shards in its folder and by Slurm.
+// Follows a sweep on a cluster until its jobs have ended, by the journals in its folder and by
+// Slurm.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <set>
+#include <map>
 #include <string>
+#include <unordered_set>
 
 #include "compiler/plan/plan.h"
 #include "runtime/cluster/submission.h"
@@ -14,27 +15,26 @@
 
 namespace cdb::cluster {
 
-/// Counts the runs that have a shard.
-class ShardCount {
+/// Counts the runs that have finished.
+class RunCount {
  public:
   /// `plan`: lists its runs, or has a `whole`.
-  ShardCount(const plan::Plan& plan, std::filesystem::path folder);
-  /// Reads the folder. A shard that cannot be read yet is counted by a later call; one that has
-  /// been merged and removed stays counted.
+  RunCount(const plan::Plan& plan, std::filesystem::path folder);
+  /// Reads the journals. One that cannot be read now is read by a later call; runs that have been
+  /// merged and removed stay counted.
   void Update();
 
   std::size_t ended() const { return ended_; }
   std::size_t total() const { return total_; }
-  std::size_t bad() const {
-    return bad_;
-  }  ///< failed runs among the shards that appeared after
-     ///< the first Update()
+  /// Failed runs among those that appeared after the first Update().
+  std::size_t bad() const { return bad_; }
 
  private:
   const std::filesystem::path folder_;
   std::size_t total_ = 0, ended_ = 0, bad_ = 0;
   bool is_first_ = true;
-  std::set<std::string, std::less<>> seen_;  ///< ids of the runs
+  std::unordered_set<std::string> seen_;                    ///< ids of the runs
+  std::map<std::filesystem::path, std::int64_t> last_row_;  ///< that was read, of each journal
 };
 
 /// Returns when Slurm has no more tasks of the jobs, or when `stop` requests it. `output`: a

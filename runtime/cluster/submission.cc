@@ -8,23 +8,20 @@
 #include <sstream>
 #include <system_error>
 
-#include "compiler/plan/input_file.h"
 #include "runtime/cluster/job_script.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/store/journal/journals.h"
 
 namespace cdb::cluster {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kName = "submitted";
 constexpr const char* kLockName = "submitting";
 
 }  // namespace
 
 std::optional<Submission> ReadSubmission(const fs::path& shards) {
-  std::string why;
-  std::istringstream in(plan::ReadInputFile(shards / kName, why).value_or(""));
+  std::istringstream in(journal::FindRequest(shards, journal::kSubmission));
   Submission submission;
   if (!(in >> submission.plan_sha256 >> submission.tasks >> submission.array >> submission.merge) ||
       submission.tasks < 1)
@@ -33,9 +30,9 @@ std::optional<Submission> ReadSubmission(const fs::path& shards) {
 }
 
 void WriteSubmission(const Submission& submission, const fs::path& shards) {
-  files::WriteWhole(fmt::format("{} {} {} {}\n", submission.plan_sha256, submission.tasks,
-                                submission.array, submission.merge),
-                    shards / kName);
+  journal::Ask(shards, submission.plan_sha256, journal::kSubmission,
+               fmt::format("{} {} {} {}", submission.plan_sha256, submission.tasks,
+                           submission.array, submission.merge));
 }
 
 SubmissionLock::SubmissionLock(const fs::path& shards)
@@ -51,10 +48,7 @@ void RemoveSubmission(const fs::path& shards) {
       std::error_code ignored;
       fs::remove(entry->path(), ignored);
     }
-  for (const char* name : {kName, kLockName}) {
-    std::error_code ignored;
-    fs::remove(shards / name, ignored);
-  }
+  fs::remove(shards / kLockName, error);
 }
 
 }  // namespace cdb::cluster

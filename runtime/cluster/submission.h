@@ -1,4 +1,4 @@
-// The record of jobs submitted for a folder of shards: a file in it, by which the same command
+// The record of jobs submitted for a sweep: a request in its journal, by which the same command
 // follows the jobs or continues after them.
 #pragma once
 
@@ -33,7 +33,7 @@ class SubmissionLock {
   bool is_held_ = true;
 };
 
-/// Removes the submission and the logs of its jobs.
+/// Removes the lock and the logs of the jobs; the submission is removed with its journal.
 void RemoveSubmission(const std::filesystem::path& shards);
 
 }  // namespace cdb::cluster

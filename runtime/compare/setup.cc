@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "compiler/schema/schema.h"
 #include "compiler/schema/value.h"
 #include "runtime/figures/points.h"
 
@@ -36,16 +36,10 @@ constexpr std::pair<const char*, const char*> kFacts[] = {
     {"plugins", "--plugin"},
 };
 
-/// Parameters that control how a scene is run and measured, not its contents. A name that ends with
-/// a dot is a block.
-constexpr std::string_view kNotOfTheScene[] = {
-    "detector", "narrow_phase", "pair_order", "threads", "precision", "solver.",
-    "repeats",  "timeout",      "memory",     "record",  "omit",      "accuracy."};
-
-bool IsOfTheScene(std::string_view parameter) {
-  return std::ranges::none_of(kNotOfTheScene, [&](std::string_view name) {
-    return name.ends_with('.') ? parameter.starts_with(name) : parameter == name;
-  });
+/// False for parameters that control how a scene is run and measured, not its contents.
+bool IsOfTheScene(std::string_view name) {
+  const schema::Parameter* parameter = schema::FindParameter(name, false);
+  return parameter == nullptr || parameter->concern != schema::Concern::kMeasurement;
 }
 
 /// The parameters that differ between the scenes, by name, with the distinct values of both files.
@@ -100,15 +94,11 @@ class SceneDifferences {
   }
 
   void AddSettings(const std::string& group, const plan::Settings& a, const plan::Settings& b) {
-    std::map<std::string, std::array<const schema::Value*, 2>> values;
-    for (const auto& [name, value] : a) values[std::string(name)][0] = &value;
-    for (const auto& [name, value] : b) values[std::string(name)][1] = &value;
-    for (const auto& [name, of] : values) {
-      if (of[0] != nullptr && of[1] != nullptr && *of[0] == *of[1]) continue;
-      const auto text = [](const schema::Value* value) {
-        return value == nullptr ? std::string("-") : schema::LabelOf(*value);
-      };
-      AddTexts(group + name, text(of[0]), text(of[1]));
+    for (const schema::Parameter& parameter : schema::Schema()) {
+      if (parameter.grouped == group.empty()) continue;
+      const schema::Value &of_a = a.ValueOf(parameter), &of_b = b.ValueOf(parameter);
+      if (of_a != of_b)
+        AddTexts(group + std::string(parameter.name), schema::LabelOf(of_a), schema::LabelOf(of_b));
     }
   }
 

@@ -144,9 +144,6 @@ class Collector {
   ErrorFigures figures_;
 };
 
-/// Parameters of objects that nevertheless belong to the method of simulation.
-constexpr std::string_view kMethods[] = {"margin", "ccd", "contact_stiffness", "contact_damping"};
-
 bool IsOfScene(const plan::Axis& axis) {
   if (axis.parameter.empty()) return axis.IsText();  // `cases`; a `let` may be either
   for (const schema::Parameter& parameter : schema::Schema()) {
@@ -154,10 +151,7 @@ bool IsOfScene(const plan::Axis& axis) {
     const bool is_it = parameter.grouped
                            ? axis.parameter.ends_with("." + std::string(parameter.name))
                            : axis.parameter == parameter.name;
-    if (!is_it) continue;
-    if (parameter.grouped) return std::ranges::find(kMethods, parameter.name) == std::end(kMethods);
-    return parameter.name.starts_with("world.") || parameter.name == "acceleration" ||
-           parameter.name == "trace";
+    if (is_it) return parameter.concern == schema::Concern::kScene;
   }
   return false;
 }

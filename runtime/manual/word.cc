@@ -21,7 +21,7 @@ std::string Signature(const ParametrisedWord& info) {
   for (const Parameter& argument : info.arguments) {
     if (!text.empty()) text += ", ";
     text += argument.name;
-    if (!argument.default_text.empty()) text += fmt::format(": {}", argument.default_text);
+    if (!argument.DefaultText().empty()) text += fmt::format(": {}", argument.DefaultText());
   }
   return fmt::format("{}({})", info.name, text);
 }
@@ -68,7 +68,7 @@ std::string Words(const char* title, const std::vector<const ParametrisedWord*>&
 std::string ParameterReference(const Parameter& parameter) {
   std::string text = fmt::format("{}\n  {}\n", parameter.FullName(), parameter.doc);
   text += fmt::format("  takes    {}\n", parameter.Takes());
-  text += fmt::format("  default  {}\n", parameter.default_text);
+  text += fmt::format("  default  {}\n", parameter.DefaultText());
   if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.unit);
   const auto calls = CallsOf(parameter);
   return calls.empty() ? text : text + "\n" + Words("with arguments", calls);

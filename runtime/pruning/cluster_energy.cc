@@ -60,7 +60,7 @@ ContactCluster ClusterEnergy::Alone(std::size_t object) const {
   cluster.momentum = it.mass * it.linear_velocity;
   cluster.energy = KineticEnergy(object, Vector3d::Zero());
   cluster.energy_of_drop = WeightedDrop(object);
-  cluster.restitution = it.restitution;
+  cluster.restitution = it.numbers["restitution"];
   return cluster;
 }
 

@@ -74,7 +74,7 @@ std::optional<std::string> ContactClusters::Follow(std::uint64_t& tests_left) {
 /// Returns the reason if the analysis has to give up.
 std::optional<std::string> ContactClusters::Process(const Event& event) {
   for (const std::uint32_t i : {event.object, event.other})
-    if (std::isfinite(state_.objects[i].contact_stiffness))
+    if (std::isfinite(state_.objects[i].numbers["contact_stiffness"]))
       return fmt::format("object {} has a soft contact, and may touch something", i + 1);
   if (event.wall >= 0) walls_[event.object] |= static_cast<std::uint8_t>(1 << event.wall);
   const bool is_alone = event.wall >= 0 || motions_.IsFixed(event.other);

@@ -157,7 +157,7 @@ class Forecaster {
   std::optional<std::string> Follow() {
     if (what_changes_) return what_changes_;
     for (std::size_t i = 0; i < trajectories_.size(); ++i) {
-      if (trajectories_[i].motion != Motion::kFixed && state_.objects[i].ccd)
+      if (trajectories_[i].motion != Motion::kFixed && state_.objects[i].numbers.On("ccd"))
         return fmt::format("object {} has ccd, which looks for contacts ahead of it", i + 1);
       if (!IsFinite(i))
         return fmt::format("object {} gets too far for the forecast's numbers", i + 1);

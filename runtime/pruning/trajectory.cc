@@ -23,7 +23,7 @@ constexpr double kOtherOperations = 32;
 /// more than the least half extent.
 double MarginOf(const ObjectState& object) {
   if (object.solid.IsBall()) return 0;
-  return std::min(object.margin, object.solid.HalfExtents().minCoeff());
+  return std::min(object.numbers["margin"], object.solid.HalfExtents().minCoeff());
 }
 
 /// Bound of btCollisionShape::getAngularMotionDisc: that of the ball around the shape's box, which
@@ -36,7 +36,8 @@ double AngularMotionDisc(const Solid& solid) {
 /// True if the moments of inertia are equal and nothing slows the spin, so that it stays constant.
 bool SpinsSteadily(const ObjectState& object) {
   const Vector3d moments = object.solid.InertiaPerMass();
-  return moments.x() == moments.y() && moments.y() == moments.z() && object.angular_damping == 0;
+  return moments.x() == moments.y() && moments.y() == moments.z() &&
+         object.numbers["angular_damping"] == 0;
 }
 
 /// The times from 0 to `end`, in order, between which the distance |d + w t + g t^2/2| is
@@ -185,7 +186,7 @@ double LongestRest(const ObjectState& object, const Vector3d& acceleration,
   const double spin_error = horizon.SpeedError(spin) * (8 + 4 * spin * horizon.timestep);
   if (SpinsSteadily(object) && spin - spin_error >= kSlowSpin) return 0;
   // A damped object becomes slow in the end, and gravity may keep it slow.
-  if (object.linear_damping > 0) return horizon.end;
+  if (object.numbers["linear_damping"] > 0) return horizon.end;
   const Vector3d& v = object.linear_velocity;
   const double g = acceleration.stableNorm();
   const double slow = kSlowSpeed + horizon.SpeedError(v.stableNorm() + g * horizon.end);
@@ -219,7 +220,8 @@ Trajectory TrajectoryOf(const ObjectState& object, const Vector3d& acceleration,
     // 1 % for the error of Bullet's sum of the time asleep, in its own precision.
     const bool may_sleep = scene.world.On("sleeping") &&
                            LongestRest(object, acceleration, horizon) >= 0.99 * kSleepAfter;
-    trajectory.motion = object.linear_damping > 0 || may_sleep ? Motion::kSlowed : Motion::kFree;
+    trajectory.motion =
+        object.numbers["linear_damping"] > 0 || may_sleep ? Motion::kSlowed : Motion::kFree;
   }
   const Vector3d fastest =
       trajectory.velocity.cwiseAbs() + trajectory.acceleration.cwiseAbs() * horizon.end;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
 #include "compiler/analysis/reference.h"
@@ -29,19 +30,19 @@ void Append(std::string& to, const std::string& text) { to += (to.empty() ? "" :
 
 }  // namespace
 
-ErrorEvaluator::ErrorEvaluator(const plan::Plan& plan, std::filesystem::path folder)
-    : plan_(plan), plan_sha256_(plan.Sha256()), folder_(std::move(folder)) {
+ErrorEvaluator::ErrorEvaluator(const plan::Plan& plan, ReadRecord read)
+    : plan_(plan), read_(std::move(read)) {
   for (const plan::Run& run : plan.references) references_.emplace(run.id, &run);
 }
 
-const shards::ReferenceShard& ErrorEvaluator::Find(const std::string& id) {
+const journal::Reference& ErrorEvaluator::Find(const std::string& id) {
   const auto kept = std::ranges::find(kept_, id, [](const auto& one) { return one.first; });
   if (kept != kept_.end()) {
     kept_.splice(kept_.begin(), kept_, kept);
     return kept_.front().second;
   }
   const plan::Run& run = *references_.at(id);
-  kept_.emplace_front(id, shards::ReadReference(plan_sha256_, run, folder_ / (id + ".h5")));
+  kept_.emplace_front(id, journal::ReadReference(run, read_(id)));
   if (kept_.size() > kKept) kept_.pop_back();
   return kept_.front().second;
 }
@@ -80,12 +81,12 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
   std::string trouble;
   const auto find = [&](const std::string& id) -> std::optional<measure::Samples> {
     try {
-      const shards::ReferenceShard& shard = Find(id);
+      const journal::Reference& there = Find(id);
       const std::string name = Describe(plan_, *references_.at(id));
-      measure::Samples found{shard.shape, samples.interval_s, shard.values};
-      if (shard.status != store::Status::kDone) {
+      measure::Samples found{there.shape, samples.interval_s, there.values};
+      if (there.status != store::Status::kDone) {
         Append(trouble,
-               fmt::format("{}: {}: {}", name, store::StatusName(shard.status), shard.message));
+               fmt::format("{}: {}: {}", name, store::StatusName(there.status), there.message));
       } else if (!found.IsFinite()) {
         Append(trouble, fmt::format("{}: a state is not a number", name));
       } else if (found.shape != samples.shape) {
@@ -93,7 +94,7 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
       } else {
         return found;
       }
-    } catch (const files::StoreError& error) {
+    } catch (const std::runtime_error& error) {
       Append(trouble, error.what());
     }
     return std::nullopt;

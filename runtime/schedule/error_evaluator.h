@@ -1,7 +1,7 @@
-// Evaluates the errors of the runs of a plan, with references from the shards or closed forms.
+// Evaluates the errors of the runs of a plan, with references from the journal or closed forms.
 #pragma once
 
-#include <filesystem>
+#include <functional>
 #include <list>
 #include <map>
 #include <optional>
@@ -9,14 +9,16 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/measure/recording.h"
-#include "runtime/store/shards/reference_shard.h"
+#include "runtime/store/journal/run_writer.h"
 
 namespace cdb::schedule {
 
-/// Plan and folder of shards must outlive it. Not thread-safe.
+/// Plan must outlive it. Not thread-safe.
 class ErrorEvaluator {
  public:
-  ErrorEvaluator(const plan::Plan& plan, std::filesystem::path folder);
+  /// `read`: the record of a finished reference run, by its id; throws StoreError.
+  using ReadRecord = std::function<journal::Record(const std::string& run_id)>;
+  ErrorEvaluator(const plan::Plan& plan, ReadRecord read);
 
   /// The errors of a run that has ended with `status`, from the samples in its recording. An error
   /// that cannot be computed has no value, and the message gives the reason; no exception is thrown
@@ -25,17 +27,16 @@ class ErrorEvaluator {
                               const measure::Recording& recording);
 
  private:
-  /// The shard of a reference, read once and kept while it is among the most recently requested.
-  /// Throws StoreError.
-  const shards::ReferenceShard& Find(const std::string& id);
+  /// A reference, read once and kept while it is among the most recently requested.
+  /// Throws StoreError, hdf5::Error.
+  const journal::Reference& Find(const std::string& id);
   measure::RunErrors AgainstReference(const plan::Run& run, const measure::Samples& samples);
 
   const plan::Plan& plan_;
-  const std::string plan_sha256_;
-  const std::filesystem::path folder_;
+  const ReadRecord read_;
   std::map<std::string, const plan::Run*, std::less<>> references_;
-  std::list<std::pair<std::string, shards::ReferenceShard>> kept_;  ///< the most recently requested
-                                                                    ///< first
+  std::list<std::pair<std::string, journal::Reference>> kept_;  ///< the most recently requested
+                                                                ///< first
 };
 
 }  // namespace cdb::schedule

@@ -1,58 +1,59 @@
-// The folder of shards: the runs of a plan that it contains, and checks of its contents.
+// The folder of an unfinished sweep: its plan, and the journals of its finished runs.
 #pragma once
 
-#include <cstdint>
+#include <chrono>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/store/files/temporary_file.h"
-#include "runtime/store/shards/shards.h"
-#include "runtime/store/store.h"
+#include "runtime/store/journal/journals.h"
 
 namespace cdb::schedule {
 
 /// The plan in its short form, the texts that it is compiled from (compiler/yaml/short_plan.h). In
 /// the folder beside a plan.yaml that lists its runs, because it is faster to read.
 inline constexpr const char* kShortPlanName = "plan.short.yaml";
-/// The file in the folder that holds the runs to run again (`cdb run --retry`) until they have
-/// ended.
-inline constexpr const char* kRetryMarkName = "retry";
-/// The mark, in the folder, of a part that has ended (runtime/schedule/parts.h).
-std::string PartMarkName(std::uint64_t part, std::uint64_t count);
-/// The id in the name of a shard; empty for other names.
-std::string RunIdOfShard(std::string_view name);
-/// The number of files in the folder with names of shards; 0 if there is no folder. Throws
+
+/// Throws ScheduleError if the folder holds a shard, a file of one run, as versions of cdb before
+/// journals left them.
+void RefuseShards(const std::filesystem::path& folder);
+
+/// Removes the journals of the sweep of a plan and its plan file, and then the folder if it is
+/// empty. Removes nothing if a journal is of another plan. No process may be at work in it. Throws
 /// StoreError.
-std::uint64_t CountShards(const std::filesystem::path& folder);
-/// Removes the shards of one plan, its plan and the marks of parts, and then the folder if it is
-/// empty. All shards in the folder must be of that plan. Throws StoreError.
-void RemoveWholePlan(const std::filesystem::path& folder);
+void RemoveSweep(const std::filesystem::path& folder, const std::string& plan_sha256);
 
-/// A folder of shards of one plan. Keeps no file open. Not thread-safe.
-class ShardFolder {
+enum class SweepStart {
+  kResume,
+  kFresh,           ///< what the folder holds is removed
+  kFreshForResult,  ///< and the new runs are newer than the result beside it (journal::kFresh)
+};
+
+/// The folder of a sweep of one plan. Writes into one journal, and reads those of other processes,
+/// as they grow. Not thread-safe; not to be used after a fork.
+class SweepFolder {
  public:
-  /// Creates the folder, removes temporaries left by killed processes of this machine, and removes
-  /// its shards if `fresh`. Throws StoreError; ScheduleError if it holds a shard of a run that is
-  /// not in the plan, and then nothing was changed.
-  ShardFolder(const plan::Plan& plan, std::filesystem::path folder, bool fresh);
+  /// Creates the folder, and removes temporaries left by killed processes of this machine. Throws
+  /// StoreError; ScheduleError if it holds runs of another plan, and then nothing was changed.
+  SweepFolder(const plan::Plan& plan, std::filesystem::path folder, SweepStart start);
 
-  /// The facts in the shard of a run, if it has an intact one. A broken shard is set aside as
-  /// `<name>.broken` and reported in `warnings`. Throws ScheduleError for a shard of another plan,
-  /// StoreError for one that cannot be read.
-  std::optional<shards::ShardInfo> Find(const plan::Run& run,
-                                        std::vector<std::string>& warnings) const;
+  using Warnings = std::vector<std::string>;
+  /// The facts of a run, if it has finished. A damaged record is removed, and a damaged journal set
+  /// aside as `<name>.broken`, with a warning. Throws StoreError if a journal cannot be read.
+  std::optional<journal::RunInfo> Find(const plan::Run& run, Warnings& warnings);
+  bool Has(const plan::Run& run);
+  /// Throws StoreError if it is not there.
+  journal::Record Read(const std::string& run_id);
 
-  /// The path of the shard of a run, whether it exists or not.
-  std::filesystem::path ShardOf(const plan::Run& run) const;
-  /// True if the file exists.
-  bool Has(const plan::Run& run) const;
+  /// Calls `write` with the journal of this process, which is created if there is none; once more,
+  /// with a new one, if it is damaged.
+  void Write(const std::function<void(journal::Journal&)>& write, Warnings& warnings);
 
-  /// Writes this plan to `plan.yaml`, in one step. Call once no shard was refused. Throws
+  /// Writes this plan to `plan.yaml`, in one step. Call once the folder was not refused. Throws
   /// StoreError.
   void WritePlan(const plan::Plan& plan) const;
   /// Writes the short form of the plan in plan.yaml. Throws StoreError.
@@ -61,11 +62,29 @@ class ShardFolder {
   const std::filesystem::path& path() const { return folder_; }
 
  private:
-  void RefuseOthers(const plan::Plan& plan) const;
-  void RefuseOtherWhole() const;
+  struct Other {
+    journal::Journal journal;
+    std::filesystem::file_time_type changed;
+    std::chrono::steady_clock::time_point opened;
+  };
+  void StartOver(bool is_newer);
+  void RefuseOthers();
+  void LookAgain();
+  std::optional<journal::Record> ReadFrom(journal::Journal& from, const std::string& run_id,
+                                          Warnings& warnings);
+  void SetAside(const std::filesystem::path& damaged, Warnings& warnings);
+  /// Calls `use` for each journal until it returns a value. A damaged one is set aside.
+  template <typename Use>
+  auto First(Warnings& warnings, Use use) -> decltype(use(std::declval<journal::Journal&>()));
 
-  std::filesystem::path folder_;
-  std::string plan_sha256_;
+  const std::filesystem::path folder_;
+  const std::string plan_sha256_;
+  const std::filesystem::path own_path_;
+  const bool is_local_;
+  std::optional<journal::Journal> own_;
+  std::map<std::filesystem::path, Other> others_;
+  std::filesystem::file_time_type listed_;  ///< time of the folder when its journals were listed
+  std::chrono::steady_clock::time_point looked_;
 };
 
 }  // namespace cdb::schedule

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <string>
 
-#include "compiler/plan/input_file.h"
 #include "dsl/text/check.h"
 #include "runtime/process/worker.h"
 #include "runtime/schedule/bounds.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/store/files/safe_file.h"
 
 namespace cdb::schedule {
 namespace {
@@ -23,40 +22,35 @@ namespace fs = std::filesystem;
 constexpr std::size_t Summary::*kCounts[] = {&Summary::done, &Summary::failed, &Summary::crashed,
                                              &Summary::timed_out, &Summary::spoiled};
 
-/// The summary of the runs of a part; nullopt if it is not marked, or is marked for another plan.
-std::optional<Summary> ReadMark(const fs::path& mark, const std::string& plan_sha256) {
-  std::string why, sha256;
-  std::istringstream in(plan::ReadInputFile(mark, why).value_or(""));
-  if (!(in >> sha256) || sha256 != plan_sha256) return std::nullopt;
-  Summary summary;
-  for (const auto count : kCounts)
-    if (!(in >> summary.*count)) return std::nullopt;
-  summary.resumed = summary.ended();
-  return summary;
-}
-
-void WriteMark(const Summary& summary, const fs::path& mark, const std::string& plan_sha256) {
-  std::string text = plan_sha256;
-  for (const auto count : kCounts) text += fmt::format(" {}", summary.*count);
-  files::WriteWhole(text + "\n", mark);
-}
-
-/// The marks of the parts of all shards of a plan.
+/// The marks of the parts of all shards of a plan, as requests in the journals of its folder.
 class PartMarks {
  public:
-  PartMarks(const plan::Plan& plan, fs::path folder, std::uint64_t shards, std::uint64_t part_runs)
-      : plan_sha256_(plan.whole->sha256), folder_(std::move(folder)), shards_(shards) {
+  PartMarks(const plan::Plan& plan, const fs::path& folder, std::uint64_t shards,
+            std::uint64_t part_runs)
+      : plan_sha256_(plan.whole->sha256), shards_(shards), marks_(journal::FindRequests(folder)) {
     const std::uint64_t runs = plan.RunCount() / shards;
     parts_ = std::max<std::uint64_t>(1, (runs + part_runs - 1) / part_runs);
   }
   /// The number of parts of each shard.
   std::uint64_t parts() const { return parts_; }
+  /// The summary of the runs of a part; nullopt if it is not marked, or is marked for another plan.
   /// `shard` from 1, `part` from 0.
-  fs::path File(std::uint64_t shard, std::uint64_t part) const {
-    return folder_ / PartMarkName((shard - 1) * parts_ + part, shards_ * parts_);
-  }
   std::optional<Summary> Read(std::uint64_t shard, std::uint64_t part) const {
-    return ReadMark(File(shard, part), plan_sha256_);
+    const auto found = marks_.find(Name(shard, part));
+    std::istringstream in(found == marks_.end() ? "" : found->second);
+    std::string sha256;
+    if (!(in >> sha256) || sha256 != plan_sha256_) return std::nullopt;
+    Summary summary;
+    for (const auto count : kCounts)
+      if (!(in >> summary.*count)) return std::nullopt;
+    summary.resumed = summary.ended();
+    return summary;
+  }
+  void Write(std::uint64_t shard, std::uint64_t part, const Summary& summary,
+             const fs::path& folder) const {
+    std::string text = plan_sha256_;
+    for (const auto count : kCounts) text += fmt::format(" {}", summary.*count);
+    journal::Ask(folder, plan_sha256_, Name(shard, part), text);
   }
   /// The number of runs of all marked parts.
   std::uint64_t CountRuns() const {
@@ -68,9 +62,13 @@ class PartMarks {
   }
 
  private:
+  std::string Name(std::uint64_t shard, std::uint64_t part) const {
+    return fmt::format("part {} of {}", (shard - 1) * parts_ + part + 1, shards_ * parts_);
+  }
+
   const std::string plan_sha256_;
-  const fs::path folder_;
   const std::uint64_t shards_;
+  const std::map<std::string, std::string> marks_;
   std::uint64_t parts_;
 };
 
@@ -87,7 +85,7 @@ std::vector<std::uint64_t> FindUnmarkedShards(const plan::Plan& plan, const fs::
                                               std::uint64_t shards, std::uint64_t part_runs) {
   CDB_CHECK(plan.whole != nullptr);
   const PartMarks marks(plan, folder, shards, part_runs);
-  const bool are_all_there = marks.CountRuns() <= CountShards(folder);
+  const bool are_all_there = marks.CountRuns() <= journal::CountRuns(folder);
   std::vector<std::uint64_t> unmarked;
   for (std::uint64_t shard = 1; shard <= shards; ++shard)
     for (std::uint64_t part = 0; part < marks.parts(); ++part)
@@ -107,7 +105,7 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
   const PartMarks marks(plan, options.folder, shards, part_runs);
   const std::uint64_t parts = marks.parts(), shard = options.shard.index;
   std::uint64_t marked = 0;
-  if (!options.fresh)
+  if (options.start == SweepStart::kResume)
     for (std::uint64_t part = 0; part < parts; ++part)
       if (const auto there = marks.Read(shard, part)) marked += there->ended();
   const std::uint64_t runs = plan.RunCount() / shards;
@@ -120,7 +118,7 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
   // it begins: all that `repeats` allows may be many times what is run.
   if (!options.find_elsewhere) CheckFits(plan.benchmark, demand, options.folder);
   const bool heeds_marks = !options.is_repeated && !options.find_elsewhere && marked > 0 &&
-                           CountShards(options.folder) >= marked;
+                           journal::CountRuns(options.folder) >= marked;
   ExecuteOptions one = options;
   one.shard = {};
   Summary all;
@@ -132,11 +130,11 @@ Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const Execute
     listener.BeginPart(part, parts);
     const Summary summary =
         Execute(list((shard - 1) * parts + part, shards * parts), one, launcher, listener);
-    one.fresh = false;
+    one.start = SweepStart::kResume;
     Add(summary, all);
     // A mark means that the folder has every run of the part.
     if (summary.signal == 0 && summary.left == 0 && !options.find_elsewhere)
-      WriteMark(summary, marks.File(shard, part), plan.whole->sha256);
+      marks.Write(shard, part, summary, options.folder);
   }
   return all;
 }

@@ -18,6 +18,7 @@
 #include "runtime/schedule/error_evaluator.h"
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/shared_omissions.h"
+#include "runtime/store/journal/run_writer.h"
 
 namespace cdb::schedule {
 namespace {
@@ -42,15 +43,15 @@ class Execution {
     all_ = ReferencesOf(plan_, measured);
     all_.insert(all_.end(), measured.begin(), measured.end());
     // Before any file is removed.
-    if (options_.fresh) CheckCanRun(all_);
-    folder_.emplace(plan_, options_.folder, options_.fresh);
+    if (options_.start != SweepStart::kResume) CheckCanRun(all_);
+    folder_.emplace(plan_, options_.folder, options_.start);
     std::vector<std::string> warnings;
     for (const plan::Run* run : all_) {
-      const auto shard = folder_->Find(*run, warnings);
-      if (shard && !IsRepeated(*run)) {
-        CountFound(*run, *shard);
+      const auto found = folder_->Find(*run, warnings);
+      if (found && !IsRepeated(*run, *found)) {
+        CountFound(*run, *found);
       } else {
-        if (shard) repeated_.insert(run);
+        if (found) repeated_.insert(run);
         queue_.push_back(run);
       }
       for (const std::string& warning : std::exchange(warnings, {})) listener_.Warn(warning);
@@ -64,7 +65,7 @@ class Execution {
     listener_.Begin(plan_, queue_, summary_, slots_.size());
     Work();
     while (!IsStopped() && QueueOutdated(measured)) Work();
-    CheckShardsAreThere();
+    CheckRunsAreThere();
     return summary_;
   }
 
@@ -97,9 +98,9 @@ class Execution {
     return wanted;
   }
 
-  bool IsRepeated(const plan::Run& run) const {
+  bool IsRepeated(const plan::Run& run, const journal::RunInfo& found) const {
     return options_.is_repeated && run.scene.role == plan::Role::kMeasured &&
-           options_.is_repeated(run, folder_->ShardOf(run));
+           options_.is_repeated(found);
   }
 
   void Work() {
@@ -186,15 +187,15 @@ class Execution {
   }
 
   /// Counts a run that ended before this call, or that another runner executed.
-  void CountFound(const plan::Run& run, const shards::ShardInfo& shard) {
-    summary_.Count(shard.outcome);
+  void CountFound(const plan::Run& run, const journal::RunInfo& found) {
+    summary_.Count(found.outcome);
     ++summary_.resumed;
-    if (shard.outcome.status == store::Status::kDone)
-      omissions_.Note(run, shard.omitted, shard.decisions);
+    if (found.outcome.status == store::Status::kDone)
+      omissions_.Note(run, found.omitted, found.decisions);
   }
 
   /// Queues runs that omitted a component that a run compared with them keeps: they are measured
-  /// again with it. Their shards stay until the new ones are written. False if there are none.
+  /// again with it. Their records stay until the new ones are written. False if there are none.
   bool QueueOutdated(const std::vector<const plan::Run*>& measured) {
     is_repeating_ = true;
     queue_.clear();
@@ -221,11 +222,11 @@ class Execution {
       const plan::Run* run = queue_[next_++];
       if (repeated_.contains(run)) return run;
       std::vector<std::string> warnings;
-      const auto shard = folder_->Find(*run, warnings);
+      const auto found = folder_->Find(*run, warnings);
       for (const std::string& warning : warnings) listener_.Warn(warning);
-      if (!shard) return run;
-      CountFound(*run, *shard);
-      listener_.RunFound(*run, shard->outcome);
+      if (!found) return run;
+      CountFound(*run, *found);
+      listener_.RunFound(*run, found->outcome);
     }
     return nullptr;
   }
@@ -258,24 +259,28 @@ class Execution {
     listener_.RunEnded(run, ending.result, ending.wall_s);
   }
 
-  /// The number of shards in the folder now; some may have been removed in the meantime.
-  std::size_t CountSafe() const {
+  /// The number of runs in the journals now; a journal may have been removed in the meantime.
+  std::size_t CountSafe() {
     return static_cast<std::size_t>(
         std::ranges::count_if(all_, [this](const plan::Run* run) { return folder_->Has(*run); }));
   }
-  std::string SafeText() const {
-    const std::size_t safe = CountSafe();
+  std::string SafeText() {
+    std::size_t safe = 0;
+    try {
+      safe = CountSafe();
+    } catch (const files::StoreError&) {
+    }
     return fmt::format("{} of {} runs are safe in {}; the same command {}", safe, all_.size(),
                        folder_->path().string(),
                        safe > 0 ? "goes on from there" : "runs all of them");
   }
 
-  /// A merge would take a run whose shard has been removed for one that was never started.
-  void CheckShardsAreThere() const {
+  /// A merge would take a run whose journal has been removed for one that was never started.
+  void CheckRunsAreThere() {
     if (IsStopped() || CountSafe() == all_.size()) return;
-    throw files::StoreError(
-        fmt::format("{}: shards were removed from it while the runs went; nothing was merged\n{}",
-                    folder_->path().string(), SafeText()));
+    throw files::StoreError(fmt::format(
+        "{}: finished runs were removed from it while others went; nothing was merged\n{}",
+        folder_->path().string(), SafeText()));
   }
 
   /// Keeps the earlier result of a run that succeeded before.
@@ -299,12 +304,8 @@ class Execution {
   }
 
   void Write(const plan::Run& run, process::Ending& ending) {
-    if (run.scene.role != plan::Role::kMeasured) {
-      shards::WriteReference(plan_sha256_, run, ending.result, ending.recording->SampleValues(),
-                             options_.provenance, folder_->path());
-      return;
-    }
-    if (analysis::SamplingOf(run.scene)) {
+    const bool is_measured = run.scene.role == plan::Role::kMeasured;
+    if (is_measured && analysis::SamplingOf(run.scene)) {
       ending.result.errors =
           error_evaluator_.ErrorsOf(run, ending.result.status, *ending.recording);
       const measure::RunErrors& errors = ending.result.errors;
@@ -312,22 +313,30 @@ class Execution {
         listener_.Warn(
             fmt::format("{}: errors without a value: {}", Describe(plan_, run), errors.message));
     }
-    writer_.Write(run, ending.result, folder_->path());
+    std::vector<std::string> warnings;
+    folder_->Write(
+        [&](journal::Journal& journal) {
+          if (is_measured)
+            writer_.Write(run, ending.result, journal);
+          else
+            writer_.WriteReference(run, ending.result, ending.recording->SampleValues(), journal);
+        },
+        warnings);
+    for (const std::string& warning : warnings) listener_.Warn(warning);
   }
 
   const plan::Plan& plan_;
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
   ProgressListener& listener_;
-  const shards::ShardWriter writer_{plan_, options_.provenance};
-  const std::string plan_sha256_ = plan_.Sha256();
-  ErrorEvaluator error_evaluator_{plan_, options_.folder};
+  journal::RunWriter writer_{plan_, options_.provenance};
+  ErrorEvaluator error_evaluator_{plan_, [this](const auto& id) { return folder_->Read(id); }};
   SharedOmissions omissions_;
   bool is_repeating_ = false;  // executes runs again that have already succeeded
-  std::optional<ShardFolder> folder_;
+  std::optional<SweepFolder> folder_;
   std::vector<const plan::Run*> all_;  // including references
   std::vector<const plan::Run*> queue_;
-  std::unordered_set<const plan::Run*> repeated_;  // runs of queue_ that already have a shard
+  std::unordered_set<const plan::Run*> repeated_;  // runs of queue_ that have finished before
   std::size_t next_ = 0;                           // index in queue_
   std::vector<const plan::Run*> slots_;            // the run in each slot, or null
   /// The measurements of the run in a slot.

@@ -1,4 +1,4 @@
-// Executes every run of a plan that is not yet in the folder of shards, in one worker process each.
+// Executes every run of a plan that has not finished yet, in one worker process each.
 #pragma once
 
 #include <cstddef>
@@ -12,27 +12,28 @@
 #include "compiler/plan/plan.h"
 #include "runtime/process/launcher.h"
 #include "runtime/process/stop.h"
+#include "runtime/schedule/folder.h"
 #include "runtime/schedule/order.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 
 namespace cdb::schedule {
 
 struct ExecuteOptions {
-  std::filesystem::path folder;  ///< of the shards; created if it does not exist
+  std::filesystem::path folder;  ///< of the sweep; created if it does not exist
   std::size_t jobs = 1;          ///< runs at a time
   ShardChoice shard = {};
-  bool fresh = false;     ///< discard the contents of the folder
+  SweepStart start = SweepStart::kResume;
   bool has_plan = false;  ///< the folder already has the plan.yaml, which takes long to compare
   /// The most times that a run is measured again because the machine disturbed it
   /// (machine/noise.h). The quietest measurement is kept.
   std::size_t noisy_retries = 0;
-  /// True for a run that is executed although the folder has its shard, which stays until the new
-  /// one is written. Null: for no run.
-  std::function<bool(const plan::Run&, const std::filesystem::path& shard)> is_repeated = {};
+  /// True for a run that is executed although it has finished; its record stays until the new one
+  /// is written. Null: for no run.
+  std::function<bool(const journal::RunInfo&)> is_repeated = {};
   /// Facts about a run that is kept elsewhere, and is neither executed nor counted; nullopt for
   /// others. Null: all runs belong in the folder.
-  std::function<std::optional<shards::ShardInfo>(const plan::Run&)> find_elsewhere = {};
+  std::function<std::optional<journal::RunInfo>(const plan::Run&)> find_elsewhere = {};
   /// The plan in its short form, which a merge reads in a tenth of the time and memory; empty if
   /// there is none.
   std::string short_plan = {};
@@ -65,14 +66,14 @@ class ProgressListener {
   virtual ~ProgressListener() = default;
   /// Called for a plan that is executed in parts, before Begin; counts from 0.
   virtual void BeginPart(std::uint64_t /*part*/, std::uint64_t /*parts*/) {}
-  /// `to_do` is in the order of execution; `resumed` runs already have shards.
+  /// `to_do` is in the order of execution; `resumed` runs have finished before.
   virtual void Begin(const plan::Plan&, const std::vector<const plan::Run*>& /*to_do*/,
                      const Summary& /*resumed*/, std::size_t /*jobs*/) {}
   virtual void RunStarted(const plan::Run&) {}
   /// Called when the progress of the piles of a running run (measure::SettlingText) changes; empty
   /// when they are at rest.
   virtual void RunSettles(const plan::Run&, const std::string& /*how_far*/) {}
-  /// Called when the shard of a run is written.
+  /// Called when a run is in the journal.
   virtual void RunEnded(const plan::Run&, const store::RunResult&, double /*wall_s*/) {}
   /// Called when all runs have ended and `runs` are measured again with components (`walls,
   /// solver`) that runs compared with them had to keep. RunStarted and RunEnded follow for each.
@@ -87,15 +88,15 @@ class ProgressListener {
   virtual void End() {}
 };
 
-/// Executes the plan. A run with an intact shard in the folder is not run again, whatever its
-/// status, unless it omitted a component that a run compared with it keeps (shared_omissions.h),
-/// because its times would then be of different work. A broken shard is set aside as
-/// `<name>.broken`, with a warning, and its run is run again. Every shard is on the disk before the
-/// next run starts in its slot. A stop ends the workers and keeps finished runs. With several jobs,
-/// each slot has a separate processor if there are enough. Throws ScheduleError (no worker program,
-/// cannot start a process, a shard of another plan) and StoreError (disk full, no such folder);
-/// finished runs are kept. Must be called from a thread that outlives the call: workers die with
-/// the thread that started them.
+/// Executes the plan. A run with an intact record in a journal of the folder is not run again,
+/// whatever its status, unless it omitted a component that a run compared with it keeps
+/// (shared_omissions.h), because its times would then be of different work. Runs whose record is
+/// damaged are run again, with a warning. Every run is on the disk before the next one starts in
+/// its slot. A stop ends the workers and keeps finished runs. With several jobs, each slot has a
+/// separate processor if there are enough. Throws ScheduleError (no worker program, cannot start a
+/// process, a folder of another plan) and StoreError (disk full, no such folder); finished runs are
+/// kept. Must be called from a thread that outlives the call: workers die with the thread that
+/// started them.
 Summary Execute(const plan::Plan& plan, const ExecuteOptions& options, ProgressListener& listener);
 
 /// The same with another launcher, for tests.

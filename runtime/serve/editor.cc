@@ -34,7 +34,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
   return {{"group", group},
           {"name", name},
           {"value", written ? Json(*written) : Json()},
-          {"default", std::string(parameter.default_text)},
+          {"default", std::string(parameter.DefaultText())},
           {"takes", parameter.Takes()},
           {"unit", std::string(parameter.unit)},
           {"doc", std::string(parameter.doc)}};

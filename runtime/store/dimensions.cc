@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -63,21 +62,17 @@ Dimension Labelled(std::string name, std::vector<std::string> texts, std::string
   return dimension;
 }
 
-Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run* run,
-                        std::size_t index) {
-  std::span<const plan::Coordinate> values = axis.values;
-  if (run != nullptr) values = values.subspan(run->at[index], 1);
+Dimension AxisDimension(const plan::Axis& axis, bool is_integer) {
   Dimension dimension;
   if (axis.IsText()) {
     std::vector<std::string> texts;
-    for (const auto& value : values) texts.push_back(std::get<std::string>(value));
+    for (const auto& value : axis.values) texts.push_back(std::get<std::string>(value));
     dimension = Labelled(axis.name, std::move(texts), "");
   } else {
-    // From the whole axis, so that a shard's coordinate has the type of the merged one.
     dimension.name = axis.name;
-    dimension.size = values.size();
+    dimension.size = axis.values.size();
     dimension.type = is_integer ? Type::kInt32 : Type::kFloat64;
-    for (const auto& value : values) dimension.numbers.push_back(std::get<double>(value));
+    for (const auto& value : axis.values) dimension.numbers.push_back(std::get<double>(value));
   }
   dimension.attributes.emplace("parameter", axis.parameter);
   dimension.attributes.emplace("units", axis.unit.empty() && !axis.IsText() ? kNoUnit : axis.unit);

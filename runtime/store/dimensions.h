@@ -32,9 +32,7 @@ Dimension Counted(std::string name, std::uint64_t size, std::string doc);
 Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
 /// The unit of a number without one, by the netCDF Climate and Forecast conventions.
 inline constexpr const char* kNoUnit = "1";
-/// The values of an axis, the one numbered `index`; only the value of `run` if that is not null.
-/// `is_integer`: the result of Axis::IsInteger, which checks all values.
-Dimension AxisDimension(const plan::Axis& axis, bool is_integer, const plan::Run* run,
-                        std::size_t index);
+/// The values of an axis. `is_integer`: the result of Axis::IsInteger, which checks all values.
+Dimension AxisDimension(const plan::Axis& axis, bool is_integer);
 
 }  // namespace cdb::store

@@ -12,7 +12,7 @@
 
 namespace cdb::store {
 
-/// The properties that determine the shapes of a results file or a shard.
+/// The properties that determine the shapes of a results file.
 struct FileExtents {
   int version = 0;   ///< of the schema
   hdf5::Shape grid;  ///< extents of the axes and of `rep`
@@ -34,7 +34,7 @@ void ReadEverything(
     const hdf5::File& file,
     const std::function<void(const std::string& path, std::span<const double> piece)>& visit);
 
-/// The same with CheckValues, for a results file or a shard.
+/// The same with CheckValues.
 void CheckAllValues(const hdf5::File& file, const FileExtents& extents);
 
 }  // namespace cdb::store

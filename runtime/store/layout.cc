@@ -34,8 +34,7 @@ hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
 
 class Maker {
  public:
-  Maker(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run)
-      : plan_(plan), facts_(facts), run_(run) {}
+  Maker(const plan::Plan& plan, const PlanFacts& facts) : plan_(plan), facts_(facts) {}
 
   Layout Make(std::uint64_t contact_rows) {
     CheckRank();
@@ -51,7 +50,7 @@ class Maker {
     const bool has_errors = facts_.samples > 0;
     if (has_errors) AddGrid(std::string(kAccuracyGroup));
     if (has_errors) AddSampleDimension(std::string(kAccuracyGroup));
-    const bool holds_references = run_ == nullptr && !plan_.references.empty();
+    const bool holds_references = !plan_.references.empty();
     if (holds_references) AddReferenceDimensions();
     for (const measure::Series* series : facts_.series) AddSeries(*series);
     if (facts_.contacts) AddContacts();
@@ -85,10 +84,8 @@ class Maker {
   /// The axes and `rep`, for every group with arrays over the grid.
   void AddGrid(const std::string& group) {
     for (std::size_t i = 0; i < plan_.axes.size(); ++i)
-      AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i], run_, i));
-    Dimension rep = Counted("rep", run_ != nullptr ? 1 : plan_.repeats, "timed repeat of a point");
-    if (run_ != nullptr) rep.numbers = {static_cast<double>(run_->rep)};
-    AddDimension(group, std::move(rep));
+      AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
+    AddDimension(group, Counted("rep", plan_.repeats, "timed repeat of a point"));
   }
 
   /// Adds an array over the grid and the `inner` dimensions of its group.
@@ -195,7 +192,6 @@ class Maker {
         "energies, momentum, angular momentum, depths in sizes, and counts");
   }
 
-  /// Filled only by a merge; the shard of a reference is of another kind (reference_shard.h).
   void AddReferences() {
     for (const ReferenceArray& row : ReferenceArrays()) {
       Array& array = Add(kReferenceGroup + row.name, row.type, row.dimensions, false);
@@ -255,7 +251,6 @@ class Maker {
 
   const plan::Plan& plan_;
   const PlanFacts& facts_;
-  const plan::Run* run_;
   Layout layout_;
 };
 
@@ -285,9 +280,8 @@ hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_
   return start;
 }
 
-Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
-                  std::uint64_t contact_rows) {
-  return Maker(plan, facts, run).Make(contact_rows);
+Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t contact_rows) {
+  return Maker(plan, facts).Make(contact_rows);
 }
 
 }  // namespace cdb::store

@@ -1,5 +1,4 @@
-// The layout of a results file: its dimensions, arrays and attributes. Both shards and merged files
-// are created from it.
+// The layout of a results file: its dimensions, arrays and attributes.
 #pragma once
 
 #include <cstdint>
@@ -39,10 +38,8 @@ struct Layout {
   const Array& Get(std::string_view name) const;
 };
 
-/// The layout of the merged file, or, if `run` is not null, of the shard of that run (every axis
-/// and `rep` have length 1). `contact_rows`: extent of `contact`.
-Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, const plan::Run* run,
-                  std::uint64_t contact_rows);
+/// `contact_rows`: extent of `contact`.
+Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t contact_rows);
 
 /// The number of chunks of a chunked array for one cell of the grid (`outer` dimensions), and the
 /// first element of the one numbered `index` of cell `cell`.

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <ctime>
-#include <map>
 #include <vector>
 
-#include "runtime/store/hdf5/chunks.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
@@ -41,29 +39,7 @@ void SetFlags(hdf5::Dataset& dataset, const Array& array) {
   dataset.SetText("flag_meanings", array.flags);
 }
 
-/// The attributes that a small file has, besides flags.
-constexpr const char* kSmallAttributes[] = {"parameter", "units", "component_units"};
-
-void SetSmall(hdf5::Dataset& dataset, const std::map<std::string, std::string>& attributes) {
-  for (const char* name : kSmallAttributes)
-    if (const auto found = attributes.find(name); found != attributes.end())
-      dataset.SetText(name, found->second);
-}
-
 }  // namespace
-
-hdf5::ExpectedMembers MembersOf(const Layout& layout, std::string_view group) {
-  unsigned count = 0;
-  std::size_t bytes = 0;
-  const auto add = [&](const std::string& name) {
-    if (name.substr(0, name.rfind('/') + 1) != group) return;
-    ++count;
-    bytes += name.size() - group.size();
-  };
-  for (const Dimension& dimension : layout.dimensions) add(dimension.name);
-  for (const Array& array : layout.arrays) add(array.name);
-  return {count, static_cast<unsigned>(bytes / std::max(count, 1u)) + 1};
-}
 
 void CreateArrays(hdf5::File& file, const Layout& layout) {
   for (const Dimension& dimension : layout.dimensions)
@@ -94,32 +70,6 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
   file.AttachScales(attachments);
 }
 
-void CreateSmallArrays(hdf5::File& file, const Layout& layout) {
-  for (const Dimension& dimension : layout.dimensions)
-    CreateGroups(file, dimension.name, [&](const std::string& group) {
-      file.CreateGroup(group, MembersOf(layout, group + "/"));
-    });
-  for (const Dimension& dimension : layout.dimensions) {
-    const bool is_long =
-        dimension.numbers.size() * hdf5::ItemBytes(dimension.type) > hdf5::kMostInHeader;
-    hdf5::Shape chunk;
-    if (is_long) {
-      chunk = {dimension.size};
-      hdf5::SplitEvenly(chunk, 0, hdf5::ItemBytes(dimension.type));
-    }
-    hdf5::Dataset dataset = file.CreateDataset(
-        {dimension.name, dimension.type, {dimension.size}, chunk, 0, /*is_small=*/true});
-    if (!dimension.numbers.empty()) dataset.Write(dimension.numbers);
-    SetSmall(dataset, dimension.attributes);
-  }
-  for (const Array& array : layout.arrays) {
-    hdf5::Dataset dataset = file.CreateDataset(
-        {array.name, array.type, array.shape, array.chunk, array.fill, /*is_small=*/true});
-    SetSmall(dataset, array.attributes);
-    SetFlags(dataset, array);
-  }
-}
-
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                std::string_view what) {
   file.SetText("Conventions", kConventions);
@@ -128,18 +78,15 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
   file.SetText("comment", kComment);
   file.SetText("schema", kSchema);
   file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
-  for (const auto& [name, text] : DatedHead(what)) file.SetText(name, text);
+  const std::string now = Now();
+  file.SetText("history", fmt::format("{} cdb: {}", now, what));
+  file.SetText("date_created", now);
   file.SetText("plan_sha256", facts.sha256);
   file.SetText("benchmark", plan.benchmark);
   std::string axes;
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
     axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
   file.SetText("axes", axes);
-}
-
-HeadTexts DatedHead(std::string_view what) {
-  const std::string now = Now();
-  return {{"history", fmt::format("{} cdb: {}", now, what)}, {"date_created", now}};
 }
 
 }  // namespace cdb::store

@@ -59,7 +59,7 @@ void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
   const PlanFacts facts(*plan);
   if (facts.sha256 != file.Text("plan_sha256"))
     throw hdf5::Error("its plan is not the one that its plan_sha256 names");
-  const Layout layout = MakeLayout(*plan, facts, nullptr, RowsOfContacts(file));
+  const Layout layout = MakeLayout(*plan, facts, RowsOfContacts(file));
   if (layout.grid != extents.grid || facts.cycles != extents.cycles)
     throw hdf5::Error("its axes are not as long as its plan has them");
   for (const plan::Axis& axis : plan->axes) CheckCoordinates(file, axis);

@@ -2,38 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <set>
 #include <string>
 #include <system_error>
 
-#include "runtime/store/examine.h"
 #include "runtime/store/files/limited_process.h"
 #include "runtime/store/files/seal.h"
 #include "runtime/store/hdf5/heaps.h"
 #include "runtime/store/store.h"
-#include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Bytes of memory for each byte of a file that may be mostly its plan: yaml-cpp takes 42 for a
-/// byte of the text, and the plan itself as many again.
-constexpr std::uint64_t kPlanMemory = 80;
-
-/// Reads the shard of a measured run, or of a reference, which has no series.
-void ReadShard(const hdf5::File& file, const std::string& name) {
-  FileExtents extents;
-  extents.version = ReadVersion(file, name);
-  extents.grid = file.OpenDataset("status").shape();
-  if (hdf5::Product(extents.grid) != 1) throw hdf5::Error("it does not hold one run");
-  if (file.Has("cycle")) {
-    extents.cycles = hdf5::Product(file.OpenDataset("cycle").shape());
-    CheckArrays(file, extents);
-  }
-  CheckAllValues(file, extents);
-}
 
 }  // namespace
 
@@ -95,22 +75,6 @@ std::string ReadSchema(const fs::path& path) {
                     "it again",
                     path.string(), why));
   return read();
-}
-
-void ProveShard(const fs::path& path, std::span<const std::byte> image) {
-  static std::set<std::uint64_t> proven;
-  const std::uint64_t checksum = files::Checksum(image);
-  if (proven.contains(checksum)) return;
-  const auto prove = [&] {
-    hdf5::CheckGlobalHeaps(image);
-    ReadShard(hdf5::File::OpenImage(image), path.string());
-  };
-  const std::string why = files::RunLimited(prove, files::LimitsForFile(image.size()));
-  if (!why.empty()) {
-    if (why.starts_with(path.string() + ": ")) throw files::StoreError(why);
-    throw hdf5::Error(why);
-  }
-  proven.insert(checksum);
 }
 
 }  // namespace cdb::store

@@ -2,12 +2,9 @@
 // that it does not crash HDF5.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <span>
-#include <string>
 #include <string_view>
 
 #include "runtime/store/files/limited_process.h"
@@ -36,9 +33,5 @@ bool ProveFile(const std::filesystem::path& file, std::string_view remedy, Proof
 
 /// For an open file: throws hdf5::Error if it should have a seal and has none.
 void RequireSeal(const hdf5::File& file, const std::filesystem::path& path);
-
-/// Throws StoreError for an image that crashes HDF5. An image that has been checked is not read
-/// again.
-void ProveShard(const std::filesystem::path& path, std::span<const std::byte> image);
 
 }  // namespace cdb::store

@@ -262,7 +262,6 @@ ResultFile::ResultFile(ResultFile&&) noexcept = default;
 ResultFile::~ResultFile() = default;
 
 bool ResultFile::has_digest() const { return impl_->has_digest; }
-bool ResultFile::is_shard() const { return !impl_->file.Text("run_id").empty(); }
 const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }

@@ -192,7 +192,7 @@ const std::vector<RunText>& RunTexts() {
       {"run/state_hash",
        "hash of every body's position, orientation and velocities after the last cycle",
        [](const Run&, R r) { return r.state_hash; }},
-      {"run/run_id", "hash of all that decides the run's result; the name of its shard",
+      {"run/run_id", "hash of all that decides the run's result; its name in the journal",
        [](const Run& run, R) { return run.id; }},
       {"run/host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
       {"run/message", "why the run did not end well", [](const Run&, R r) { return r.message; }},

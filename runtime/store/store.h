@@ -82,14 +82,14 @@ enum class ProofOf {
 
 /// The remedy for a damaged results file.
 inline constexpr std::string_view kResultRemedy =
-    "merge it again from its shards, restore a copy, or run it again with --fresh";
+    "merge it again from its journal, restore a copy, or run it again with --fresh";
 
 /// True if the file is HDF5, or ends as files of cdb do.
 bool IsStored(const std::filesystem::path& file);
 /// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty if it has none. Throws StoreError.
 std::string ReadSchema(const std::filesystem::path& file);
 
-/// A results file or a shard opened for reading. Not thread-safe.
+/// A results file opened for reading. Not thread-safe.
 class ResultFile {
  public:
   /// Throws StoreError if it is not as it was written, or cannot be read.
@@ -99,8 +99,6 @@ class ResultFile {
 
   /// False for files of versions of cdb that wrote no digest.
   bool has_digest() const;
-  /// True if it is a shard, which holds one run and is to be merged.
-  bool is_shard() const;
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;

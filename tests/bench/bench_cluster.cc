@@ -1,10 +1,10 @@
-// A cluster of 64 nodes, simulated: the real driver, shards, resumption and merge, with workers
+// A cluster of 64 nodes, simulated: the real driver, journal, resumption and merge, with workers
 // that end at once and count as long as real runs took. Nodes die, some are slow, some runs fail.
 // Time of the cluster is simulated; processor time, memory and bytes are measured. fsync does
 // nothing here unless `-s`: a disk says more about itself than about cdb.
 //   bench_cluster [-s] [-t TASKS] [-p PART] [LEAST MOST [FOLDER]]
 // 10^LEAST to 10^MOST runs; default 3 to 5, below the current folder. -t: so many tasks. -p: only
-// each PART-th task is executed, and the merge lacks the others: 10^6 runs take 17 GB.
+// each PART-th task is executed, and the merge lacks the others.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -44,6 +44,9 @@ std::uint64_t g_part = 1;
 }  // namespace
 
 extern "C" int fsync(int fd) { return g_syncs ? static_cast<int>(syscall(SYS_fsync, fd)) : 0; }
+extern "C" int fdatasync(int fd) {
+  return g_syncs ? static_cast<int>(syscall(SYS_fdatasync, fd)) : 0;
+}
 
 namespace {
 
@@ -247,6 +250,11 @@ double BytesIn(const fs::path& folder) {
   return bytes;
 }
 
+std::size_t CountFiles(const fs::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
 void Measure(int digits, const fs::path& place) {
   const fs::path folder = place / fmt::format("many{}.runs", digits);
   const fs::path out = place / fmt::format("many{}.h5", digits);
@@ -259,12 +267,13 @@ void Measure(int digits, const fs::path& place) {
   Sweep sweep;
   Cost cost = CostOf<Sweep>([&] { return Execute(Made(digits), folder); }, sweep);
   const double bytes = BytesIn(folder);
-  written = static_cast<double>(schedule::CountShards(folder));
-  print("drivers and shards", cost,
-        fmt::format(
-            "{} tasks; {:.1f} kB a shard; {} nodes died; {:.0f} s on the cluster, {:.0f} % busy",
-            sweep.tasks, bytes / written / 1e3, sweep.deaths, sweep.makespan_s,
-            100 * sweep.busy_s / sweep.makespan_s / static_cast<double>(kNodes)));
+  written = static_cast<double>(journal::CountRuns(folder));
+  print("drivers and journal", cost,
+        fmt::format("{} tasks; {} files, {:.1f} kB a run; {} nodes died; {:.0f} s on the cluster, "
+                    "{:.0f} % busy",
+                    sweep.tasks, CountFiles(folder), bytes / written / 1e3, sweep.deaths,
+                    sweep.makespan_s,
+                    100 * sweep.busy_s / sweep.makespan_s / static_cast<double>(kNodes)));
   std::size_t found = 0;
   cost = CostOf<std::size_t>(
       [&] {
@@ -278,22 +287,22 @@ void Measure(int digits, const fs::path& place) {
   print("start of one task, resumed", cost, fmt::format("{} runs found", found));
   cost = CostOf<std::size_t>(
       [&] {
-        cluster::ShardCount count(Made(digits).plan, folder);
+        cluster::RunCount count(Made(digits).plan, folder);
         count.Update();
         return count.ended();
       },
       found);
-  print("following: a look", cost, fmt::format("{} shards", found));
+  print("following: a look", cost, fmt::format("{} runs", found));
   int unused = 0;
   cost = CostOf<int>(
       [&] {
         const Made made(digits);
-        shards::Merge(made.plan, tests::TestProvenance(), folder, out);
+        journal::Merge(made.plan, tests::TestProvenance(), folder, out);
         return 0;
       },
       unused);
   print("merge", cost,
-        fmt::format("{:.0f} shards, {:.2f} GB, to {:.2f} GB", written, bytes / 1e9,
+        fmt::format("{:.0f} runs, {:.2f} GB, to {:.2f} GB", written, bytes / 1e9,
                     static_cast<double>(fs::file_size(out)) / 1e9));
   cost = CostOf<std::size_t>(
       [&] {
@@ -309,11 +318,11 @@ void Measure(int digits, const fs::path& place) {
   print("every status of the result", cost, fmt::format("{} done", found));
   cost = CostOf<int>(
       [&] {
-        schedule::RemoveWholePlan(folder);
+        schedule::RemoveSweep(folder, Made(digits).plan.Sha256());
         return 0;
       },
       unused);
-  print("removing the shards", cost, "");
+  print("removing the journal", cost, "");
   fs::remove(out);
 }
 

@@ -1,4 +1,4 @@
-// What the store costs: a shard beside its fsync, a merge of many, reading a result back.
+// What the store costs: a run beside its fsync, a merge of many, reading a result back.
 //   bench_store [RUNS [CYCLES]]
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -45,19 +44,21 @@ int main(int argc, char** argv) {
   const auto n = static_cast<double>(plan.runs.size());
   const tests::FakeResult fake(plan.runs.front());
   {
-    const shards::ShardWriter writer(plan, provenance);
+    journal::RunWriter writer(plan, provenance);
+    auto journal = journal::Journal::OpenToWrite(folder.path(), plan.Sha256());
     const Stopwatch watch;
-    for (const auto& run : plan.runs) writer.Write(run, fake.result, folder.path());
-    watch.Print("write a shard, with fsync", n);
+    for (const auto& run : plan.runs) writer.Write(run, fake.result, journal);
+    watch.Print("write a run, with fsync", n);
+  }
+  {
+    auto journal = journal::Journal::OpenToRead(folder / "runs.journal");
+    const Stopwatch watch;
+    for (const auto& run : plan.runs) journal::InfoOf(journal.Read(run.id).value());
+    watch.Print("look at a run", n);
   }
   {
     const Stopwatch watch;
-    for (const auto& run : plan.runs) shards::ReadShardInfo(folder / (run.id + ".h5"));
-    watch.Print("look at a shard", n);
-  }
-  {
-    const Stopwatch watch;
-    shards::Merge(plan, provenance, folder.path(), folder / "out.h5");
+    journal::Merge(plan, provenance, folder.path(), folder / "out.h5");
     watch.Print(fmt::format("merge {} runs", plan.runs.size()), 1);
   }
   const Stopwatch watch;

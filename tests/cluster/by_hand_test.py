@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 
-from sweep import PATIENCE, Cdb, check, scenario, shards, work_folder
+from sweep import PATIENCE, Cdb, check, runs, scenario, work_folder
 
 
 def documented(cdb):
@@ -53,10 +53,10 @@ def main():
                 end = subprocess.run(["bash", "-c", line.replace("FILE", "sweep.cdb")], env=environment, capture_output=True,
                                      text=True, timeout=PATIENCE, check=False)
                 check(end.returncode == 0, f"{line}: {end.stdout}{end.stderr}")
-                check(len(shards("out.runs")) == 16, f"{line}: {len(shards('out.runs'))} of 16 shards: {end.stderr}")
+                check(len(runs("out.runs")) == 16, f"{line}: {len(runs('out.runs'))} of 16 runs: {end.stderr}")
                 cdb.run("run", "-q", "sweep.cdb", "-o", "out.h5")
                 cdb.check_same("out.h5", "local.h5")
-                check(not pathlib.Path("out.runs").exists(), "the shards are removed")
+                check(not pathlib.Path("out.runs").exists(), "the journals are removed")
                 pathlib.Path("out.h5").unlink()
 
 

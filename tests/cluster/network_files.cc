@@ -1,6 +1,6 @@
-// Preloaded into cdb: makes the folders of shards behave as on a network file system. There are no
-// locks, and a file that another process has renamed there becomes visible only after
-// CDB_TEST_DELAY_MS.
+// Preloaded into cdb: makes the folders of runs behave as on a network file system. There are no
+// locks, and a journal that another process has written becomes visible only CDB_TEST_DELAY_MS
+// after that.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -17,6 +17,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 
 namespace {
 
@@ -38,15 +39,11 @@ std::string NameOf(const char* path) {
   return text.substr(text.rfind('/') + 1);
 }
 
-bool IsShardName(const char* path) {
-  const std::string name(path);
-  constexpr std::size_t kShortest = 19;  // 16 digits and .h5
-  return name.size() >= kShortest && name.ends_with(".h5");
-}
+bool IsJournalName(const char* path) { return std::string_view(path).ends_with(".journal"); }
 
 /// True if another process created the file a moment ago.
 bool IsHidden(int folder, const char* path) {
-  if (path == nullptr || !IsShardName(path)) return false;
+  if (path == nullptr || !IsJournalName(path)) return false;
   const std::lock_guard lock(g_mutex);
   if (KnownNames().contains(NameOf(path))) return false;
   static const auto next = Next<int(int, const char*, struct stat*, int)>("fstatat");
@@ -68,6 +65,14 @@ bool IsHidden(int folder, const char* path) {
 bool Refuse(int folder, const char* path) {
   if (!IsHidden(folder, path)) return false;
   errno = ENOENT;
+  return true;
+}
+
+/// Notes a file that this process creates.
+bool IsNew(const char* path, int flags) {
+  if ((flags & O_CREAT) == 0 || access(path, F_OK) == 0) return false;
+  const std::lock_guard lock(g_mutex);
+  KnownNames().insert(NameOf(path));
   return true;
 }
 
@@ -98,24 +103,29 @@ int rename(const char* from, const char* to) {
   return result;
 }
 
-int open(const char* path, int flags, ...) {
-  static const auto next = Next<int(const char*, int, ...)>("open");
-  va_list more;
-  va_start(more, flags);
-  const mode_t mode = va_arg(more, mode_t);
-  va_end(more);
-  return Refuse(AT_FDCWD, path) ? -1 : next(path, flags, mode);
-}
+// Programs that are compiled for large files use the second name of each.
+#define CDB_OPEN(name)                                                \
+  int name(const char* path, int flags, ...) {                        \
+    static const auto next = Next<int(const char*, int, ...)>(#name); \
+    va_list more;                                                     \
+    va_start(more, flags);                                            \
+    const mode_t mode = va_arg(more, mode_t);                         \
+    va_end(more);                                                     \
+    if (IsNew(path, flags)) return next(path, flags, mode);           \
+    return Refuse(AT_FDCWD, path) ? -1 : next(path, flags, mode);     \
+  }
+CDB_OPEN(open)
+CDB_OPEN(open64)
 
-int stat(const char* path, struct stat* status) {
-  static const auto next = Next<int(const char*, struct stat*)>("stat");
-  return Refuse(AT_FDCWD, path) ? -1 : next(path, status);
-}
-
-int lstat(const char* path, struct stat* status) {
-  static const auto next = Next<int(const char*, struct stat*)>("lstat");
-  return Refuse(AT_FDCWD, path) ? -1 : next(path, status);
-}
+#define CDB_STAT(name, type)                                              \
+  int name(const char* path, struct type* status) {                       \
+    static const auto next = Next<int(const char*, struct type*)>(#name); \
+    return Refuse(AT_FDCWD, path) ? -1 : next(path, status);              \
+  }
+CDB_STAT(stat, stat)
+CDB_STAT(lstat, stat)
+CDB_STAT(stat64, stat64)
+CDB_STAT(lstat64, stat64)
 
 struct dirent* readdir(DIR* folder) {
   static const auto next = Next<struct dirent*(DIR*)>("readdir");

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Parts of a sweep side by side in a folder that behaves as on NFS: no locks, and new shards seen late by others.
+"""Parts of a sweep side by side in a folder that behaves as on NFS: no locks, and new journals seen late by others.
 
   network_files_test.py CDB RESULT_STATES LIBRARY
 """
@@ -7,9 +7,16 @@ import os
 import pathlib
 import sys
 
-from sweep import PATIENCE, Cdb, check, scenario, shards, work_folder
+from sweep import PATIENCE, Cdb, check, journal, runs, scenario, work_folder
 
 RUNS = 16
+
+
+def make_new(folder):
+    """As if the journals had just been written."""
+    for path in journal.journals(folder):
+        path.rename(path.with_suffix(".moved"))
+        path.with_suffix(".moved").rename(path)
 
 
 def main():
@@ -25,23 +32,20 @@ def main():
         for part in parts:
             text, _ = part.communicate(timeout=PATIENCE)
             check(part.returncode == 0, text)
-        check(len(shards("net.runs")) == RUNS, "every run has a shard")
-        check(not list(pathlib.Path("net.runs").glob("*.broken")), "no shard is broken")
+        check(len(runs("net.runs")) == RUNS, "every run is in a journal")
+        check(len(journal.journals("net.runs")) == 6, "each process has a journal of its own")
+        check(not list(pathlib.Path("net.runs").glob("*.broken")), "no journal is broken")
 
-        # The last shards are not visible yet.
-        for shard in shards("net.runs")[:3]:
-            shard.rename(shard.with_suffix(".moved"))
-            shard.with_suffix(".moved").rename(shard)
+        # The journals are not visible yet.
+        make_new("net.runs")
         hasty = cdb.run("merge", "-o", "hasty.h5", "net.runs", env=late)
         check(f"of {RUNS} runs" in hasty.stderr, hasty.stderr)
         check(sum(" missing " in line for line in cdb.states("hasty.h5")) >= 3, "a merge that does not wait lacks them")
-        for shard in shards("net.runs")[:3]:
-            shard.rename(shard.with_suffix(".moved"))
-            shard.with_suffix(".moved").rename(shard)
+        make_new("net.runs")
         patient = cdb.run("merge", "--wait", "100", "--remove", "-o", "net.h5", "net.runs", env=late)
         check(f"{RUNS} of {RUNS} runs" in patient.stderr, patient.stderr)
         check("file system without locks" in patient.stderr, patient.stderr)
-        check(len(shards("net.runs")) == RUNS, "where nobody can tell who is at work, shards stay")
+        check(len(runs("net.runs")) == RUNS, "where nobody can tell who is at work, journals stay")
         cdb.check_same("net.h5", "local.h5")
 
         # A whole run, with its merge, and the results read there.

@@ -11,7 +11,7 @@ import sys
 import time
 
 from slurm import Slurm
-from sweep import PATIENCE, Cdb, check, scenario, shards, wait_until, work_folder
+from sweep import PATIENCE, Cdb, check, journal, runs, scenario, wait_until, work_folder
 
 
 def finish(process, status):
@@ -20,9 +20,9 @@ def finish(process, status):
     return text
 
 
-def submitted(runs):
+def submitted(folder):
     """Ids of the array and of the merge; both are that of the array until there is a merge."""
-    return pathlib.Path(runs, "submitted").read_text(encoding="utf-8").split()[2:4]
+    return journal.request(folder, "submission").split()[2:4]
 
 
 def a_node_dies(cdb, slurm):
@@ -30,12 +30,12 @@ def a_node_dies(cdb, slurm):
     stopped, and follows again."""
     out = "a folder's name/big.h5"
     pathlib.Path(out).parent.mkdir()
-    runs = out.replace(".h5", ".runs")
+    folder = out.replace(".h5", ".runs")
     command = ("submit", "big.cdb", "-o", out, "--tasks", "4", "--partition", "bench")
     first = cdb.start(*command)
-    wait_until(lambda: len(shards(runs)) > 1 and all(slurm.programs(node, cdb.path) for node in ("n1", "n2")),
+    wait_until(lambda: len(runs(folder)) > 1 and all(slurm.programs(node, cdb.path) for node in ("n1", "n2")),
                "a task on each node")
-    array, _ = submitted(runs)
+    array, _ = submitted(folder)
     first.send_signal(signal.SIGTERM)
     check(f"job {array} goes on without this command" in finish(first, 143), "how to follow it again")
     slurm.kill_together(slurm.programs("n1", cdb.path))
@@ -45,7 +45,7 @@ def a_node_dies(cdb, slurm):
     check(f"job {array} is at work on" in text, f"the second follows the first job: {text}")
     check(re.search(r"Restarts=[1-9]", slurm.job(array)), f"a task was requeued: {slurm.job(array)}")
     cdb.check_same(out, "big_local.h5")
-    check(not pathlib.Path(runs).exists(), "the shards are removed")
+    check(not pathlib.Path(folder).exists(), "the journals are removed")
     check("is complete" in cdb.run(*command).stderr, "nothing is left to submit")
 
 
@@ -55,7 +55,7 @@ def a_task_and_the_merge_are_killed(cdb, slurm):
     text = cdb.run(*command, "--no-follow").stderr
     check("3 of 3 tasks of 24 runs" in text, text)
     array, merge = submitted("small.runs")
-    wait_until(lambda: shards("small.runs") and slurm.programs("n1", cdb.path), "a task")
+    wait_until(lambda: runs("small.runs") and slurm.programs("n1", cdb.path), "a task")
     first = next(line for line in slurm.active() if "RUNNING" in line).split()[0].split("_")[1]
     slurm.kill_together([pid for pid in slurm.processes("n1") if not slurm.is_daemon(pid)])
     wait_until(lambda: not slurm.active(), "the end of the jobs")
@@ -73,7 +73,7 @@ def a_task_and_the_merge_are_killed(cdb, slurm):
     text = finish(again, 0)
     check(f"submitted job {array}: 1 of 3 tasks" in text, text)
     cdb.check_same("small.h5", "small_local.h5")
-    check(not pathlib.Path("small.runs").exists(), "the shards are removed")
+    check(not pathlib.Path("small.runs").exists(), "the journals are removed")
 
 
 def refusals(cdb):

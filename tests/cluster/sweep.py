@@ -7,6 +7,11 @@ import sys
 import tempfile
 import time
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import journal  # noqa: E402
+
+runs = journal.runs
+
 PATIENCE = 240  # s, for steps that should take a few: a busy machine is not a failure
 
 
@@ -61,10 +66,6 @@ class Cdb:
 
     def check_same(self, results, local):
         check(self.states(results) == self.states(local), f"{results} has other runs or states than {local}")
-
-
-def shards(folder):
-    return sorted(pathlib.Path(folder).glob("*.h5"))
 
 
 def skip(why):

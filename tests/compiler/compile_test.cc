@@ -59,16 +59,20 @@ void ExpectGolden(const fs::path& file, const std::string& text) {
   EXPECT_EQ(text, ReadFile(file)) << file;
 }
 
-/// A plan as YAML in which a run has only the lines that differ from the previous run. A run with a
-/// different number of lines is kept in full, so that nothing is lost.
+/// A plan as YAML in which a run has only the lines that the previous run has not, and after `-`
+/// those that it lacks.
 std::string WithoutRepetitions(const std::string& yaml) {
   std::string condensed, line;
   std::vector<std::string> before, run;
+  const auto add_others = [&](const auto& lines, const auto& known, const char* mark) {
+    for (const std::string& one : lines)
+      if (std::ranges::find(known, one) == known.end()) condensed += mark + one + "\n";
+  };
   const auto end_run = [&] {
-    const bool is_alike = before.size() == run.size();
-    for (std::size_t i = 0; i < run.size(); ++i)
-      if (!is_alike || run[i] != before[i]) condensed += run[i] + "\n";
-    if (!run.empty()) before = std::exchange(run, {});
+    if (run.empty()) return;
+    add_others(before, run, "-");
+    add_others(run, before, "");
+    before = std::exchange(run, {});
   };
   std::istringstream lines(yaml);
   bool in_runs = false;

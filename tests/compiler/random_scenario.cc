@@ -126,7 +126,7 @@ class Maker {
     bool by_place = true;
     for (const schema::Parameter& argument : info.arguments) {
       by_place = by_place && Below(2) == 0;
-      if (!argument.default_text.empty() && Below(2) == 0) {
+      if (!argument.DefaultText().empty() && Below(2) == 0) {
         by_place = false;
         continue;
       }
@@ -173,7 +173,7 @@ class Maker {
   double Fraction() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
   double Real(const schema::Parameter& parameter) {
     const double value = std::ldexp(0.5 + Fraction() / 2, -static_cast<int>(Below(4)));
-    return parameter.domain.max <= 1 ? value : value * 20;
+    return value * std::min(20.0, parameter.domain.max);
   }
 
   std::string ValueOf(const schema::Parameter& parameter) {

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Damaged results files, shards and traces, under every command that reads them: each command ends by itself, in time and
+"""Damaged results files, journals and traces, under every command that reads them: each command ends by itself, in time and
 within its memory, and takes nothing for whole that is not.
 
   damage_test.py CDB [COUNT] [--seed N] [--jobs N] [--only N] [--list]
 
 Makes COUNT damaged copies: flipped bytes, files cut short, blocks that are zeroed, swapped or overwritten by extreme numbers,
-and, where h5py is installed, arrays, attributes, texts and links with other shapes, types and values. Half of them get their
-seal anew, so that readers go past it. What a command does with a copy is one of
+and, where h5py is installed, arrays, attributes, texts and links with other shapes, types and values; journals also get other
+values in their tables. Half of the others get their seal anew, so that readers go past it. What a command does with a copy is one of
 
   refused   a message, and exit status 1 to 4
   same      exit status 0, and the text of the undamaged file
@@ -16,17 +16,20 @@ seal anew, so that readers go past it. What a command does with a copy is one of
   memory    out of memory, at 2 GiB
   silent    an exit status other than 0 without a message
 
-Fails if anything died, hung, ran out of memory or was silent, or if a copy with a broken seal was taken. Copies with faults are
+Fails if anything died, hung, ran out of memory or was silent, if a copy with a broken seal was taken, or if a number of a
+damaged journal was taken that is not the one of the undamaged file. Copies with faults are
 kept in the current folder; --only N makes copy N again.
 """
 import argparse
 import collections
 import concurrent.futures
+import contextlib
 import os
 import pathlib
 import random
 import resource
 import shutil
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -78,7 +81,8 @@ COMMANDS = {
         "view": ["view", "{damaged}", "-o", "view.html"],
         "view --gltf": ["view", "{damaged}", "--gltf", "view.glb"],
     },
-    "shard": {"merge": ["merge", "parts.runs", "-o", "out.h5"], "check": ["check", "{damaged}"]},
+    "journal": {"merge": ["merge", "parts.runs", "-o", "out.h5"], "show merged": ["show", "out.h5", "--csv"],
+                "check": ["check", "{damaged}"]},
     "trace": {"run on trace": ["run", "-q", "on_trace.cdb", "-o", "out.h5"], "check": ["check", "{damaged}"]},
 }
 
@@ -200,9 +204,34 @@ def damage_structure(path, chance):
         return f"{name}: {remake_array(file, name, kind, chance)}"
 
 
-def damage(path, number, seed):
+def damage_tables(path, chance):
+    """Through SQLite: a whole file, whose rows are not as they were written."""
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        table, column = chance.choice([("run", column) for column in ("id", "written", "about", "checksum", "facts", "chunks")] +
+                                      [("about", "bytes"), ("asked", "value"), ("asked", "what")])
+        value = chance.choice([0, -1, 2**63 - 1, 1.5, "", "x" * 1000, b"", bytes(100), chance.randbytes(5000)])
+        kind = chance.choice(["value", "value", "value", "other", "delete", "drop", "pragma"])
+        text = {"value": f"UPDATE {table} SET {column} = ? WHERE rowid = (SELECT rowid FROM {table} ORDER BY random() LIMIT 1)",
+                "other": f"UPDATE {table} SET {column} = (SELECT {column} FROM {table} ORDER BY random() LIMIT 1)",
+                "delete": f"DELETE FROM {table} WHERE rowid = (SELECT max(rowid) FROM {table})", "drop": f"DROP TABLE {table}",
+                "pragma": f"PRAGMA {chance.choice(['application_id', 'user_version'])} = {chance.choice([0, 1, 2, -1])}"}[kind]
+        try:
+            file.execute(text, (value,) if kind == "value" else ())
+            file.commit()
+        except sqlite3.Error as error:
+            return f"SQLite refuses it: {error}"
+        return f"{text} {str(value)[:20]!r}"
+
+
+def damage(path, number, seed, kind):
     """Damages the copy at `path`. Returns what was done, and whether its seal fits."""
     chance = random.Random(f"{seed} {number}")
+    if kind == "journal":
+        if chance.random() < 0.5:
+            return damage_tables(path, chance), True
+        data, text = damage_bytes(path.read_bytes(), chance)
+        path.write_bytes(data)
+        return text, True
     whole = path.read_bytes()
     seal = whole[-SEAL_BYTES:]
     is_sealed = number % 2 == 0
@@ -254,7 +283,7 @@ def make_originals(cdb, place):
         subprocess.run([cdb, *command], cwd=place, check=True)
     return {
         "results": [place / "plain.h5", place / "errors.h5"],
-        "shard": sorted((place / "parts.runs").glob("*.h5")),
+        "journal": [place / "parts.runs" / "runs.journal"],
         "trace": [place / "trace.h5"],
     }
 
@@ -263,7 +292,7 @@ def set_up(place, kind, original):
     """A folder for the commands of `kind`; the place of the file to be damaged in it."""
     folder = pathlib.Path(tempfile.mkdtemp(dir=place))
     shutil.copy(original, folder / "whole.h5")
-    if kind == "shard":
+    if kind == "journal":
         shutil.copytree(place / "parts.runs", folder / "parts.runs")
         return folder / "parts.runs" / original.name
     shutil.copy(place / "on_trace.cdb", folder)
@@ -273,15 +302,30 @@ def set_up(place, kind, original):
 
 def try_file(cdb, kind, damaged, has_limit):
     """What each command does with it."""
-    folder = damaged.parent.parent if kind == "shard" else damaged.parent
+    folder = damaged.parent.parent if kind == "journal" else damaged.parent
     names = {"damaged": damaged.relative_to(folder), "whole": "whole.h5"}
     return {name: run([cdb, *(word.format(**names) for word in words)], folder, has_limit)
             for name, words in COMMANDS[kind].items()}
 
 
 def kind_of(number):
-    """Of seven copies, one shard and one trace."""
-    return {5: "trace", 6: "shard"}.get(number % 7, "results")
+    """Of seven copies, one journal and one trace."""
+    return {5: "trace", 6: "journal"}.get(number % 7, "results")
+
+
+def has_fewer_runs(output, expected):
+    """Every row is one of the undamaged file, of a run that is missing, or of fewer repeats."""
+    head, *rows = expected.splitlines()
+    columns = head.split(b",")
+    verdict, repeats = columns.index(b"verdict"), columns.index(b"repeats")
+    most = {tuple(row.split(b",")[:verdict]): int(row.split(b",")[repeats]) for row in rows}
+
+    def is_of_fewer(row):
+        cells = row.split(b",")
+        return int(cells[repeats]) < most[tuple(cells[:verdict])]
+
+    return output.splitlines()[0] == head and all(
+        row in rows or b"missing" in row or is_of_fewer(row) for row in output.splitlines()[1:])
 
 
 def try_copy(number, arguments, place, originals, expected, has_limit):
@@ -289,7 +333,7 @@ def try_copy(number, arguments, place, originals, expected, has_limit):
     kind = kind_of(number)
     original = random.Random(number).choice(originals[kind])
     damaged = set_up(place, kind, original)
-    text, has_good_seal = damage(damaged, number, arguments.seed)
+    text, has_good_seal = damage(damaged, number, arguments.seed, kind)
     kept = damaged.read_bytes()
     is_whole = kept == original.read_bytes()
     ends, faults, taken = [], [], []
@@ -301,7 +345,8 @@ def try_copy(number, arguments, place, originals, expected, has_limit):
             if not is_whole:
                 taken.append(f"{number} {kind} {name}: {end}: {text}")
         ends.append((f"{kind}: {name}", end))
-        if end in KINDS[3:] or (not has_good_seal and end in ("same", "other")):
+        is_wrong = name == "show merged" and end == "other" and not has_fewer_runs(output, expected[original, name])
+        if end in KINDS[3:] or is_wrong or (not has_good_seal and end in ("same", "other")):
             faults.append(f"copy {number} ({kind}, {text}) under {name}: {end}\n{output[-800:].decode(errors='replace')}")
     if faults:
         pathlib.Path(f"damaged_{arguments.seed}_{number}.h5").write_bytes(kept)

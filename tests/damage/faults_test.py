@@ -12,7 +12,7 @@ same command runs undisturbed. Counted are
   died       by another signal, or hung, or ended with an error and no message
   lost       a run that had ended was executed again
   different  the result is not that of an undisturbed run
-  left over  a temporary file, or a folder of shards that is merged
+  left over  a temporary file, or a folder of runs that are merged
 
 Fails if anything but `kept` was counted.
 """
@@ -21,9 +21,13 @@ import collections
 import pathlib
 import random
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import journal  # noqa: E402
 
 try:
     import h5py
@@ -42,7 +46,7 @@ SCENARIO = """benchmark s {
 # The second of the three runs always fails.
 FAILS = "benchmark f { cycles 3; world.side 500; acceleration (0, sweep(0, -1e39, -1) as g, 0) }\n"
 TRACED = "benchmark t { cycles 3; world.side 200; objects { quantity 3; size 20 } }\n"
-# The files present before, the command, its result, and the folder of shards that it leaves after success.
+# The files present before, the command, its result, and the folder of runs that it leaves after success.
 COMMANDS = {
     "run": ("new", ["run", "s.cdb", "-q", "-o", "out.h5"], None),
     "go on": ("half", ["run", "s.cdb", "-q", "-o", "out.h5"], None),
@@ -57,7 +61,7 @@ COMMANDS = {
 ERRORS = {
     "openat": ["EACCES", "EMFILE", "ENOSPC", "EIO"], "open": ["EACCES", "EMFILE"], "write": ["ENOSPC", "EIO", "EINTR"],
     "pwrite64": ["ENOSPC", "EIO", "EINTR"], "writev": ["ENOSPC", "EIO"], "read": ["EIO", "EINTR"], "pread64": ["EIO", "EINTR"],
-    "fsync": ["EIO", "ENOSPC"], "fdatasync": ["EIO"], "ftruncate": ["EIO", "ENOSPC"], "fallocate": ["ENOSPC", "EOPNOTSUPP"],
+    "fsync": ["EIO", "ENOSPC"], "fdatasync": ["EIO", "ENOSPC"], "ftruncate": ["EIO", "ENOSPC"], "fallocate": ["ENOSPC", "EOPNOTSUPP"],
     "rename": ["EIO", "ENOSPC", "EACCES"], "renameat2": ["EINVAL", "ENOSPC"], "link": ["EPERM", "ENOSPC"],
     "linkat": ["EPERM", "ENOSPC"], "unlink": ["EACCES", "EIO"], "mkdir": ["EACCES", "ENOSPC"], "rmdir": ["EACCES", "ENOTEMPTY"],
     "flock": ["ENOLCK", "EINTR"], "fcntl": ["ENOLCK"], "mmap": ["ENOMEM"],
@@ -78,7 +82,7 @@ def call(words, folder):
 
 
 def runs_of(path):
-    """Of a results file or a shard: when each finished run began, by its id."""
+    """Of a results file: when each finished run began, by its id."""
     with h5py.File(path) as file:
         if "run" not in file or "run_id" not in file["run"]:
             return {}
@@ -87,11 +91,13 @@ def runs_of(path):
 
 
 def finished_in(folder):
-    """All that has ended, in the result and in shards. Shards are newer."""
-    finished = {}
-    for path in [folder / "out.h5", *sorted((folder / "out.runs").glob("*.h5"))]:
-        if path.exists():
-            finished.update(runs_of(path))
+    """All that has ended, in the result and in journals. Journals are newer. Reads a copy, because reading would put the
+    files of a killed process in order."""
+    finished = runs_of(folder / "out.h5") if (folder / "out.h5").exists() else {}
+    if (folder / "out.runs").exists():
+        copy = pathlib.Path(shutil.copytree(folder / "out.runs", folder / "copy.runs"))
+        finished.update({run: facts["run/started"] for run, facts in journal.numbers(copy).items() if "run/started" in facts})
+        shutil.rmtree(copy)
     return finished
 
 
@@ -151,7 +157,7 @@ class Cases:
     def attempt(self, number, seed):
         """What was wrong, as (kind, text), and a line that says what was done."""
         name, what, n, how = self.draw(number, seed)
-        _, words, shards = COMMANDS[name]
+        _, words, leaves = COMMANDS[name]
         did = f"{number}: {name}: {what} {n} {how}"
         folder, faults = self.fresh(name), []
         known = {} if name == "fresh" else finished_in(folder)
@@ -165,7 +171,7 @@ class Cases:
         try:
             if name != "trace":
                 known = {**known, **finished_in(folder)}
-        except OSError as error:
+        except (OSError, sqlite3.Error, ValueError) as error:
             faults.append(("lost", f"a file is damaged: {error}"))
         out = folder / "out.h5"
         has_ended = name == "merge --remove" and out.exists() and not (folder / "out.runs").exists()  # nothing is left to merge
@@ -177,7 +183,7 @@ class Cases:
             lost = [run for run, start in known.items() if now.get(run) != start]
             if lost:
                 faults.append(("lost", f"{len(lost)} of {len(known)} finished runs"))
-        there = {path.name for path in folder.iterdir()} - {"out.h5", "s.cdb", "f.cdb", "t.cdb", shards}
+        there = {path.name for path in folder.iterdir()} - {"out.h5", "s.cdb", "f.cdb", "t.cdb", leaves}
         if there:
             faults.append(("left over", " ".join(sorted(there))))
         shutil.rmtree(folder)

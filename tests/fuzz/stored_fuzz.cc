@@ -15,7 +15,6 @@
 #include "runtime/measure/trace_memory.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/store/files/seal.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
@@ -35,26 +34,26 @@ struct Bases {
   Bases() {
     tests::FakeResult(plan.runs[0]);
     for (const plan::Run& run : plan.runs)
-      shards::WriteShard(plan, run, tests::FakeResult(run).result, tests::TestProvenance(),
-                         folder.path());
-    shards::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
+      tests::WriteRun(plan, run, tests::FakeResult(run).result, tests::TestProvenance(),
+                      folder.path());
+    journal::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
     const plan::Run& run = contacts.runs[0];
-    shards::WriteShard(contacts, run, tests::FakeResult(run).result, {}, folder.path());
+    tests::WriteRun(contacts, run, tests::FakeResult(run).result, {}, with_contacts.path());
     measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
     for (std::uint64_t cycle = 0; cycle < 4; ++cycle)
       trace.SetBoxes(cycle, std::vector<double>(3 * measure::kBoxSize, 1.5));
     store::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""}, 0,
                       {}, folder / "trace.h5");
-    for (const fs::path& file : {folder / "out.h5", folder / (plan.runs[0].id + ".h5"),
-                                 folder / (run.id + ".h5"), folder / "trace.h5"}) {
+    for (const fs::path& file : {folder / "out.h5", folder / "runs.journal",
+                                 with_contacts / "runs.journal", folder / "trace.h5"}) {
       const std::string bytes = tests::ReadFile(file);
-      images.push_back(bytes.substr(0, bytes.size() - sizeof(files::Seal)));
+      const bool is_sealed = file.extension() == ".h5";
+      images.push_back(bytes.substr(0, bytes.size() - (is_sealed ? sizeof(files::Seal) : 0)));
     }
   }
 
-  const tests::TemporaryFolder folder;
+  const tests::TemporaryFolder folder, with_contacts;
   const plan::Plan plan = tests::MakePlan({tests::NumberAxis("n", {1, 2})}, 1, {.cycles = 6});
-  /// The shards have no index, so that a merge reads them as HDF5.
   const plan::Plan contacts = tests::MakePlan(
       {}, 1, {.cycles = 3, .objects = 2, .record = {"timing", "counts", "contacts"}});
   std::vector<std::string> images;
@@ -84,10 +83,9 @@ void ReadResults(const fs::path& path) {
   file.ReadReferenceTroubles();
 }
 
-void MergeShard(const plan::Plan& plan, const fs::path& shard, const fs::path& out) {
-  shards::ReadShardInfo(shard);
-  shards::Merge(plan, {}, {shard}, out);
-  store::ResultFile file(out, store::ProofOf::kEveryValue);
+void MergeJournal(const plan::Plan& plan, const fs::path& file, const fs::path& out) {
+  journal::Merge(plan, {}, {file}, out);
+  store::ResultFile merged(out, store::ProofOf::kEveryValue);
 }
 
 }  // namespace
@@ -100,12 +98,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Change(image, {data + 1, size - 1});
   const tests::TemporaryFolder folder;
   const plan::Plan& plan = which == 2 ? bases.contacts : bases.plan;
-  const fs::path file = folder / (plan.runs[0].id + ".h5");
+  const bool is_journal = which == 1 || which == 2;
+  const fs::path file = folder / (is_journal ? "runs.journal" : "out.h5");
   tests::WriteFile(file, image);
   try {
-    files::AppendSeal(file, file);
+    if (!is_journal) files::AppendSeal(file, file);
     if (which == 0) ReadResults(file);
-    if (which == 1 || which == 2) MergeShard(plan, file, folder / "merged.h5");
+    if (is_journal) MergeJournal(plan, file, folder / "merged.h5");
     if (which == 3) store::LoadTrace(file, store::ReadTraceFacts(file).sha256);
   } catch (const files::StoreError& error) {
     CDB_CHECK(std::string(error.what()).find(folder.path().string()) != std::string::npos);

@@ -16,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/store/shards/reference_shard.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -44,11 +42,11 @@ class Fixture {
       const plan::Run& run = plan_.runs[i];
       const FakeResult fake(run, i == 2 ? store::Status::kCrashed : store::Status::kDone,
                             i == 2 ? 2 : kCycles);
-      shards::WriteShard(plan_, run, fake.result, TestProvenance(), shards_.path());
+      WriteRun(plan_, run, fake.result, TestProvenance(), shards_.path());
       results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
     }
     WriteReferences();
-    shards::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
+    journal::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
     Coordinates("");
     Coordinates("run/");
     Coordinates("accuracy/");
@@ -82,8 +80,7 @@ class Fixture {
       for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = SampleOf(r, i);
       store::RunResult result;
       result.status = store::Status::kDone;
-      shards::WriteReference(plan_.Sha256(), run, result, samples, TestProvenance(),
-                             shards_.path());
+      WriteReference(plan_, run, result, samples, TestProvenance(), shards_.path());
     }
   }
 

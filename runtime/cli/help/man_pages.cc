@@ -110,7 +110,7 @@ std::string LanguagePage() {
   text += ".SH PARAMETERS\n";
   for (const schema::Parameter& parameter : schema::Schema())
     text += fmt::format(".TP\n{}\n{}.\n.br\nTakes {}. Default: {}{}.\n", Bold(parameter.FullName()),
-                        Roff(parameter.doc), Roff(parameter.Takes()), Roff(parameter.default_text),
+                        Roff(parameter.doc), Roff(parameter.Takes()), Roff(parameter.DefaultText()),
                         parameter.unit.empty() ? "" : " " + Roff(parameter.unit));
   return text + ".SH SEE ALSO\n.BR cdb (1)\n";
 }

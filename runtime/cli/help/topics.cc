@@ -46,7 +46,7 @@ std::string AllParameters() {
   table.AddColumn("unit", false);
   table.AddColumn("", false);
   for (const Parameter& parameter : schema::Schema())
-    table.AddRow({parameter.FullName(), std::string(parameter.default_text),
+    table.AddRow({parameter.FullName(), std::string(parameter.DefaultText()),
                   std::string(parameter.unit), std::string(parameter.doc)});
   return table.Text();
 }

@@ -168,6 +168,7 @@ std::vector<plan::Plan> LoadPlans(const std::string& file,
                                   std::vector<schema::PluginDetector>* named) {
   if (IsPlanFile(file)) {
     plan::Plan plan = yaml::FromYaml(ReadText(file), file);
+    plan.Renew();
     CheckPlanFile(file, benchmark, plugins, plan.benchmark);
     if (named != nullptr)
       for (const plan::Run& run : plan.runs)

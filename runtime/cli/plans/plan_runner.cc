@@ -21,8 +21,8 @@
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "runtime/schedule/progress.h"
-#include "runtime/store/files/safe_file.h"
 #include "runtime/store/files/temporary_file.h"
+#include "runtime/store/journal/merge.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -101,15 +101,17 @@ std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
   return next > reached.repeats ? std::optional(next) : std::nullopt;
 }
 
+/// Those of a runner that was killed right after the merge.
+void PlanRunner::RemoveLeftovers(const plan::Plan& plan, const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  FolderLock leftovers(folder);
+  if (leftovers.TakeForMyself()) RemoveMergedRuns(plan, folder);
+}
+
 bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
   if (!IsThereAlready(out, plan)) return false;
-  const fs::path folder = ShardFolderOf(out);
-  std::error_code error;
-  // A runner that was killed right after the merge left its shards.
-  if (fs::exists(folder, error)) {
-    FolderLock leftovers(folder);
-    if (leftovers.TakeForMyself()) RemoveShards(plan, folder);
-  }
+  RemoveLeftovers(plan, ShardFolderOf(out));
   if (!options_.is_quiet)
     terminal::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
   return true;
@@ -121,7 +123,7 @@ std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, co
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
   const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
-  if (reached.IsWholeRound() && !HasShards(ShardFolderOf(out))) return RepeatsAfter(plan, reached);
+  if (reached.IsWholeRound() && !HasRuns(ShardFolderOf(out))) return RepeatsAfter(plan, reached);
   return std::max(least, reached.repeats);
 }
 
@@ -130,15 +132,13 @@ schedule::ExecuteOptions PlanRunner::ExecuteOptionsFor(const plan::Plan& plan,
                                                        bool starts_over) const {
   schedule::ExecuteOptions execute;
   execute.folder = folder;
-  execute.fresh = starts_over;
+  if (starts_over)
+    execute.start = options_.shard.count > 1 ? schedule::SweepStart::kFresh
+                                             : schedule::SweepStart::kFreshForResult;
   if (const auto submitted = cluster::ReadSubmission(folder); submitted && !starts_over)
     execute.has_plan = submitted->plan_sha256 == plan.Sha256();
   if (!options_.retry.is_empty())
-    execute.is_repeated = [this](const plan::Run& run, const fs::path& shard) {
-      const store::ResultFile file(shard);
-      const std::vector<std::size_t> at(file.axes().size(), 0);
-      return options_.retry.Wants(file, {at, 0}, run.id);
-    };
+    execute.is_repeated = [this](const journal::RunInfo& run) { return options_.retry.Wants(run); };
   return execute;
 }
 
@@ -162,7 +162,10 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
         fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
   const bool has_results = !is_anew && !is_part && fs::exists(out, error);
   std::optional<std::uint64_t> repeats = FirstRepeats(plan, out, has_results);
-  if (!repeats) return {{}, folder, true};
+  if (!repeats) {
+    RemoveLeftovers(plan, folder);
+    return {{}, folder, true};
+  }
   FolderLock lock(folder);
   WarnOfLoad(plan);
   std::optional<KeptRuns> kept;
@@ -171,13 +174,12 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
       ExecuteOptionsFor(plan, folder, options_.fresh && !goes_on_anew);
   if (kept || options_.until)  // without it, finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
-      return run.rep < *repeats ? (kept ? kept->Find(run) : std::nullopt) : shards::ShardInfo{};
+      return run.rep < *repeats ? (kept ? kept->Find(run) : std::nullopt) : journal::RunInfo{};
     };
-  if (execute.fresh && !is_part) files::WriteWhole(plan.Sha256(), FreshMark(folder));
   ExecutedPlan end = {{}, folder, false};
   while (repeats) {
     end.summary = ExecuteRuns(sized, execute);
-    execute.fresh = false;
+    execute.start = schedule::SweepStart::kResume;
     if (end.summary.signal != 0) SayStopped(sized, end);
     if (end.summary.signal != 0 || is_part) return end;
     MergeRound(plan, out, is_anew);
@@ -185,7 +187,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
                   ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
                   : std::nullopt;
   }
-  RemoveMergedShards(plan, folder, lock, options_.is_quiet);
+  RemoveMergedRuns(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
   return end;
 }
@@ -194,16 +196,21 @@ void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is
   // Another runner may have been faster with the same plan.
   if (!is_anew && !options_.until && options_.retry.is_empty() && IsThereAlready(out, plan)) return;
   std::error_code error;
-  shards::Merge(plan, provenance_, {ShardFolderOf(out)}, out,
-                !is_anew && fs::exists(out, error) ? out : fs::path());
+  const fs::path folder = ShardFolderOf(out);
+  try {
+    journal::Merge(plan, provenance_, {folder}, out,
+                   !is_anew && fs::exists(out, error) ? out : fs::path());
+  } catch (const journal::DamagedRun& damaged) {
+    journal::Journal::OpenToWrite(folder, plan.Sha256()).Forget(damaged.run_id());
+    throw;
+  }
 }
 
 ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
                                const RetryChoice& retry) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolderOf(out), mark = folder / schedule::kRetryMarkName;
-  std::error_code error;
-  const bool is_started = fs::exists(mark, error);
+  const fs::path folder = ShardFolderOf(out);
+  const bool is_started = !FindStartedRetry(folder).is_empty();
   if (options_.shard.count > 1 && !is_started)
     throw options::CommandError(
         "--retry runs a few runs again, all of them here; leave out --shard, or let a cluster run "
@@ -221,7 +228,8 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   }
   const KeptRuns kept(out, retry);
   FolderLock lock(folder);
-  files::WriteWhole(retry.Text(), mark);
+  if (FindStartedRetry(folder).Words() != retry.Words())
+    journal::Ask(folder, plan.Sha256(), journal::kRetry, retry.Text());
   WarnOfLoad(plan);
   schedule::ExecuteOptions execute;
   execute.folder = folder;
@@ -232,11 +240,8 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
     return end;
   }
   if (options_.shard.count > 1) return end;
-  shards::Merge(plan, provenance_, {folder}, out, out);
-  if (lock.TakeForMyself()) {
-    fs::remove(mark, error);  // first: without the mark, the shards count as leftovers
-    RemoveShards(plan, folder);
-  }
+  journal::Merge(plan, provenance_, {folder}, out, out);
+  if (lock.TakeForMyself()) RemoveMergedRuns(plan, folder);
   end.is_merged = true;
   return end;
 }

@@ -1,4 +1,4 @@
-// Executes a plan into its results file: runs what is missing, merges the shards, removes them.
+// Executes a plan into its results file: runs what is missing, merges and removes the journals.
 #pragma once
 
 #include <cstddef>
@@ -49,8 +49,8 @@ class PlanRunner {
  public:
   explicit PlanRunner(PlanRunnerOptions options);
 
-  /// `out`: the results file; its shards lie beside it. Continues where an earlier call stopped. If
-  /// stopped by a signal, prints a message and keeps the finished runs. Throws CommandError,
+  /// `out`: the results file; its journals lie beside it. Continues where an earlier call stopped.
+  /// If stopped by a signal, prints a message and keeps the finished runs. Throws CommandError,
   /// StoreError; finished runs are kept then too.
   ExecutedPlan Execute(const SizedPlan& plan, const std::filesystem::path& out) const;
   ExecutedPlan Execute(const plan::Plan& plan, const std::filesystem::path& out) const {
@@ -64,7 +64,8 @@ class PlanRunner {
   /// Replaces the runs of a results file that `retry` selects, and adds those that it lacks.
   ExecutedPlan Retry(const SizedPlan& plan, const std::filesystem::path& out,
                      const RetryChoice& retry) const;
-  /// `out` holds every run of the plan; leftover shards are removed.
+  static void RemoveLeftovers(const plan::Plan& plan, const std::filesystem::path& folder);
+  /// `out` holds every run of the plan; leftover journals are removed.
   bool IsComplete(const plan::Plan& plan, const std::filesystem::path& out) const;
   /// The repeats of the first round; nullopt if the results in `out` are precise enough.
   std::optional<std::uint64_t> FirstRepeats(const plan::Plan& plan,

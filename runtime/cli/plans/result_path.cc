@@ -15,19 +15,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// `r` and `r.h5` would keep their shards in the same folder; each would merge and remove those of
+/// `r` and `r.h5` would keep their runs in the same folder; each would merge and remove those of
 /// the other.
-fs::path RequireOwnShards(fs::path out) {
+fs::path RequireOwnFolder(fs::path out) {
   fs::path other = out;
   if (out.extension() == ".h5")
     other.replace_extension();
   else
     other += ".h5";
   if (ShardFolderOf(other) != ShardFolderOf(out) || !store::IsStored(other)) return out;
-  throw options::CommandError(
-      fmt::format("'{}' is there, and '{}' would keep its shards in the same folder '{}'; nothing "
-                  "was changed: name another file by -o",
-                  other.string(), out.string(), ShardFolderOf(out).string()));
+  throw options::CommandError(fmt::format(
+      "'{}' is there, and '{}' would keep its runs in the same folder '{}'; nothing was changed: "
+      "name another file by -o",
+      other.string(), out.string(), ShardFolderOf(out).string()));
 }
 
 }  // namespace
@@ -35,11 +35,12 @@ fs::path RequireOwnShards(fs::path out) {
 fs::path ResultPath(const std::string& out, const std::string& name, const std::string& file,
                     std::size_t plan_count) {
   std::error_code error;
-  if (out.empty()) return RequireOwnShards(name + ".h5");
+  if (out.empty()) return RequireOwnFolder(name + ".h5");
   if (fs::path(out).extension() == ".runs")
     throw options::CommandError(fmt::format(
-        "'{}': names that end in .runs are folders of shards; name another file by -o", out));
-  if (fs::is_directory(out, error)) return RequireOwnShards(fs::path(out) / (name + ".h5"));
+        "'{}': names that end in .runs are folders of unfinished sweeps; name another file by -o",
+        out));
+  if (fs::is_directory(out, error)) return RequireOwnFolder(fs::path(out) / (name + ".h5"));
   if (plan_count > 1)
     throw options::CommandError(fmt::format(
         "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b", file,
@@ -48,7 +49,7 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw options::CommandError(
         fmt::format("there is no folder '{}' for '{}'; make it first", folder.string(), out));
-  return RequireOwnShards(out);
+  return RequireOwnFolder(out);
 }
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {

@@ -12,7 +12,7 @@ namespace cdb::plans {
 /// `NAME.h5` in the current folder if `out` is empty, in `out` if that is a folder, else `out`
 /// itself. `file`: the scenario, which has `plan_count` benchmarks. Throws CommandError if several
 /// benchmarks would share one file, if the folder does not exist, or if there is a results file
-/// that would share its shards (`r` for `r.h5`).
+/// that would share its folder of runs (`r` for `r.h5`).
 std::filesystem::path ResultPath(const std::string& out, const std::string& name,
                                  const std::string& file, std::size_t plan_count);
 

@@ -8,13 +8,11 @@
 #include <string_view>
 #include <system_error>
 
-#include "compiler/plan/input_file.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/plans/shard_files.h"
 #include "runtime/machine/noise.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/store/shards/shard_places.h"
 
 namespace cdb::plans {
 namespace {
@@ -24,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNoisy = "noisy";
 constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
 
-/// Shards beside a complete result were left by a runner that was killed right after its merge.
+/// Journals beside a complete result were left by a runner that was killed right after its merge.
 void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
   std::error_code error;
   if (!fs::exists(shards, error)) return;
@@ -32,12 +30,12 @@ void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_com
   if (!lock.TakeForMyself())
     throw options::CommandError(
         fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
-  if ((!is_complete || IsMadeAnew(plan, shards)) && HasShards(shards))
+  if ((!is_complete || IsMadeAnew(plan, shards)) && HasRuns(shards))
     throw options::CommandError(
         fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
                     "without --retry first",
                     shards.string()));
-  RemoveShards(plan, shards);
+  RemoveMergedRuns(plan, shards);
 }
 
 }  // namespace
@@ -70,6 +68,12 @@ bool RetryChoice::Wants(const store::ResultFile& file, const store::ResultFile::
          file.ReadReal("noise", cell) == static_cast<double>(machine::Noise::kNoisy);
 }
 
+bool RetryChoice::Wants(const journal::RunInfo& run) const {
+  return words_.contains(run.run_id) ||
+         words_.contains(std::string(store::StatusName(run.outcome.status))) ||
+         (words_.contains(std::string(kNoisy)) && run.is_noisy);
+}
+
 std::string RetryChoice::Text() const { return fmt::format("{}", fmt::join(words_, ",")); }
 
 RetryChoice RetryChoice::FromText(const std::string& text) {
@@ -87,9 +91,7 @@ RetryChoice RetryChoice::With(const RetryChoice& other) const {
 }
 
 RetryChoice FindStartedRetry(const fs::path& shards) {
-  std::string why;
-  return RetryChoice::FromText(
-      plan::ReadInputFile(shards / schedule::kRetryMarkName, why).value_or(""));
+  return RetryChoice::FromText(journal::FindRequest(shards, journal::kRetry));
 }
 
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
@@ -106,11 +108,11 @@ std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {
   return others;
 }
 
-std::optional<shards::ShardInfo> KeptRuns::Find(const plan::Run& run) const {
+std::optional<journal::RunInfo> KeptRuns::Find(const plan::Run& run) const {
   if (!Has(run.id, run.at, run.rep)) return std::nullopt;
   const store::ResultFile::Cell cell = {run.at, run.rep};
-  shards::ShardInfo info = {
-      run.id, file_.plan_sha256(), {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}};
+  journal::RunInfo info = {
+      run.id, {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}, false};
   if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
   if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
   return info;
@@ -129,10 +131,10 @@ std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& shards, con
   const RetryChoice retry = FindStartedRetry(shards);
   if (retry.is_empty() || !fs::exists(out, error)) return 0;
   const KeptRuns kept(out, retry);
-  const shards::ShardPlaces places({shards});
+  const journal::Journals journals({shards});
   std::size_t missing = 0;
   plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
-    missing += !kept.Has(id, at, rep) && !places.Find(id);
+    missing += !kept.Has(id, at, rep) && !journals.Has(id);
   });
   return missing;
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 
 namespace cdb::plans {
@@ -26,11 +26,12 @@ class RetryChoice {
   static RetryChoice Only(const std::string& run_id);
 
   bool is_empty() const { return words_.empty(); }
-  /// `file`: a results file or a shard. `run_id`: the id of the run in that cell.
+  /// `run_id`: the id of the run in that cell.
   bool Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
              const std::string& run_id) const;
+  bool Wants(const journal::RunInfo& run) const;
 
-  /// `crashed,failed`: kept in the folder of shards, so that a stopped retry can continue.
+  /// `crashed,failed`: kept in the journal, so that a stopped retry can continue.
   std::string Text() const;
   static RetryChoice FromText(const std::string& text);
   const std::set<std::string>& Words() const { return words_; }
@@ -40,7 +41,7 @@ class RetryChoice {
   std::set<std::string> words_;  ///< words and ids of runs
 };
 
-/// The choice of the unfinished retry in a folder of shards; empty if there is none.
+/// The choice of the unfinished retry of a sweep; empty if there is none.
 RetryChoice FindStartedRetry(const std::filesystem::path& shards);
 
 /// The runs of a results file that are not run again.
@@ -52,22 +53,22 @@ class KeptRuns {
   bool Has(const std::string& id, const std::vector<std::size_t>& at, std::uint64_t rep) const;
   std::size_t CountOthers(const plan::Plan& plan) const;
   /// Nullopt for a run that is to be run again.
-  std::optional<shards::ShardInfo> Find(const plan::Run& run) const;
+  std::optional<journal::RunInfo> Find(const plan::Run& run) const;
 
  private:
   const store::ResultFile file_;
   const RetryChoice retry_;
 };
 
-/// Prepares a folder of shards for a new retry: removes shards that the result already contains.
-/// Returns an empty text, or the reason why there is nothing to run again. Throws CommandError if
-/// the result lacks some of the shards, or another cdb is at work in the folder.
+/// Prepares the folder of a sweep for a new retry: removes journals whose runs the result already
+/// contains. Returns an empty text, or the reason why there is nothing to run again. Throws
+/// CommandError if the result lacks some of these runs, or another cdb is at work in the folder.
 std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& shards,
                          const std::filesystem::path& out, const RetryChoice& retry,
                          bool is_complete);
 
-/// The number of runs that the retry in `shards` selects and that have no shard yet; 0 if there is
-/// no retry. Call it before the shards are merged into `out`.
+/// The number of runs that the retry in `shards` selects and that have not been run again yet; 0 if
+/// there is no retry. Call it before they are merged into `out`.
 std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
                              const std::filesystem::path& out);
 

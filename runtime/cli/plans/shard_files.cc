@@ -7,15 +7,17 @@
 
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <system_error>
 
-#include "compiler/plan/input_file.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cluster/submission.h"
+#include "runtime/figures/points.h"
 #include "runtime/schedule/folder.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
+#include "runtime/store/journal/merge.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
 
@@ -33,6 +35,14 @@ std::string PlanOf(const std::string& results) {
   }
 }
 
+/// True if the results are those of the plan in an earlier format, with other ids of runs.
+bool IsOfEarlierFormat(const store::ResultFile& file, const plan::Plan& plan) {
+  std::optional<plan::Plan> there = figures::ReadPlan(file);
+  if (!there || there->version == plan::kPlanVersion) return false;
+  there->Renew();
+  return there->Sha256() == plan.Sha256();
+}
+
 }  // namespace
 
 fs::path ShardFolderOf(const fs::path& out) {
@@ -45,12 +55,16 @@ bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_vie
   std::error_code error;
   if (!fs::exists(out, error)) return false;
   const store::ResultFile file(out);
-  if (file.plan_sha256() != plan.Sha256())
-    throw options::CommandError(fmt::format(
-        "'{}' holds the results of another plan and is left as it is; name another file "
-        "by -o, or say --fresh to write over it{}",
-        out.string(), hint));
-  return CountMissing(file, plan) == 0;
+  if (file.plan_sha256() == plan.Sha256()) return CountMissing(file, plan) == 0;
+  const bool is_earlier = IsOfEarlierFormat(file, plan);
+  if (is_earlier && hint.empty() && CountMissing(file, plan) == 0) return true;
+  throw options::CommandError(fmt::format(
+      "'{}' holds the results of {} and is left as it is; name another file by -o, or say --fresh "
+      "to write over it{}",
+      out.string(),
+      is_earlier ? "an earlier cdb, which named its runs differently, so that none can be added,"
+                 : "another plan",
+      is_earlier ? "" : hint));
 }
 
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
@@ -77,8 +91,8 @@ std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) 
 
 void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& shards, const fs::path& out) {
   std::error_code error;
-  shards::Merge(plan, options::CollectProvenance(), shards, out,
-                fs::exists(out, error) ? out : fs::path());
+  journal::Merge(plan, options::CollectProvenance(), shards, out,
+                 fs::exists(out, error) ? out : fs::path());
 }
 
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
@@ -87,10 +101,11 @@ FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
     fs::create_directories(folder, error);
     fd_ = plan::Descriptor(error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     if (fd_.get() < 0)
-      throw options::CommandError(fmt::format(
-          "cannot make the folder '{}' for the shards: {}; nothing was changed: choose another "
-          "place by -o",
-          folder.string(), error ? error.message() : std::strerror(errno)));
+      throw options::CommandError(
+          fmt::format("cannot make the folder '{}' for the finished runs: {}; nothing was changed: "
+                      "choose another "
+                      "place by -o",
+                      folder.string(), error ? error.message() : std::strerror(errno)));
     int locked = 0;
     while ((locked = flock(fd_.get(), LOCK_SH)) != 0 && errno == EINTR) {
     }
@@ -112,44 +127,32 @@ bool FolderLock::TakeForMyself() {
   return false;
 }
 
-fs::path FreshMark(const fs::path& folder) { return folder / "fresh"; }
-
 bool IsMadeAnew(const plan::Plan& plan, const fs::path& folder) {
-  std::string why;
-  return plan::ReadInputFile(FreshMark(folder), why) == plan.Sha256();
+  return journal::FindRequest(folder, journal::kFresh) == plan.Sha256();
 }
 
-bool HasShards(const fs::path& folder) {
-  std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error))
-    if (entry->path().extension() == ".h5") return true;
-  return false;
+bool HasRuns(const fs::path& folder) {
+  schedule::RefuseShards(folder);
+  try {
+    return journal::CountRuns(folder) > 0;
+  } catch (const journal::DamagedJournal&) {
+    return true;
+  }
 }
 
-void RemoveShards(const plan::Plan& plan, const fs::path& folder) {
-  std::error_code ignored;
-  fs::remove(FreshMark(folder), ignored);
+void RemoveMergedRuns(const plan::Plan& plan, const fs::path& folder) {
   cluster::RemoveSubmission(folder);
-  if (plan.whole) return schedule::RemoveWholePlan(folder);
-  for (const auto* runs : {&plan.runs, &plan.references})
-    for (const plan::Run& run : *runs) fs::remove(folder / (run.id + ".h5"), ignored);
-  if (HasShards(folder))
-    return;  // some cannot be removed: the plan is kept, so that they can
-             // still be merged
-  fs::remove(folder / "plan.yaml", ignored);
-  fs::remove(folder / schedule::kShortPlanName, ignored);
-  fs::remove(folder / schedule::kRetryMarkName, ignored);
-  fs::remove(folder, ignored);
+  schedule::RemoveSweep(folder, plan.Sha256());
 }
 
-void RemoveMergedShards(const plan::Plan& plan, const fs::path& folder, FolderLock& lock,
-                        bool is_quiet) {
-  if (lock.TakeForMyself()) return RemoveShards(plan, folder);
+void RemoveMergedRuns(const plan::Plan& plan, const fs::path& folder, FolderLock& lock,
+                      bool is_quiet) {
+  if (lock.TakeForMyself()) return RemoveMergedRuns(plan, folder);
   if (!lock.is_known() && !is_quiet)
     terminal::Say(fmt::format(
         "'{}' is on a file system without locks, so that nobody can tell whether another cdb works "
-        "there: its shards are merged and stay; remove the folder when no other is at work\n",
+        "there: its runs are merged, and its journals stay; remove the folder when no other is at "
+        "work\n",
         folder.string()));
 }
 

@@ -1,4 +1,4 @@
-// The shards beside a results file: their folder, its lock, and their removal.
+// The unfinished sweep beside a results file: its folder, the lock of it, and its removal.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace cdb::plans {
 
-/// The shards of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
+/// The journals of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
 std::filesystem::path ShardFolderOf(const std::filesystem::path& out);
 
 /// True if `out` exists and holds every run of the plan. Throws CommandError, with `hint` at the
@@ -26,13 +26,13 @@ void CheckIsOfPlan(const std::string& out, const plan::Plan& plan);
 
 std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan);
 
-/// Merges the shards into `out`. Runs in `out` that have no shard are kept. Throws StoreError;
+/// Merges the journals into `out`. Runs in `out` that no journal holds are kept. Throws StoreError;
 /// `out` is then unchanged.
 void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& shards,
                const std::filesystem::path& out);
 
-/// Tells other runners that a folder of shards is in use. Shared while runs are executed; the last
-/// runner takes it exclusively, and only then may shards be removed.
+/// Tells other runners that the folder of a sweep is in use. Shared while runs are executed; the
+/// last runner takes it exclusively, and only then may journals be removed.
 class FolderLock {
  public:
   /// Creates the folder if it does not exist. Throws CommandError.
@@ -54,20 +54,21 @@ class FolderLock {
   bool is_known_ = true;
 };
 
-/// The mark in a folder of shards while `--fresh` is at work for the plan with the hash in it: the
-/// shards are newer than the result, and the next run continues with them.
-std::filesystem::path FreshMark(const std::filesystem::path& folder);
+/// True while `--fresh` is at work in the folder for the plan: its runs are newer than the result,
+/// and the next run continues with them.
 bool IsMadeAnew(const plan::Plan& plan, const std::filesystem::path& folder);
 
-bool HasShards(const std::filesystem::path& folder);
+/// True if a journal in the folder holds a run, or cannot be read. Throws ScheduleError for shards
+/// of earlier versions.
+bool HasRuns(const std::filesystem::path& folder);
 
-/// Removes the shards that `Merge` has verified, and the files that belong to them. Throws
+/// Removes journals whose runs `Merge` has verified, and the files that belong to them. Throws
 /// StoreError.
-void RemoveShards(const plan::Plan& plan, const std::filesystem::path& folder);
-/// Calls RemoveShards if no other runner is at work, and gives up the lock. If others are, the last
-/// one removes the shards. If the file system does not support locks, the shards stay, and a
-/// message says so.
-void RemoveMergedShards(const plan::Plan& plan, const std::filesystem::path& folder,
-                        FolderLock& lock, bool is_quiet);
+void RemoveMergedRuns(const plan::Plan& plan, const std::filesystem::path& folder);
+/// The same if no other runner is at work, and gives up the lock. If others are, the last one
+/// removes them. If the file system does not support locks, the journals stay, and a message says
+/// so.
+void RemoveMergedRuns(const plan::Plan& plan, const std::filesystem::path& folder, FolderLock& lock,
+                      bool is_quiet);
 
 }  // namespace cdb::plans

@@ -28,7 +28,8 @@ std::string IdWithBaseline(const plan::Run& run, const plan::Plan& standard) {
 
 /// The reason why the plan of the results is not `standard`, with or without additional detectors;
 /// empty if it is.
-std::string FindForeign(const plan::Plan& of, const plan::Plan& standard) {
+std::string FindForeign(plan::Plan of, const plan::Plan& standard) {
+  of.Renew();
   std::set<std::string> ids, wanted;
   for (const plan::Run& run : standard.runs) wanted.insert(run.id);
   std::size_t foreign = 0;

@@ -21,7 +21,7 @@
 #include "runtime/measure/recording.h"
 #include "runtime/measure/series.h"
 #include "runtime/process/worker.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/run_writer.h"
 #include "runtime/store/store.h"
 
 namespace cdb::plans {
@@ -109,34 +109,39 @@ double StepSeconds(const process::Ending& ending, const plan::Scene& scene) {
   return nanoseconds * 1e-9 / static_cast<double>(cycles);
 }
 
-/// A temporary folder for shards, where `cdb run` would write them by default.
-class TrialShards {
+/// A temporary folder for a journal, where `cdb run` would write it by default.
+class TrialJournal {
  public:
-  explicit TrialShards(const plan::Plan& plan) : writer_(plan, provenance_) {
+  explicit TrialJournal(const plan::Plan& plan)
+      : writer_(plan, provenance_), plan_sha256_(plan.Sha256()) {
     std::error_code error;
     std::filesystem::create_directory(folder_, error);
   }
-  ~TrialShards() {
+  ~TrialJournal() {
+    journal_.reset();
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
   }
-  TrialShards(const TrialShards&) = delete;
-  TrialShards& operator=(const TrialShards&) = delete;
+  TrialJournal(const TrialJournal&) = delete;
+  TrialJournal& operator=(const TrialJournal&) = delete;
 
-  /// Time to write the shard, s; nullopt if the folder cannot be written to.
-  std::optional<double> TimeOf(const plan::Run& run, const store::RunResult& result) const {
-    const auto begin = std::chrono::steady_clock::now();
+  /// Time to write the run, s; nullopt if the folder cannot be written to.
+  std::optional<double> TimeOf(const plan::Run& run, const store::RunResult& result) {
     try {
-      writer_.Write(run, result, folder_);
+      if (!journal_) journal_.emplace(journal::Journal::OpenToWrite(folder_, plan_sha256_));
+      const auto begin = std::chrono::steady_clock::now();
+      writer_.Write(run, result, *journal_);
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     } catch (const files::StoreError&) {
       return std::nullopt;
     }
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
  private:
   const store::Provenance provenance_;
-  const shards::ShardWriter writer_;
+  journal::RunWriter writer_;
+  const std::string plan_sha256_;
+  std::optional<journal::Journal> journal_;
   const std::filesystem::path folder_ = fmt::format(".cdb-estimate-{}", getpid());
 };
 
@@ -172,7 +177,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run));
   estimate.piles = CountPiles(grid, whole);
   std::set<std::string> settled;  // ids of settled piles
-  const TrialShards shards(plan);
+  TrialJournal journal(plan);
   process::ProcessLauncher launcher(process::FindWorkers(plan), 1, &stop);
   for (std::size_t i = 0; i < whole.size() && !stop.requested(); ++i) {
     const plan::Scene& scene = whole[i].scene;
@@ -195,7 +200,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
     const auto cycles =
         static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
     estimate.cycles = std::max(estimate.cycles, sampled);
-    const auto writing = shards.TimeOf(plan.runs[i], ending->result);
+    const auto writing = journal.TimeOf(plan.runs[i], ending->result);
     estimate.has_shards = estimate.has_shards && writing;
     estimate.samples.push_back(
         {rest + step * cycles + writing.value_or(0), settling, SeriesBytes(scene)});

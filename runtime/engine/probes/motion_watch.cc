@@ -42,8 +42,8 @@ MotionWatch::MotionWatch(world::Engine& engine, bool is_driven)
     const layouts::ObjectState& object = engine.initial_state().objects[i];
     tracks_[i].least_side = object.solid.sides.minCoeff();
     tracks_[i].least_piece = 2 * object.solid.LeastHalfExtent();
-    tracks_[i].is_damped = object.linear_damping != 0;
-    tracks_[i].keeps_spin = object.solid.IsBall() || object.angular_damping != 0;
+    tracks_[i].is_damped = object.numbers["linear_damping"] != 0;
+    tracks_[i].keeps_spin = object.solid.IsBall() || object.numbers["angular_damping"] != 0;
     tracks_[i].inertia = object.solid.InertiaPerMass();
   }
 }

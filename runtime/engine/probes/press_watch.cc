@@ -42,7 +42,8 @@ Vector3d PressWatch::PositionOf(std::uint32_t body) const {
 }
 
 bool PressWatch::IsSoft(std::uint32_t body) const {
-  return IsObject(body) && std::isfinite(engine_.initial_state().objects[body].contact_stiffness);
+  return IsObject(body) &&
+         std::isfinite(engine_.initial_state().objects[body].numbers["contact_stiffness"]);
 }
 
 PressWatch::Seen PressWatch::After() {

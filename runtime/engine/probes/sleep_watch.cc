@@ -121,7 +121,7 @@ bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Suppo
   weight.head<3>() = -engine_.acceleration() / pull;
   if (Residual(support.normals, weight, 3) < kSlopes) return true;
   if (Residual(support.cones, weight, 3) > kSlides) return false;
-  return state.rolling_friction > 0 || Residual(support.cones, weight, 6) < kRolls;
+  return state.numbers["rolling_friction"] > 0 || Residual(support.cones, weight, 6) < kRolls;
 }
 
 }  // namespace cdb::probes

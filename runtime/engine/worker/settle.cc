@@ -107,8 +107,9 @@ InitialState QuietState(const Settling& settling) {
   for (const std::uint32_t i : settling.falling.objects) {
     ObjectState& object = state.objects[i];
     object.mass = settling.dropped.objects[i].mass;
-    object.restitution = 0;
-    object.ccd = false;
+    object.numbers.ForEach([](const schema::Parameter& parameter, double& number) {
+      if (parameter.IsIgnoredBy(schema::Parameter::kPile)) number = 0;
+    });
   }
   return state;
 }
@@ -157,7 +158,7 @@ InitialState Enlarged(const Settling& settling, InitialState state, double growt
       object.solid.compound = shared;
     }
     // Corners rounded by Bullet's margin would sink into the object below.
-    object.margin = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
+    object.numbers["margin"] = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
   }
   return state;
 }
@@ -346,10 +347,15 @@ constexpr std::string_view kVersion = "5";
 /// depend on others.
 std::string NumbersOf(const InitialState& state) {
   std::string bytes;
+  const auto add = [&](double number) {
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
   for (const ObjectState& object : state.objects) {
-    const std::array<double, 5> numbers = {object.mass, object.friction, object.rolling_friction,
-                                           object.contact_stiffness, object.contact_damping};
-    bytes.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+    add(object.mass);
+    layouts::DrawnNumbers numbers = object.numbers;
+    numbers.ForEach([&](const schema::Parameter& parameter, double number) {
+      if (!parameter.IsIgnoredBy(schema::Parameter::kPile)) add(number);
+    });
   }
   return bytes + PosesOf(state);
 }

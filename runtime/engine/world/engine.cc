@@ -57,11 +57,11 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
       {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
        static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
   info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
-  info.m_friction = static_cast<btScalar>(object.friction);
-  info.m_rollingFriction = static_cast<btScalar>(object.rolling_friction);
-  info.m_restitution = static_cast<btScalar>(object.restitution);
-  info.m_linearDamping = static_cast<btScalar>(object.linear_damping);
-  info.m_angularDamping = static_cast<btScalar>(object.angular_damping);
+  info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
+  info.m_rollingFriction = static_cast<btScalar>(object.numbers["rolling_friction"]);
+  info.m_restitution = static_cast<btScalar>(object.numbers["restitution"]);
+  info.m_linearDamping = static_cast<btScalar>(object.numbers["linear_damping"]);
+  info.m_angularDamping = static_cast<btScalar>(object.numbers["angular_damping"]);
   return info;
 }
 
@@ -245,7 +245,7 @@ bool Engine::IsKept(int wall) const {
 }
 
 void Engine::MakeObject(const ObjectState& object) {
-  btCollisionShape* shape = shapes_.Get(object.solid, object.margin);
+  btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"]);
   const auto info = BodyInfo(object, shape);
   CheckRange(objects_.size(), object, info.m_localInertia);
   auto body = std::make_unique<btRigidBody>(info);
@@ -259,10 +259,10 @@ void Engine::MakeObject(const ObjectState& object) {
                             btCollisionObject::CF_KINEMATIC_OBJECT);
     body->setActivationState(DISABLE_DEACTIVATION);
   }
-  if (std::isfinite(object.contact_stiffness))
-    body->setContactStiffnessAndDamping(static_cast<btScalar>(object.contact_stiffness),
-                                        static_cast<btScalar>(object.contact_damping));
-  if (object.ccd) {
+  if (std::isfinite(object.numbers["contact_stiffness"]))
+    body->setContactStiffnessAndDamping(static_cast<btScalar>(object.numbers["contact_stiffness"]),
+                                        static_cast<btScalar>(object.numbers["contact_damping"]));
+  if (object.numbers.On("ccd")) {
     // Bullet sweeps only convex shapes, and ignores others silently.
     if (!shape->isConvex())
       throw SceneError(

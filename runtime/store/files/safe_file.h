@@ -1,5 +1,5 @@
 // Atomic files: written under a temporary name, synced and renamed, so that they exist completely
-// or not at all; and sealed ones (seal.h), which are read in one piece. Independent of HDF5.
+// or not at all. Independent of HDF5.
 #pragma once
 
 #include <cstddef>
@@ -23,13 +23,5 @@ void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
 /// The same in pieces: `fill` is called once with a function that appends.
 void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
                  const std::filesystem::path& final_name);
-
-/// Writes `bytes` and their seal to `final_name` atomically. Throws StoreError, with nothing
-/// changed.
-void WriteSealed(std::span<const std::byte> bytes, const std::filesystem::path& final_name);
-
-/// The bytes written by `WriteSealed`, without the seal. Throws StoreError for a file that cannot
-/// be read or that is not byte for byte as it was written.
-std::vector<std::byte> ReadSealed(const std::filesystem::path& file);
 
 }  // namespace cdb::files

@@ -27,23 +27,6 @@ constexpr std::string_view kTemporaryEnd = ".tmp";
 
 std::string SystemText(int error) { return std::generic_category().message(error); }
 
-std::string WriteRemedy(int error) {
-  switch (error) {
-    case ENOSPC:
-    case EDQUOT:
-    case EFBIG:
-      return "make room on the disk and run again; it resumes where it stopped";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "choose a folder that can be written to (-o)";
-    case EISDIR:
-      return "choose another name (-o)";
-    default:
-      return "mend that and run again; it resumes where it stopped";
-  }
-}
-
 /// The target of `path`, also if a link's target does not exist yet. Throws StoreError for a loop.
 fs::path FollowLinks(const fs::path& path) {
   constexpr int kMostLinks = 40;  // limit of the kernel
@@ -98,6 +81,23 @@ void RemoveStale(const fs::path& folder, const std::function<bool(std::string_vi
 }
 
 }  // namespace
+
+std::string WriteRemedy(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return "make room on the disk and run again; it resumes where it stopped";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "choose a folder that can be written to (-o)";
+    case EISDIR:
+      return "choose another name (-o)";
+    default:
+      return "mend that and run again; it resumes where it stopped";
+  }
+}
 
 TemporaryFile::TemporaryFile(const fs::path& final_name)
     : named_(final_name), final_(FollowLinks(final_name)) {

@@ -3,11 +3,15 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "compiler/plan/descriptor.h"
 
 namespace cdb::files {
+
+/// What a user can do after a write has failed with `error`, an errno.
+std::string WriteRemedy(int error);
 
 /// Created as `<final>.<host>.<number>.tmp`, beside the final file, so that the rename stays within
 /// one file system. Its lock, not a process id, shows that it is being written: containers may

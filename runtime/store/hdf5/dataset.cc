@@ -79,18 +79,6 @@ Shape Dataset::ChunkShape() const {
   return chunk;
 }
 
-bool Dataset::HasChecksums() const {
-  const Id creation(H5Dget_create_plist(id_.get()), H5Pclose, "read an array's layout");
-  for (int i = 0; i < H5Pget_nfilters(creation.get()); ++i) {
-    unsigned flags = 0;
-    std::size_t count = 0;
-    if (H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &count, nullptr, 0,
-                       nullptr, nullptr) == H5Z_FILTER_FLETCHER32)
-      return true;
-  }
-  return false;
-}
-
 void Dataset::CheckCount(std::uint64_t values) const {
   if (foreign_bytes_ > 0) CheckReadable(id_, values, ItemBytes(type_), foreign_bytes_);
 }
@@ -223,7 +211,11 @@ bool Dataset::ReadChunk(const Shape& start, RawChunk& chunk) const {
   // Looks up one chunk; H5Dget_chunk_info_by_coord would search all of them.
   if (H5Dget_chunk_storage_size(id_.get(), Dims(start), &bytes) < 0) {
     // The call also fails if there is no such chunk.
-    if (FindChunk(start)) Fail("find a chunk");
+    unsigned mask = 0;
+    haddr_t address = HADDR_UNDEF;
+    Check(H5Dget_chunk_info_by_coord(id_.get(), Dims(start), &mask, &address, &bytes),
+          "find a chunk");
+    if (address != HADDR_UNDEF && bytes > 0) Fail("find a chunk");
     return false;
   }
   if (bytes == 0) return false;
@@ -238,16 +230,6 @@ void Dataset::WriteChunk(const Shape& start, std::uint32_t filter_mask,
   Check(
       H5Dwrite_chunk(id_.get(), H5P_DEFAULT, filter_mask, Dims(start), bytes.size(), bytes.data()),
       "write a chunk");
-}
-
-std::optional<ChunkPlace> Dataset::FindChunk(const Shape& start) const {
-  hsize_t bytes = 0;
-  unsigned mask = 0;
-  haddr_t address = HADDR_UNDEF;
-  Check(H5Dget_chunk_info_by_coord(id_.get(), Dims(start), &mask, &address, &bytes),
-        "find a chunk");
-  if (address == HADDR_UNDEF || bytes == 0) return std::nullopt;
-  return ChunkPlace{mask, address, bytes};
 }
 
 void Dataset::MakeScale(const std::string& name) {

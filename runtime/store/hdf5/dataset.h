@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,20 +13,10 @@
 
 namespace cdb::hdf5 {
 
-/// The bit of a filter mask for a chunk without a checksum, as in shards that were written before
-/// checksums were introduced.
-inline constexpr std::uint32_t kNoChecksum = 1u << 2;
-
 /// The bytes of a chunk as stored in the file, filtered.
 struct RawChunk {
   std::uint32_t filter_mask = 0;
   std::vector<std::byte> bytes;
-};
-
-/// The position of a chunk in its file.
-struct ChunkPlace {
-  std::uint32_t filter_mask = 0;
-  std::uint64_t begin = 0, bytes = 0;
 };
 
 class Dataset : public Object {
@@ -39,8 +28,6 @@ class Dataset : public Object {
   Type type() const { return type_; }
   /// Empty if it is not chunked.
   Shape ChunkShape() const;
-  /// True if its chunks have Fletcher-32 checksums.
-  bool HasChecksums() const;
 
   /// Writes the whole array. Numbers are converted; their count must match.
   void Write(std::span<const double> values);
@@ -67,9 +54,6 @@ class Dataset : public Object {
   /// `start` is the chunk's first element. False if the file holds no such chunk.
   bool ReadChunk(const Shape& start, RawChunk& chunk) const;
   void WriteChunk(const Shape& start, std::uint32_t filter_mask, std::span<const std::byte> bytes);
-  /// Nullopt if the file holds no such chunk. The file must have been flushed. HDF5 searches all
-  /// chunks of the dataset, so use it only for datasets with few chunks.
-  std::optional<ChunkPlace> FindChunk(const Shape& start) const;
 
   /// Makes it a dimension scale with that name.
   void MakeScale(const std::string& name);
@@ -80,18 +64,12 @@ class Dataset : public Object {
   Shape shape_;
 };
 
-/// Bytes of values in a header.
-inline constexpr std::uint64_t kMostInHeader = 512;
-
 struct DatasetSpec {
   std::string name;
   Type type = Type::kFloat64;
   Shape shape;      ///< empty: a scalar
   Shape chunk;      ///< empty: contiguous; else shuffled, compressed, with checksums
   double fill = 0;  ///< numbers only
-  /// For files in memory, which are small: few values that are not chunked are in the header, which
-  /// has neither times nor an order of attributes.
-  bool is_small = false;
 };
 
 }  // namespace cdb::hdf5

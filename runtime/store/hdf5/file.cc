@@ -4,7 +4,6 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <atomic>
 #include <fstream>
 #include <map>
 #include <string_view>
@@ -14,7 +13,6 @@
 #include "runtime/store/hdf5/calls.h"
 #include "runtime/store/hdf5/foreign.h"
 #include "runtime/store/hdf5/sink.h"
-#include "runtime/store/hdf5/superblock.h"
 
 namespace cdb::hdf5 {
 namespace {
@@ -32,35 +30,18 @@ void SetUpLibrary() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-/// Keeps the file in memory, in the form of HDF5 1.10, whose headers and indexes of chunks are
-/// smaller. By default, HDF5 would allocate blocks of 2 kB, and leave the unused rest of them in
-/// the file.
-void KeepInMemory(const Id& access, std::size_t increment) {
-  Check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110), "set up HDF5");
-  Check(H5Pset_fapl_core(access.get(), increment, false), "set up HDF5");
-  Check(H5Pset_meta_block_size(access.get(), 0), "set up HDF5");
-  Check(H5Pset_small_data_block_size(access.get(), 0), "set up HDF5");
-}
-
 /// Links and attributes of a group, in the order of creation.
-void SetUpGroup(const Id& creation, const ExpectedMembers& members = {}) {
-  Check(H5Pset_est_link_info(creation.get(), members.count, members.name_bytes), "set up HDF5");
+void SetUpGroup(const Id& creation) {
   Check(H5Pset_link_creation_order(creation.get(), kCreationOrder), "set up HDF5");
   Check(H5Pset_link_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
   Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
   Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
 }
 
-Id FileCreation(const ExpectedMembers& members = {}) {
+Id FileCreation() {
   Id creation = NewProperties(H5P_FILE_CREATE);
-  SetUpGroup(creation, members);
+  SetUpGroup(creation);
   return creation;
-}
-
-/// HDF5 takes two files in memory for the same file if their names are equal.
-std::string UniqueName() {
-  static std::atomic<std::uint64_t> next = 0;
-  return fmt::format("cdb-in-memory-{}", next++);
 }
 
 }  // namespace
@@ -98,17 +79,8 @@ Dataset Group::OpenDataset(const std::string& name) const {
 
 Dataset Group::CreateDataset(const DatasetSpec& spec) {
   const Id creation = NewProperties(H5P_DATASET_CREATE);
-  if (spec.is_small) {
-    Check(H5Pset_obj_track_times(creation.get(), false), "set up HDF5");
-    if (spec.chunk.empty() && Product(spec.shape) * ItemBytes(spec.type) <= kMostInHeader) {
-      Check(H5Pset_layout(creation.get(), H5D_COMPACT), "set up HDF5");
-      // HDF5 reserves 256 bytes for a header with attributes; two blocks take less.
-      Check(H5Pset_dset_no_attrs_hint(creation.get(), true), "set up HDF5");
-    }
-  } else {
-    Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
-    Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
-  }
+  Check(H5Pset_attr_creation_order(creation.get(), kCreationOrder), "set up HDF5");
+  Check(H5Pset_attr_phase_change(creation.get(), kMostCompact, 0), "set up HDF5");
   if (!spec.chunk.empty()) {
     Check(H5Pset_chunk(creation.get(), static_cast<int>(spec.chunk.size()), Dims(spec.chunk)),
           "set up chunks");
@@ -130,9 +102,9 @@ Group Group::OpenGroup(const std::string& name) const {
                foreign_bytes_);
 }
 
-Group Group::CreateGroup(const std::string& name, const ExpectedMembers& members) {
+Group Group::CreateGroup(const std::string& name) {
   const Id creation = NewProperties(H5P_GROUP_CREATE);
-  SetUpGroup(creation, members);
+  SetUpGroup(creation);
   return Group(Id(H5Gcreate2(id_.get(), name.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
                   H5Gclose, fmt::format("make the group {}", name)));
 }
@@ -216,15 +188,6 @@ bool IsHdf5(const std::filesystem::path& path) {
 
 File::~File() { id_.Reset(); }
 
-File File::CreateInMemory(const ExpectedMembers& members) {
-  SetUpLibrary();
-  const Id access = NewProperties(H5P_FILE_ACCESS);
-  KeepInMemory(access, 1 << 18);
-  return File(
-      Id(H5Fcreate(UniqueName().c_str(), H5F_ACC_TRUNC, FileCreation(members).get(), access.get()),
-         H5Fclose, "make a file in memory"));
-}
-
 File File::Create(const std::filesystem::path& path) {
   SetUpLibrary();
   auto sink = std::make_shared<Sink>(path);
@@ -252,41 +215,12 @@ File File::Open(const std::filesystem::path& path) {
   return File(std::move(file), nullptr, std::max<std::uint64_t>(bytes, 1));
 }
 
-File File::OpenImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDONLY); }
-
-File File::CopyImage(std::span<const std::byte> image) { return OpenCopy(image, H5F_ACC_RDWR); }
-
-File File::OpenCopy(std::span<const std::byte> image, unsigned mode) {
-  SetUpLibrary();
-  const Id access = NewProperties(H5P_FILE_ACCESS);
-  KeepInMemory(access, 1 << 16);
-  // HDF5 copies the image and does not change it.
-  Check(H5Pset_file_image(access.get(), const_cast<std::byte*>(image.data()), image.size()),
-        "set up HDF5");
-  const bool is_foreign = mode == H5F_ACC_RDONLY;
-  if (is_foreign) CloseBackdoors();
-  return File(Id(H5Fopen(UniqueName().c_str(), mode, access.get()), H5Fclose, "open it"), nullptr,
-              is_foreign ? std::max<std::uint64_t>(image.size(), 1) : 0);
-}
-
-void File::Flush() { Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file"); }
-
-std::vector<std::byte> File::Image() {
-  Flush();
-  const ssize_t bytes = Checked(H5Fget_file_image(file_.get(), nullptr, 0), "write the file");
-  std::vector<std::byte> image(static_cast<std::size_t>(bytes));
-  Checked(H5Fget_file_image(file_.get(), image.data(), image.size()), "write the file");
-  // HDF5 1.10 clears the flags of a file that is open, and leaves the checksum as it was.
-  if (HasSuperblock3(image)) CloseSuperblock(image);
-  return image;
-}
-
 void File::CheckWritten() const {
   if (sink_ != nullptr) sink_->Check();
 }
 
 void File::Close() {
-  Flush();
+  Check(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), "write the file");
   id_.Reset();
   if (!file_.Reset()) Fail("write the file");
   if (sink_ != nullptr) sink_->Close();

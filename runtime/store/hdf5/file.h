@@ -3,10 +3,9 @@
 // files.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,12 +15,6 @@
 namespace cdb::hdf5 {
 
 class Sink;
-
-/// The members that a group is going to have: HDF5 reserves space for them in its header, and
-/// otherwise takes a block of its own for almost each.
-struct ExpectedMembers {
-  unsigned count = 4, name_bytes = 8;  ///< HDF5's defaults; the mean of the names
-};
 
 class Group : public Object {
  public:
@@ -35,7 +28,7 @@ class Group : public Object {
   Dataset OpenDataset(const std::string& name) const;
   Dataset CreateDataset(const DatasetSpec& spec);
   Group OpenGroup(const std::string& name) const;
-  Group CreateGroup(const std::string& name, const ExpectedMembers& members = {});
+  Group CreateGroup(const std::string& name);
 
   /// Attaches scales to datasets of this group: `scales` names one for each dimension. All at once,
   /// because attaching them one by one takes HDF5 longer than everything else in a shard.
@@ -61,28 +54,18 @@ bool IsHdf5(const std::filesystem::path& path);
 /// An open file; also its root group.
 class File : public Group {
  public:
-  /// In memory only, in the form of HDF5 1.10; see Image.
-  static File CreateInMemory(const ExpectedMembers& members = {});
   /// Throws Error, as all of these do; an existing file is overwritten.
   ///
   /// HDF5 cannot close a file that it cannot write, and then crashes when the process ends. A
   /// failed write is therefore recorded and reported to HDF5 as successful, and CheckWritten
   /// throws.
   static File Create(const std::filesystem::path& path);
-  /// Open and OpenImage treat a file as foreign: it may come from anywhere.
+  /// Treats the file as foreign: it may come from anywhere.
   static File Open(const std::filesystem::path& path);
-  /// Reads from a copy of `image`.
-  static File OpenImage(std::span<const std::byte> image);
-  /// In memory only, like CreateInMemory; starts as a copy of `image`.
-  static File CopyImage(std::span<const std::byte> image);
 
   File(File&&) noexcept = default;
   ~File();
 
-  /// Writes everything out, so that Dataset::FindChunk and Image find it.
-  void Flush();
-  /// The bytes of a file in memory.
-  std::vector<std::byte> Image();
   /// Throws Error if a write has failed so far.
   void CheckWritten() const;
   /// The same after everything is written and the file is closed.
@@ -90,7 +73,6 @@ class File : public Group {
 
  private:
   explicit File(Id file, std::shared_ptr<Sink> sink = nullptr, std::uint64_t foreign_bytes = 0);
-  static File OpenCopy(std::span<const std::byte> image, unsigned mode);
   std::shared_ptr<Sink> sink_;
   Id file_;
 };

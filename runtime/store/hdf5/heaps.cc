@@ -5,14 +5,31 @@
 #include <sys/stat.h>
 
 #include <cstdint>
+#include <cstring>
+#include <span>
 #include <string_view>
 
 #include "compiler/plan/descriptor.h"
-#include "runtime/store/hdf5/bytes.h"
 #include "runtime/store/hdf5/object.h"
 
 namespace cdb::hdf5 {
 namespace {
+
+/// A global heap (III.E of the specification): a head with signature and size, and objects, each
+/// with a head. Objects begin at multiples of kAlignment.
+constexpr std::string_view kHeapSignature("GCOL\1\0\0\0", 8);
+constexpr std::uint64_t kHeapHead = 16, kHeapObjectHead = 16, kAlignment = 8;
+
+std::uint64_t Aligned(std::uint64_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+template <typename Number>
+Number Get(std::span<const std::byte> bytes, std::size_t at) {
+  Number number;
+  std::memcpy(&number, &bytes[at], sizeof number);
+  return number;
+}
 
 /// `heap`: from its signature to the end of the file.
 void CheckHeap(std::span<const std::byte> heap) {
@@ -29,13 +46,18 @@ void CheckHeap(std::span<const std::byte> heap) {
   }
 }
 
-}  // namespace
+/// The same bytes as text, whose find is faster than a search for bytes.
+std::string_view AsText(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
-void CheckGlobalHeaps(std::span<const std::byte> file) {
+void CheckHeapsIn(std::span<const std::byte> file) {
   const std::string_view bytes = AsText(file);
   for (std::size_t at = 0; (at = bytes.find(kHeapSignature, at)) != bytes.npos; ++at)
     if (at + kHeapHead <= bytes.size()) CheckHeap(file.subspan(at));
 }
+
+}  // namespace
 
 void CheckGlobalHeaps(const std::filesystem::path& path) {
   const plan::Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -49,7 +71,7 @@ void CheckGlobalHeaps(const std::filesystem::path& path) {
     std::size_t bytes;
     ~Mapping() { munmap(begin, bytes); }
   } const mapping{begin, bytes};
-  CheckGlobalHeaps({static_cast<const std::byte*>(begin), bytes});
+  CheckHeapsIn({static_cast<const std::byte*>(begin), bytes});
 }
 
 }  // namespace cdb::hdf5

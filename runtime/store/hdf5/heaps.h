@@ -2,16 +2,12 @@
 // III.E).
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <span>
 
 namespace cdb::hdf5 {
 
 /// Rejects a heap with an object of size zero, on which HDF5 loops forever: it steps from object to
-/// object by their sizes. Throws Error.
-void CheckGlobalHeaps(std::span<const std::byte> file);
-/// The same for a file on disk; a file that cannot be opened has no heaps.
+/// object by their sizes. Throws Error. A file that cannot be opened has no heaps.
 void CheckGlobalHeaps(const std::filesystem::path& path);
 
 }  // namespace cdb::hdf5

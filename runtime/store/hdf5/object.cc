@@ -83,19 +83,6 @@ void Object::SetText(const char* name, std::string_view text) {
   WriteAttribute(id_, name, type, type.get(), NewSpace({}), text.data());
 }
 
-void Object::ReplaceText(const char* name, std::string_view text) {
-  text = AttributeText(text);
-  const std::string doing = fmt::format("write the attribute {}", name);
-  {
-    const Id attribute(H5Aopen(id_.get(), name, H5P_DEFAULT), H5Aclose, doing);
-    const Id type(H5Aget_type(attribute.get()), H5Tclose, doing);
-    if (!text.empty() && H5Tget_size(type.get()) == text.size())
-      return Check(H5Awrite(attribute.get(), type.get(), text.data()), doing);
-  }
-  Check(H5Adelete(id_.get(), name), doing);
-  SetText(name, text);
-}
-
 void Object::SetNumber(const char* name, Type type, double value) {
   WriteAttribute(id_, name, FileType(type), H5T_NATIVE_DOUBLE, NewSpace({}), &value);
 }
@@ -123,12 +110,6 @@ double Object::Number(const char* name) const {
     return value;
   Check(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), doing);
   return value;
-}
-
-std::uint64_t Object::Address() const {
-  hobj_ref_t address = 0;
-  Check(H5Rcreate(&address, id_.get(), ".", H5R_OBJECT, -1), "find an object");
-  return address;
 }
 
 std::map<std::string, std::string> Object::Texts() const {

@@ -54,16 +54,12 @@ class Object {
  public:
   /// Scalar, fixed length, null-padded, UTF-8. Empty text makes no attribute; see AttributeText.
   void SetText(const char* name, std::string_view text);
-  /// For an existing attribute.
-  void ReplaceText(const char* name, std::string_view text);
   void SetNumber(const char* name, Type type, double value);
   void SetNumbers(const char* name, Type type, std::span<const double> values);
   /// Empty if there is none of that name, or it is not text.
   std::string Text(const char* name) const;
   /// NaN if there is none of that name.
   double Number(const char* name) const;
-  /// The address of its header in the file.
-  std::uint64_t Address() const;
   /// All text attributes.
   std::map<std::string, std::string> Texts() const;
 

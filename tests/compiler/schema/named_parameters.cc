@@ -2,11 +2,13 @@
 // must reject each line that ends in `refused:` and the reason, and no other line.
 #include "compiler/plan/plan.h"
 #include "compiler/schema/series.h"
+#include "library/layouts/initial_state.h"
 
 namespace cdb::tests {
 
 plan::WorldSettings& World();
 plan::GroupSettings& Objects();
+layouts::DrawnNumbers& Numbers();
 
 double Read() {
   return World().Real("timestep") + World().Real("cycles") + Objects().Real("size") +
@@ -20,6 +22,8 @@ bool Reals(schema::RealSeries series);
 bool ReadSeries() { return Ints("pairs") && Reals("duration"); }
 
 void Write() { World().Set("cycles", std::uint64_t{1}); }
+
+void SetFriction() { Numbers()["friction"] = Numbers().On("ccd") ? 1 : 0; }
 
 #if defined(FAULTS)
 // clang-format off
@@ -40,6 +44,8 @@ void ListOfWord() { World().Lists("detector", "dbvt"); }  // refused: ParameterH
 void MisspeltSeries() { Ints("typo"); }                   // refused: NoSuchSeries
 void IntsOfReals() { Ints("duration"); }                  // refused: SeriesHasAnotherType
 void RealsOfInts() { Reals("pairs"); }                    // refused: SeriesHasAnotherType
+void MisspeltNumber() { Numbers()["frictoin"] = 1; }      // refused: NoSuchParameter
+void NumberOfVector() { Numbers()["linear_velocity"] = 1; }  // refused: ParameterHasAnotherKind
 void RunTimeName(const char* name) { World().Real(name); }  // refused: constant expression
 
 // clang-format on

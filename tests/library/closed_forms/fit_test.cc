@@ -64,8 +64,10 @@ TEST(Fit, FlightRefusesScenesWithoutFreeFlight) {
       {"flight", FlightScene(), World("acceleration", kEvery), "acceleration is on a schedule"},
       {"flight", FlightScene(), Group("linear_velocity", kEvery), "objects.linear_velocity is on"},
       {"flight", FlightScene(), Group("mass", Word("fixed")), "is fixed; give it a mass"},
-      {"flight", FlightScene(), Group("linear_damping", 0.1), "is damped"},
-      {"flight", FlightScene(), Group("contact_stiffness", 100.0), "has soft contacts"},
+      {"flight", FlightScene(), Group("linear_damping", 0.1),
+       "objects.linear_damping is 0.1; make it 0"},
+      {"flight", FlightScene(), Group("contact_stiffness", 100.0),
+       "objects.contact_stiffness is 100; make it rigid"},
       {"flight", FlightScene(),
        [](plan::Scene& scene) {
          SetWorld(scene, "world.walls", Word("floor"));

@@ -54,8 +54,8 @@ TEST(ObjectNumbers, FormulaeAreEvaluatedForEachObject) {
   for (const layouts::ObjectState& object : layouts::DrawObjects(scene).objects) {
     const double size = object.solid.sides.x();
     EXPECT_EQ(object.mass, 2 * std::pow(size, 3));
-    EXPECT_EQ(object.friction, std::min(0.5, 1 / object.mass));
-    EXPECT_EQ(object.restitution, 0.5);
+    EXPECT_EQ(object.numbers["friction"], std::min(0.5, 1 / object.mass));
+    EXPECT_EQ(object.numbers["restitution"], 0.5);
   }
 }
 
@@ -88,7 +88,7 @@ TEST(ObjectNumbers, AMassFromADensityMayBeNamed) {
   SetGroup(scene, "contact_stiffness", Of("*", {1000.0, Name("mass")}));
   for (const layouts::ObjectState& object : layouts::DrawObjects(scene).objects) {
     EXPECT_EQ(object.mass, 100 * object.solid.sides.x() * object.solid.Volume());
-    EXPECT_EQ(object.contact_stiffness, 1000 * object.mass);
+    EXPECT_EQ(object.numbers["contact_stiffness"], 1000 * object.mass);
   }
 }
 

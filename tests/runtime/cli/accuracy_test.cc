@@ -6,6 +6,7 @@
 
 #include "compiler/compile.h"
 #include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -85,21 +86,23 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   const auto plans =
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   ASSERT_EQ(plans.at(0).references.size(), 2u);
-  const std::string reference = "gas.runs/" + plans[0].references[0].id + ".h5";
-  const std::string perturbed = "gas.runs/" + plans[0].references[1].id + ".h5";
+  const std::string reference = plans[0].references[0].id, perturbed = plans[0].references[1].id;
+  const fs::path folder = program.folder() / "gas.runs";
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--shard", "1/2"}).status, 0);
-  ASSERT_TRUE(program.Exists(reference) && program.Exists(perturbed));
-  const std::string before = program.Read(reference);
-  fs::remove(program.folder() / perturbed);
-  // A damaged perturbed run is executed again, as any shard.
-  program.Write(perturbed, before.substr(0, before.size() / 2));
+  const auto before = RunsIn(folder);
+  ASSERT_TRUE(before.contains(reference) && before.contains(perturbed));
+  // A perturbed run that is missing is executed again, as any run.
+  journal::Journal::OpenToWrite(folder, plans[0].Sha256()).Forget(perturbed);
   const Finished second = program.Run({"run", "gas.cdb", "--shard", "2/2"});
   ASSERT_EQ(second.status, 0) << second.err;
-  EXPECT_EQ(program.Read(reference), before) << "it was there";
-  EXPECT_TRUE(program.Exists(perturbed));
+  EXPECT_EQ(RunsIn(folder).at(reference), before.at(reference)) << "it was there";
+  EXPECT_GT(RunsIn(folder).at(perturbed), before.at(perturbed));
+  const Finished checked = program.Run({"check", "gas.runs/runs.journal"});
+  EXPECT_NE(checked.out.find("whole: a journal of 4 finished runs"), std::string::npos)
+      << checked.out << checked.err;
   const Finished all = program.Run({"run", "gas.cdb"});
   EXPECT_EQ(all.status, 0) << all.err;
-  EXPECT_FALSE(program.Exists(reference));
+  EXPECT_FALSE(program.Exists("gas.runs"));
   const store::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
 }

@@ -154,15 +154,16 @@ TEST(Check, AResultsFileIsKnownByItsContents) {
   }
 
   ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "part.h5", "--shard", "1/2"}).status, 0);
-  std::string shard;
-  for (const auto& entry : std::filesystem::directory_iterator(program.folder() / "part.runs"))
-    if (entry.path().extension() == ".h5") shard = ReadFile(entry.path());
-  program.Write("whole.h5", shard);
-  EXPECT_NE(program.Run({"check", "whole.h5"}).out.find("whole: the shard"), std::string::npos);
-  program.Write("cut.h5", shard.substr(0, shard.size() - 4));
-  const Finished cut = program.Run({"check", "cut.h5"});
+  const Finished intact = program.Run({"check", "part.runs/runs.journal"});
+  EXPECT_EQ(intact.status, 0) << intact.err;
+  EXPECT_NE(intact.out.find("whole: a journal of 1 finished run of plan"), std::string::npos)
+      << intact.out;
+  const std::string journal = program.Read("part.runs/runs.journal");
+  program.Write("cut.journal", journal.substr(0, journal.size() / 2));
+  const Finished cut = program.Run({"check", "cut.journal"});
   EXPECT_EQ(cut.status, 2);
-  EXPECT_NE(cut.err.find("cut.h5: is cut short"), std::string::npos) << cut.err << cut.out;
+  EXPECT_NE(cut.err.find("cut.journal: is not a whole journal"), std::string::npos)
+      << cut.err << cut.out;
   ASSERT_EQ(program.Run({"merge", "-o", "part.h5", "part.runs"}).status, 0);
   const Finished part = program.Run({"check", "part.h5"});
   EXPECT_EQ(part.status, 3) << part.err;

@@ -9,11 +9,12 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
-#include <set>
 #include <thread>
 
 #include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"
 
@@ -43,14 +44,6 @@ std::string HashesInOrder(const fs::path& path) {
   return all;
 }
 
-std::set<std::string> Shards(const fs::path& folder) {
-  std::set<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".h5") names.insert(entry.path().filename().string());
-  return names;
-}
-
 TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
   const Program program;
   program.Write("sweep.cdb", kSweep);
@@ -66,7 +59,7 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
   std::mt19937_64 random(20);
   const int enough = std::max(5, Cases(20));
   int kills = 0;
-  std::set<std::string> kept;
+  std::map<std::string, std::int64_t> kept;
   for (int round = 0; kills < enough; ++round) {
     ASSERT_LT(round, 200) << "no run is ever caught";
     const std::string jobs = round % 2 == 0 ? "1" : "2";
@@ -77,7 +70,7 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
     kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
-    const std::set<std::string> now = Shards(program.folder() / "killed.runs");
+    const auto now = RunsIn(program.folder() / "killed.runs");
     if (fs::exists(program.folder() / "killed.h5")) {
       // It ended before the kill: start again, so that every kill interrupts work.
       EXPECT_EQ(HashesInOrder(program.folder() / "killed.h5"), expected);
@@ -85,7 +78,8 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
       fs::remove_all(program.folder() / "killed.runs");
       kept.clear();
     } else {
-      for (const std::string& shard : kept) EXPECT_TRUE(now.contains(shard)) << shard << " is lost";
+      for (const auto& [id, written] : kept)
+        EXPECT_TRUE(now.contains(id) && now.at(id) == written) << id << " is lost";
       kept = now;
     }
     if (WIFSIGNALED(status)) ++kills;
@@ -97,7 +91,7 @@ TEST(Kill, ManyTimesAtRandomMomentsLosesNothing) {
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path() << " is left over";
 }
 
-TEST(Kill, RightAfterTheMergeLeavesNoShardsForEver) {
+TEST(Kill, RightAfterTheMergeLeavesNoRunsForEver) {
   const Program program;
   program.Write("sweep.cdb", kSweep);
   ASSERT_EQ(program.Run({"run", "sweep.cdb", "-q", "--shard", "1/1"}).status, 0);
@@ -116,7 +110,7 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
   program.Write("long.cdb",
                 "benchmark long { cycles 2000; world.side 2000; objects.quantity sweep(5 .. 60) }");
   const pid_t child = program.Start({CdbPath(), "run", "long.cdb", "-q"});
-  while (Shards(program.folder() / "long.runs").empty())
+  while (RunsIn(program.folder() / "long.runs").empty())
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   kill(child, SIGINT);
   int status = 0;
@@ -124,7 +118,7 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_NE(program.Read("stderr.txt").find("the same command goes on"), std::string::npos);
-  EXPECT_FALSE(Shards(program.folder() / "long.runs").empty());
+  EXPECT_FALSE(RunsIn(program.folder() / "long.runs").empty());
   EXPECT_EQ(program.Run({"merge", "-o", "part.h5", "long.runs"}).status, 0);
   EXPECT_EQ(store::ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}),
             store::Status::kMissing);
@@ -136,22 +130,22 @@ class World : public testing::Test {
   void SetUp() override {
     program_.Write("w.cdb", "benchmark w { cycles 5; objects.quantity sweep(2 .. 6) }");
     ASSERT_EQ(program_.Run({"run", "w.cdb", "-q", "--shard", "1/3"}).status, 0);
-    shards_ = Shards(program_.folder() / "w.runs");
-    ASSERT_FALSE(shards_.empty());
+    runs_ = RunsIn(program_.folder() / "w.runs");
+    ASSERT_FALSE(runs_.empty());
   }
 
-  /// Exit status 2, a message that has all of `parts`, and no shard lost.
+  /// Exit status 2, a message that has all of `parts`, and no run lost.
   void ExpectRefused(const Finished& finished, const std::vector<std::string>& parts) {
     EXPECT_EQ(finished.status, 2) << finished.err;
     for (const std::string& part : parts)
       EXPECT_NE(finished.err.find(part), std::string::npos) << part << " in: " << finished.err;
-    const auto now = Shards(program_.folder() / "w.runs");
-    for (const std::string& shard : shards_) EXPECT_TRUE(now.contains(shard));
+    const auto now = RunsIn(program_.folder() / "w.runs");
+    for (const auto& [id, written] : runs_) EXPECT_TRUE(now.contains(id) && now.at(id) == written);
     EXPECT_FALSE(program_.Exists("w.h5"));
   }
 
   Program program_;
-  std::set<std::string> shards_;
+  std::map<std::string, std::int64_t> runs_;
 };
 
 TEST_F(World, MissingFolder) {
@@ -166,7 +160,7 @@ TEST_F(World, MissingFile) {
 
 TEST_F(World, FullDisk) {
   // To a writer, a limit on the size of files looks like a full disk. 32 blocks of 512 bytes are
-  // too few for a shard.
+  // too few for the log of a journal.
   ExpectRefused(program_.Shell("trap '' XFSZ; ulimit -f 32; exec \"$CDB\" run w.cdb"), {"w.runs"});
   EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
 }
@@ -182,12 +176,12 @@ TEST_F(World, TargetCannotBeWritten) {
   }
 }
 
-TEST_F(World, ShardOfAnotherPlan) {
+TEST_F(World, JournalOfAnotherPlan) {
   program_.Write("w.cdb", "benchmark w { cycles 6; objects.quantity sweep(2 .. 6) }");
   ExpectRefused(program_.Run({"run", "w.cdb"}), {"w.runs", "another plan", "--fresh"});
 }
 
-TEST_F(World, ResultsThatWouldShareAFolderOfShards) {
+TEST_F(World, ResultsThatWouldShareAFolderOfRuns) {
   ASSERT_EQ(program_.Run({"run", "w.cdb", "-q", "-o", "x"}).status, 0);
   ExpectRefused(program_.Run({"run", "w.cdb", "-o", "x.h5"}), {"'x'", "x.runs", "-o"});
   fs::rename(program_.folder() / "x", program_.folder() / "x.h5");
@@ -199,14 +193,15 @@ TEST_F(World, ResultsThatWouldShareAFolderOfShards) {
   EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
 }
 
-TEST_F(World, TruncatedShardIsRunAgain) {
-  const fs::path shard = program_.folder() / "w.runs" / *shards_.begin();
-  fs::resize_file(shard, fs::file_size(shard) / 2);
+TEST_F(World, ATruncatedJournalIsSetAsideAndItsRunsRunAgain) {
+  const fs::path journal = program_.folder() / "w.runs" / "runs.journal";
+  fs::resize_file(journal, fs::file_size(journal) / 2);
   const Finished finished = program_.Run({"run", "w.cdb"});
   EXPECT_EQ(finished.status, 0) << finished.err;
-  EXPECT_NE(finished.err.find(shards_.begin()->substr(0, 16)), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("it is now runs.journal.broken"), std::string::npos) << finished.err;
   EXPECT_EQ(store::ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}),
             store::Status::kDone);
+  EXPECT_FALSE(program_.Exists("w.runs"));
 }
 
 TEST_F(World, MissingWorker) {

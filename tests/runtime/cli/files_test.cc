@@ -46,7 +46,7 @@ TEST(Inputs, PipesAndDevicesAreRefusedAndNotWaitedFor) {
   ExpectRefused(program, "check u.cdb", "it is a pipe, not a file");
 }
 
-TEST(Inputs, APipeInAFolderOfShardsIsNotWaitedFor) {
+TEST(Inputs, APipeInAFolderOfRunsIsNotWaitedFor) {
   const Program program;
   program.Write("s.cdb", kScenario);
   const auto run_parts = [&] {
@@ -61,19 +61,20 @@ TEST(Inputs, APipeInAFolderOfShardsIsNotWaitedFor) {
     fs::remove(path);
     ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   };
-  for (const std::string& name : FilesIn(folder))
-    if (!name.starts_with("plan.")) to_pipe(folder / name);
-  ExpectRefused(program, "merge -o m.h5 s.runs", "is a pipe or a device");
+  to_pipe(folder / "runs.journal");
+  for (const char* command : {"merge -o m.h5 s.runs", "run s.cdb"})
+    ExpectRefused(program, command, "it is a pipe, not a file");
+  fs::remove(folder / "runs.journal");
   run_parts();
   for (const char* name : {"plan.yaml", "plan.short.yaml"}) to_pipe(folder / name);
   ExpectRefused(program, "merge -o m.h5 s.runs", "it is a pipe, not a file");
   ExpectRefused(program, "run s.cdb", "it is a pipe, not a file");
 }
 
-TEST(Outputs, AResultsFileCalledLikeAFolderOfShardsIsRefused) {
+TEST(Outputs, AResultsFileCalledLikeAFolderOfRunsIsRefused) {
   const Program program;
   program.Write("s.cdb", kScenario);
-  ExpectRefused(program, "run s.cdb -o s.runs", "folders of shards");
+  ExpectRefused(program, "run s.cdb -o s.runs", "folders of unfinished sweeps");
   EXPECT_FALSE(program.Exists("s.runs"));
 }
 

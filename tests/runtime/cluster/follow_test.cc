@@ -2,28 +2,24 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
 namespace {
 
-namespace fs = std::filesystem;
-
-class ShardCounts : public testing::Test {
+class RunCounts : public testing::Test {
  protected:
   void Write(std::size_t i, store::Status status = store::Status::kDone) const {
     const plan::Run& run = plan_.runs[i];
-    shards::WriteShard(plan_, run, FakeResult(run, status, 2).result, {}, folder_.path());
+    WriteRun(plan_, run, FakeResult(run, status, 2).result, {}, folder_.path());
   }
   const TemporaryFolder folder_;
   const plan::Plan plan_ = MakePlan({NumberAxis("quantity", {1, 2, 3, 4})}, 1, {});
 };
 
-TEST_F(ShardCounts, GrowWithTheFolderAndKnowWhatFailed) {
-  cluster::ShardCount count(plan_, folder_.path());
+TEST_F(RunCounts, GrowWithTheFolderAndKnowWhatFailed) {
+  cluster::RunCount count(plan_, folder_.path());
   Write(0);
   count.Update();
   EXPECT_EQ(count.total(), 4u);
@@ -35,23 +31,23 @@ TEST_F(ShardCounts, GrowWithTheFolderAndKnowWhatFailed) {
   EXPECT_EQ(count.bad(), 1u);
 }
 
-TEST_F(ShardCounts, DoNotShrinkWhereShardsWereMerged) {
-  cluster::ShardCount count(plan_, folder_.path());
+TEST_F(RunCounts, DoNotShrinkWhereRunsWereMerged) {
+  cluster::RunCount count(plan_, folder_.path());
   Write(0);
   count.Update();
-  fs::remove(folder_ / (plan_.runs[0].id + ".h5"));
+  journal::RemoveJournals(folder_.path());
   count.Update();
   EXPECT_EQ(count.ended(), 1u);
 }
 
-TEST_F(ShardCounts, TakeNothingElseForAShard) {
-  cluster::ShardCount count(plan_, folder_.path());
-  for (const char* name : {"plan.yaml", "notes.h5", "0123456789abcdef.h5.vm.12.tmp"})
+TEST_F(RunCounts, TakeNothingElseForARun) {
+  cluster::RunCount count(plan_, folder_.path());
+  for (const char* name : {"plan.yaml", "notes.h5", "runs.journal-shm", "text.journal"})
     WriteFile(folder_ / name, "");
   count.Update();
   EXPECT_EQ(count.ended(), 0u);
-  // A file with its final name but without contents, as a network file system may show it.
-  WriteFile(folder_ / (plan_.runs[0].id + ".h5"), "");
+  // A file without contents, as a network file system may show it.
+  WriteFile(folder_ / "node.journal", "");
   count.Update();
   EXPECT_EQ(count.ended(), 0u);
   Write(0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/store/journal/journals.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -22,7 +23,7 @@ TEST(Submission, ComesBackAsItWasWritten) {
 TEST(Submission, ADamagedOneIsNone) {
   const TemporaryFolder folder;
   for (const char* text : {"", "abc", "abc 0 12 13", "abc many 12 13", "abc 3 12"}) {
-    WriteFile(folder / "submitted", text);
+    journal::Ask(folder.path(), "abc", journal::kSubmission, text);
     EXPECT_FALSE(cluster::ReadSubmission(folder.path()).has_value()) << text;
   }
 }
@@ -33,7 +34,9 @@ TEST(Submission, GoesWithItsLogsAndNothingElse) {
   for (const char* name : {"slurm-12_1.log", "slurm-13.log", "mine.log"})
     WriteFile(folder / name, "");
   cluster::RemoveSubmission(folder.path());
-  EXPECT_EQ(FilesIn(folder.path()), std::vector<std::string>{"mine.log"});
+  EXPECT_EQ(FilesIn(folder.path()), (std::vector<std::string>{"mine.log", "runs.journal"}));
+  journal::RemoveJournals(folder.path());
+  EXPECT_FALSE(cluster::ReadSubmission(folder.path()));
 }
 
 TEST(SubmissionLock, IsHeldByOneAtATime) {

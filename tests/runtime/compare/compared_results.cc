@@ -9,7 +9,6 @@
 
 #include "compiler/compile.h"
 #include "library/distributions/stream.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/compile_text.h"
 
@@ -60,9 +59,9 @@ void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
     fake.result.scalars.harness_ns = 40 * std::exp(of.noise * stream.Normal());
     fake.result.errors.values["position"] = {made.error};
     fake.result.errors.values["position_floor"] = {made.floor};
-    shards::WriteShard(of.plan, run, fake.result, of.provenance, shards.path());
+    WriteRun(of.plan, run, fake.result, of.provenance, shards.path());
   }
-  shards::Merge(of.plan, of.provenance, shards.path(), out);
+  journal::Merge(of.plan, of.provenance, shards.path(), out);
 }
 
 ComparedScene Slower(std::size_t detector, double factor) {

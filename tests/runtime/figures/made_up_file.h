@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/files.h"
@@ -56,7 +55,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
     fake.result.errors.values["position_floor"] = {0};
     for (const auto& [name, value] : made.errors) fake.result.errors.values[name] = {value};
   }
-  shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder);
+  WriteRun(plan, run, fake.result, {{"build_type", "Release"}}, folder);
 }
 
 /// Returns `use(file)` for the merged file. Runs with the status `missing` are not in it.
@@ -66,7 +65,7 @@ auto WithMadeUpFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
   for (const plan::Run& run : plan.runs)
     if (const MadeUp made = make_up(run); made.status != store::Status::kMissing)
       WriteMadeUp(plan, run, made, folder.path());
-  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   return use(store::ResultFile(folder / "out.h5"));
 }
 

@@ -5,7 +5,6 @@
 
 #include "runtime/figures/points.h"
 #include "runtime/printers/show.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
@@ -21,10 +20,9 @@ class Processors : public testing::Test {
     for (std::size_t i = 0; i < cpu_of.size(); ++i) {
       store::Provenance facts;
       if (!cpu_of[i].empty()) facts["cpu"] = cpu_of[i];
-      shards::WriteShard(plan_, plan_.runs[i], FakeResult(plan_.runs[i]).result, facts,
-                         folder_.path());
+      WriteRun(plan_, plan_.runs[i], FakeResult(plan_.runs[i]).result, facts, folder_.path());
     }
-    shards::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+    journal::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
   }
   std::string Text() const {
     const store::ResultFile file(folder_ / "out.h5");

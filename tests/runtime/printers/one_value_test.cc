@@ -270,7 +270,7 @@ class Reader {
       if (const MadeUp made = generated_.Of(run); made.status != store::Status::kMissing)
         WriteMadeUp(generated_.plan(), run, made, folder.path());
     const std::filesystem::path path = folder / "out.h5";
-    shards::Merge(generated_.plan(), {{"build_type", "Release"}}, folder.path(), path);
+    journal::Merge(generated_.plan(), {{"build_type", "Release"}}, folder.path(), path);
     const store::ResultFile file(path);
     ReadCsv(file, "CSV");
     ReadDocument(file, "JSON", false);

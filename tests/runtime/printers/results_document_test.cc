@@ -132,8 +132,8 @@ TEST(ResultsDocument, IsThereWithoutAxes) {
 TEST(ResultsDocument, IsThereWhereNothingRanYet) {
   const plan::Plan plan = DocumentPlan(1);
   const TemporaryFolder folder;
-  shards::Merge(plan, {{"build_type", "Release"}}, std::vector<std::filesystem::path>{},
-                folder / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, std::vector<std::filesystem::path>{},
+                 folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   const json document =
       json::parse(printers::ResultsDocument(file, {.file = "x", .for_page = true}).text);
@@ -184,7 +184,7 @@ TEST(ReportCommand, WritesOnePageOfAllFiles) {
   const TemporaryFolder shards;
   const plan::Plan plan = DocumentPlan(1);
   for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, MadeUpTimes(run), shards.path());
-  shards::Merge(plan, {{"build_type", "Release"}}, shards.path(), program.folder() / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, shards.path(), program.folder() / "out.h5");
   const Finished written = program.Run({"report", "out.h5", "out.h5"});
   if (written.status == 2 && written.err.find("without pages") != std::string::npos)
     GTEST_SKIP() << written.err;
@@ -222,7 +222,7 @@ TEST(ResultsDocument, IsSmallForManyPoints) {
   const plan::Plan plan = LargePlan(6000);
   const TemporaryFolder folder;
   WriteMadeUp(plan, plan.runs[0], MadeUp{}, folder.path());
-  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   const store::ResultFile file(folder / "out.h5");
   const std::string text = printers::ResultsDocument(file, {.file = "x", .for_page = true}).text;
   EXPECT_LT(text.size(), 200'000u);

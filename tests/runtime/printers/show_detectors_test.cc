@@ -15,7 +15,6 @@
 #include "runtime/printers/show.h"
 #include "runtime/printers/show_parts.h"
 #include "runtime/printers/verify_table.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 
@@ -92,9 +91,9 @@ auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&,
   for (const plan::Run& run : plan.runs) {
     Made made(run);
     settle(run, made);
-    shards::WriteShard(plan, run, made.result(), TestProvenance(), folder.path());
+    WriteRun(plan, run, made.result(), TestProvenance(), folder.path());
   }
-  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   return use(store::ResultFile(folder / "out.h5"));
 }
 

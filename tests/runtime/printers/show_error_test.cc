@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "runtime/printers/show.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/files.h"
 
@@ -39,9 +38,9 @@ std::string ShownError(const figures::ErrorOptions& options) {
       fake.result.status = store::Status::kCrashed;
       fake.result.message = "of old age";
     }
-    shards::WriteShard(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
+    WriteRun(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
   }
-  shards::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
+  journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
   return printers::ShowError(store::ResultFile(folder / "out.h5"), {options}).text;
 }
 

@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "runtime/figures/numbers.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/terminal/table.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
@@ -101,9 +100,9 @@ std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunR
     FakeResult fake(run);
     fake.result.omitted = fake.result.decisions = "";
     settle(run.at[0], run.at[1], fake.result);
-    shards::WriteShard(plan, run, fake.result, TestProvenance(), folder.path());
+    WriteRun(plan, run, fake.result, TestProvenance(), folder.path());
   }
-  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   return printers::Show(store::ResultFile(folder / "out.h5")).text;
 }
 
@@ -113,8 +112,8 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     Resize(plan.runs[0], {.cycles = cycles});
     const TemporaryFolder folder;
     for (const plan::Run& run : plan.runs)
-      shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
-    shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+      WriteRun(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+    journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
     return printers::Show(store::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);

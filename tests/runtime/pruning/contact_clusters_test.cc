@@ -134,7 +134,7 @@ TEST(ContactClusters, DampingTakesThemOutOfTheFallingFrame) {
   for (const double x : {0.0, kPairTouch - 0.01}) scene.Add({x, -40, 0}, {0, 10, 0});
   EXPECT_EQ(scene.Make().largest_cluster, 2u);
   EXPECT_EQ(scene.Make().walls[0], 0);
-  scene.state.objects[1].linear_damping = 0.9;
+  scene.state.objects[1].numbers["linear_damping"] = 0.9;
   EXPECT_NE(scene.Make().walls[0] & Bit(2), 0);
   EXPECT_NE(scene.Make().walls[1] & Bit(2), 0);
 }

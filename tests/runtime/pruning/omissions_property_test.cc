@@ -72,7 +72,7 @@ HandMade RandomScene(Random& random) {
       object.angular_velocity = random.Vector(5);
       object.angular_velocity.x() += 0.01;  // rotated consistently with its radius
     }
-    if (is_damped && random.Chance(0.5)) object.linear_damping = random(0.05, 0.9);
+    if (is_damped && random.Chance(0.5)) object.numbers["linear_damping"] = random(0.05, 0.9);
   }
   return scene;
 }
@@ -99,7 +99,7 @@ class Adversary {
       body.v = it.linear_velocity.cast<T>();
       body.touching = TouchingOf(it);
       body.mass = it.mass;
-      body.kept = static_cast<T>(std::pow(1 - it.linear_damping, double{dt_}));
+      body.kept = static_cast<T>(std::pow(1 - it.numbers["linear_damping"], double{dt_}));
       body.spin_energy = it.mass * spin.cwiseAbs2().dot(it.solid.InertiaPerMass()) / 2;
       body.may_sleep = random.Chance(0.8);
       bodies_.push_back(body);

@@ -247,7 +247,7 @@ TEST(ReachabilityOfPairs, DampedOnesMayStayBehind) {
   scene.Add({0, 0, 0}, {5, 0, 0});
   scene.Add({-kPairTouch - 1, 0, 0}, {5, 0, 0});
   EXPECT_TRUE(scene.Make().nothing_touches);
-  scene.state.objects[0].linear_damping = 0.5;
+  scene.state.objects[0].numbers["linear_damping"] = 0.5;
   EXPECT_FALSE(scene.Make().nothing_touches);
 }
 
@@ -258,7 +258,7 @@ TEST(ReachabilityOfPairs, DampedOneTurnsNoFartherThanGravityTakesIt) {
   scene.state.acceleration = Vector3d(0, -10, 0);
   scene.Add({0, -40, 0}, {0, 10, 0});
   EXPECT_EQ(scene.Make().walls[0], 0);
-  scene.state.objects[0].linear_damping = 0.9;
+  scene.state.objects[0].numbers["linear_damping"] = 0.9;
   EXPECT_EQ(scene.Make().walls[0] & Bit(2), Bit(2));
 }
 
@@ -308,9 +308,9 @@ TEST(ReachabilityGivesUp, Ccd) {
   HandMade scene;
   scene.Add({0, 0, 0});
   scene.Add({10, 0, 0}, {0, 0, 0}, 0);
-  scene.state.objects[1].ccd = true;
+  scene.state.objects[1].numbers["ccd"] = 1;
   EXPECT_TRUE(scene.Make().nothing_touches);  // fixed bodies are not swept
-  scene.state.objects[0].ccd = true;
+  scene.state.objects[0].numbers["ccd"] = 1;
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0x3f, 0}));
@@ -322,7 +322,7 @@ TEST(ReachabilityGivesUp, SoftContacts) {
   scene.Add({0, 0, 0});
   scene.Add({10, 0, 0}, {0, 0, 0});
   scene.Add({-10, 0, 0}, {5, 0, 0});
-  scene.state.objects[1].contact_stiffness = 1000;
+  scene.state.objects[1].numbers["contact_stiffness"] = 1000;
   EXPECT_TRUE(scene.Make().nothing_touches);  // it touches nothing
   scene.state.objects[2].linear_velocity.x() = 20;
   const pruning::Reachability reachability = scene.Make();

@@ -27,7 +27,7 @@ std::vector<Vector3d> PlacesOf(const ObjectState& object, const Vector3d& accele
   const T dt = static_cast<T>(horizon.timestep);
   const T inverse_mass = 1 / static_cast<T>(object.mass);
   const Vector force = acceleration.cast<T>() * (1 / inverse_mass);
-  const T kept = std::pow(1 - static_cast<T>(object.linear_damping), dt);
+  const T kept = std::pow(1 - static_cast<T>(object.numbers["linear_damping"]), dt);
   std::vector<Vector3d> places;
   for (double step = 0; step < horizon.steps; ++step) {
     places.push_back(x.template cast<double>());
@@ -82,7 +82,7 @@ TEST(Trajectory, SlowedObjectsStayInTheirBox) {
     scene.Set("cycles", std::uint64_t{200});
     scene.Add(random.Vector(10), random.Vector(10));
     ObjectState& object = scene.state.objects[0];
-    object.linear_damping = round % 5 == 0 ? 1 : random(0.01, 1);
+    object.numbers["linear_damping"] = round % 5 == 0 ? 1 : random(0.01, 1);
     const Vector3d g = random.Vector(10);
     const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
     const pruning::Trajectory trajectory = pruning::TrajectoryOf(object, g, scene.scene, horizon);
@@ -109,7 +109,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
       ObjectState& object = scene.state.objects[0];
       object.solid = {shape, Vector3d{random(0.1, 4), random(0.1, 4), random(0.1, 4)}};
       object.pose.orientation = layouts::TurnAbout(random.Vector(3));
-      object.margin = 0.04;
+      object.numbers["margin"] = 0.04;
       const pruning::Horizon horizon = pruning::HorizonOf(scene.scene);
       const pruning::Trajectory still =
           pruning::TrajectoryOf(object, Vector3d::Zero(), scene.scene, horizon);
@@ -125,7 +125,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
         EXPECT_TRUE((turned.cwiseAbs().array() <= still.extent.array()).all());
       }
       EXPECT_LE(farthest, spinning.radius);
-      EXPECT_GT(farthest + object.margin, 0.9 * spinning.radius);
+      EXPECT_GT(farthest + object.numbers["margin"], 0.9 * spinning.radius);
     }
   }
 }
@@ -133,7 +133,7 @@ TEST(Trajectory, HoldsTheSolidHoweverItIsTurned) {
 TEST(Trajectory, BallsHaveNoMargin) {
   HandMade scene;
   scene.Add(Vector3d::Zero());
-  scene.state.objects[0].margin = 0.04;
+  scene.state.objects[0].numbers["margin"] = 0.04;
   const pruning::Trajectory trajectory = pruning::TrajectoryOf(
       scene.state.objects[0], Vector3d::Zero(), scene.scene, pruning::HorizonOf(scene.scene));
   EXPECT_EQ(trajectory.radius, 1);
@@ -230,9 +230,9 @@ TEST(Trajectory, SpinKeepsAwakeWhereItStays) {
   EXPECT_EQ(rest(), horizon.end);
   object.angular_velocity = Vector3d(0, 0, 5);
   EXPECT_EQ(rest(), 0);
-  object.angular_damping = 0.1;
+  object.numbers["angular_damping"] = 0.1;
   EXPECT_EQ(rest(), horizon.end);
-  object.angular_damping = 0;
+  object.numbers["angular_damping"] = 0;
   object.solid.sides.y() = 1.5;
   EXPECT_EQ(rest(), horizon.end);  // its spin changes
   object.solid = {objects::Shape::kCuboid, Vector3d::Ones()};

@@ -17,7 +17,9 @@
 
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/schedule/schedule.h"
+#include "runtime/store/journal/journals.h"
 #include "tests/runtime/schedule/plans.h"
+#include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
 
 extern char** environ;
@@ -61,36 +63,29 @@ class DriverTest : public testing::Test {
     return Wait(Start(plan, jobs, file_limit));
   }
 
-  std::map<std::string, fs::file_time_type> Shards() const {
-    std::map<std::string, fs::file_time_type> shards;
-    if (!fs::exists(folder)) return shards;
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".h5")
-        shards[entry.path().filename().string()] = fs::last_write_time(entry.path());
-    return shards;
-  }
+  /// When each finished run was written.
+  std::map<std::string, std::int64_t> Runs() const { return RunsIn(folder); }
 
-  /// Expects a complete shard for every run, with the values that the test worker writes.
+  /// Expects a complete record for every run, with the values that the test worker writes, and
+  /// nothing else in the folder.
   void ExpectComplete(const plan::Plan& plan) const {
-    EXPECT_EQ(Shards().size(), plan.runs.size());
+    EXPECT_EQ(FilesIn(folder), (std::vector<std::string>{"plan.yaml", "runs.journal"}));
+    EXPECT_EQ(Runs().size(), plan.runs.size());
+    journal::Merge(plan, {}, folder, root.path() / "merged.h5");
+    const store::ResultFile file(root.path() / "merged.h5");
     for (const plan::Run& run : plan.runs) {
-      const fs::path shard = folder / (run.id + ".h5");
-      ASSERT_TRUE(fs::exists(shard)) << run.id;
-      const shards::ShardInfo info = shards::ReadShardInfo(shard);
-      EXPECT_EQ(info.outcome.status, store::Status::kDone);
-      EXPECT_EQ(info.plan_sha256, plan.Sha256());
-      const store::ResultFile file(shard);
-      const std::vector<double> pairs = file.ReadSeries("pairs", {{0, 0}, 0});
+      EXPECT_EQ(file.ReadStatus({run.at, run.rep}), store::Status::kDone);
+      const std::vector<double> pairs = file.ReadSeries("pairs", {run.at, run.rep});
       ASSERT_EQ(pairs.size(), 10u);
       for (std::size_t i = 0; i < 10; ++i)
         EXPECT_EQ(pairs[i], static_cast<double>(i * run.scene.ObjectCount()));
     }
   }
 
-  /// Waits until `driver` has written this number of shards, or has ended.
-  void WaitForShards(std::size_t count, pid_t driver) const {
+  /// Waits until `driver` has written this number of runs, or has ended.
+  void WaitForRuns(std::size_t count, pid_t driver) const {
     siginfo_t ended = {};
-    while (Shards().size() < count && ended.si_pid == 0) {
+    while (Runs().size() < count && ended.si_pid == 0) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       waitid(P_PID, static_cast<id_t>(driver), &ended, WEXITED | WNOHANG | WNOWAIT);
     }
@@ -107,7 +102,7 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
   for (std::uint64_t i = 0; i < 40; ++i) shape.quantities.push_back(i);
   const plan::Plan plan = MakePlan(shape);
   std::mt19937 random(20);
-  std::map<std::string, fs::file_time_type> finished;
+  std::map<std::string, std::int64_t> finished;
   for (int kill_number = 0; kill_number < 20; ++kill_number) {
     const pid_t driver = Start(plan, 1 + kill_number % 2);
     // Any moment, from before it has started to several runs later.
@@ -115,19 +110,18 @@ TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
     kill(driver, SIGKILL);
     const int end = Wait(driver);
     EXPECT_TRUE(end == -SIGKILL || end == 0) << end << ReadFile(log);
-    const auto now = Shards();
+    const auto now = Runs();
     for (const auto& [name, when] : finished) {
       const auto found = now.find(name);
       ASSERT_NE(found, now.end()) << name << " was finished and is gone";
       EXPECT_EQ(found->second, when) << name << " was finished and run again";
     }
-    for (const auto& [name, when] : now) EXPECT_NO_THROW(shards::ReadShardInfo(folder / name));
+    journal::Journals journals({folder});
+    for (const auto& [id, when] : now) EXPECT_TRUE(journals.Find(id));
     finished = now;
   }
   EXPECT_EQ(Run(plan), 0) << ReadFile(log);
   ExpectComplete(plan);
-  for (const std::string& name : FilesIn(folder))
-    EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
 }
 
 TEST_F(DriverTest, TwoDriversFillOneFolder) {
@@ -139,19 +133,15 @@ TEST_F(DriverTest, TwoDriversFillOneFolder) {
   EXPECT_EQ(Wait(one), 0) << ReadFile(log);
   EXPECT_EQ(Wait(two), 0) << ReadFile(log);
   ExpectComplete(plan);
-  for (const std::string& name : FilesIn(folder))
-    EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name;
 }
 
 TEST_F(DriverTest, OneJobAndTwoGiveTheSame) {
   const plan::Plan plan = MakePlan({.repeats = 2});
   EXPECT_EQ(Run(plan, 1), 0) << ReadFile(log);
   ExpectComplete(plan);
-  const auto one = FilesIn(folder);
   fs::remove_all(folder);
   EXPECT_EQ(Run(plan, 2), 0) << ReadFile(log);
   ExpectComplete(plan);
-  EXPECT_EQ(FilesIn(folder), one);
 }
 
 TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
@@ -164,38 +154,41 @@ TEST_F(DriverTest, ASignalKeepsWhatIsFinishedAndEndsTheWorkers) {
   for (const int signal_number : {SIGINT, SIGTERM}) {
     fs::remove_all(folder);
     const pid_t driver = Start(plan, 2);
-    WaitForShards(2, driver);
+    WaitForRuns(2, driver);
     kill(driver, signal_number);
     EXPECT_EQ(Wait(driver), 128 + signal_number) << ReadFile(log);
-    EXPECT_EQ(Shards().size(), 2u);
+    EXPECT_EQ(Runs().size(), 2u);
     EXPECT_NE(ReadFile(log).find("4 runs: 2 done, 2 not run"), std::string::npos) << ReadFile(log);
   }
 }
 
 TEST_F(DriverTest, AFullDiskKeepsWhatIsFinished) {
   PlanShape shape;
-  shape.quantities = {1, 2, 3};
+  shape.quantities = {1, 2, 3, 4, 5, 6, 7, 8};
   shape.detectors = {"dbvt"};
   plan::Plan plan = MakePlan(shape);
-  // The last run records more than the file limit permits; its memory use is below it.
-  ASSERT_EQ(Run(plan), 0) << ReadFile(log);
-  std::uintmax_t largest = 0;
-  for (const auto& entry : fs::directory_iterator(folder))
-    largest = std::max(largest, entry.file_size());
-  const auto whole = Shards();
-  fs::remove(folder / whole.begin()->first);
-  fs::remove(folder / std::next(whole.begin())->first);
-
-  const std::uintmax_t shard = fs::file_size(folder / std::prev(whole.end())->first);
-  EXPECT_EQ(Run(plan, 1, std::to_string(shard - 1)), 2);
+  fs::create_directories(folder);
+  WriteFile(folder / "plan.yaml", yaml::ToYaml(plan));
+  {
+    auto journal = journal::Journal::OpenToWrite(folder, plan.Sha256());
+    store::RunResult result;
+    result.status = store::Status::kDone;
+    const store::Provenance none;
+    journal::RunWriter(plan, none).Write(plan.runs[0], result, journal);
+  }
+  const auto before = Runs();
+  // The index of the log takes 32 KiB, and the log itself more than that for all runs.
+  EXPECT_EQ(Run(plan, 1, "33000"), 2);
   const std::string text = ReadFile(log);
-  EXPECT_NE(text.find("1 of 3 runs are safe in " + folder.string()), std::string::npos) << text;
-  EXPECT_EQ(Shards().size(), 1u);
-  for (const std::string& name : FilesIn(folder))
-    EXPECT_TRUE(name == "plan.yaml" || name.ends_with(".h5")) << name << " is left over";
+  EXPECT_NE(text.find(std::to_string(Runs().size()) + " of 8 runs are safe in " + folder.string()),
+            std::string::npos)
+      << text;
+  EXPECT_LT(Runs().size(), 8u);
+  EXPECT_EQ(Runs().at(before.begin()->first), before.begin()->second);
 
   EXPECT_EQ(Run(plan), 0) << ReadFile(log);
-  ExpectComplete(plan);
+  EXPECT_EQ(Runs().size(), 8u);
+  EXPECT_EQ(Runs().at(before.begin()->first), before.begin()->second);
 }
 
 TEST_F(DriverTest, BadRunsAreTheThirdExitStatus) {
@@ -204,10 +197,10 @@ TEST_F(DriverTest, BadRunsAreTheThirdExitStatus) {
   const std::string text = ReadFile(log);
   EXPECT_NE(text.find("4 runs: 1 done, 1 failed, 2 crashed"), std::string::npos) << text;
   EXPECT_NE(text.find("the cube is 140 % full"), std::string::npos) << text;
-  const store::ResultFile file(folder / (plan.runs[2].id + ".h5"));
-  EXPECT_EQ(file.ReadStatus({{0}, 0}), store::Status::kCrashed);
-  EXPECT_EQ(file.ReadCycleCount({{0}, 0}), 3u);
-  EXPECT_EQ(file.ReadText("message", {{0}, 0}),
+  const auto record = journal::Journals({folder}).Find(plan.runs[2].id).value();
+  EXPECT_EQ(journal::InfoOf(record).outcome.status, store::Status::kCrashed);
+  EXPECT_EQ(record.Number("n_cycles"), 3);
+  EXPECT_EQ(record.Text("run/message"),
             "the worker was ended by signal 11 (SIGSEGV, Segmentation fault)");
 }
 

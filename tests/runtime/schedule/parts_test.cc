@@ -10,7 +10,9 @@
 
 #include "compiler/yaml/short_plan.h"
 #include "runtime/schedule/folder.h"
+#include "runtime/store/journal/journals.h"
 #include "tests/runtime/schedule/plans.h"
+#include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
 namespace {
@@ -81,11 +83,9 @@ class PartsTest : public testing::Test {
     return summary;
   }
 
-  std::set<std::string> Shards() const {
-    std::set<std::string> names;
-    for (const std::string& name : FilesIn(options_.folder))
-      if (name.ends_with(".h5")) names.insert(name);
-    return names;
+  std::map<std::string, std::int64_t> Runs() const { return RunsIn(options_.folder); }
+  void Forget(const std::string& id) const {
+    journal::Journal::OpenToWrite(options_.folder, plan_.Sha256()).Forget(id);
   }
 
   const TemporaryFolder root_;
@@ -103,20 +103,20 @@ TEST_F(PartsTest, EveryRunIsExecutedOnce) {
   EXPECT_EQ(std::set(started_.begin(), started_.end()).size(), 24u);
   EXPECT_EQ(started_.size(), 24u);
   EXPECT_EQ(listed_parts_, (std::vector<std::uint64_t>{0, 1, 2, 3, 4}));
-  EXPECT_EQ(Shards().size(), 24u);
+  EXPECT_EQ(Runs().size(), 24u);
 }
 
 TEST_F(PartsTest, PartsThatHaveEndedAreNotListedAgain) {
   const schedule::Summary stopped = Execute(12);
   EXPECT_EQ(stopped.signal, 15);
   EXPECT_EQ(stopped.done, 12u);
-  const std::set<std::string> kept = Shards();
+  const auto kept = Runs();
   const schedule::Summary summary = Execute();
   EXPECT_EQ(summary.done, 24u);
   EXPECT_EQ(summary.resumed, 12u);
   EXPECT_EQ(started_.size(), 12u);
   EXPECT_EQ(listed_parts_, (std::vector<std::uint64_t>{2, 3, 4}));
-  for (const std::string& name : kept) EXPECT_TRUE(Shards().contains(name)) << name;
+  for (const auto& [id, written] : kept) EXPECT_EQ(Runs().at(id), written);
   EXPECT_EQ(Execute().resumed, 24u);
   EXPECT_TRUE(listed_parts_.empty());
 }
@@ -124,23 +124,23 @@ TEST_F(PartsTest, PartsThatHaveEndedAreNotListedAgain) {
 /// As `cdb run --until` does for repeats that are not needed yet.
 TEST_F(PartsTest, PartsWithRunsElsewhereAreNotTakenForDone) {
   options_.find_elsewhere = [](const plan::Run& run) {
-    return run.rep > 0 ? std::optional(shards::ShardInfo{}) : std::nullopt;
+    return run.rep > 0 ? std::optional(journal::RunInfo{}) : std::nullopt;
   };
   EXPECT_EQ(Execute().done, 12u);
   options_.find_elsewhere = nullptr;
   const schedule::Summary summary = Execute();
   EXPECT_EQ(summary.done, 24u);
   EXPECT_EQ(summary.resumed, 12u);
-  EXPECT_EQ(Shards().size(), 24u);
+  EXPECT_EQ(Runs().size(), 24u);
 }
 
-TEST_F(PartsTest, AShardThatIsGoneIsRunAgainThoughItsPartIsMarked) {
+TEST_F(PartsTest, ARunThatIsGoneIsRunAgainThoughItsPartWasMarked) {
   Execute();
-  const std::string gone = *Shards().begin();
-  fs::remove(options_.folder / gone);
+  const std::string gone = Runs().begin()->first;
+  Forget(gone);
   const schedule::Summary summary = Execute();
   EXPECT_EQ(summary.done, 24u);
-  EXPECT_EQ(started_, std::vector{gone.substr(0, 16)});
+  EXPECT_EQ(started_, std::vector{gone});
 }
 
 TEST_F(PartsTest, ShardsWithoutAllTheirMarksAreKnown) {
@@ -152,16 +152,14 @@ TEST_F(PartsTest, ShardsWithoutAllTheirMarksAreKnown) {
   options_.shard = {3, 3};
   Execute(2);  // stopped
   EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 3}));
-  fs::remove(options_.folder / *Shards().begin());
-  fs::remove(options_.folder / *Shards().begin());
-  fs::remove(options_.folder / *Shards().begin());
-  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 2, 3})) << "fewer shards than marked";
+  Forget(Runs().begin()->first);
+  EXPECT_EQ(unmarked(), (std::vector<std::uint64_t>{1, 2, 3})) << "fewer runs than marked";
 }
 
 TEST_F(PartsTest, AMarkThatIsCutShortIsNone) {
   Execute();
-  for (const std::string& name : FilesIn(options_.folder))
-    if (name.ends_with(".done")) WriteFile(options_.folder / name, "");
+  for (const auto& [what, value] : journal::FindRequests(options_.folder))
+    journal::Ask(options_.folder, plan_.Sha256(), what, value.substr(0, 66));
   EXPECT_EQ(Execute().resumed, 24u);
   EXPECT_TRUE(started_.empty());
   EXPECT_EQ(listed_parts_.size(), 5u);
@@ -179,9 +177,9 @@ TEST_F(PartsTest, ShardsOfAShardAreItsParts) {
   EXPECT_THROW(Execute(), process::ScheduleError);
 }
 
-TEST_F(PartsTest, FreshForgetsShardsAndMarks) {
+TEST_F(PartsTest, FreshForgetsRunsAndMarks) {
   Execute();
-  options_.fresh = true;
+  options_.start = schedule::SweepStart::kFresh;
   EXPECT_EQ(Execute().resumed, 0u);
   EXPECT_EQ(started_.size(), 24u);
 }
@@ -195,18 +193,20 @@ TEST_F(PartsTest, AnotherPlanIsRefusedThoughPartsAreMarked) {
     Execute();
     FAIL() << "was mixed";
   } catch (const process::ScheduleError& error) {
-    EXPECT_NE(std::string(error.what()).find("plan.yaml is of another plan"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("runs.journal is of another plan"), std::string::npos)
         << error.what();
   }
   fs::remove(options_.folder / "plan.yaml");
-  EXPECT_THROW(Execute(), process::ScheduleError) << "shards without a plan";
-  EXPECT_EQ(Shards().size(), 24u);
+  EXPECT_THROW(Execute(), process::ScheduleError) << "runs without a plan.yaml";
+  EXPECT_EQ(Runs().size(), 24u);
 }
 
-TEST_F(PartsTest, ThePlanIsRemovedWithItsShards) {
+TEST_F(PartsTest, ThePlanIsRemovedWithItsRuns) {
   Execute();
   WriteFile(options_.folder / "notes.txt", "mine");
-  schedule::RemoveWholePlan(options_.folder);
+  schedule::RemoveSweep(options_.folder, std::string(64, '0'));
+  EXPECT_EQ(Runs().size(), 24u) << "of another plan";
+  schedule::RemoveSweep(options_.folder, plan_.Sha256());
   EXPECT_EQ(FilesIn(options_.folder), std::vector<std::string>{"notes.txt"});
 }
 

@@ -5,51 +5,14 @@
 namespace cdb::tests {
 namespace {
 
-using schema::ParameterType;
-using schema::Value;
 using schema::Word;
-
-/// A valid value of the parameter; the schedule does not depend on it.
-Value AnyValue(const schema::Parameter& parameter) {
-  const bool is_list = parameter.type == ParameterType::kWords;
-  if (!is_list && parameter.HasWord(parameter.default_text))
-    return Word{std::string(parameter.default_text)};
-  switch (parameter.type) {
-    case ParameterType::kCount:
-      return std::uint64_t{1};
-    case ParameterType::kReal:
-      return 0.5;
-    case ParameterType::kSwitch:
-      return false;
-    case ParameterType::kVector:
-      return Eigen::Vector3d(0, 0, 0);
-    case ParameterType::kRatio:
-      return schema::Ratio{{1, 1, 1}};
-    case ParameterType::kWords:
-      return schema::WordList{std::string(parameter.AllWords().at(0))};
-    case ParameterType::kText:
-    case ParameterType::kWord:
-      break;
-  }
-  return Word{std::string(parameter.AllWords().at(0))};
-}
-
-template <bool kGrouped>
-plan::SettingsOf<kGrouped> AnySettings() {
-  plan::SettingsOf<kGrouped> settings;
-  for (const schema::Parameter& parameter : schema::Schema())
-    if (parameter.grouped == kGrouped) settings.SetValue(parameter, AnyValue(parameter));
-  return settings;
-}
 
 plan::Run MakeRun(const PlanShape& shape, std::uint64_t quantity, const std::string& detector,
                   std::uint64_t seed, std::uint64_t rep) {
-  static const plan::WorldSettings world = AnySettings<false>();
-  static const plan::GroupSettings group = AnySettings<true>();
   plan::Run run;
   run.rep = rep;
-  run.scene.world = world;
-  run.scene.groups.push_back({"objects", group});
+  run.scene.world.Set("world.side", 500.0);
+  run.scene.groups.push_back({"objects", {}});
   run.scene.groups[0].settings.Set("quantity", quantity);
   run.scene.world.Set("cycles", shape.cycles);
   run.scene.world.Set("warmup", std::uint64_t{0});

@@ -1,13 +1,18 @@
 #include "runtime/schedule/schedule.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <functional>
 #include <set>
 
 #include "compiler/yaml/plan_yaml.h"
+#include "runtime/store/journal/journals.h"
 #include "tests/runtime/schedule/plans.h"
+#include "tests/runtime/store/journal/change_facts.h"
+#include "tests/runtime/store/store_fixture.h"
 
 namespace cdb::tests {
 namespace {
@@ -97,17 +102,30 @@ struct Ears : schedule::ProgressListener {
   void End() override { ++ends; }
 };
 
-std::vector<std::string> ShardNames(const plan::Plan& plan) {
-  std::set<std::string> names;
-  for (const plan::Run& run : plan.runs) names.insert(run.id + ".h5");
-  return {names.begin(), names.end()};
+std::vector<std::string> IdsOf(const plan::Plan& plan) {
+  std::set<std::string> ids;
+  for (const plan::Run& run : plan.runs) ids.insert(run.id);
+  return {ids.begin(), ids.end()};
 }
 
-std::vector<std::string> WithPlan(std::vector<std::string> names) {
-  names.push_back("plan.yaml");
-  std::ranges::sort(names);
-  return names;
+std::vector<std::string> IdsIn(const fs::path& folder) {
+  std::vector<std::string> ids;
+  for (const auto& [id, written] : RunsIn(folder)) ids.push_back(id);
+  return ids;
 }
+
+/// What a journal in the folder has of a run.
+journal::RunInfo InfoIn(const fs::path& folder, const std::string& id) {
+  return journal::InfoOf(journal::Journals({folder}).Find(id).value());
+}
+
+/// As after a driver that has not finished these runs.
+void Forget(const plan::Plan& plan, const fs::path& folder, const std::string& id) {
+  journal::Journal::OpenToWrite(folder, plan.Sha256()).Forget(id);
+}
+
+/// All bytes of the journal, with its log written back.
+std::string JournalIn(const fs::path& folder) { return ReadFile(folder / "runs.journal"); }
 
 class ScheduleTest : public testing::Test {
  protected:
@@ -130,14 +148,11 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
   for (const plan::Run* run : schedule::OrderRuns(plan)) order.push_back(run->id);
   EXPECT_EQ(launcher.started, order);
   EXPECT_EQ(launcher.most_at_once, 1u);
-  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(FilesIn(options.folder), (std::vector<std::string>{"plan.yaml", "runs.journal"}));
   EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == yaml::ToYaml(plan));
-  for (const std::string& name : ShardNames(plan)) {
-    const shards::ShardInfo info = shards::ReadShardInfo(options.folder / name);
-    EXPECT_EQ(info.run_id + ".h5", name);
-    EXPECT_EQ(info.plan_sha256, plan.Sha256());
-    EXPECT_EQ(info.outcome.status, store::Status::kDone);
-  }
+  EXPECT_EQ(IdsIn(options.folder), IdsOf(plan));
+  for (const std::string& id : IdsOf(plan))
+    EXPECT_EQ(InfoIn(options.folder, id).outcome.status, store::Status::kDone);
   EXPECT_EQ(ears.to_do, 9u);
   EXPECT_EQ(ears.began, 9u);
   EXPECT_EQ(ears.ended, 9u);
@@ -145,7 +160,7 @@ TEST_F(ScheduleTest, CarriesOutEveryRunInOrder) {
 }
 
 std::string OmittedIn(const fs::path& folder, const plan::Run& run) {
-  return shards::ReadShardInfo(folder / (run.id + ".h5")).omitted;
+  return InfoIn(folder, run.id).omitted;
 }
 
 TEST_F(ScheduleTest, ComparedRunsLeaveOutTheSameParts) {
@@ -183,15 +198,14 @@ TEST_F(ScheduleTest, ARepeatThatEndsBadlyLosesNothing) {
   EXPECT_EQ(ears.repeated.size(), 2u);
   EXPECT_EQ(ears.warnings.size(), 2u);
   for (const std::string& id : ears.repeated)
-    EXPECT_EQ(shards::ReadShardInfo(options.folder / (id + ".h5")).outcome.status,
-              store::Status::kDone);
+    EXPECT_EQ(InfoIn(options.folder, id).outcome.status, store::Status::kDone);
 }
 
 TEST_F(ScheduleTest, HasAsManyAtOnceAsJobs) {
   options.jobs = 4;
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
   EXPECT_EQ(launcher.most_at_once, 4u);
-  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(IdsIn(options.folder), IdsOf(plan));
 }
 
 TEST_F(ScheduleTest, CountsHowRunsEnded) {
@@ -204,7 +218,7 @@ TEST_F(ScheduleTest, CountsHowRunsEnded) {
   EXPECT_EQ(summary, (schedule::Summary{.done = 3, .failed = 2, .crashed = 2, .timed_out = 2}));
   EXPECT_TRUE(summary.HasBadRuns());
   EXPECT_EQ(schedule::Describe(summary), "9 runs: 3 done, 2 failed, 2 crashed, 2 timed out");
-  // A failed run has a shard and is not run again.
+  // A failed run has finished and is not run again.
   launcher.started.clear();
   const schedule::Summary again = Run(plan);
   EXPECT_TRUE(launcher.started.empty());
@@ -254,15 +268,15 @@ TEST_F(ScheduleTest, DescribesASummary) {
 
 TEST_F(ScheduleTest, GoesOnWhereItStopped) {
   Run(plan);
-  const auto names = ShardNames(plan);
-  for (const std::size_t i : {1, 4, 8}) fs::remove(options.folder / names[i]);
-  const auto kept = fs::last_write_time(options.folder / names[0]);
+  const auto ids = IdsOf(plan);
+  for (const std::size_t i : {1, 4, 8}) Forget(plan, options.folder, ids[i]);
+  const auto kept = RunsIn(options.folder);
   launcher.started.clear();
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 6}));
   EXPECT_EQ(launcher.started.size(), 3u);
   for (const std::string& id : launcher.started)
-    EXPECT_TRUE(id + ".h5" == names[1] || id + ".h5" == names[4] || id + ".h5" == names[8]);
-  EXPECT_EQ(fs::last_write_time(options.folder / names[0]), kept);
+    EXPECT_TRUE(id == ids[1] || id == ids[4] || id == ids[8]);
+  for (const auto& [id, written] : kept) EXPECT_EQ(RunsIn(options.folder).at(id), written);
   EXPECT_EQ(ears.to_do, 3u);
 }
 
@@ -270,22 +284,41 @@ TEST_F(ScheduleTest, FreshStartsOver) {
   Run(plan);
   WriteFile(options.folder / "notes.txt", "mine");
   WriteFile(options.folder / "mine.h5", "mine too");
-  WriteFile(options.folder / "00112233aabbccdd.h5", "of another plan");
+  WriteFile(options.folder / "00112233aabbccdd.h5", "of an earlier version");
   WriteFile(options.folder / "00112233aabbccdd.h5.broken", "");
-  launcher.started.clear();
-  options.fresh = true;
-  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
-  EXPECT_EQ(launcher.started.size(), 9u);
-  auto names = WithPlan(ShardNames(plan));
-  names.insert(names.end(), {"mine.h5", "notes.txt"});
-  std::ranges::sort(names);
-  EXPECT_EQ(FilesIn(options.folder), names) << "what is not ours stays";
+  WriteFile(options.folder / "node7.journal", "damaged");
+  WriteFile(options.folder / "runs.journal.broken", "damaged");
+  for (const auto start : {schedule::SweepStart::kFresh, schedule::SweepStart::kFreshForResult}) {
+    launcher.started.clear();
+    options.start = start;
+    EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9}));
+    EXPECT_EQ(launcher.started.size(), 9u);
+    EXPECT_EQ(journal::FindRequest(options.folder, journal::kFresh),
+              start == schedule::SweepStart::kFresh ? "" : plan.Sha256());
+    EXPECT_EQ(FilesIn(options.folder),
+              (std::vector<std::string>{"mine.h5", "notes.txt", "plan.yaml", "runs.journal"}))
+        << "what is not ours stays";
+  }
 }
 
-TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
+TEST_F(ScheduleTest, RefusesShardsOfEarlierVersionsByName) {
+  fs::create_directories(options.folder);
+  WriteFile(options.folder / "00112233aabbccdd.h5", "a shard");
+  try {
+    Run(plan);
+    ADD_FAILURE();
+  } catch (const process::ScheduleError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("00112233aabbccdd.h5"), std::string::npos) << message;
+    EXPECT_NE(message.find("--fresh"), std::string::npos) << message;
+  }
+  EXPECT_EQ(FilesIn(options.folder), std::vector<std::string>{"00112233aabbccdd.h5"});
+}
+
+TEST_F(ScheduleTest, RefusesAJournalOfAnotherPlanAndChangesNothing) {
   Run(plan);
   const std::string text = ReadFile(options.folder / "plan.yaml");
-  // Other runs; then the same runs under another plan, which is recognised only by the hash inside.
+  // Other runs; then the same runs under another plan, which is recognised only by its hash.
   plan::Plan renamed = plan;
   renamed.benchmark = "other";
   for (const plan::Plan& other : {MakePlan({.quantities = {9}}), renamed}) {
@@ -295,13 +328,12 @@ TEST_F(ScheduleTest, RefusesAShardOfAnotherPlanAndChangesNothing) {
       ADD_FAILURE() << "mixed in";
     } catch (const process::ScheduleError& error) {
       const std::string message = error.what();
-      EXPECT_NE(message.find("is a shard of another plan"), std::string::npos) << message;
+      EXPECT_NE(message.find("runs.journal is of another plan"), std::string::npos) << message;
       EXPECT_NE(message.find("--fresh"), std::string::npos) << message;
-      EXPECT_NE(message.find(".h5"), std::string::npos) << message;
     }
     EXPECT_TRUE(launcher.started.empty());
     EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == text);
-    EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
+    EXPECT_EQ(IdsIn(options.folder), IdsOf(plan));
   }
 }
 
@@ -312,26 +344,39 @@ TEST_F(ScheduleTest, ANewTitleIsNotANewPlan) {
   EXPECT_TRUE(ReadFile(options.folder / "plan.yaml") == yaml::ToYaml(plan));
 }
 
-TEST_F(ScheduleTest, SetsABrokenShardAsideAndRunsItAgain) {
+TEST_F(ScheduleTest, RunsADamagedRunAgain) {
   Run(plan);
-  const auto names = ShardNames(plan);
-  fs::resize_file(options.folder / names[2], fs::file_size(options.folder / names[2]) / 2);
-  WriteFile(options.folder / names[3], "");
-  WriteFile(options.folder / names[5], std::string(100000, 'x'));
-  // A complete shard under the name of another.
-  fs::copy_file(options.folder / names[0], options.folder / names[7],
-                fs::copy_options::overwrite_existing);
+  const std::string id = IdsOf(plan)[3];
+  ChangeFacts(options.folder / "runs.journal", id);
   launcher.started.clear();
-  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 5}));
-  EXPECT_EQ(launcher.started.size(), 4u);
-  EXPECT_EQ(ears.warnings.size(), 4u);
-  for (const std::size_t i : {2, 3, 5, 7}) {
-    EXPECT_TRUE(fs::exists(options.folder / (names[i] + ".broken"))) << i;
-    EXPECT_EQ(shards::ReadShardInfo(options.folder / names[i]).outcome.status,
-              store::Status::kDone);
-    EXPECT_TRUE(std::ranges::any_of(ears.warnings, [&](const std::string& warning) {
-      return warning.find(names[i]) != std::string::npos;
-    }));
+  EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 8}));
+  EXPECT_EQ(launcher.started, std::vector<std::string>{id});
+  ASSERT_EQ(ears.warnings.size(), 1u);
+  EXPECT_NE(ears.warnings[0].find(id + " is damaged"), std::string::npos) << ears.warnings[0];
+  EXPECT_EQ(InfoIn(options.folder, id).outcome.status, store::Status::kDone);
+}
+
+TEST_F(ScheduleTest, SetsABrokenJournalAsideAndKeepsWhatCanBeRead) {
+  Run(plan);
+  const std::string whole = JournalIn(options.folder);
+  // Nothing, everything, and a page in the middle.
+  std::string hole = whole;
+  std::fill_n(hole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 4096 / 2 * 4096), 4096,
+              '\0');
+  for (const std::string& damaged : {std::string("no journal"), whole.substr(0, 4096), hole}) {
+    SCOPED_TRACE(damaged.size());
+    for (const char* name : {"runs.journal-wal", "runs.journal-shm", "runs.journal.broken"})
+      fs::remove(options.folder / name);
+    WriteFile(options.folder / "runs.journal", damaged);
+    launcher.started.clear();
+    ears.warnings.clear();
+    const schedule::Summary summary = Run(plan);
+    EXPECT_EQ(summary.done, 9u);
+    EXPECT_EQ(launcher.started.size() + summary.resumed, 9u);
+    EXPECT_GE(launcher.started.size(), 1u);
+    EXPECT_EQ(IdsIn(options.folder), IdsOf(plan));
+    ASSERT_FALSE(ears.warnings.empty());
+    EXPECT_NE(ears.warnings[0].find("runs.journal"), std::string::npos) << ears.warnings[0];
   }
 }
 
@@ -342,7 +387,7 @@ TEST_F(ScheduleTest, TakesWhatAnotherDriverFinishedMeanwhile) {
     if (++waits != 2) return;
     store::RunResult result;
     result.status = store::Status::kCrashed;
-    shards::WriteShard(plan, *order[3], result, {}, options.folder);
+    WriteRun(plan, *order[3], result, {}, options.folder);
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1, .resumed = 1}));
   EXPECT_EQ(launcher.started.size(), 8u);
@@ -357,7 +402,7 @@ TEST_F(ScheduleTest, AShardOfThePlanIsCarriedOutAlone) {
   }
   EXPECT_EQ(runs, 9u);
   EXPECT_EQ(launcher.started.size(), 9u);
-  EXPECT_EQ(FilesIn(options.folder), WithPlan(ShardNames(plan)));
+  EXPECT_EQ(IdsIn(options.folder), IdsOf(plan));
 }
 
 TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
@@ -370,7 +415,7 @@ TEST_F(ScheduleTest, AStopKeepsWhatIsFinished) {
   };
   const schedule::Summary summary = Run(plan);
   EXPECT_EQ(summary, (schedule::Summary{.done = 4, .left = 5, .signal = 15}));
-  EXPECT_EQ(FilesIn(options.folder).size(), 5u);
+  EXPECT_EQ(IdsIn(options.folder).size(), 4u);
   EXPECT_TRUE(launcher.running.empty()) << "ended by the schedule";
   EXPECT_EQ(ears.ends, 1u);
   process::StopFlag none;
@@ -400,8 +445,10 @@ TEST_F(ScheduleTest, ListenersTickWhileNothingEnds) {
 TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
   launcher.before_wait = [&] {
     if (ears.ended != 4) return;
-    // A folder has the name of the file, so that no file can be renamed to it.
-    fs::create_directories(options.folder / (launcher.running.back().run->id + ".h5") / "x");
+    // The driver's own log cannot grow any more; it holds four runs.
+    const rlimit limit = {fs::file_size(options.folder / "runs.journal-wal"), RLIM_INFINITY};
+    signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit);
   };
   try {
     Run(plan);
@@ -410,12 +457,11 @@ TEST_F(ScheduleTest, AStoreThatRefusesEndsTheWork) {
     EXPECT_NE(std::string(error.what()).find("4 of 9 runs are safe in"), std::string::npos)
         << error.what();
   }
+  const rlimit none = {RLIM_INFINITY, RLIM_INFINITY};
+  setrlimit(RLIMIT_FSIZE, &none);
   EXPECT_EQ(launcher.stops, 1);
   EXPECT_EQ(ears.ends, 1u);
-  std::size_t whole = 0;
-  for (const std::string& name : ShardNames(plan))
-    whole += fs::is_regular_file(options.folder / name);
-  EXPECT_EQ(whole, 4u);
+  EXPECT_EQ(IdsIn(options.folder).size(), 4u);
 }
 
 TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
@@ -424,53 +470,48 @@ TEST_F(ScheduleTest, RunsAgainWhatIsAskedForAndNothingElse) {
     return run.id == crashed ? store::Status::kCrashed : store::Status::kDone;
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 8, .crashed = 1}));
-  const std::string others = ReadFile(options.folder / (plan.runs[0].id + ".h5"));
+  const auto before = RunsIn(options.folder);
   launcher.behave = [](const plan::Run&) { return store::Status::kDone; };
   launcher.started.clear();
-  options.is_repeated = [](const plan::Run& run, const fs::path& shard) {
-    EXPECT_EQ(shard.stem(), run.id);
-    return shards::ReadShardInfo(shard).outcome.status == store::Status::kCrashed;
+  options.is_repeated = [](const journal::RunInfo& run) {
+    return run.outcome.status == store::Status::kCrashed;
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 9, .resumed = 8}));
   EXPECT_EQ(launcher.started, std::vector<std::string>{crashed});
-  EXPECT_TRUE(ReadFile(options.folder / (plan.runs[0].id + ".h5")) == others);
+  for (const auto& [id, written] : RunsIn(options.folder))
+    EXPECT_EQ(written == before.at(id), id != crashed);
 }
 
 TEST_F(ScheduleTest, LeavesRunsAloneThatAreKeptElsewhere) {
   const std::string wanted = plan.runs[4].id;
-  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<shards::ShardInfo> {
+  options.find_elsewhere = [&](const plan::Run& run) -> std::optional<journal::RunInfo> {
     if (run.id == wanted) return std::nullopt;
-    return shards::ShardInfo{run.id, plan.Sha256(), {store::Status::kDone}, "", ""};
+    return journal::RunInfo{run.id, {store::Status::kDone}, "", ""};
   };
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
   EXPECT_EQ(launcher.started, std::vector<std::string>{wanted});
-  EXPECT_EQ(FilesIn(options.folder), (std::vector<std::string>{wanted + ".h5", "plan.yaml"}));
+  EXPECT_EQ(IdsIn(options.folder), std::vector<std::string>{wanted});
 }
 
-TEST_F(ScheduleTest, CountsTheShardsThatAreStillThere) {
+TEST_F(ScheduleTest, NoticesThatItsJournalIsGone) {
   bool keeps_folder = false;
   launcher.before_wait = [&] {
     if (ears.ended != 4) return;
     fs::remove_all(options.folder);
     if (keeps_folder) fs::create_directories(options.folder);
   };
-  const auto message = [&]() -> std::string {
+  for (const bool keeps : {false, true}) {
+    keeps_folder = keeps;
+    ears = {};
     try {
       Run(plan);
+      ADD_FAILURE();
     } catch (const files::StoreError& error) {
-      return error.what();
+      const std::string message = error.what();
+      EXPECT_NE(message.find("was removed while the runs went"), std::string::npos) << message;
+      EXPECT_NE(message.find("0 of 9 runs are safe in"), std::string::npos) << message;
     }
-    return {};
-  };
-  const std::string gone = message();
-  EXPECT_NE(gone.find("No such file or directory"), std::string::npos) << gone;
-  EXPECT_NE(gone.find("0 of 9 runs are safe in"), std::string::npos) << gone;
-  // The folder was created again: five shards are written, and four are missing.
-  keeps_folder = true;
-  ears = {};
-  const std::string emptied = message();
-  EXPECT_NE(emptied.find("shards were removed from it"), std::string::npos) << emptied;
-  EXPECT_NE(emptied.find("5 of 9 runs are safe in"), std::string::npos) << emptied;
+  }
 }
 
 TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
@@ -482,7 +523,7 @@ TEST_F(ScheduleTest, ALauncherThatRefusesEndsTheWork) {
     }
   } refuser;
   EXPECT_THROW(schedule::Execute(plan, options, refuser, ears), process::ScheduleError);
-  EXPECT_EQ(FilesIn(options.folder).size(), 4u);
+  EXPECT_EQ(IdsIn(options.folder).size(), 3u);
   EXPECT_EQ(ears.ends, 1u);
 }
 
@@ -502,13 +543,14 @@ TEST_F(ScheduleTest, AnEmptyPlanIsDone) {
   EXPECT_EQ(Run(plan), schedule::Summary{});
 }
 
-/// The values of a scalar in the shards, in the order of the plan's runs.
-std::vector<double> InShards(const plan::Plan& plan, const fs::path& folder, const char* name) {
+double NumberIn(const fs::path& folder, const std::string& id, const std::string& name) {
+  return journal::Journals({folder}).Find(id).value().Number("run/" + name).value();
+}
+
+/// The values of a scalar in the journal, in the order of the plan's runs.
+std::vector<double> InJournal(const plan::Plan& plan, const fs::path& folder, const char* name) {
   std::vector<double> values;
-  for (const plan::Run& run : plan.runs) {
-    const store::ResultFile shard(folder / (run.id + ".h5"));
-    values.push_back(shard.ReadReal(name, {std::vector<std::size_t>(shard.axes().size()), 0}));
-  }
+  for (const plan::Run& run : plan.runs) values.push_back(NumberIn(folder, run.id, name));
   return values;
 }
 
@@ -525,9 +567,9 @@ TEST_F(ScheduleTest, MeasuresNoisyRunsAgainAndKeepsTheQuietest) {
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 3}));
   EXPECT_EQ(launcher.started.size(), 4u + 2 + 1);
   EXPECT_EQ(ears.ended, 3u);
-  EXPECT_EQ(InShards(plan, options.folder, "attempts"), (std::vector<double>{4, 2, 1}));
-  EXPECT_EQ(InShards(plan, options.folder, "place_time"), (std::vector<double>{2, 2, 1}));
-  EXPECT_EQ(InShards(plan, options.folder, "noise"), (std::vector<double>{2, 1, 1}));
+  EXPECT_EQ(InJournal(plan, options.folder, "attempts"), (std::vector<double>{4, 2, 1}));
+  EXPECT_EQ(InJournal(plan, options.folder, "place_time"), (std::vector<double>{2, 2, 1}));
+  EXPECT_EQ(InJournal(plan, options.folder, "noise"), (std::vector<double>{2, 1, 1}));
   // Finished runs are not measured again when the sweep is resumed.
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 3, .resumed = 3}));
   EXPECT_EQ(launcher.started.size(), 7u);
@@ -544,8 +586,8 @@ TEST_F(ScheduleTest, ANoisyRunWhoseRepeatCrashesIsKept) {
   };
   options.noisy_retries = 2;
   EXPECT_EQ(Run(plan), (schedule::Summary{.done = 1}));
-  EXPECT_EQ(InShards(plan, options.folder, "attempts"), std::vector<double>{3});
-  EXPECT_EQ(InShards(plan, options.folder, "place_time"), std::vector<double>{1});
+  EXPECT_EQ(InJournal(plan, options.folder, "attempts"), std::vector<double>{3});
+  EXPECT_EQ(InJournal(plan, options.folder, "place_time"), std::vector<double>{1});
 }
 
 TEST_F(ScheduleTest, AStopWhileARunIsMeasuredAgainKeepsIt) {
@@ -563,9 +605,8 @@ TEST_F(ScheduleTest, AStopWhileARunIsMeasuredAgainKeepsIt) {
   };
   const schedule::Summary summary = Run(plan);
   EXPECT_EQ(summary, (schedule::Summary{.done = 1, .left = 1, .signal = SIGTERM}));
-  const store::ResultFile shard(options.folder / (launcher.started[0] + ".h5"));
-  EXPECT_EQ(shard.ReadReal("place_time", {{0, 0}, 0}), 2);
-  EXPECT_EQ(shard.ReadReal("attempts", {{0, 0}, 0}), 2);
+  EXPECT_EQ(NumberIn(options.folder, launcher.started[0], "place_time"), 2);
+  EXPECT_EQ(NumberIn(options.folder, launcher.started[0], "attempts"), 2);
 }
 
 }  // namespace

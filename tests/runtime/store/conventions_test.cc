@@ -13,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/shards/reference_shard.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -127,13 +125,8 @@ std::string ScaleOf(hid_t dataset, unsigned dimension) {
   return names.empty() ? "" : names[0];
 }
 
-/// The kind of a file: a shard or merged, with errors or without.
-struct Kind {
-  bool merged, accuracy;
-};
-
-/// The shards and the merged file of a plan. They have the largest chunks, and therefore take a
-/// second to write.
+/// The results file of a plan, with errors or without. It has the largest chunks, and therefore
+/// takes a while to write: tests share it.
 class WrittenPlan {
  public:
   explicit WrittenPlan(bool accuracy)
@@ -147,19 +140,17 @@ class WrittenPlan {
                                             : schema::WordList{"none"}})) {
     for (const plan::Run& run : plan_.runs) {
       const FakeResult fake(run);
-      shards::WriteShard(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
-                         folder_.path());
+      WriteRun(plan_, run, fake.result, {{"cpu", "cpu " + run.id}, {"compiler", "gcc"}},
+               folder_.path());
     }
     for (const plan::Run& run : plan_.references) {
       const std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count(), 0.5);
       store::RunResult result;
       result.status = store::Status::kDone;
-      shards::WriteReference(plan_.Sha256(), run, result, samples, {}, folder_.path());
+      WriteReference(plan_, run, result, samples, {}, folder_.path());
     }
-    shards::Merge(plan_, {}, folder_.path(), merged());
+    journal::Merge(plan_, {}, folder_.path(), merged());
   }
-  const std::string& shard_id() const { return plan_.runs[1].id; }
-  std::filesystem::path shard() const { return folder_ / (shard_id() + ".h5"); }
   std::filesystem::path merged() const { return folder_ / "out.h5"; }
 
  private:
@@ -167,21 +158,12 @@ class WrittenPlan {
   const plan::Plan plan_;
 };
 
-/// The attributes of the arrays of a shard. A merge takes the others from the layout.
-const std::set<std::string> kShardAttributes = {"parameter", "units", "component_units",
-                                                "flag_values", "flag_meanings"};
-
-/// The arrays of a shard that are the coordinate of an axis.
-const std::set<std::string> kShardCoordinates = {
-    "quantity", "size",  "type",   "rep",         "phase",        "cycle", "body",  "pose",
-    "box_body", "bound", "filter", "contact_row", "contact_side", "xyz",   "sample"};
-
 /// True if the values are a few named ones, stored in a byte.
 bool IsFlag(const std::string& name) {
   return name.ends_with("status") || name == "verdict" || name == "run/noise";
 }
 
-class Conventions : public testing::TestWithParam<Kind> {
+class Conventions : public testing::TestWithParam<bool> {
  protected:
   static void SetUpTestSuite() {
     for (const bool accuracy : {false, true})
@@ -191,11 +173,8 @@ class Conventions : public testing::TestWithParam<Kind> {
 
   Conventions() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    const bool merged = GetParam().merged;
-    if (GetParam().accuracy) groups_.emplace_back("/accuracy");
-    if (GetParam().accuracy && merged) groups_.emplace_back("/accuracy/reference");
-    file_ = H5Fopen((merged ? written().merged() : written().shard()).c_str(), H5F_ACC_RDONLY,
-                    H5P_DEFAULT);
+    if (GetParam()) groups_.insert(groups_.end(), {"/accuracy", "/accuracy/reference"});
+    file_ = H5Fopen(written().merged().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     for (const std::string& group : groups_) {
       const hid_t id = H5Gopen2(file_, group.c_str(), H5P_DEFAULT);
       for (const std::string& name : LinksInOrder(id)) {
@@ -209,7 +188,7 @@ class Conventions : public testing::TestWithParam<Kind> {
   }
   ~Conventions() override { H5Fclose(file_); }
 
-  static const WrittenPlan& written() { return *written_[GetParam().accuracy]; }
+  static const WrittenPlan& written() { return *written_[GetParam()]; }
 
   void ForEachDataset(const std::function<void(const std::string&, hid_t)>& visit) {
     for (const std::string& name : datasets_) {
@@ -242,7 +221,7 @@ TEST_P(Conventions, CreationOrderIsTrackedAndIndexedEverywhere) {
   ForEachDataset([&](const std::string&, hid_t dataset) {
     const hid_t creation = H5Dget_create_plist(dataset);
     H5Pget_attr_creation_order(creation, &flags);
-    EXPECT_EQ(flags, GetParam().merged ? kOrder : 0u) << "shards have few attributes";
+    EXPECT_EQ(flags, kOrder);
     H5Pclose(creation);
   });
 }
@@ -262,10 +241,7 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
   ForEachDataset([&](const std::string& path, hid_t dataset) {
     const std::string group = path.substr(0, path.rfind('/') + 1), name = path.substr(group.size());
     const std::vector<hsize_t> shape = ShapeOf(dataset);
-    if (!GetParam().merged) {
-      EXPECT_EQ(H5DSis_scale(dataset), 0);
-      if (kShardCoordinates.contains(name)) return;
-    } else if (H5DSis_scale(dataset) > 0) {
+    if (H5DSis_scale(dataset) > 0) {
       char scale[256] = {};
       H5DSget_scale_name(dataset, scale, sizeof(scale));
       if (name == "contact_row") {
@@ -299,20 +275,9 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     }
     // A reader of one group finds the coordinates within it.
     for (std::string& scale : expected) scale.insert(0, group);
-    if (GetParam().merged) {
-      std::vector<std::string> scales;
-      for (unsigned d = 0; d < shape.size(); ++d) scales.push_back(ScaleOf(dataset, d));
-      EXPECT_EQ(scales, expected);
-      return;
-    }
-    // Axes of a shard are told by their order and extents.
-    std::vector<hsize_t> extents;
-    for (const std::string& coordinate : expected) {
-      const hid_t id = H5Dopen2(file_, coordinate.c_str(), H5P_DEFAULT);
-      extents.push_back(ShapeOf(id).at(0));
-      H5Dclose(id);
-    }
-    EXPECT_EQ(shape, extents);
+    std::vector<std::string> scales;
+    for (unsigned d = 0; d < shape.size(); ++d) scales.push_back(ScaleOf(dataset, d));
+    EXPECT_EQ(scales, expected);
   });
   EXPECT_GE(arrays, 30u);
 }
@@ -338,9 +303,6 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
     }
     H5Tclose(type);
     ExpectAttributes(dataset);
-    if (GetParam().merged) return;
-    for (const std::string& attribute : Attributes(dataset))
-      EXPECT_TRUE(kShardAttributes.contains(attribute)) << attribute;
   });
   const hid_t root = H5Gopen2(file_, "/", H5P_DEFAULT);
   ExpectAttributes(root);
@@ -355,7 +317,7 @@ TEST_P(Conventions, OnlyTypesThatEveryReaderHas) {
 TEST_P(Conventions, EveryMergedVariableHasALongNameAndEveryNumberAUnit) {
   ForEachDataset([&](const std::string& name, hid_t dataset) {
     if (name == "contact_row") return;  // a dimension without a variable
-    EXPECT_EQ(TextOf(dataset, "long_name") != "(none)", GetParam().merged);
+    EXPECT_NE(TextOf(dataset, "long_name"), "(none)");
     const hid_t type = H5Dget_type(dataset);
     const bool is_text = H5Tget_class(type) == H5T_STRING;
     H5Tclose(type);
@@ -375,24 +337,19 @@ TEST_P(Conventions, FillValuesAreTold) {
     H5Tclose(type);
     const bool is_flag = IsFlag(name);
     EXPECT_EQ(is_flag, H5Aexists(dataset, "flag_meanings") > 0);
-    const bool is_coordinate = GetParam().merged
-                                   ? H5DSis_scale(dataset) > 0
-                                   : kShardCoordinates.contains(name.substr(name.rfind('/') + 1));
+    const bool is_coordinate = H5DSis_scale(dataset) > 0;
     if (is_flag || kind == H5T_STRING || is_coordinate) {
       EXPECT_FALSE(has);
       return;
     }
     double told = 0, used = 0;
-    if (GetParam().merged) {
-      ASSERT_TRUE(has);
-      const hid_t attribute = H5Aopen(dataset, "_FillValue", H5P_DEFAULT);
-      H5Aread(attribute, H5T_NATIVE_DOUBLE, &told);
-      H5Aclose(attribute);
-    }
+    ASSERT_TRUE(has);
+    const hid_t attribute = H5Aopen(dataset, "_FillValue", H5P_DEFAULT);
+    H5Aread(attribute, H5T_NATIVE_DOUBLE, &told);
+    H5Aclose(attribute);
     const hid_t creation = H5Dget_create_plist(dataset);
     H5Pget_fill_value(creation, H5T_NATIVE_DOUBLE, &used);
     H5Pclose(creation);
-    if (!GetParam().merged) told = used;  // only HDF5's own fill value
     if (kind == H5T_INTEGER) {
       EXPECT_EQ(told, -1);
       EXPECT_EQ(used, -1);
@@ -442,18 +399,16 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
   EXPECT_EQ(text("run/size", "units"), "m");
   EXPECT_EQ(text("run/size", "parameter"), "objects.size");
   EXPECT_EQ(text("poses", "component_units"), "m m m 1 1 1 1");
-  if (GetParam().accuracy) {
+  if (GetParam()) {
     EXPECT_EQ(text("accuracy/sample", "units"), "s");
     EXPECT_EQ(text("accuracy/size", "units"), "m");
   }
-  if (GetParam().merged) {
-    EXPECT_EQ(text("run/host", "long_name"), "the machine that the run ran on");
-    EXPECT_EQ(text("phase", "labels"), "broad narrow detect solve integrate step");
-    EXPECT_EQ(text("phase", "labels_separator"), " ");
-    EXPECT_EQ(text("contacts", "sample_dimension"), "contact_row");
-    EXPECT_EQ(text("type", "labels"), "sphere;any(sphere 3, cone)");
-    EXPECT_EQ(text("type", "labels_separator"), ";");
-  }
+  EXPECT_EQ(text("run/host", "long_name"), "the machine that the run ran on");
+  EXPECT_EQ(text("phase", "labels"), "broad narrow detect solve integrate step");
+  EXPECT_EQ(text("phase", "labels_separator"), " ");
+  EXPECT_EQ(text("contacts", "sample_dimension"), "contact_row");
+  EXPECT_EQ(text("type", "labels"), "sphere;any(sphere 3, cone)");
+  EXPECT_EQ(text("type", "labels_separator"), ";");
   EXPECT_EQ(text("status", "flag_meanings"), "missing done skipped failed crashed timed_out");
   EXPECT_EQ(
       text("verdict", "flag_meanings"),
@@ -462,26 +417,17 @@ TEST_P(Conventions, CoordinatesSayWhatTheyAre) {
   EXPECT_EQ(text("duration", "units"), "ns");
 }
 
-TEST_P(Conventions, ShardsNameTheirRunAndMergedFilesTheirPlan) {
+TEST_P(Conventions, ProvenanceIsThere) {
   const hid_t group = H5Gopen2(file_, "/provenance", H5P_DEFAULT);
-  if (GetParam().merged) {
-    EXPECT_THAT(LinksInOrder(group), ElementsAre("run", "cpu", "plan_text", "scenario_text"));
-    EXPECT_EQ(TextOf(group, "compiler"), "gcc");
-  } else {
-    EXPECT_THAT(LinksInOrder(group), ElementsAre("run_text"));
-    EXPECT_EQ(TextOf(file_, "run_id"), written().shard_id());
-  }
+  EXPECT_THAT(LinksInOrder(group), ElementsAre("run", "cpu", "plan_text", "scenario_text"));
+  EXPECT_EQ(TextOf(group, "compiler"), "gcc");
   H5Gclose(group);
 }
 
-std::string CaseName(const testing::TestParamInfo<Kind>& kind) {
-  return std::string(kind.param.merged ? "Merged" : "Shard") +
-         (kind.param.accuracy ? "WithErrors" : "");
-}
-INSTANTIATE_TEST_SUITE_P(, Conventions,
-                         testing::Values(Kind{false, false}, Kind{true, false}, Kind{false, true},
-                                         Kind{true, true}),
-                         CaseName);
+INSTANTIATE_TEST_SUITE_P(, Conventions, testing::Bool(),
+                         [](const testing::TestParamInfo<bool>& accuracy) {
+                           return std::string(accuracy.param ? "WithErrors" : "WithoutErrors");
+                         });
 
 }  // namespace
 }  // namespace cdb::tests

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 
@@ -17,8 +16,8 @@ TEST(ResultFile, ReadsSingleCyclesAndContacts) {
                {.cycles = 5, .objects = 3, .record = {"timing", "counts", "contacts", "poses"}});
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
-  shards::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
+    WriteRun(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
+  journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
   store::ResultFile file(folder / "out.h5");
   const measure::Series& poses = *measure::FindSeries("poses");
   for (const plan::Run& run : plan.runs) {

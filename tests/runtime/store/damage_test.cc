@@ -7,10 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "runtime/store/files/safe_file.h"
 #include "runtime/store/files/seal.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/sanitizers.h"
@@ -20,90 +18,95 @@ namespace {
 
 using testing::HasSubstr;
 
+/// Three finished runs in a journal, whose bytes are changed.
 class Damage : public testing::Test {
  protected:
   Damage() {
-    shards::WriteShard(plan_, run_, FakeResult(run_).result, TestProvenance(), folder_.path());
-    shard_ = ReadFile(path_);
+    for (const plan::Run& run : plan_.runs)
+      WriteRun(plan_, run, FakeResult(run).result, TestProvenance(), folder_.path());
+    whole_ = ReadFile(path_);
   }
 
-  /// Expects that info and merge reject the file by name, and that reading it as a result ends in
-  /// an error or in the dimensions that the header states.
-  void ExpectRefused(const std::string& bytes, const std::string& what) {
+  /// Expects that a merge refuses the journal by name, or takes each run as it was written or for
+  /// missing. Returns true if it was refused.
+  bool IsRefused(const std::string& bytes, const std::string& what) {
     SCOPED_TRACE(what);
+    for (const char* ending : {"-wal", "-shm"}) std::filesystem::remove(path_.string() + ending);
     WriteFile(path_, bytes);
     try {
-      shards::ReadShardInfo(path_);
-      ADD_FAILURE() << "was taken for a shard";
+      journal::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
     } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(path_.string()));
-      EXPECT_THAT(error.what(), HasSubstr("remove it and its run is done again"));
+      EXPECT_THAT(error.what(), testing::AnyOf(HasSubstr("cdb run"), HasSubstr("--fresh")));
+      return true;
     }
-    EXPECT_THROW(shards::Merge(plan_, {}, folder_.path(), folder_ / "out.h5"), files::StoreError);
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "out.h5"));
-    ReadAsResult(path_);
+    const store::ResultFile file(folder_ / "out.h5");
+    for (const plan::Run& run : plan_.runs) {
+      const store::ResultFile::Cell cell = {run.at, run.rep};
+      if (file.ReadStatus(cell) != store::Status::kMissing) ExpectAsWritten(file, run);
+    }
+    return false;
   }
 
-  static void ReadAsResult(const std::filesystem::path& path) {
-    try {
-      const store::ResultFile file(path);
-      const store::ResultFile::Cell cell = {{0}, 0};
-      file.ReadStatus(cell);
-      file.ReadText("message", cell);
-      file.ReadDuration(measure::Phase::kStep, cell);
-      file.ReadSeries("energy", cell);
-      file.ReadProvenance("run_text");
-    } catch (const files::StoreError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(path.filename().string()));
-    }
+  static void ExpectAsWritten(const store::ResultFile& file, const plan::Run& run) {
+    const FakeResult fake(run);
+    const store::ResultFile::Cell cell = {run.at, run.rep};
+    EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
+    EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
+    EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
+    EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
+    const auto steps = file.ReadDuration(measure::Phase::kStep, cell);
+    ASSERT_EQ(steps.size(), 50u);
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      ASSERT_EQ(steps[i], ValueAt(run, *measure::FindSeries("duration"),
+                                  measure::IndexOf(measure::Phase::kStep) * 50 + i));
   }
 
   const TemporaryFolder folder_;
-  const plan::Plan plan_ = MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.cycles = 50});
-  const plan::Run& run_ = plan_.runs[0];
-  const std::filesystem::path path_ = folder_ / (run_.id + ".h5");
-  std::string shard_;
+  const plan::Plan plan_ = MakePlan({NumberAxis("quantity", {10, 20, 30})}, 1, {.cycles = 50});
+  const std::filesystem::path path_ = folder_ / "runs.journal";
+  std::string whole_;
 };
 
 TEST_F(Damage, EveryKindOfTruncation) {
-  constexpr std::size_t kStep = kAnySanitizer ? 3 : 1;
-  std::vector<std::size_t> lengths;
-  for (std::size_t n = 0; n <= 100; n += kStep) lengths.push_back(n);
-  for (std::size_t n = 101; n < shard_.size(); n += shard_.size() / Cases(200))
-    lengths.push_back(n);
-  for (std::size_t n = 1; n <= 60; n += kStep) lengths.push_back(shard_.size() - n);
-  for (const std::size_t n : lengths)
-    ExpectRefused(shard_.substr(0, n), "cut to " + std::to_string(n));
+  for (std::size_t n = 1; n < whole_.size(); n += 1 + whole_.size() / Cases(60))
+    EXPECT_TRUE(IsRefused(whole_.substr(0, n), "cut to " + std::to_string(n)));
 }
 
-TEST_F(Damage, EveryKindOfFlippedByte) {
+TEST_F(Damage, EveryKindOfChangedByte) {
   std::mt19937 random(20260101);
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < 100; ++i) places.push_back(i);
-  for (std::size_t i = 1; i <= 48; ++i) places.push_back(shard_.size() - i);
-  for (int i = 0; i < Cases(400); ++i) places.push_back(random() % shard_.size());
+  for (int i = 0; i < Cases(200); ++i) places.push_back(random() % whole_.size());
+  int refused = 0;
   for (const std::size_t place : places) {
-    std::string bytes = shard_;
+    std::string bytes = whole_;
     bytes[place] = static_cast<char>(bytes[place] ^ (1 + random() % 255));
-    ExpectRefused(bytes, "changed at " + std::to_string(place));
+    refused += IsRefused(bytes, "changed at " + std::to_string(place));
   }
+  EXPECT_GT(refused, 20);
 }
 
-TEST_F(Damage, HolesAndTails) {
-  ExpectRefused(shard_ + "x", "a byte too many");
-  ExpectRefused(shard_ + shard_, "twice");
-  ExpectRefused(std::string(shard_.size(), '\0'), "zeros");
-  std::string hole = shard_;
-  std::fill_n(hole.begin() + 4096, 4096, '\0');
-  ExpectRefused(hole, "a page of zeros");
-  ExpectRefused("benchmark b { }\n", "another file");
+TEST_F(Damage, HolesAndOtherFiles) {
+  EXPECT_TRUE(IsRefused(std::string(whole_.size(), '\0'), "zeros"));
+  for (std::size_t page = 1; page < whole_.size() / 4096; ++page) {
+    std::string hole = whole_;
+    std::fill_n(hole.begin() + static_cast<std::ptrdiff_t>(4096 * page), 4096, '\0');
+    IsRefused(hole, "zeros in page " + std::to_string(page));
+  }
+  EXPECT_TRUE(IsRefused("benchmark b { }\n", "another file"));
+  EXPECT_FALSE(IsRefused(whole_, "as it was"));
+  const store::ResultFile file(folder_ / "out.h5");
+  for (const plan::Run& run : plan_.runs) ExpectAsWritten(file, run);
 }
 
-TEST_F(Damage, ChecksumSeesEverySingleByte) {
-  const auto bytes = std::as_bytes(std::span(shard_));
+TEST(Checksum, SeesEverySingleByte) {
+  std::string text(2000, 'x');
+  for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>(i * i);
+  const auto bytes = std::as_bytes(std::span(text));
   const std::uint64_t whole = files::Checksum(bytes);
-  for (std::size_t i = 0; i < 2000; ++i) {
-    std::string changed = shard_;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string changed = text;
     changed[i] = static_cast<char>(changed[i] + 1);
     ASSERT_NE(files::Checksum(std::as_bytes(std::span(changed))), whole) << i;
   }
@@ -113,26 +116,25 @@ TEST_F(Damage, ChecksumSeesEverySingleByte) {
 }
 
 TEST_F(Damage, OtherSchemasAndVersionsAreNamed) {
-  const auto seal = [&](const char* schema, double version) {
-    hdf5::File file = hdf5::File::CreateInMemory();
+  const auto message = [&](const char* schema, double version) {
+    hdf5::File file = hdf5::File::Create(folder_ / "other.h5");
     file.SetText("schema", schema);
     file.SetNumber("schema_version", hdf5::Type::kInt32, version);
-    files::WriteSealed(file.Image(), path_);
+    file.Close();
     try {
-      shards::ReadShardInfo(path_);
+      store::ResultFile(folder_ / "other.h5");
     } catch (const files::StoreError& error) {
       return std::string(error.what());
     }
     return std::string();
   };
-  EXPECT_THAT(seal("cdb-results", 77), HasSubstr("schema version 77"));
-  EXPECT_THAT(seal("climate", 1), HasSubstr("not a result of cdb"));
-  EXPECT_THAT(seal("cdb-results", 1), HasSubstr("no whole shard")) << "has the head and no arrays";
+  EXPECT_THAT(message("cdb-results", 77), HasSubstr("schema version 77"));
+  EXPECT_THAT(message("climate", 1), HasSubstr("not a result of cdb"));
+  EXPECT_THAT(message("cdb-results", 1), HasSubstr("not a whole result")) << "has no arrays";
 }
 
 TEST_F(Damage, MergedFilesThatAreCutShortAreRefused) {
-  shards::WriteShard(plan_, plan_.runs[1], FakeResult(plan_.runs[1]).result, {}, folder_.path());
-  shards::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
+  journal::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
   const std::string whole = ReadFile(folder_ / "out.h5");
   for (std::size_t n = 0; n < whole.size(); n += 1 + whole.size() / Cases(300)) {
     WriteFile(folder_ / "out.h5", whole.substr(0, n));

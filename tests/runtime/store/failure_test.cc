@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "runtime/store/files/temporary_file.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
 #include "runtime/store/trace_file.h"
 #include "tests/runtime/store/store_fixture.h"
@@ -81,34 +81,36 @@ Plan SmallPlan(std::size_t n = 6) {
   return MakePlan({NumberAxis("quantity", quantities)}, 1, {.cycles = 200});
 }
 
-TEST(FullDisk, WhileAShardIsWrittenLosesNothing) {
+TEST(FullDisk, WhileARunIsWrittenLosesNothing) {
   const Plan plan = SmallPlan();
-  const plan::Run& run = plan.runs[0];
-  const FakeResult fake(run);
   const TemporaryFolder folder;
-  shards::WriteShard(plan, run, fake.result, {}, folder.path());
-  const std::string before = ReadFile(folder / (run.id + ".h5"));
-  for (const std::size_t limit :
-       {std::size_t{0}, std::size_t{1}, std::size_t{4096}, before.size() / 2, before.size() - 1}) {
+  WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  const auto before = RunsIn(folder.path());
+  const std::size_t bytes = ReadFile(folder / "runs.journal").size();
+  for (const std::size_t limit : {std::size_t{0}, std::size_t{1}, std::size_t{4096}, bytes}) {
     SCOPED_TRACE(limit);
     EXPECT_EQ(InChild([&]() -> std::string {
+                auto journal = journal::Journal::OpenToWrite(folder.path(), plan.Sha256());
+                const store::Provenance none;
+                journal::RunWriter writer(plan, none);
                 LimitFiles(limit);
-                const std::string error =
-                    ErrorOf([&] { shards::WriteShard(plan, run, fake.result, {}, folder.path()); });
+                const FakeResult one(plan.runs[1]);
+                std::string error;
+                // The log has room for a few runs.
+                for (int i = 0; i < 100 && error.empty(); ++i)
+                  error = ErrorOf([&] { writer.Write(plan.runs[1], one.result, journal); });
                 if (error.find("File too large") == std::string::npos) return "said " + error;
-                if (error.find(run.id) == std::string::npos) return "no file in " + error;
+                if (error.find("runs.journal") == std::string::npos) return "no file in " + error;
                 if (error.find("make room") == std::string::npos) return "no remedy in " + error;
                 // The driver continues when there is space again.
                 LimitFiles(RLIM_INFINITY);
-                shards::WriteShard(plan, plan.runs[1], FakeResult(plan.runs[1]).result, {},
-                                   folder.path());
-                shards::ReadShardInfo(folder / (plan.runs[1].id + ".h5"));
-                std::filesystem::remove(folder / (plan.runs[1].id + ".h5"));
+                writer.Write(plan.runs[1], one.result, journal);
+                if (!journal.Read(plan.runs[1].id)) return "is not there";
+                journal.Forget(plan.runs[1].id);
                 return "";
               }),
               "");
-    EXPECT_EQ(ReadFile(folder / (run.id + ".h5")), before);
-    EXPECT_THAT(FilesIn(folder.path()), ElementsAre(run.id + ".h5"));
+    EXPECT_EQ(RunsIn(folder.path()), before);
   }
 }
 
@@ -116,42 +118,42 @@ TEST(FullDisk, WhileMergingLosesNothing) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < 3; ++i)
-    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+    WriteRun(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
   const std::filesystem::path out = target / "out.h5";
-  shards::Merge(plan, {}, folder.path(), out);
+  journal::Merge(plan, {}, folder.path(), out);
   const std::string before = ReadFile(out);
-  const std::vector<std::string> shards = FilesIn(folder.path());
+  const auto runs = RunsIn(folder.path());
   for (std::size_t limit = 0; limit < before.size(); limit += 1 + before.size() / Cases(40)) {
     SCOPED_TRACE(limit);
-    EXPECT_EQ(
-        InChild([&]() -> std::string {
-          LimitFiles(limit);
-          const std::string error = ErrorOf([&] { shards::Merge(plan, {}, folder.path(), out); });
-          if (error.find(out.string()) == std::string::npos) return "no file in " + error;
-          if (error.find("File too large") == std::string::npos) return "said " + error;
-          if (FilesIn(target.path()).size() != 1) return "left a temporary";
-          if (ReadFile(out) != before) return "changed the result";
-          LimitFiles(RLIM_INFINITY);
-          const TemporaryFolder again;
-          shards::WriteShard(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
-          shards::Merge(plan, {}, again.path(), again / "out.h5");
-          const store::ResultFile file(again / "out.h5");
-          return file.ReadStatus({{4}, 0}) == store::Status::kDone ? "" : "cannot go on";
-        }),
-        "");
+    EXPECT_EQ(InChild([&]() -> std::string {
+                LimitFiles(limit);
+                const std::string error =
+                    ErrorOf([&] { journal::Merge(plan, {}, folder.path(), out); });
+                if (error.find(out.string()) == std::string::npos) return "no file in " + error;
+                if (error.find("File too large") == std::string::npos) return "said " + error;
+                if (FilesIn(target.path()).size() != 1) return "left a temporary";
+                if (ReadFile(out) != before) return "changed the result";
+                LimitFiles(RLIM_INFINITY);
+                const TemporaryFolder again;
+                WriteRun(plan, plan.runs[4], FakeResult(plan.runs[4]).result, {}, again.path());
+                journal::Merge(plan, {}, again.path(), again / "out.h5");
+                const store::ResultFile file(again / "out.h5");
+                return file.ReadStatus({{4}, 0}) == store::Status::kDone ? "" : "cannot go on";
+              }),
+              "");
   }
-  EXPECT_EQ(FilesIn(folder.path()), shards);
+  EXPECT_EQ(RunsIn(folder.path()), runs);
 }
 
 TEST(FullDisk, LeavesTheProcessAbleToEndInPeace) {
   const Plan plan = SmallPlan();
   const TemporaryFolder folder, target;
-  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   // HDF5 cleans up when a process ends, and must not use the file that it could not write.
   const auto fail_and_exit = [&] {
     LimitFiles(20000);
     const std::string error =
-        ErrorOf([&] { shards::Merge(plan, {}, folder.path(), target / "out.h5"); });
+        ErrorOf([&] { journal::Merge(plan, {}, folder.path(), target / "out.h5"); });
     std::size_t open_files = 0;
     for ([[maybe_unused]] const auto& entry :
          std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -173,24 +175,27 @@ bool MountSmallDisk(const std::filesystem::path& where, const char* size) {
 }
 
 TEST(FullDisk, OfARealFileSystemIsNamed) {
-  const Plan plan = SmallPlan(40);
+  const Plan plan = SmallPlan(200);
   const TemporaryFolder folder;
   const std::string outcome = InChild([&]() -> std::string {
-    if (!MountSmallDisk(folder.path(), "size=1m")) return "SKIP";
+    if (!MountSmallDisk(folder.path(), "size=256k")) return "SKIP";
     std::size_t written = 0;
     std::string error;
     for (const plan::Run& run : plan.runs) {
       const FakeResult fake(run);
-      error = ErrorOf([&] { shards::WriteShard(plan, run, fake.result, {}, folder.path()); });
+      error = ErrorOf([&] { WriteRun(plan, run, fake.result, {}, folder.path()); });
       if (!error.empty()) break;
       ++written;
     }
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
-    if (FilesIn(folder.path()).size() != written || written == 0) return "lost or left a file";
-    for (const std::string& name : FilesIn(folder.path())) shards::ReadShardInfo(folder / name);
-    error = ErrorOf([&] { shards::Merge(plan, {}, folder.path(), folder / "out.h5"); });
+    journal::Journals journals({folder.path()});
+    if (journals.size() != written || written == 0) return "lost a run";
+    for (std::size_t i = 0; i < written; ++i)
+      if (!journals.Find(plan.runs[i].id)) return "lost a run";
+    error = ErrorOf([&] { journal::Merge(plan, {}, folder.path(), folder / "out.h5"); });
     if (error.find("No space left on device") == std::string::npos) return "said " + error;
-    if (FilesIn(folder.path()).size() != written) return "left a temporary";
+    for (const std::string& name : FilesIn(folder.path()))
+      if (name.ends_with(".tmp")) return "left a temporary";
     return "";
   });
   if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
@@ -199,17 +204,17 @@ TEST(FullDisk, OfARealFileSystemIsNamed) {
 
 TEST(ReadOnlyDisk, IsNamed) {
   const Plan plan = SmallPlan();
-  const TemporaryFolder folder, shards;
+  const TemporaryFolder folder, empty;
   const std::string outcome = InChild([&]() -> std::string {
     if (!MountSmallDisk(folder.path(), "size=1m") ||
         mount("none", folder.path().c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr) != 0)
       return "SKIP";
     const FakeResult fake(plan.runs[0]);
-    const std::string shard =
-        ErrorOf([&] { shards::WriteShard(plan, plan.runs[0], fake.result, {}, folder.path()); });
-    if (shard.find("Read-only file system") == std::string::npos) return "said " + shard;
+    const std::string run =
+        ErrorOf([&] { WriteRun(plan, plan.runs[0], fake.result, {}, folder.path()); });
+    if (run.find("Read-only file system") == std::string::npos) return "said " + run;
     const std::string out =
-        ErrorOf([&] { shards::Merge(plan, {}, shards.path(), folder / "out.h5"); });
+        ErrorOf([&] { journal::Merge(plan, {}, empty.path(), folder / "out.h5"); });
     return out.find("Read-only file system") == std::string::npos ? "said " + out : "";
   });
   if (outcome == "SKIP") GTEST_SKIP() << "may not mount here";
@@ -222,22 +227,22 @@ TEST(Folders, ThatCannotBeUsedAreNamed) {
   const TemporaryFolder folder;
   WriteFile(folder / "file", "x");
   std::filesystem::create_directory(folder / "out.h5");
-  std::filesystem::create_directory(folder / (plan.runs[0].id + ".h5"));
+  std::filesystem::create_directory(folder / "runs.journal");
   const auto write = [&](const std::filesystem::path& where) {
-    return ErrorOf([&] { shards::WriteShard(plan, plan.runs[0], fake.result, {}, where); });
+    return ErrorOf([&] { WriteRun(plan, plan.runs[0], fake.result, {}, where); });
   };
   EXPECT_THAT(write(folder / "none"), HasSubstr("No such file or directory"));
   EXPECT_THAT(write(folder / "file"), HasSubstr("Not a directory"));
-  EXPECT_THAT(write(folder.path()), HasSubstr("Is a directory"));
+  EXPECT_THAT(write(folder.path()), HasSubstr("it is a folder, not a file"));
   const auto merge = [&](const std::filesystem::path& from, const std::filesystem::path& to) {
-    return ErrorOf([&] { shards::Merge(plan, {}, from, to); });
+    return ErrorOf([&] { journal::Merge(plan, {}, from, to); });
   };
   const TemporaryFolder empty;
   EXPECT_THAT(merge(folder / "none", folder / "a.h5"), HasSubstr("No such file or directory"));
   EXPECT_THAT(merge(empty.path(), folder / "none/a.h5"), HasSubstr("No such file or directory"));
   EXPECT_THAT(merge(empty.path(), folder / "file/a.h5"), HasSubstr("Not a directory"));
   EXPECT_THAT(merge(empty.path(), folder / "out.h5"), HasSubstr("is a folder"));
-  EXPECT_THAT(FilesIn(folder.path()), ElementsAre(plan.runs[0].id + ".h5", "file", "out.h5"));
+  EXPECT_THAT(FilesIn(folder.path()), ElementsAre("file", "out.h5", "runs.journal"));
 }
 
 TEST(Errors, OfHdf5ArePrintedNowhere) {
@@ -249,29 +254,6 @@ TEST(Errors, OfHdf5ArePrintedNowhere) {
     EXPECT_THROW(store::ResultFile(folder / "text.h5"), files::StoreError);
   }).join();
   EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
-}
-
-TEST(Threads, WriteShardsSideBySide) {
-  const Plan plan = SmallPlan(24);
-  const store::Provenance provenance = TestProvenance();
-  const shards::ShardWriter writer(plan, provenance);
-  const TemporaryFolder folder;
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < 3; ++t)
-    threads.emplace_back([&, t] {
-      for (std::size_t i = t; i < plan.runs.size(); i += 3)
-        writer.Write(plan.runs[i], FakeResult(plan.runs[i]).result, folder.path());
-    });
-  for (std::thread& thread : threads) thread.join();
-  shards::Merge(plan, provenance, folder.path(), folder / "out.h5");
-  const store::ResultFile file(folder / "out.h5");
-  for (const plan::Run& run : plan.runs) {
-    const auto values = file.ReadDuration(measure::Phase::kStep, {run.at, 0});
-    ASSERT_EQ(values.size(), 200u);
-    for (std::size_t i = 0; i < 200; ++i)
-      ASSERT_EQ(values[i], ValueAt(run, *measure::FindSeries("duration"),
-                                   measure::IndexOf(measure::Phase::kStep) * 200 + i));
-  }
 }
 
 /// Starts `body` in a process that writes a byte after each piece of work, and kills it some time
@@ -294,7 +276,7 @@ std::size_t KillDuring(std::mt19937& random, const std::function<void(int)>& bod
   return said;
 }
 
-TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
+TEST(Kill, WhileRunsAreWrittenLosesNoFinishedRun) {
   const Plan plan = SmallPlan(60);
   const TemporaryFolder folder;
   std::mt19937 random(7);
@@ -302,35 +284,32 @@ TEST(Kill, WhileShardsAreWrittenLosesNoFinishedRun) {
   for (int trial = 0; trial < Cases(60); ++trial) {
     finished = std::max(finished, KillDuring(random, [&](int say) {
                           const store::Provenance none;
-                          const shards::ShardWriter writer(plan, none);
+                          journal::RunWriter writer(plan, none);
+                          auto journal =
+                              journal::Journal::OpenToWrite(folder.path(), plan.Sha256());
                           for (const plan::Run& run : plan.runs) {
-                            writer.Write(run, FakeResult(run).result, folder.path());
+                            writer.Write(run, FakeResult(run).result, journal);
                             if (write(say, "x", 1) != 1) _exit(1);
                           }
                         }));
-    std::size_t whole = 0;
-    for (const std::string& name : FilesIn(folder.path()))
-      if (name.ends_with(".h5")) {
-        EXPECT_EQ(shards::ReadShardInfo(folder / name).run_id + ".h5", name);
-        ++whole;
-      }
-    EXPECT_GE(whole, finished);
-    files::RemoveStaleTemporaries(folder.path());
-    EXPECT_EQ(FilesIn(folder.path()).size(), whole) << "a temporary is left";
+    journal::Journals journals({folder.path()});
+    EXPECT_GE(journals.size(), finished);
+    for (std::size_t i = 0; i < finished; ++i) EXPECT_TRUE(journals.Find(plan.runs[i].id));
   }
+  EXPECT_GT(finished, 0u);
 }
 
 TEST(Kill, WhileMergingLeavesTheResultWhole) {
   const Plan plan = SmallPlan(30);
   const TemporaryFolder folder, target;
   for (std::size_t i = 0; i < plan.runs.size(); ++i)
-    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
-  const std::vector<std::string> shards = FilesIn(folder.path());
-  shards::Merge(plan, {}, folder.path(), target / "out.h5");
+    WriteRun(plan, plan.runs[i], FakeResult(plan.runs[i]).result, {}, folder.path());
+  const auto runs = RunsIn(folder.path());
+  journal::Merge(plan, {}, folder.path(), target / "out.h5");
   std::mt19937 random(11);
   for (int trial = 0; trial < Cases(60); ++trial) {
     KillDuring(random, [&](int) {
-      for (;;) shards::Merge(plan, {}, folder.path(), target / "out.h5");
+      for (;;) journal::Merge(plan, {}, folder.path(), target / "out.h5");
     });
     const store::ResultFile file(target / "out.h5");
     for (const plan::Run& run : plan.runs)
@@ -338,7 +317,7 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
                 ValueAt(run, *measure::FindSeries("duration"), 199));
     files::RemoveStaleTemporaries(target.path());
     ASSERT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
-    ASSERT_EQ(FilesIn(folder.path()), shards);
+    ASSERT_EQ(RunsIn(folder.path()), runs);
   }
 }
 
@@ -348,12 +327,12 @@ TEST(Kill, WhileMergingAndTracingLeavesNoTemporariesForEver) {
   const Plan plan = SmallPlan(3);
   const TemporaryFolder folder, target;
   for (const plan::Run& run : plan.runs)
-    shards::WriteShard(plan, run, FakeResult(run).result, {}, folder.path());
+    WriteRun(plan, run, FakeResult(run).result, {}, folder.path());
   measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
   const std::vector<double> boxes(3 * measure::kBoxSize, 1);
   for (std::uint64_t cycle = 0; cycle < 4; ++cycle) trace.SetBoxes(cycle, boxes);
   const auto merge = [&](const char* name) {
-    shards::Merge(plan, {}, folder.path(), target / name);
+    journal::Merge(plan, {}, folder.path(), target / name);
   };
   const auto write_trace = [&](const char* name) {
     store::WriteTrace(trace, {}, 0, {}, target / name);

@@ -25,7 +25,7 @@ plan::Plan PlanWithEverything() {
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const store::PlanFacts facts(plan);
-  const store::Layout layout = store::MakeLayout(plan, facts, nullptr, 1);
+  const store::Layout layout = store::MakeLayout(plan, facts, 1);
   std::set<std::string> names = {"provenance"};
   const auto add = [&names](const std::string& path) {
     for (const std::string& group :

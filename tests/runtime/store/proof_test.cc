@@ -20,7 +20,6 @@
 #include "runtime/store/files/limited_process.h"
 #include "runtime/store/files/seal.h"
 #include "runtime/store/proof.h"
-#include "runtime/store/shards/shards.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
@@ -37,8 +36,8 @@ class Proof : public testing::Test {
  protected:
   Proof() {
     for (const plan::Run& run : plan_.runs)
-      shards::WriteShard(plan_, run, FakeResult(run).result, TestProvenance(), folder_.path());
-    shards::Merge(plan_, TestProvenance(), folder_.path(), out_);
+      WriteRun(plan_, run, FakeResult(run).result, TestProvenance(), folder_.path());
+    journal::Merge(plan_, TestProvenance(), folder_.path(), out_);
     whole_ = ReadFile(out_);
   }
 
@@ -49,7 +48,7 @@ class Proof : public testing::Test {
       return {};
     } catch (const files::StoreError& error) {
       EXPECT_THAT(error.what(), HasSubstr(out_.string() + ": "));
-      EXPECT_THAT(error.what(), HasSubstr("merge it again from its shards"));
+      EXPECT_THAT(error.what(), HasSubstr("merge it again from its journal"));
       return error.what();
     }
   }
@@ -227,16 +226,17 @@ TEST_F(Proof, TextsWithoutASizeAreRefusedBeforeHdf5ReadsThem) {
   EXPECT_THAT(Fault(), HasSubstr("a text in it has no size"));
 }
 
-TEST_F(Proof, AMergeRefusesAShardOfImpossibleNumbers) {
+TEST_F(Proof, AMergeRefusesARunOfImpossibleNumbers) {
   const plan::Run& run = plan_.runs[1];
   FakeResult fake(run);
   fake.result.judgement.first_bad_cycle = 51;
-  shards::WriteShard(plan_, run, fake.result, {}, folder_.path());
+  WriteRun(plan_, run, fake.result, {}, folder_.path());
   try {
-    shards::Merge(plan_, {}, folder_.path(), out_);
+    journal::Merge(plan_, {}, folder_.path(), out_);
     ADD_FAILURE();
   } catch (const files::StoreError& error) {
-    EXPECT_THAT(error.what(), HasSubstr(run.id + ".h5: is damaged: first_bad_cycle holds 51"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("its run " + run.id + " is damaged: first_bad_cycle holds 51"));
   }
   EXPECT_EQ(ReadFile(out_), whole_) << "the file of before is kept";
 }
@@ -259,7 +259,7 @@ TEST(LimitedProcess, SaysHowItsWorkEnded) {
 // At 33 MB, the plan of 20,000 runs, a limit without room for the plan's tree refused good files.
 TEST(LimitedProcess, HasRoomForAPlanOfAnyLength) {
   if (kAnySanitizer) GTEST_SKIP() << "memory is not limited under a sanitizer";
-  std::vector<double> masses(1000);
+  std::vector<double> masses(1200);
   std::iota(masses.begin(), masses.end(), 1.0);
   plan::Plan plan = MakePlan({NumberAxis("objects_mass", masses)}, 1, {});
   for (plan::Run& run : plan.runs) {
@@ -274,7 +274,9 @@ TEST(LimitedProcess, HasRoomForAPlanOfAnyLength) {
     return files::RunLimited([&] { yaml::FromYaml(text, "plan"); }, limits);
   };
   EXPECT_EQ(read(store::LimitsForEveryValue(text.size()), store::LimitsForEveryValue(0)), "");
-  EXPECT_THAT(read(files::LimitsForFile(text.size()), files::LimitsForFile(0)),
+  files::WorkLimits text_only = files::LimitsForFile(0);
+  text_only.memory_bytes += text.size();
+  EXPECT_THAT(read(text_only, files::LimitsForFile(0)),
               HasSubstr("more memory than such a file needs"));
 }
 

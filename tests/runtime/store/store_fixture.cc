@@ -8,6 +8,8 @@
 #include "compiler/analysis/capacity.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/requested_errors.h"
+#include "runtime/store/journal/journals.h"
+#include "tests/runtime/store/journal/change_facts.h"
 
 namespace cdb::tests {
 namespace {
@@ -163,6 +165,39 @@ FakeResult::FakeResult(const plan::Run& run, store::Status status, std::uint64_t
 
 store::Provenance TestProvenance() {
   return {{"cdb_version", "0.1.0"}, {"bullet_version", "3.24"}, {"cpu", "a µ-processor"}};
+}
+
+void WriteRun(const plan::Plan& plan, const plan::Run& run, const store::RunResult& result,
+              const store::Provenance& provenance, const std::filesystem::path& folder) {
+  journal::RunWriter writer(plan, provenance);
+  auto journal = journal::Journal::OpenToWrite(folder, plan.Sha256());
+  writer.Write(run, result, journal);
+}
+
+void WriteReference(const plan::Plan& plan, const plan::Run& run, const store::RunResult& result,
+                    std::span<const double> samples, const store::Provenance& provenance,
+                    const std::filesystem::path& folder) {
+  auto journal = journal::Journal::OpenToWrite(folder, plan.Sha256());
+  journal::RunWriter(plan, provenance).WriteReference(run, result, samples, journal);
+}
+
+void ChangeFacts(const std::filesystem::path& journal, const std::string& run_id) {
+  const std::vector<std::byte> facts =
+      journal::Journal::OpenToRead(journal).Read(run_id).value().EncodeFacts();
+  const std::string text(reinterpret_cast<const char*>(facts.data()), facts.size());
+  std::string bytes = ReadFile(journal);
+  // SQLite may leave earlier copies of a row in the file.
+  for (std::size_t at = 0; (at = bytes.find(text, at)) != std::string::npos; ++at)
+    bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
+  WriteFile(journal, bytes);
+}
+
+std::map<std::string, std::int64_t> RunsIn(const std::filesystem::path& folder) {
+  std::map<std::string, std::int64_t> runs;
+  for (const std::filesystem::path& file : journal::JournalsIn(folder))
+    journal::Journal::OpenToRead(file).ForEachRun(
+        [&](const journal::Journal::Row& row) { runs[row.run_id] = row.written_ns; });
+  return runs;
 }
 
 }  // namespace cdb::tests

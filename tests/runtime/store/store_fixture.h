@@ -3,11 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/measure/series.h"
+#include "runtime/store/journal/merge.h"
+#include "runtime/store/journal/run_writer.h"
 #include "runtime/store/store.h"
 #include "tests/support/files.h"
 
@@ -54,5 +59,15 @@ class FakeResult {
 };
 
 store::Provenance TestProvenance();
+
+// Both open the journal in `folder` and close it again.
+void WriteRun(const plan::Plan& plan, const plan::Run& run, const store::RunResult& result,
+              const store::Provenance& provenance, const std::filesystem::path& folder);
+void WriteReference(const plan::Plan& plan, const plan::Run& run, const store::RunResult& result,
+                    std::span<const double> samples, const store::Provenance& provenance,
+                    const std::filesystem::path& folder);
+
+/// When each finished run in the journals of a folder was written, by its id.
+std::map<std::string, std::int64_t> RunsIn(const std::filesystem::path& folder);
 
 }  // namespace cdb::tests

@@ -7,7 +7,6 @@
 
 #include "runtime/measure/series.h"
 #include "runtime/store/hdf5/file.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/sanitizers.h"
 
@@ -103,9 +102,9 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   EXPECT_NE(why("text.h5").find("it is no trace, or damaged"), std::string::npos);
   EXPECT_FALSE(store::TracedRun(folder / "text.h5"));
   const plan::Plan plan = MakePlan({}, 1, {.cycles = 1, .objects = 1, .record = {"timing"}});
-  shards::WriteShard(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
-  EXPECT_NE(why(plan.runs[0].id + ".h5").find("HDF5, but no trace (cdb-results)"),
-            std::string::npos);
+  WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
+  journal::Merge(plan, {}, folder.path(), folder / "out.h5");
+  EXPECT_NE(why("out.h5").find("HDF5, but no trace (cdb-results)"), std::string::npos);
 }
 
 TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {

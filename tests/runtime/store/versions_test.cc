@@ -1,17 +1,16 @@
-// Files of the previous schema version can be read, and their shards merged.
+// Files of the previous schema version can be read, and runs of earlier builds merged.
 #include "runtime/store/versions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <span>
 
-#include "runtime/store/files/safe_file.h"
-#include "runtime/store/shards/reference_shard.h"
-#include "runtime/store/shards/shards.h"
+#include "runtime/store/files/seal.h"
 #include "runtime/store/store.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"
@@ -63,82 +62,54 @@ TEST(Versions, AResultOfVersion1IsRead) {
   EXPECT_NE(file.ReadProvenance("plan_text"), "");
 }
 
-/// Changes a shard, and seals it as if it had been written so.
-void Change(const std::filesystem::path& shard, const std::function<void(hid_t file)>& change) {
-  const std::vector<std::byte> image = files::ReadSealed(shard);
-  WriteFile(shard, std::string(reinterpret_cast<const char*>(image.data()), image.size()));
-  const hid_t file = H5Fopen(shard.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+/// Changes a results file, and seals it as if it had been written so.
+void Change(const std::filesystem::path& path, const std::function<void(hid_t file)>& change) {
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - sizeof(files::Seal));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
   change(file);
   H5Fclose(file);
-  const std::string bytes = ReadFile(shard);
-  files::WriteSealed(std::as_bytes(std::span(bytes)), shard);
+  files::AppendSeal(path, path);
 }
 
-/// Turns a shard into one of version 1, as far as reading is concerned.
-void MakeVersion1(hid_t file) {
-  const auto move = [file](const std::string& from, const std::string& to) {
-    if (H5Lexists(file, from.c_str(), H5P_DEFAULT) <= 0) return;
-    EXPECT_GE(H5Lmove(file, from.c_str(), file, to.c_str(), H5P_DEFAULT, H5P_DEFAULT), 0) << from;
-  };
-  for (const char* name :
-       {"started", "peak_rss", "place_time", "build_time", "harness", "fill_fraction", "state_hash",
-        "run_id", "host", "message", "omitted", "needs"})
-    move(std::string("run/") + name, name);
-  move("run/load_average", "load");
-  if (H5Lexists(file, "accuracy", H5P_DEFAULT) > 0) move("accuracy/step_size", "accuracy/timestep");
-  if (H5Lexists(file, "run", H5P_DEFAULT) > 0) H5Ldelete(file, "run", H5P_DEFAULT);
-  const int version = 1;
-  const hid_t attribute = H5Aopen(file, "schema_version", H5P_DEFAULT);
-  EXPECT_GE(H5Awrite(attribute, H5T_NATIVE_INT, &version), 0);
-  H5Aclose(attribute);
-}
+/// A series, a number and a text.
+constexpr const char* kAdded[] = {"displaced", "run/peak_rss", "run/host"};
 
-TEST(Versions, ShardsOfVersion1AreMergedWithThoseOfThisOne) {
-  const plan::Plan plan =
-      MakePlan({NumberAxis("quantity", {10, 20, 30})}, 1,
-               {.record = {"timing", "stability", "contacts"}, .metrics = {"position"}});
-  const TemporaryFolder folder;
-  for (std::size_t i = 0; i < 2; ++i)
-    shards::WriteShard(plan, plan.runs[i], FakeResult(plan.runs[i]).result, TestProvenance(),
-                       folder.path());
-  const plan::Run& reference = plan.references[0];
-  store::RunResult result;
-  result.status = store::Status::kDone;
-  shards::WriteReference(plan.Sha256(), reference, result,
-                         std::vector<double>(measure::SampleShapeOf(reference.scene)->Count(), 0.5),
-                         {}, folder.path());
-  Change(folder / (plan.runs[0].id + ".h5"), MakeVersion1);
-  Change(folder / (reference.id + ".h5"), MakeVersion1);
-  // A resumed run reads it from the shards that it finds.
-  const shards::ShardInfo info = shards::ReadShardInfo(folder / (plan.runs[0].id + ".h5"));
-  EXPECT_EQ(info.run_id, plan.runs[0].id);
-  EXPECT_EQ(info.outcome.status, store::Status::kDone);
-
-  shards::Merge(plan, {}, folder.path(), folder / "out.h5");
-  const store::ResultFile file(folder / "out.h5");
-  for (std::size_t i = 0; i < 2; ++i) {
-    const FakeResult fake(plan.runs[i]);
-    const store::ResultFile::Cell cell = {plan.runs[i].at, 0};
-    EXPECT_EQ(file.ReadStatus(cell), store::Status::kDone);
-    EXPECT_EQ(file.ReadText("host", cell), fake.result.host);
-    EXPECT_EQ(file.ReadText("needs", cell), fake.result.decisions);
-    EXPECT_EQ(file.ReadReal("load_average", cell), fake.result.load);
-    EXPECT_EQ(file.ReadReal("peak_rss", cell), fake.result.scalars.peak_rss_bytes);
-    EXPECT_EQ(file.ReadReal("accuracy/position", cell),
-              fake.result.errors.values.at("position")[0]);
-    EXPECT_EQ(file.ReadSeries("contacts", cell).size(), 5u);
-    const auto steps = file.ReadDuration(measure::Phase::kStep, cell);
-    ASSERT_EQ(steps.size(), 5u);
-    EXPECT_EQ(steps[4], ValueAt(plan.runs[i], *measure::FindSeries("duration"), 5 * 5 + 4));
-  }
-  EXPECT_EQ(file.ReadStatus({{2}, 0}), store::Status::kMissing);
-  EXPECT_EQ(file.ReadCycleCount({{2}, 0}), 0u);
-}
-
-/// Of a file from before a series, a number and a text were added.
+/// Of a file from before they were added.
 void LeaveOutArrays(hid_t file) {
-  for (const char* array : {"displaced", "run/peak_rss", "run/host"})
-    EXPECT_GE(H5Ldelete(file, array, H5P_DEFAULT), 0) << array;
+  for (const char* array : kAdded) EXPECT_GE(H5Ldelete(file, array, H5P_DEFAULT), 0) << array;
+}
+
+/// The same for the record of a run.
+void LeaveOutArrays(const plan::Plan& plan, const plan::Run& run,
+                    const std::filesystem::path& folder) {
+  auto journal = journal::Journal::OpenToWrite(folder, plan.Sha256());
+  const journal::Record now = *journal.Read(run.id);
+  journal::About about = *now.about;
+  journal::Record before;
+  before.run_id = run.id;
+  const auto is_added = [](const std::string& name) {
+    return std::ranges::find(kAdded, name) != std::end(kAdded);
+  };
+  std::vector<std::uint32_t> places;
+  about.arrays.clear();
+  for (const journal::RecordedArray& array : now.about->arrays) {
+    places.push_back(static_cast<std::uint32_t>(about.arrays.size()));
+    if (!is_added(array.name)) about.arrays.push_back(array);
+  }
+  std::span<const std::byte> left(now.bytes);
+  for (const journal::Record::Chunk& chunk : now.chunks) {
+    if (!is_added(now.about->arrays[chunk.array].name))
+      before.Add(places[chunk.array], chunk.index, left.first(chunk.bytes));
+    left = left.subspan(chunk.bytes);
+  }
+  for (std::size_t i = 0; i < now.numbers.size(); ++i)
+    if (!is_added(now.about->numbers[i])) before.numbers.push_back(now.numbers[i]);
+  for (std::size_t i = 0; i < now.texts.size(); ++i)
+    if (!is_added(now.about->texts[i])) before.texts.push_back(now.texts[i]);
+  std::erase_if(about.numbers, is_added);
+  std::erase_if(about.texts, is_added);
+  before.about = std::make_shared<const journal::About>(std::move(about));
+  journal.Write(before);
 }
 
 TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
@@ -146,7 +117,7 @@ TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
       MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.record = {"timing", "stability"}});
   const TemporaryFolder folder, shards, replaced;
   const auto write = [&](const plan::Run& run, const TemporaryFolder& to) {
-    shards::WriteShard(plan, run, FakeResult(run).result, TestProvenance(), to.path());
+    WriteRun(plan, run, FakeResult(run).result, TestProvenance(), to.path());
   };
   const store::ResultFile::Cell old = {plan.runs[0].at, 0}, today = {plan.runs[1].at, 0};
   const auto check = [&](const std::filesystem::path& path) {
@@ -163,16 +134,16 @@ TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
     EXPECT_EQ(file.ReadText("host", today), wanted.result.host);
   };
   for (const plan::Run& run : plan.runs) write(run, shards);
-  shards::Merge(plan, {}, shards.path(), folder / "result.h5");
+  journal::Merge(plan, {}, shards.path(), folder / "result.h5");
 
-  Change(shards / (plan.runs[0].id + ".h5"), LeaveOutArrays);
-  shards::Merge(plan, {}, shards.path(), folder / "merged.h5");
+  LeaveOutArrays(plan, plan.runs[0], shards.path());
+  journal::Merge(plan, {}, shards.path(), folder / "merged.h5");
   check(folder / "merged.h5");
 
   // A run is repeated in a result.
-  Change(folder / "result.h5", LeaveOutArrays);
+  Change(folder / "result.h5", [](hid_t file) { LeaveOutArrays(file); });
   write(plan.runs[1], replaced);
-  shards::Merge(plan, {}, {replaced.path()}, folder / "result.h5", folder / "result.h5");
+  journal::Merge(plan, {}, {replaced.path()}, folder / "result.h5", folder / "result.h5");
   check(folder / "result.h5");
 }
 

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "compiler/compile.h"
-#include "runtime/store/shards/shards.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
@@ -26,8 +25,9 @@ plan::Plan SuitePlan(const std::vector<std::string>& detectors, std::uint64_t re
 
 void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const SuiteChange& change,
                        const std::filesystem::path& out, const store::Provenance& provenance) {
-  const TemporaryFolder shards;
-  const shards::ShardWriter writer(plan, provenance);
+  const TemporaryFolder runs;
+  auto journal = journal::Journal::OpenToWrite(runs.path(), plan.Sha256());
+  journal::RunWriter writer(plan, provenance);
   for (const plan::Run& run : plan.runs) {
     SuiteRun made;
     change(run, made);
@@ -48,9 +48,9 @@ void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const S
     fake.result.scalars.peak_rss_bytes = made.peak_bytes;
     fake.result.errors.values["timestep"] = {run.scene.world.Real("timestep")};
     fake.result.errors.values[error] = {made.error};
-    writer.Write(run, fake.result, shards.path());
+    writer.Write(run, fake.result, journal);
   }
-  shards::Merge(plan, provenance, shards.path(), out);
+  journal::Merge(plan, provenance, runs.path(), out);
 }
 
 }  // namespace cdb::tests

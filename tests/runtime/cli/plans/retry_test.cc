@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "runtime/store/journal/journals.h"
 #include "runtime/store/store.h"
+#include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -39,6 +41,7 @@ class Retry : public testing::Test {
   }
 
   const Program program_;
+  const fs::path folder_ = program_.folder() / "s.runs";
 };
 
 TEST_F(Retry, RunsJustTheCellsThatEndedSoAgain) {
@@ -72,26 +75,20 @@ TEST_F(Retry, OnlyRunsOneRunAgainInItsFile) {
 TEST_F(Retry, GoesOnAfterAKill) {
   const auto first = TimesOf(0);
   const double failed = StartOf(1);
-  // The state after a kill right at the beginning: a record of the request, and no shard.
-  fs::create_directory(program_.folder() / "s.runs");
-  program_.Write("s.runs/retry", "failed");
+  // The state after a kill right at the beginning: a record of the request, and no run.
+  fs::create_directory(folder_);
+  journal::Ask(folder_, Open().plan_sha256(), journal::kRetry, "failed");
   EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
   EXPECT_EQ(TimesOf(0), first);
   EXPECT_GT(StartOf(1), failed);
   EXPECT_FALSE(program_.Exists("s.runs"));
 }
 
-TEST_F(Retry, BeforeTheMergeRunsShardsAgain) {
+TEST_F(Retry, BeforeTheMergeRunsRunsAgain) {
   fs::remove(program_.folder() / "s.h5");
   for (const char* part : {"1/3", "2/3", "3/3"})
     program_.Run({"run", "s.cdb", "-q", "--shard", part});
-  const auto count = [&] {
-    std::size_t shards = 0;
-    for (const std::string& name : FilesIn(program_.folder() / "s.runs"))
-      shards += name.ends_with(".h5");
-    return shards;
-  };
-  ASSERT_EQ(count(), 3u);
+  ASSERT_EQ(RunsIn(folder_).size(), 3u);
   const Finished again = program_.Run({"run", "s.cdb", "--retry", "failed"});
   EXPECT_EQ(again.status, 3);
   EXPECT_NE(again.err.find("2"), std::string::npos) << again.err;
@@ -107,23 +104,23 @@ TEST_F(Retry, LeavesFinishedRunsThatTheResultsLack) {
   run_part("1/3");
   ASSERT_EQ(program_.Run({"merge", "-o", "s.h5", "s.runs"}).status, 0);
   run_part("3/3");
-  const auto files = FilesIn(program_.folder() / "s.runs");
+  const auto runs = RunsIn(folder_);
   const Finished retry = program_.Run({"run", "s.cdb", "--retry", "failed"});
   EXPECT_EQ(retry.status, 2);
   EXPECT_NE(retry.err.find("holds finished runs that are not in the results"), std::string::npos)
       << retry.err;
-  EXPECT_EQ(FilesIn(program_.folder() / "s.runs"), files);
+  EXPECT_EQ(RunsIn(folder_), runs);
 }
 
 /// Runs that --fresh has finished when it is stopped are newer than the existing results.
 TEST_F(Retry, AnInterruptedFreshGoesOn) {
   const double before = StartOf(0);
   program_.Run({"run", "s.cdb", "-q", "--fresh", "--shard", "1/3"});
-  program_.Write("s.runs/fresh", Open().plan_sha256());
+  journal::Ask(folder_, Open().plan_sha256(), journal::kFresh, Open().plan_sha256());
+  journal::Journals journals({folder_});
   double begun = 0;
-  for (const std::string& name : FilesIn(program_.folder() / "s.runs"))
-    if (name.ends_with(".h5"))
-      begun = ResultFile(program_.folder() / "s.runs" / name).ReadReal("started", {{0}, 0});
+  for (const auto& [id, written] : RunsIn(folder_))
+    begun = journals.Find(id)->Number("run/started").value();
   ASSERT_GT(begun, before);
   EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 3);
   EXPECT_EQ(StartOf(0), begun);

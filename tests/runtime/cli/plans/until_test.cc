@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "runtime/store/store.h"
@@ -61,10 +62,13 @@ TEST_F(Until, EndsAfterFiveRepeatsThatAreNearEnough) {
   EXPECT_NE(run.out.find("95 % interval"), std::string::npos) << run.out;
   EXPECT_EQ(Repeats(), 5u);
   EXPECT_FALSE(program_.Exists("s.runs"));
-  // Running it again does nothing.
+  // Running it again does nothing, and removes what a kill after the merge has left.
+  std::filesystem::create_directory(program_.folder() / "s.runs");
+  program_.Write("s.runs/plan.yaml", "");
   const double started = Open().ReadReal("started", {{0}, 0});
   const Finished again = program_.Run({"run", "s.cdb", "--until", "100000"});
   EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_FALSE(program_.Exists("s.runs"));
   EXPECT_EQ(Repeats(), 5u);
   // Without it, the rest is run; existing results stay.
   EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 0);

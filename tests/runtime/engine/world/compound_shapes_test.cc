@@ -185,7 +185,7 @@ TEST(Compounds, SpinKeepsItsAngularMomentum) {
 
 TEST(Compounds, SweptContactsAreRefused) {
   OneAngle one(0);
-  one.state.objects[0].ccd = true;
+  one.state.objects[0].numbers["ccd"] = 1;
   try {
     WholeEngine(one.scene, one.state);
     FAIL();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/store/hdf5/file.h"
+#include "tests/support/files.h"
 
 namespace cdb::tests {
 namespace {
@@ -14,7 +15,8 @@ using hdf5::Shape;
 /// First elements of the stored chunks of an array of 7 by 5, in chunks of 2 by 3, if those at
 /// `places` were written.
 std::vector<Shape> StoredChunks(const std::vector<Shape>& places) {
-  hdf5::File file = hdf5::File::CreateInMemory();
+  const TemporaryFolder folder;
+  hdf5::File file = hdf5::File::Create(folder / "a.h5");
   hdf5::Dataset dataset = file.CreateDataset(
       {.name = "a", .type = hdf5::Type::kFloat64, .shape = {7, 5}, .chunk = {2, 3}});
   for (const Shape& place : places) dataset.Write(place, {1, 1}, std::vector<double>{1});

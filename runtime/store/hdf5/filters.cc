@@ -1,0 +1,97 @@
+#include "runtime/store/hdf5/filters.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace cdb::hdf5 {
+namespace {
+
+/// Computed as in HDF5: over big-endian words of 16 bits, with an odd last byte as the high one;
+/// sums are reduced every 360 words, before they overflow.
+std::uint32_t Fletcher32(std::span<const std::byte> bytes) {
+  constexpr std::size_t kWords = 360;
+  std::uint32_t sum = 0, sum_of_sums = 0;
+  const auto reduce = [](std::uint32_t value) { return (value & 0xffff) + (value >> 16); };
+  while (!bytes.empty()) {
+    const std::size_t now = std::min(bytes.size(), 2 * kWords);
+    for (std::size_t i = 0; i < now; i += 2) {
+      sum += std::to_integer<std::uint32_t>(bytes[i]) << 8;
+      if (i + 1 < now) sum += std::to_integer<std::uint32_t>(bytes[i + 1]);
+      sum_of_sums += sum;
+    }
+    sum = reduce(sum);
+    sum_of_sums = reduce(sum_of_sums);
+    bytes = bytes.subspan(now);
+  }
+  return reduce(sum_of_sums) << 16 | reduce(sum);
+}
+
+}  // namespace
+
+double AsStored(double value, Type type) {
+  if (type == Type::kFloat64) return value;
+  const bool is_byte = type == Type::kInt8;
+  const double least =
+      is_byte ? std::numeric_limits<std::int8_t>::min() : std::numeric_limits<std::int32_t>::min();
+  const double most =
+      is_byte ? std::numeric_limits<std::int8_t>::max() : std::numeric_limits<std::int32_t>::max();
+  return std::isnan(value) ? 0 : std::trunc(std::clamp(value, least, most));
+}
+
+std::vector<std::byte> Deflated(std::span<const std::byte> bytes) {
+  constexpr int kLevel = 1;
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::vector<std::byte> packed(size);
+  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                kLevel) != Z_OK)
+    throw Error("cannot compress a chunk");
+  packed.resize(size);
+  return packed;
+}
+
+std::vector<std::byte> Inflated(std::span<const std::byte> deflated, std::size_t bytes) {
+  std::vector<std::byte> values(bytes);
+  auto size = static_cast<uLongf>(bytes);
+  if (uncompress(reinterpret_cast<Bytef*>(values.data()), &size,
+                 reinterpret_cast<const Bytef*>(deflated.data()),
+                 static_cast<uLong>(deflated.size())) != Z_OK ||
+      size != bytes)
+    throw Error("a chunk is not compressed as it should be");
+  return values;
+}
+
+std::vector<std::byte> Filtered(std::span<const std::byte> values, std::size_t item_bytes) {
+  std::vector<std::byte> shuffled(values.size());
+  const std::size_t items = values.size() / item_bytes;
+  for (std::size_t byte = 0; byte < item_bytes; ++byte)
+    for (std::size_t i = 0; i < items; ++i)
+      shuffled[byte * items + i] = values[i * item_bytes + byte];
+  std::vector<std::byte> packed = Deflated(shuffled);
+  const std::uint32_t checksum = Fletcher32(packed);
+  const auto end = std::as_bytes(std::span(&checksum, 1));
+  packed.insert(packed.end(), end.begin(), end.end());
+  return packed;
+}
+
+std::vector<std::byte> Unfiltered(std::span<const std::byte> stored, std::size_t item_bytes,
+                                  std::size_t values_bytes) {
+  std::uint32_t checksum = 0;
+  if (stored.size() < sizeof checksum) throw Error("a chunk is cut short");
+  const auto packed = stored.first(stored.size() - sizeof checksum);
+  std::memcpy(&checksum, stored.data() + packed.size(), sizeof checksum);
+  if (checksum != Fletcher32(packed)) throw Error("the checksum of a chunk differs");
+  const std::vector<std::byte> shuffled = Inflated(packed, values_bytes);
+  std::vector<std::byte> values(values_bytes);
+  const std::size_t items = values_bytes / item_bytes;
+  for (std::size_t byte = 0; byte < item_bytes; ++byte)
+    for (std::size_t i = 0; i < items; ++i)
+      values[i * item_bytes + byte] = shuffled[byte * items + i];
+  return values;
+}
+
+}  // namespace cdb::hdf5
