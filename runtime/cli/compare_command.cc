@@ -11,10 +11,8 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/compare/history.h"
-#include "runtime/compare/json.h"
-#include "runtime/compare/text.h"
 #include "runtime/measure/series.h"
+#include "runtime/printers/compare.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -41,7 +39,7 @@ std::optional<measure::Phase> ParsePhase(const std::string& name) {
   return static_cast<measure::Phase>(found - names.begin());
 }
 
-compare::CompareOptions OptionsOf(const CompareArguments& arguments) {
+figures::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw options::CommandError(
         "compare takes two results files or more, or two folders of them or more");
@@ -117,47 +115,43 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
 }
 
 /// Throws StoreError.
-std::vector<compare::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
-                                               const compare::CompareOptions& options) {
-  std::vector<compare::BenchmarkHistory> benchmarks;
-  for (const std::vector<std::string>& paths : files) {
-    const std::vector<std::string> names = NamesOf(paths);
-    std::vector<std::unique_ptr<compare::ComparedFile>> opened;
-    for (std::size_t i = 0; i < paths.size(); ++i)
-      opened.push_back(std::make_unique<compare::ComparedFile>(paths[i], names[i]));
-    benchmarks.push_back(compare::MakeHistory(std::move(opened), options));
-  }
-  compare::JudgeHistories(benchmarks, options);
+std::vector<figures::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
+                                               const figures::CompareOptions& options) {
+  std::vector<figures::BenchmarkHistory> benchmarks;
+  for (const std::vector<std::string>& paths : files)
+    benchmarks.push_back(
+        figures::MakeHistory({paths.begin(), paths.end()}, NamesOf(paths), options));
+  figures::JudgeHistories(benchmarks, options);
   return benchmarks;
 }
 
 /// `names`: the names of the files or folders on the command line.
-printers::Document DocumentOf(const std::vector<compare::BenchmarkHistory>& benchmarks,
+printers::Document DocumentOf(const std::vector<figures::BenchmarkHistory>& benchmarks,
                               const std::vector<std::string>& names,
                               const std::vector<std::string>& unmatched,
-                              const compare::CompareOptions& options) {
+                              const figures::CompareOptions& options) {
   printers::Document document;
   if (!unmatched.empty())
     document.push_back({.title = "Not in all folders, and not compared", .lines = unmatched});
   if (benchmarks[0].files.size() > 2) {
-    printers::Document history = compare::HistoryDocument(benchmarks, names, options);
+    printers::Document history = printers::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));
     return document;
   }
-  for (const compare::BenchmarkHistory& benchmark : benchmarks) {
-    printers::Document sections = compare::CompareDocument(benchmark.steps[0], options);
+  for (const figures::BenchmarkHistory& benchmark : benchmarks) {
+    printers::Document sections = printers::CompareDocument(benchmark.steps[0], options);
     std::ranges::move(sections, std::back_inserter(document));
   }
   return document;
 }
 
 options::ExitStatus CompareResults(const CompareArguments& arguments) {
-  const compare::CompareOptions options = OptionsOf(arguments);
+  const figures::CompareOptions options = OptionsOf(arguments);
   std::vector<std::string> unmatched;
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
   if (arguments.is_json) {
-    terminal::PrintExact(compare::CompareJson(benchmarks, unmatched, options));
+    terminal::PrintExact(printers::CompareJson(benchmarks, unmatched, options));
   } else {
     const printers::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
@@ -166,7 +160,7 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
                                                                      : printers::Format::kWrapped));
   }
   const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
-    return compare::IsWorse(benchmark.Whole(), options);
+    return !figures::WorseThings(benchmark.Whole(), options).empty();
   });
   return is_worse ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
 }

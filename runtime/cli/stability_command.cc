@@ -15,7 +15,7 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
-#include "runtime/printers/stability_map.h"
+#include "runtime/printers/show.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

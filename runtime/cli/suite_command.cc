@@ -17,9 +17,9 @@
 #include "runtime/cli/plans/plan_runner.h"
 #include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
+#include "runtime/figures/suite.h"
 #include "runtime/page/page.h"
-#include "runtime/suite/against.h"
-#include "runtime/suite/text.h"
+#include "runtime/printers/suite.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/wrap.h"
 
@@ -40,7 +40,7 @@ struct SuiteArguments {
   bool quiet = false;
 };
 
-using suite::StandardScene;
+using figures::StandardScene;
 
 /// `games`, `games/debris` or `debris`.
 bool Names(const std::string& word, const StandardScene& scene) {
@@ -50,8 +50,8 @@ bool Names(const std::string& word, const StandardScene& scene) {
 /// The requested scenes. Throws CommandError for a word that matches none.
 std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
   std::vector<std::string> names;
-  for (const suite::Kind& kind : suite::Kinds()) names.emplace_back(kind.name);
-  for (const StandardScene& scene : suite::StandardScenes()) {
+  for (const figures::SuiteKind& kind : figures::SuiteKinds()) names.emplace_back(kind.name);
+  for (const StandardScene& scene : figures::StandardScenes()) {
     names.push_back(scene.Id());
     names.emplace_back(scene.name);
   }
@@ -64,7 +64,7 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
                                  : fmt::format("did you mean '{}'?", near)));
   }
   std::vector<StandardScene> chosen;
-  for (const StandardScene& scene : suite::StandardScenes())
+  for (const StandardScene& scene : figures::StandardScenes())
     if (only.empty() ||
         std::ranges::any_of(only, [&](const std::string& word) { return Names(word, scene); }))
       chosen.push_back(scene);
@@ -73,16 +73,16 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
 
 /// True if a run has void timings or none.
 bool HasBadRuns(const plans::SuiteFolder& read) {
-  for (const suite::SceneFigures& scene : read.scenes)
-    for (const suite::ConfigurationFigures& of : scene.configurations)
+  for (const figures::SceneFigures& scene : read.scenes)
+    for (const figures::ConfigurationFigures& of : scene.configurations)
       if (of.verdict == measure::Verdict::kUnknown || measure::HasVoidTimings(of.verdict))
         return true;
   return false;
 }
 
 bool HasDisturbedRuns(const plans::SuiteFolder& read) {
-  return std::ranges::any_of(read.scenes, [](const suite::SceneFigures& scene) {
-    return std::ranges::any_of(scene.configurations, &suite::ConfigurationFigures::is_disturbed);
+  return std::ranges::any_of(read.scenes, [](const figures::SceneFigures& scene) {
+    return std::ranges::any_of(scene.configurations, &figures::ConfigurationFigures::is_disturbed);
   });
 }
 
@@ -100,12 +100,12 @@ options::ExitStatus Show(const SuiteArguments& arguments) {
   const fs::path folder = arguments.out;
   const plans::SuiteFolder read = plans::ReadSuiteFolder(folder);
   const std::string page = WritePage(read, folder);
-  std::string text = fmt::format("Standard suite {}, {}{}\n\n", suite::kSuiteVersion,
+  std::string text = fmt::format("Standard suite {}, {}{}\n\n", figures::kSuiteVersion,
                                  read.facts.is_long ? "long" : "short",
                                  read.facts.seed ? fmt::format(", seed {}", *read.facts.seed) : "");
-  text += suite::ScoreText(suite::ScoreKinds(read.scenes));
-  text += suite::RecommendationText(read.scenes) + "\n";
-  text += terminal::Wrapped(suite::DefaultsText(read.scenes), 0) + "\n";
+  text += printers::ScoreText(figures::ScoreKinds(read.scenes));
+  text += printers::RecommendationText(read.scenes) + "\n";
+  text += terminal::Wrapped(printers::DefaultsText(read.scenes), 0) + "\n";
   if (!read.facts.missing.empty())
     text += terminal::Wrapped(
         fmt::format("Not a complete suite, without {}", fmt::join(read.facts.missing, ", ")), 0);
@@ -158,7 +158,7 @@ options::ExitStatus RunSuite(const SuiteArguments& arguments) {
 options::ExitStatus Check(const fs::path& folder) {
   options::ExitStatus status = options::ExitStatus::kGood;
   std::error_code error;
-  for (const StandardScene& scene : suite::StandardScenes())
+  for (const StandardScene& scene : figures::StandardScenes())
     if (const fs::path file = folder / scene.ResultName(); fs::exists(file, error))
       status = std::max(status, CheckStored(file.string()));
   if (status == options::ExitStatus::kWorld) return status;
@@ -168,7 +168,7 @@ options::ExitStatus Check(const fs::path& folder) {
   for (const std::string& fact : made.facts) text += terminal::Wrapped(fact, 2);
   text += made.faults.empty()
               ? fmt::format("\nComplete and comparable: version {} of the suite, {}\n",
-                            suite::kSuiteVersion, read.facts.is_long ? "long" : "short")
+                            figures::kSuiteVersion, read.facts.is_long ? "long" : "short")
               : "\nNot complete and comparable:\n";
   for (const std::string& fault : made.faults) text += terminal::Wrapped(fault, 2);
   terminal::Print(text);
@@ -178,10 +178,10 @@ options::ExitStatus Check(const fs::path& folder) {
 options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
   const plans::SuiteFolder claimed = plans::ReadSuiteFolder(other),
                            here = plans::ReadSuiteFolder(mine);
-  std::vector<suite::SceneVerification> verified;
+  std::vector<figures::SceneVerification> verified;
   std::vector<std::string> unverified;
   for (std::size_t i = 0; i < claimed.scenes.size(); ++i) {
-    const auto same = std::ranges::find_if(here.scenes, [&](const suite::SceneFigures& scene) {
+    const auto same = std::ranges::find_if(here.scenes, [&](const figures::SceneFigures& scene) {
       return scene.scene->Id() == claimed.scenes[i].scene->Id();
     });
     if (same == here.scenes.end()) {
@@ -190,17 +190,17 @@ options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
     }
     const auto place = static_cast<std::size_t>(same - here.scenes.begin());
     verified.push_back(
-        suite::VerifyScene({*claimed.files[i], claimed.scenes[i]}, {*here.files[place], *same}));
+        figures::VerifyScene({*claimed.files[i], claimed.scenes[i]}, {*here.files[place], *same}));
   }
   std::string text = fmt::format("{} verified by {}\n{}", other.string(), mine.string(),
-                                 suite::VerificationText(verified));
+                                 printers::VerificationText(verified));
   if (!unverified.empty())
     text += terminal::Wrapped(fmt::format("Not verified, as '{}' does not have them: {}",
                                           mine.string(), fmt::join(unverified, ", ")),
                               2);
   terminal::Print(text);
   const bool disagrees = std::ranges::any_of(verified, [](const auto& of) {
-    return of.outcome == suite::SceneVerification::Outcome::kDisagrees;
+    return of.outcome == figures::SceneVerification::Outcome::kDisagrees;
   });
   const bool is_whole = unverified.empty() && std::ranges::all_of(verified, [](const auto& of) {
                           return of.claimed > 0 && of.timed == of.claimed;

@@ -14,7 +14,7 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
 #include "runtime/cli/plans/verify_plan.h"
-#include "runtime/printers/verify_table.h"
+#include "runtime/printers/show.h"
 #include "runtime/store/files/safe_file.h"
 #include "runtime/terminal/console.h"
 

@@ -13,15 +13,71 @@
 //
 // The draws are the same in each execution. Figures over the same things use the same draws, so
 // ratios and means of figures are paired.
+//
+// Between two results files (`cdb compare`), a figure is compared by interval, test, and correction
+// for many tests.
+//
+// The repeats of two files are independent, because they ran on two occasions. The variance of the
+// logarithm of a ratio b / a is therefore the sum of both files' variances, each by the bootstrap
+// over whole repeats of its file. The interval uses Student's t with the degrees of
+// freedom of Welch 1947 (The generalization of 'Student's' problem when several different
+// population variances are involved, Biometrika 34).
+//
+// The test is of a minimum effect: p is the probability of a change at least as large if the true
+// change were kNegligible (Murphy and Myors 1999, Testing the hypothesis that treatments have
+// negligible effects, Journal of Applied Psychology 84). A new build moves code and data in memory,
+// which alone changes times by about that much (Mytkowicz et al. 2009, Producing wrong data without
+// doing anything obviously wrong, ASPLOS).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace cdb::figures {
+
+/// A missing number.
+inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// NaN if there are no values.
+inline double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The exponential of the mean of the logarithms; NaN if there are no values.
+inline double GeometricMean(const std::vector<double>& values) {
+  double log = 0;
+  for (const double value : values) log += std::log(value);
+  return std::exp(log / static_cast<double>(values.size()));
+}
+
+/// The largest; missing numbers do not count.
+inline double Largest(const std::vector<double>& values) {
+  double largest = kNone;
+  for (const double value : values) largest = std::fmax(largest, value);
+  return largest;
+}
+
+/// The value below which a fraction `p` of the sorted values lies, interpolated linearly; NaN if
+/// there are none.
+inline double Percentile(const std::vector<double>& sorted, double p) {
+  if (sorted.empty()) return kNone;
+  const double place = p * static_cast<double>(sorted.size() - 1);
+  const auto low = static_cast<std::size_t>(place);
+  const std::size_t high = std::min(low + 1, sorted.size() - 1);
+  return std::lerp(sorted[low], sorted[high], place - static_cast<double>(low));
+}
+
+inline double Median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return Percentile(values, 0.5);
+}
 
 /// The ends of an interval or a range; NaN if there is none.
 struct Interval {
@@ -86,5 +142,63 @@ class Bootstrap {
 
 /// `1.19 .. 1.24`; `-` if there is none.
 std::string IntervalText(const Interval& interval);
+
+/// A ratio closer to 1 than this counts as no change.
+inline constexpr double kNegligible = 0.01;
+/// The accepted probability of a false alarm, or the accepted false discovery rate.
+inline constexpr double kSignificance = 0.05;
+
+/// A figure of file b over that of file a.
+struct Change {
+  Estimate over_a;  ///< for each draw of the repeats of a
+  Estimate over_b;  ///< for each draw of the repeats of b
+  double ratio() const { return over_a.value; }
+};
+Change ChangeOf(const Estimate& a, const Estimate& b);
+/// `parts` belong to the same two files, and are not empty.
+Change GeometricMeanOf(const std::vector<Change>& parts);
+Change MedianOf(const std::vector<Change>& parts);
+Change RatioOf(const Change& above, const Change& below);
+
+struct TestedChange {
+  double ratio = kNone;
+  Interval interval = {kNone, kNone};  ///< of 95 %; NaN where there is none
+  double p = kNone;                    ///< NaN without an interval
+  bool IsTested() const { return !std::isnan(p); }
+  /// The largest distance of the ratio from 1, in either direction: 0.02 for an interval of 0.99 ..
+  /// 1.02.
+  double Bound() const { return std::fmax(interval.high - 1, 1 - interval.low); }
+};
+
+/// Tests changes between two files.
+class ChangeTest {
+ public:
+  ChangeTest(const Bootstrap& a, const Bootstrap& b) : a_(a), b_(b) {}
+  /// True if both files have enough repeats for an interval.
+  bool HasIntervals() const;
+  TestedChange Of(const Change& change) const;
+
+ private:
+  const Bootstrap &a_, &b_;
+};
+
+/// Adjusted p-values: an effect is significant if its value is at most kSignificance. NaN stays
+/// NaN, and does not count as a test. Holm 1979, A simple sequentially rejective multiple test
+/// procedure, Scandinavian Journal of Statistics 6: bounds the probability of any false alarm,
+/// whatever the dependence between the tests.
+std::vector<double> HolmAdjusted(const std::vector<double>& p);
+/// Benjamini and Hochberg 1995, Controlling the false discovery rate, Journal of the Royal
+/// Statistical Society B 57: bounds the expected fraction of false discoveries, also for tests that
+/// depend on each other positively, as phases and points of one file do.
+std::vector<double> BenjaminiHochbergAdjusted(const std::vector<double>& p);
+
+enum class ChangeVerdict {
+  kCannotTell,  ///< no interval, or a wide one that contains 1
+  kSame,        ///< the interval is within the margin
+  kFaster,
+  kSlower,
+};
+/// `margin`: the largest distance from 1 of an interval that still counts as the same.
+ChangeVerdict JudgeChange(const TestedChange& change, double adjusted_p, double margin);
 
 }  // namespace cdb::figures

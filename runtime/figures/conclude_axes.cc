@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/detectors.h"
-#include "runtime/figures/numbers.h"
 #include "runtime/figures/ratios.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {

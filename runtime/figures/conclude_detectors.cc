@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "compiler/schema/catalogue.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/detectors.h"
-#include "runtime/figures/numbers.h"
 #include "runtime/figures/ratios.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {

@@ -8,7 +8,7 @@
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/errors.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {

@@ -9,7 +9,7 @@
 
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/model.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {
@@ -144,11 +144,28 @@ class VerdictConclusion {
   std::map<Point, std::string> verdicts_;
 };
 
+constexpr std::string_view kCertaintyNames[] = {"clear", "tie", "unknown"};
+
 }  // namespace
 
 void ConcludeVerdicts(const Model& model, std::vector<Conclusion>& all) {
   if (auto conclusion = VerdictConclusion(model.file()).Get())
     all.push_back(*std::move(conclusion));
+}
+
+std::string_view CertaintyName(Certainty certainty) {
+  return kCertaintyNames[static_cast<std::size_t>(certainty)];
+}
+
+std::vector<Conclusion> Conclusions(const Model& model) {
+  std::vector<Conclusion> all;
+  ConcludeErrors(model, all);
+  ConcludeStep(model, all);
+  ConcludeDetectors(model, all);
+  ConcludeVerdicts(model, all);
+  ConcludeAxes(model, all);
+  ConcludeDetectorLimits(model, all);
+  return all;
 }
 
 }  // namespace cdb::figures

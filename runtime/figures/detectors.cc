@@ -7,8 +7,8 @@
 
 #include "compiler/schema/catalogue.h"
 #include "compiler/yaml/brief_runs.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
-#include "runtime/figures/numbers.h"
 
 namespace cdb::figures {
 namespace {

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "runtime/figures/bootstrap.h"
-#include "runtime/figures/numbers.h"
 #include "runtime/figures/rows.h"
 #include "runtime/store/store.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "compiler/schema/metrics.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
-#include "runtime/figures/numbers.h"
 
 namespace cdb::figures {
 

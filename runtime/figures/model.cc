@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "dsl/text/check.h"
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 
 namespace cdb::figures {
 

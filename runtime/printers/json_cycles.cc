@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/printers/json_parts.h"
 
 namespace cdb::printers {

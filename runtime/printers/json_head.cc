@@ -1,6 +1,8 @@
 // The head of a results document: runs, machine, noise, omissions, failures.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -8,7 +10,7 @@
 #include <utility>
 
 #include "compiler/schema/components.h"
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/printers/json_parts.h"
 #include "runtime/printers/notes.h"
 
@@ -37,6 +39,19 @@ std::string ReasonIn(const std::string& decisions, std::string_view component) {
     return decisions.substr(begin, decisions.find('\n', begin) - begin);
   }
   return {};
+}
+
+/// Above this, not every whole number is representable as a double.
+constexpr double kMaxWhole = 9007199254740992.0;
+
+double Rounded(double value, int digits) {
+  char text[64];
+  const auto end =
+      std::to_chars(text, text + sizeof(text), value, std::chars_format::scientific, digits - 1)
+          .ptr;
+  double rounded = value;
+  std::from_chars(text, end, rounded);
+  return rounded;
 }
 
 }  // namespace
@@ -160,6 +175,29 @@ Json DocumentProvenance(const store::ResultFile& file) {
                             {"detector_libraries", "detector_libraries"},
                             {"scenario", "scenario_text"}}));
   return all;
+}
+
+Json JsonNumber(double value, int digits) {
+  if (!std::isfinite(value)) return nullptr;
+  const double rounded = Rounded(value, digits);
+  if (rounded == std::trunc(rounded) && std::fabs(rounded) < kMaxWhole)
+    return static_cast<std::int64_t>(rounded);
+  return rounded;
+}
+
+Json JsonNumbers(const std::vector<double>& values, int digits) {
+  return JsonColumn(values.size(), [&](std::size_t i) { return JsonNumber(values[i], digits); });
+}
+
+Json FoldColumns(Json columns) {
+  if (columns.is_array()) {
+    for (const Json& value : columns)
+      if (value != columns[0]) return columns;
+    return columns.empty() ? columns : Json{{"constant", columns[0]}};
+  }
+  if (columns.is_object())
+    for (auto& [key, column] : columns.items()) column = FoldColumns(std::move(column));
+  return columns;
 }
 
 }  // namespace cdb::printers

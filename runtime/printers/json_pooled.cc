@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/printers/json_parts.h"
 
 namespace cdb::printers {

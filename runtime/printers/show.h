@@ -52,4 +52,21 @@ struct ShowErrorOptions {
 /// axis that the file does not have.
 Printed ShowError(const store::ResultFile& file, const ShowErrorOptions& options);
 
+/// The part of one benchmark: the verdicts along its graded axis, the last one of numbers, in a
+/// line for each combination of the other axes, with equal neighbours joined: `single  stable 1 ..
+/// 5 | penetrating 10 | collapsed 20 .. 1000` The worst verdict of the repeats counts. Throws
+/// StoreError.
+std::string StabilityMap(const store::ResultFile& file);
+
+struct VerifyText {
+  std::string text;
+  bool is_good = false;  ///< nothing is missed, and every run succeeded
+};
+
+/// A row for each detector: first those that missed pairs, then those that missed contacts, then
+/// those that failed, otherwise in the file's order. Below: the first bad cycle of each, the
+/// command that replays it, and `left_out`. The file holds runs with `record pairs`. Throws
+/// StoreError.
+VerifyText VerifyTable(const store::ResultFile& file, const std::vector<std::string>& left_out);
+
 }  // namespace cdb::printers

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/detectors.h"
-#include "runtime/figures/numbers.h"
 #include "runtime/printers/show.h"
 #include "runtime/printers/show_parts.h"
 #include "runtime/terminal/table.h"

@@ -45,8 +45,9 @@ void AddPlots(const figures::Model& model, const std::vector<measure::Phase>& ph
               Document& document);
 
 /// Bars from the least to the greatest of `values`, which are averaged in at most `width` bins; a
-/// space for a bin without values.
-std::string Sparkline(const std::vector<double>& values, std::size_t width);
+/// space for a bin without values. Values within a fraction `alike` of the least are drawn at one
+/// height.
+std::string Sparkline(const std::vector<double>& values, std::size_t width, double alike = 0);
 
 /// A table with a row for each of `rows`: their axes, the number of pooled cells if some row pools
 /// several, figures, and the mark.

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/printers/show_parts.h"
 #include "runtime/terminal/table.h"
 

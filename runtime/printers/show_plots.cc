@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "runtime/figures/numbers.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/bootstrap.h"
+#include "runtime/figures/times.h"
 #include "runtime/printers/show_parts.h"
 #include "runtime/terminal/log_plot.h"
 #include "runtime/terminal/table.h"
@@ -21,6 +21,7 @@ constexpr std::size_t kMaxSparklines = 24, kSparkWidth = 50;
 constexpr std::size_t kLeastOnAxis = 3;
 constexpr std::string_view kBars[] = {"\u2581", "\u2582", "\u2583", "\u2584",
                                       "\u2585", "\u2586", "\u2587", "\u2588"};
+constexpr double kMiddleBar = 3.0 / 7;
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz";
 
 std::vector<double> Bins(const std::vector<double>& values, std::size_t width) {
@@ -103,14 +104,16 @@ void AddOverAxis(const figures::Model& model, std::size_t axis, measure::Phase p
 
 }  // namespace
 
-std::string Sparkline(const std::vector<double>& values, std::size_t width) {
+std::string Sparkline(const std::vector<double>& values, std::size_t width, double alike) {
   const std::vector<double> bins = Bins(values, width);
   const double most = figures::Largest(bins);
   double least = figures::kNone;
   for (const double value : bins) least = std::fmin(least, value);
   std::string text;
   for (const double value : bins) {
-    const double share = most > least ? (value - least) / (most - least) : 0;
+    const double share = most > least * (1 + alike) ? (value - least) / (most - least)
+                         : alike > 0                ? kMiddleBar
+                                                    : 0;
     text += std::isnan(value) ? std::string(" ")
                               : std::string(kBars[static_cast<std::size_t>(std::lround(
                                     share * static_cast<double>(std::size(kBars) - 1)))]);

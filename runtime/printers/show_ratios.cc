@@ -6,7 +6,7 @@
 #include <set>
 
 #include "runtime/figures/ratios.h"
-#include "runtime/figures/words.h"
+#include "runtime/figures/times.h"
 #include "runtime/printers/show.h"
 #include "runtime/printers/show_parts.h"
 #include "runtime/terminal/table.h"

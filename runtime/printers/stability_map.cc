@@ -1,4 +1,4 @@
-#include "runtime/printers/stability_map.h"
+#include "runtime/printers/show.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "runtime/printers/verify_table.h"
+#include "runtime/printers/show.h"
 
 #include <fmt/format.h>
 

@@ -20,6 +20,7 @@
 #include "compiler/schema/schema.h"
 #include "dsl/parser.h"
 #include "runtime/cli/options/inputs.h"
+#include "runtime/figures/suite.h"
 #include "runtime/manual/detector.h"
 #include "runtime/manual/markdown.h"
 #include "runtime/manual/page.h"
@@ -27,7 +28,6 @@
 #include "runtime/measure/series.h"
 #include "runtime/measure/verdict.h"
 #include "runtime/store/store.h"
-#include "runtime/suite/standard.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 #include "runtime/terminal/wrap.h"
@@ -125,11 +125,11 @@ std::string AllStandardScenes() {
   table.KeepWhole();
   for (const char* head : {"scene", "", "error", "bound", "worst verdict"})
     table.AddColumn(head, false);
-  for (const suite::StandardScene& scene : suite::StandardScenes())
+  for (const figures::StandardScene& scene : figures::StandardScenes())
     table.AddRow({scene.Id(), std::string(scene.what), std::string(scene.error),
                   terminal::ShortNumber(scene.bound),
                   std::string(measure::VerdictName(scene.worst_verdict))});
-  return fmt::format("Version {}\n\n{}", suite::kSuiteVersion, table.Text());
+  return fmt::format("Version {}\n\n{}", figures::kSuiteVersion, table.Text());
 }
 
 /// `benchmarks: a, b`, in the order of the file.

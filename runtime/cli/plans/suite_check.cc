@@ -16,7 +16,7 @@
 namespace cdb::plans {
 namespace {
 
-using compare::ComparedFile;
+using figures::ComparedFile;
 
 /// For a run of an extra detector: the id that the run would have with the baseline.
 std::string IdWithBaseline(const plan::Run& run, const plan::Plan& standard) {
@@ -43,7 +43,7 @@ std::string FindForeign(plan::Plan of, const plan::Plan& standard) {
   return fmt::format(
       "it is not of version {} of the suite: {} runs of the suite are not in its plan, and {} of "
       "its own are not of the suite",
-      suite::kSuiteVersion, absent, foreign);
+      figures::kSuiteVersion, absent, foreign);
 }
 
 class Checker {
@@ -70,7 +70,7 @@ class Checker {
     made_.faults.push_back(fmt::format(text, std::forward<Parts>(parts)...));
   }
 
-  void CheckFile(const suite::SceneFigures& scene, const ComparedFile& of) {
+  void CheckFile(const figures::SceneFigures& scene, const ComparedFile& of) {
     const std::string id = scene.scene->Id();
     if (!of.file.has_digest()) Fault("{}: it has no digest that would show changed bytes", id);
     if (!of.plan) return Fault("{}: its plan is of another version of cdb", id);
@@ -103,8 +103,8 @@ class Checker {
   void CheckNoise() {
     std::size_t noisy = 0, runs = 0;
     std::vector<std::string> distrusted;
-    for (const suite::SceneFigures& scene : read_.scenes)
-      for (const suite::ConfigurationFigures& of : scene.configurations) {
+    for (const figures::SceneFigures& scene : read_.scenes)
+      for (const figures::ConfigurationFigures& of : scene.configurations) {
         noisy += of.noisy;
         runs += of.repeats;
         if (of.IsNoisy()) distrusted.push_back(fmt::format("{} {}", scene.scene->Id(), of.name));

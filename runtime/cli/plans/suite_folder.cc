@@ -37,14 +37,14 @@ bool IsLong(const store::ResultFile& file) {
 SuiteFolder ReadSuiteFolder(const fs::path& folder) {
   SuiteFolder read;
   std::error_code error;
-  for (const suite::StandardScene& scene : suite::StandardScenes()) {
+  for (const figures::StandardScene& scene : figures::StandardScenes()) {
     const fs::path file = folder / scene.ResultName();
     if (!fs::exists(file, error)) {
       read.facts.missing.push_back(scene.Id());
       continue;
     }
-    auto of = std::make_unique<compare::ComparedFile>(file, file.string());
-    read.scenes.push_back(suite::CollectScene(scene, of->file));
+    auto of = std::make_unique<figures::ComparedFile>(file, file.string());
+    read.scenes.push_back(figures::CollectScene(scene, of->model));
     read.facts.sha256[scene.ResultName()] = FileSha256(file);
     read.files.push_back(std::move(of));
   }
@@ -52,7 +52,7 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
     throw options::CommandError(
         fmt::format("'{}' holds no results of the standard suite; `cdb suite -o {}` makes them",
                     folder.string(), folder.string()));
-  const compare::ComparedFile& first = *read.files[0];
+  const figures::ComparedFile& first = *read.files[0];
   read.facts.is_long = IsLong(first.file);
   if (!read.facts.is_long && first.plan && !first.plan->runs.empty()) {
     const std::uint64_t seed = first.plan->runs[0].scene.world.Count("seed");
@@ -64,7 +64,7 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
 std::string SuiteSummary(const SuiteFolder& read) {
   std::vector<const store::ResultFile*> files;
   for (const auto& of : read.files) files.push_back(&of->file);
-  return suite::SuiteJson(read.scenes, files, read.facts);
+  return printers::SuiteJson(read.scenes, files, read.facts);
 }
 
 void WriteSuiteSummary(const SuiteFolder& read, const fs::path& folder) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/compare/match.h"
-#include "runtime/suite/document.h"
-#include "runtime/suite/figures.h"
+#include "runtime/figures/compare.h"
+#include "runtime/figures/suite.h"
+#include "runtime/printers/suite.h"
 
 namespace cdb::plans {
 
@@ -16,9 +16,9 @@ inline constexpr const char* kSuiteSummary = "suite.json";
 inline constexpr const char* kSuitePage = "suite.html";
 
 struct SuiteFolder {
-  std::vector<std::unique_ptr<compare::ComparedFile>> files;  ///< in the order of the suite
-  std::vector<suite::SceneFigures> scenes;                    ///< of each file
-  suite::SuiteFacts facts;
+  std::vector<std::unique_ptr<figures::ComparedFile>> files;  ///< in the order of the suite
+  std::vector<figures::SceneFigures> scenes;                  ///< of each file
+  printers::SuiteFacts facts;
 };
 /// Reads the results that exist. Throws StoreError, and CommandError for a folder without results
 /// of the suite.

@@ -89,7 +89,7 @@ void AddDetectors(const std::vector<std::string>& names,
 
 }  // namespace
 
-Plan StandardPlan(const suite::StandardScene& scene, const SuiteChoice& choice) {
+Plan StandardPlan(const figures::StandardScene& scene, const SuiteChoice& choice) {
   const std::filesystem::path library = options::ScenarioLibrary();
   const std::filesystem::path file = library / (scene.File() + ".cdb");
   std::error_code error;

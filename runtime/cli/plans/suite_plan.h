@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/suite/standard.h"
+#include "runtime/figures/suite.h"
 
 namespace cdb::plans {
 
@@ -25,6 +25,6 @@ inline constexpr std::uint64_t kLongSeeds[] = {0xAAAAAAAAAA, 1, 2};
 
 /// The plan of a scene of the library of scenarios; files in the current folder are ignored. Throws
 /// CommandError, also if the library has no such scene.
-plan::Plan StandardPlan(const suite::StandardScene& scene, const SuiteChoice& choice);
+plan::Plan StandardPlan(const figures::StandardScene& scene, const SuiteChoice& choice);
 
 }  // namespace cdb::plans

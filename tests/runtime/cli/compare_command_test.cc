@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/runtime/compare/compared_results.h"
+#include "tests/runtime/figures/compared_results.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {

@@ -27,7 +27,7 @@ TEST(StandardSuite, HasARowForEachFileAndAFileForEachRow) {
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".cdb")
       files.insert(fs::relative(entry.path(), folder).replace_extension());
-  for (const suite::StandardScene& scene : suite::StandardScenes()) rows.insert(scene.Id());
+  for (const figures::StandardScene& scene : figures::StandardScenes()) rows.insert(scene.Id());
   EXPECT_EQ(files, rows);
   EXPECT_GE(rows.size(), 10u);
   EXPECT_LE(rows.size(), 15u);
@@ -35,7 +35,7 @@ TEST(StandardSuite, HasARowForEachFileAndAFileForEachRow) {
 
 TEST(StandardSuite, ScenesOfAKindSweepTheSameConfigurations) {
   std::map<std::string_view, std::vector<plan::Axis>> of_kind;
-  for (const suite::StandardScene& scene : suite::StandardScenes()) {
+  for (const figures::StandardScene& scene : figures::StandardScenes()) {
     const plan::Plan plan = plans::StandardPlan(scene, {});
     const auto [there, is_new] = of_kind.try_emplace(scene.kind, plan.axes);
     EXPECT_EQ(plan.axes, there->second) << scene.Id();
@@ -50,18 +50,18 @@ TEST(StandardSuite, ScenesOfAKindSweepTheSameConfigurations) {
       EXPECT_TRUE(run.scene.world.Lists("record", "stability")) << scene.Id();
     }
   }
-  EXPECT_EQ(of_kind.size(), suite::Kinds().size());
+  EXPECT_EQ(of_kind.size(), figures::SuiteKinds().size());
 }
 
 TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
   std::string plans;
-  for (const suite::StandardScene& scene : suite::StandardScenes())
+  for (const figures::StandardScene& scene : figures::StandardScenes())
     for (const bool is_long : {false, true})
       plans += fmt::format("{} {} {} bound {} {}\n", scene.Id(), is_long ? "long" : "short",
                            plans::StandardPlan(scene, {.is_long = is_long}).Sha256(), scene.bound,
                            measure::VerdictName(scene.worst_verdict));
   const fs::path golden = SourceFolder() / "tests" / "golden" / "suite" /
-                          fmt::format("version_{}.txt", suite::kSuiteVersion);
+                          fmt::format("version_{}.txt", figures::kSuiteVersion);
   const char* update = std::getenv("CDB_UPDATE_GOLDEN");
   if (!fs::exists(golden) && update != nullptr && std::string(update) == "1")
     WriteFile(golden, plans);
@@ -71,7 +71,7 @@ TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
 }
 
 TEST(StandardSuite, AFreshSeedAndFurtherDetectorsMakeOtherRuns) {
-  const suite::StandardScene& scene = suite::StandardScenes()[0];
+  const figures::StandardScene& scene = figures::StandardScenes()[0];
   const plan::Plan plan = plans::StandardPlan(scene, {}),
                    fresh = plans::StandardPlan(scene, {.seed = 7}),
                    more = plans::StandardPlan(scene, {.detectors = {"kd_tree"}});
@@ -131,7 +131,7 @@ class SuiteResults : public testing::Test {
 
 TEST_F(SuiteResults, AreScoredAndWritten) {
   EXPECT_EQ(run_.status, 0) << run_.err;
-  ExpectSays(run_.out, fmt::format("Standard suite {}, short", suite::kSuiteVersion));
+  ExpectSays(run_.out, fmt::format("Standard suite {}, short", figures::kSuiteVersion));
   ExpectSays(run_.out, "stiff: settings of Bullet");
   ExpectSays(run_.out, "\n  bullet");
   ExpectSays(run_.out, "steps_240");
@@ -168,9 +168,9 @@ TEST_F(SuiteResults, ThatAreTamperedWithAreRefusedByName) {
 
   const fs::path better = Copy("better");
   std::string summary = ReadFile(better / "suite.json");
-  const std::string was = fmt::format("\"suite\": {}", suite::kSuiteVersion);
+  const std::string was = fmt::format("\"suite\": {}", figures::kSuiteVersion);
   summary.replace(summary.find(was), was.size(),
-                  fmt::format("\"suite\": {}", suite::kSuiteVersion + 1));
+                  fmt::format("\"suite\": {}", figures::kSuiteVersion + 1));
   WriteFile(better / "suite.json", summary);
   ExpectSays(program_->Run({"suite", "--check", "better"}).out,
              "suite.json: it is not the summary of these results");
@@ -190,7 +190,7 @@ TEST_F(SuiteResults, OfOtherRunsAreRefusedByName) {
       0);
   ExpectSays(
       program_->Run({"suite", "--check", "own"}).out,
-      fmt::format("stiff/pendulum: it is not of version {} of the suite", suite::kSuiteVersion));
+      fmt::format("stiff/pendulum: it is not of version {} of the suite", figures::kSuiteVersion));
   ExpectSays(program_->Run({"suite", "--only", "pendulum", "-o", "own", "-q"}).err, "another plan");
 }
 

@@ -18,7 +18,6 @@
 #include "runtime/figures/selection.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/printers/show.h"
-#include "runtime/printers/stability_map.h"
 #include "tests/runtime/figures/made_up_file.h"
 
 namespace cdb::tests {

@@ -14,7 +14,6 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/printers/show.h"
 #include "runtime/printers/show_parts.h"
-#include "runtime/printers/verify_table.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/program.h"
 

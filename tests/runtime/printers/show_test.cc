@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include "runtime/figures/numbers.h"
+#include "runtime/figures/bootstrap.h"
 #include "runtime/terminal/table.h"
 #include "tests/runtime/store/store_fixture.h"
 #include "tests/support/folders.h"

@@ -1,0 +1,254 @@
+#include "runtime/figures/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "compiler/analysis/trace.h"
+#include "compiler/schema/metrics.h"
+#include "runtime/figures/points.h"
+#include "runtime/terminal/table.h"
+
+namespace cdb::figures {
+namespace {
+
+using Kind = FactComparison::Kind;
+
+/// The assumed spread of the peak memory of a process if there are too few repeats to measure it.
+constexpr double kSpreadOfFew = 0.05;
+
+/// Empty for a run that failed before its last cycle.
+std::set<std::string> StatesAt(const store::ResultFile& file, const Point& at) {
+  std::set<std::string> states;
+  for (const Cell& cell : CellsThatRan(file, at))
+    if (std::string state = file.ReadText("state_hash", cell); !state.empty())
+      states.insert(std::move(state));
+  return states;
+}
+
+std::string EndingText(const Ending& ending) {
+  const std::int64_t cycle = ending.judgement.first_bad_cycle;
+  return cycle < 0 ? ending.Word() : fmt::format("{} from cycle {} on", ending.Word(), cycle);
+}
+
+FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
+                               const PointMatch& match) {
+  FactComparison fact = {Kind::kVerdict, "verdicts", 0, {}};
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const Ending of_a = WorstEnding(a.file, match.points[i].a),
+                 of_b = WorstEnding(b.file, match.points[i].b);
+    if (!of_a.IsKnown() || !of_b.IsKnown()) continue;
+    ++fact.points;
+    const std::int64_t cycle_a = of_a.judgement.first_bad_cycle,
+                       cycle_b = of_b.judgement.first_bad_cycle;
+    if (of_a.Rank() == of_b.Rank() && cycle_a == cycle_b) continue;
+    const bool is_worse =
+        of_a.Rank() != of_b.Rank() ? of_b.Rank() > of_a.Rank() : cycle_b < cycle_a;
+    fact.changes.push_back({i, is_worse ? Direction::kWorse : Direction::kBetter, kNone, kNone,
+                            EndingText(of_a), EndingText(of_b)});
+  }
+  return fact;
+}
+
+/// A value of a point, and how it is compared.
+struct NumberFact {
+  Kind kind;
+  std::string name;
+  std::string unit = {};
+  bool less_is_better = true;
+  bool varies = false;  ///< the value varies between repeats: a difference up to
+                        ///< the floor is none
+  double scale = 1;     ///< of the unit
+  using ValueOf = std::function<double(const Model&, const MeasuredPoint&)>;
+  ValueOf value = {};
+  ValueOf floor = {};  ///< differences up to the floor are not significant
+
+  double ValueAt(const Model& model, const Point& at) const {
+    const MeasuredPoint* point = model.Find(at);
+    return point == nullptr ? kNone : scale * value(model, *point);
+  }
+  double FloorAt(const Model& model, const Point& at) const {
+    const MeasuredPoint* point = model.Find(at);
+    return point == nullptr || !floor ? 0 : std::fmax(0, scale * floor(model, *point));
+  }
+};
+
+std::string NumberText(double value, const std::string& unit) {
+  if (std::isnan(value)) return "no value";
+  const std::string number = value == std::round(value) && std::fabs(value) < 1e7
+                                 ? fmt::format("{:.0f}", value)
+                                 : fmt::format("{:#.4g}", value);
+  return unit.empty() ? number : number + " " + unit;
+}
+
+FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
+                              const NumberFact& of) {
+  FactComparison fact = {of.kind, of.name, 0, {}};
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const auto& [at_a, at_b, place] = match.points[i];
+    const double value_a = of.ValueAt(a.model, at_a), value_b = of.ValueAt(b.model, at_b);
+    if (std::isnan(value_a) && std::isnan(value_b)) continue;
+    ++fact.points;
+    if (value_a == value_b) continue;
+    const double floor = std::fmax(of.FloorAt(a.model, at_a), of.FloorAt(b.model, at_b));
+    if (of.varies && std::fabs(value_b - value_a) <= floor) continue;
+    Direction direction = Direction::kOther;
+    // A missing value is the worst.
+    const bool is_worse = std::isnan(value_b) || value_b > value_a;
+    if (of.less_is_better && !(std::fabs(value_b - value_a) <= floor))
+      direction = is_worse ? Direction::kWorse : Direction::kBetter;
+    fact.changes.push_back({i, direction, value_a, value_b, NumberText(value_a, of.unit),
+                            NumberText(value_b, of.unit)});
+  }
+  std::ranges::stable_sort(fact.changes, std::greater(), [](const FactChange& change) {
+    return std::fabs(change.RelativeChange());
+  });
+  return fact;
+}
+
+/// The sum over the cycles that have a value; NaN if none has.
+double SumOf(const Model& model, const MeasuredPoint& point, const char* series) {
+  double sum = kNone;
+  for (const double value : model.file().ReadSeries(series, point.cells[0]))
+    if (value >= 0) sum = (std::isnan(sum) ? 0 : sum) + value;
+  return sum;
+}
+
+/// The peaks of the repeats, sorted.
+std::vector<double> PeaksOf(const Model& model, const MeasuredPoint& point) {
+  std::vector<double> peaks;
+  for (const Cell& cell : point.cells)
+    if (const double bytes = model.file().ReadReal("peak_rss", cell); std::isfinite(bytes))
+      peaks.push_back(bytes);
+  std::ranges::sort(peaks);
+  return peaks;
+}
+
+/// The spread between repeats, at least a fraction of the median; a larger fraction for few
+/// repeats, which show little of the spread.
+double PeakSpread(const Model& model, const MeasuredPoint& point) {
+  const std::vector<double> peaks = PeaksOf(model, point);
+  if (peaks.empty()) return 0;
+  const double least = peaks.size() < Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(peaks.back() - peaks.front(), least * Percentile(peaks, 0.5));
+}
+
+std::vector<NumberFact> AllFacts() {
+  std::vector<NumberFact> facts;
+  for (const schema::ErrorInfo& error : schema::Errors()) {
+    const auto read = [](const std::string& name) {
+      return [name](const Model& model, const MeasuredPoint& point) {
+        return model.ErrorOf(point, name);
+      };
+    };
+    const std::string name(error.name);
+    facts.push_back({.kind = Kind::kError,
+                     .name = "accuracy/" + name,
+                     .unit = std::string(error.unit),
+                     .value = read(name),
+                     .floor = read(name + "_floor")});
+  }
+  for (const char* series : {"missed_pairs", "missed_contacts", "phantom_pairs", "duplicate_pairs",
+                             "pairs", "contacts"}) {
+    const bool is_missed = std::string_view(series).starts_with("missed");
+    facts.push_back({.kind = is_missed ? Kind::kPairs : Kind::kCount,
+                     .name = series,
+                     .less_is_better = is_missed,
+                     .value = [series](const Model& model, const MeasuredPoint& point) {
+                       return SumOf(model, point, series);
+                     }});
+  }
+  const auto heap = [](const Model& model, const MeasuredPoint& point) {
+    return model.MemoryOf(point, "heap");
+  };
+  facts.push_back({.kind = Kind::kMemory,
+                   .name = "heap",
+                   .unit = "MB",
+                   .scale = 1e-6,
+                   .value = heap,
+                   .floor = [heap](const Model& model, const MeasuredPoint& point) {
+                     return kNegligible * heap(model, point);
+                   }});
+  facts.push_back(
+      {.kind = Kind::kMemory,
+       .name = "peak_rss",
+       .unit = "MB",
+       .varies = true,
+       .scale = 1e-6,
+       .value = [](const Model& model,
+                   const MeasuredPoint& point) { return Percentile(PeaksOf(model, point), 0.5); },
+       .floor = PeakSpread});
+  return facts;
+}
+
+/// The title of a fact in the output.
+std::string TitleOf(const NumberFact& fact) {
+  std::string title =
+      fact.kind == Kind::kError ? fact.name.substr(std::string("accuracy/").size()) : fact.name;
+  std::ranges::replace(title, '_', ' ');
+  if (fact.name == "phantom_pairs") return "false positive pairs";
+  if (fact.name == "peak_rss") return "peak memory";
+  if (fact.name == "heap") return "heap memory";
+  return fact.kind == Kind::kError ? title + " error" : title;
+}
+
+}  // namespace
+
+double FactChange::RelativeChange() const {
+  if (!std::isfinite(a) || !std::isfinite(b) || a == 0)
+    return std::numeric_limits<double>::infinity();
+  return (b - a) / std::fabs(a);
+}
+
+std::size_t FactComparison::Count(Direction direction) const {
+  return static_cast<std::size_t>(std::ranges::count(changes, direction, &FactChange::direction));
+}
+
+bool FactComparison::IsWorse(double margin) const {
+  return std::ranges::any_of(changes, [&](const FactChange& change) {
+    if (change.direction != Direction::kWorse) return false;
+    return kind == Kind::kVerdict || kind == Kind::kPairs || change.RelativeChange() > margin;
+  });
+}
+
+StateComparison CompareStates(const ComparedFile& a, const ComparedFile& b,
+                              const PointMatch& match) {
+  StateComparison states;
+  states.of_pairs = a.plan && std::ranges::all_of(a.plan->runs, [](const plan::Run& run) {
+                      return analysis::TraceOf(run.scene).has_value();
+                    });
+  const bool has_both = a.file.Has("state_hash") && b.file.Has("state_hash");
+  for (std::size_t i = 0; i < match.points.size(); ++i) {
+    const auto of_a = has_both ? StatesAt(a.file, match.points[i].a) : std::set<std::string>();
+    const auto of_b = has_both ? StatesAt(b.file, match.points[i].b) : std::set<std::string>();
+    if (of_a.empty() || of_b.empty()) {
+      ++states.unknown;
+    } else if (of_a.size() > 1 || of_b.size() > 1) {
+      states.unsettled.push_back(i);
+    } else if (of_a == of_b) {
+      ++states.same;
+    } else {
+      states.other.push_back(i);
+    }
+  }
+  return states;
+}
+
+std::vector<FactComparison> CompareFacts(const ComparedFile& a, const ComparedFile& b,
+                                         const PointMatch& match) {
+  std::vector<FactComparison> compared = {CompareVerdicts(a, b, match)};
+  for (const NumberFact& fact : AllFacts()) {
+    if (!a.file.Has(fact.name) || !b.file.Has(fact.name)) continue;
+    compared.push_back(CompareNumbers(a, b, match, fact));
+    compared.back().name = TitleOf(fact);
+  }
+  std::erase_if(compared, [](const FactComparison& fact) { return fact.points == 0; });
+  return compared;
+}
+
+}  // namespace cdb::figures
