@@ -39,7 +39,7 @@ EXTERNAL = [
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/compare/", "runtime/printers/", "runtime/lsp/", "runtime/serve/", "runtime/suite/", "runtime/view/", "runtime/cli/")),
+    (r"^nlohmann/", ("runtime/printers/", "runtime/lsp/", "runtime/serve/", "runtime/view/", "runtime/cli/")),
     (r"^httplib", ("runtime/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]

@@ -118,9 +118,11 @@ class Matcher {
       a_.axes.push_back(i);
       b_.axes.push_back(static_cast<std::size_t>(other - axes_b.begin()));
     }
+    std::map<std::string, const plan::Axis*> only_b;
     for (const plan::Axis& axis : axes_b)
       if (std::ranges::find(axes_a, axis.name, &plan::Axis::name) == axes_a.end())
-        IgnoreAxis(b_.of, axis);
+        only_b[axis.name] = &axis;
+    for (const auto& [name, axis] : only_b) IgnoreAxis(b_.of, *axis);
   }
 
   /// The points that ran, keyed by their values on the axes of the match.

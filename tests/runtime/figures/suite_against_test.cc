@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "runtime/printers/suite.h"
 #include "tests/runtime/figures/suite_results.h"
 #include "tests/support/files.h"
 
