@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -71,7 +72,11 @@ ExitStatus Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitStatus::kGood : ExitStatus::kWorld;
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);
+    cdb::terminal::Print(out.str());
+    cdb::terminal::Say(err.str());
+    return code == 0 ? ExitStatus::kGood : ExitStatus::kWorld;
   }
   return status;
 }
@@ -93,6 +98,16 @@ void KeepStandardDescriptors() {
     if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+/// Undoes what the starter of this program may have set: with SIGCHLD ignored, no child can be
+/// waited for, and a blocked signal would not stop a sweep or end work at its limit. Other ignored
+/// signals stay so (nohup).
+void KeepSignals() {
+  std::signal(SIGCHLD, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
 /// Reports an error if some of the output could not be written.
 ExitStatus CheckOutput(ExitStatus status) {
   const auto fault = cdb::terminal::FinishOutput();
@@ -106,6 +121,7 @@ ExitStatus CheckOutput(ExitStatus status) {
 
 int main(int argc, char** argv) {
   KeepStandardDescriptors();
+  KeepSignals();
   // A write beyond the limit on the size of files must fail with an error and a message, not end
   // the program.
   std::signal(SIGXFSZ, SIG_IGN);

@@ -125,7 +125,7 @@ options::ExitStatus Show(const ShowArguments& arguments) {
   store::ResultFile file(arguments.file);
   statistics::SelectPart(file, arguments.select);
   const report::ShowText shown = TextOf(file, arguments);
-  (arguments.json || arguments.csv ? terminal::PrintExact : terminal::Print)(shown.text);
+  (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);
   return shown.bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
 }
 

@@ -55,9 +55,9 @@ class Slurm:
         os.environ["PATH"] += ":/usr/sbin:/sbin"
         missing = [program for program in PROGRAMS if shutil.which(program) is None]
         if missing:
-            skip(f"Slurm is not installed: no {', '.join(missing)}; ./setup --cluster installs it")
+            skip(f"needs {', '.join(missing)} (./setup --cluster)")
         if os.geteuid() != 0:
-            skip("starts Slurm, which needs root")
+            skip("only root can start Slurm")
         self.folder = pathlib.Path(folder)
 
     def __enter__(self):

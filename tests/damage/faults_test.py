@@ -28,7 +28,7 @@ import tempfile
 try:
     import h5py
 except ImportError:
-    print("skipped: needs h5py (python3-h5py)")
+    print("skipped: needs h5py (./setup --readers)")
     sys.exit(77)
 
 TIMEOUT = 60

@@ -2,7 +2,9 @@
 # The Debian package as its users meet it: made, unpacked elsewhere, and its programs run there.
 set -euo pipefail
 cpack=$1 build=$2
-command -v dpkg-shlibdeps >/dev/null || { echo 'skipped: needs dpkg-dev'; exit 77; }
+for program in dpkg-shlibdeps file; do
+  command -v "$program" >/dev/null || { echo "skipped: needs $program (./setup --test)"; exit 77; }
+done
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 

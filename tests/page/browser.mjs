@@ -21,7 +21,7 @@ export function writePage(name, data, kind = 'report') {
 
 export const launch = () =>
   puppeteer.launch({
-    executablePath: process.env.CHROMIUM,
+    executablePath: '/usr/bin/chromium',
     args: ['--no-sandbox', '--font-render-hinting=none', '--force-color-profile=srgb'],
   });
 

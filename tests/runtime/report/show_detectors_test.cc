@@ -239,7 +239,7 @@ TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
 }
 
 TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
-  if (!schema::FindDetectorPart("fcl")->is_built) GTEST_SKIP() << "needs libfcl-dev";
+  if (!schema::FindDetectorPart("fcl")->is_built) GTEST_SKIP() << "needs libfcl-dev (./setup --third-party)";
   const std::string blind = Shown({"timing", "counts"}, {"sap", "fcl_spatialhash", "dbvt"});
   EXPECT_NE(blind.find("\n  Known to miss pairs, and nobody looked: fcl_spatialhash. record pairs "
                        "does.\n"),

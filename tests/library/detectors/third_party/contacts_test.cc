@@ -72,7 +72,8 @@ Case DrawCase(distributions::Stream& stream, bool is_ball_a, bool is_ball_b, dou
 class ThirdPartyContacts : public testing::TestWithParam<schema::DetectorInfo> {
  protected:
   void SetUp() override {
-    if (!Make()) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
+    if (!Make())
+      GTEST_SKIP() << "the part '" << GetParam().part << "' is not built (./setup --third-party)";
   }
   std::unique_ptr<Detector> Make() { return MakeThirdParty(GetParam()); }
   std::string_view name() const { return GetParam().name; }

@@ -17,7 +17,8 @@ class ThirdPartyPairs : public testing::TestWithParam<schema::DetectorInfo> {
  protected:
   void SetUp() override {
     detector_ = MakeThirdParty(GetParam());
-    if (!detector_) GTEST_SKIP() << "the part '" << GetParam().part << "' is not built";
+    if (!detector_)
+      GTEST_SKIP() << "the part '" << GetParam().part << "' is not built (./setup --third-party)";
   }
 
   /// `is_strict`: it must not miss a pair, even if the catalogue permits that.

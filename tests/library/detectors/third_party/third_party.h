@@ -22,7 +22,7 @@ namespace cdb::tests {
 /// Rows of the catalogue for the phase that belong to third-party libraries.
 std::vector<schema::DetectorInfo> ThirdPartyDetectors(std::string_view phase);
 
-/// Null if the module is not built; throws instead if CDB_REQUIRE_THIRD_PARTY is set.
+/// Null if the module is not built.
 std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info);
 
 /// Names GoogleTest's instances by detector.
