@@ -29,7 +29,7 @@ compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
   compiler::Compilation result = options::CompileWith(
       options::FindScenario(file), options::ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
-  terminal::PrintExact(options::DiagnosticsJson(result.diagnostics));
+  terminal::PrintJson(options::DiagnosticsJson(result.diagnostics));
   return result;
 }
 

@@ -64,6 +64,11 @@ TEST(Check, JsonHasTheFieldsOfRustc) {
 TEST(Check, JsonOfAGoodFileIsEmptyAndHasEveryErrorOfABadOne) {
   const Program program;
   program.Write("good.cdb", "benchmark b { }\n");
+  program.Write("turned.cdb", "benchmark b { cycles \"\u202e\x7f\" }");
+  const std::string turned = program.Run({"check", "--json", "turned.cdb"}).out;
+  EXPECT_EQ(turned.find("\u202e"), std::string::npos) << turned;
+  EXPECT_EQ(turned.find('\x7f'), std::string::npos) << turned;
+  EXPECT_NE(turned.find("\\u202e"), std::string::npos) << turned;
   const Finished good = program.Run({"check", "--json", "good.cdb"});
   EXPECT_EQ(good.status, 0);
   EXPECT_EQ(good.out + good.err, "");
