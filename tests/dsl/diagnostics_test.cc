@@ -18,7 +18,7 @@ constexpr dsl::DiagnosticKind kWarning{"W0001", "some-warning"};
 
 TEST(Printable, LeavesNoControlsAndNoMarksOfDirection) {
   const std::string text = "a\x1b[31m\x7f\u0085\u202e\u2066\u061c\u00e9\xff\n";
-  EXPECT_EQ(text::Printable(text), "a?[31m????????????\u00e9?\n");
+  EXPECT_EQ(text::Printable(text), "a?[31m???????????\u00e9?\n");
   EXPECT_EQ(text::PrintableJson("\"a\\u001b\x7f\u0085\u202e\u2066\u061c\u00e9\"\n"),
             "\"a\\u001b\\u007f\\u0085\\u202e\\u2066\\u061c\u00e9\"\n");
 }

@@ -218,7 +218,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       recording.Reals("duration")[4] = -5;
       break;
     case kHasNoTime:
-      recording.Reals("duration")[step + 4] = measure::RunScalars::kNone;
+      recording.Reals("duration")[step + 4] = schema::RunScalars::kNone;
       break;
     case kHasNoPairs:
       recording.Ints("pairs")[4] = -1;
@@ -230,7 +230,7 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       recording.header().state_hash = "<no hash>";
       break;
     case kTouchesNobody: {
-      const measure::ContactRecord record = {-3, measure::RunScalars::kNone, {}, {}, 0};
+      const measure::ContactRecord record = {-3, schema::RunScalars::kNone, {}, {}, 0};
       if (pwrite(measure::kContactsFd, &record, sizeof record, 0) != sizeof record) _exit(97);
       break;
     }
