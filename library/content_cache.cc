@@ -145,12 +145,12 @@ CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_
   for (;;) {
     fd_ = plan::Descriptor(
         open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
-    if (!IsHeld() || TakeOrForget(on_wait)) return;
+    if (!IsHeld() || TryLock(on_wait)) return;
   }
 }
 
 /// False if the file is no longer the one that others lock: its last owner has removed it.
-bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
+bool CacheLock::TryLock(const std::function<void()>& on_wait) {
   bool is_locked = flock(fd_.get(), LOCK_EX | LOCK_NB) == 0;
   if (!is_locked && errno == EWOULDBLOCK) {
     on_wait();

@@ -52,7 +52,7 @@ class CacheLock {
   bool IsHeld() const { return fd_.get() >= 0; }
 
  private:
-  bool TakeOrForget(const std::function<void()>& on_wait);
+  bool TryLock(const std::function<void()>& on_wait);
 
   std::filesystem::path file_;  ///< exists while it is held
   plan::Descriptor fd_;

@@ -75,7 +75,7 @@ options::ExitStatus CheckResults(const std::string& file) {
   text += sized ? fmt::format(", of plan {}", plan_name)
                 : fmt::format(", of plan {}, which this cdb cannot read", plan_name);
   terminal::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
-  return missing > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return missing > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 options::ExitStatus CheckTraceFile(const std::string& file) {
@@ -124,7 +124,7 @@ options::ExitStatus CheckStored(const std::string& file) {
                                                           : CheckResults(file);
   } catch (const files::StoreError& error) {
     terminal::Say(fmt::format("cdb: {}\n", error.what()));
-    return options::ExitStatus::kWorld;
+    return options::ExitStatus::kEnvironmentError;
   }
 }
 

@@ -53,7 +53,7 @@ ExitStatus Main(int argc, char** argv) {
     const int code = app.exit(error, out, err);
     cdb::terminal::Print(out.str());
     cdb::terminal::Say(err.str());
-    return code == 0 ? ExitStatus::kGood : ExitStatus::kWorld;
+    return code == 0 ? ExitStatus::kGood : ExitStatus::kEnvironmentError;
   }
   return status;
 }
@@ -64,7 +64,7 @@ ExitStatus MainWithErrors(int argc, char** argv) {
   } catch (const std::exception& error) {
     cdb::terminal::Say(fmt::format("cdb: {}\n", error.what()));
   }
-  return ExitStatus::kWorld;
+  return ExitStatus::kEnvironmentError;
 }
 
 /// Opens closed standard descriptors. Otherwise the next file to be opened would get such a
@@ -91,7 +91,7 @@ ExitStatus CheckOutput(ExitStatus status) {
   if (!fault) return status;
   cdb::terminal::Say(fmt::format(
       "cdb: cannot write standard output: {}; what was printed is not complete\n", *fault));
-  return ExitStatus::kWorld;
+  return ExitStatus::kEnvironmentError;
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ options::ExitStatus Show(const ShowArguments& arguments) {
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);
-  return shown.bad_count > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 void DeclareShow(options::Subcommand& command) {

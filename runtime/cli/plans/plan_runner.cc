@@ -109,7 +109,7 @@ void PlanRunner::RemoveLeftovers(const plan::Plan& plan, const fs::path& folder)
   std::error_code error;
   if (!fs::exists(folder, error)) return;
   FolderLock leftovers(folder);
-  if (leftovers.TakeForMyself()) RemoveMergedRuns(plan, folder);
+  if (leftovers.TryLockAlone()) RemoveMergedRuns(plan, folder);
 }
 
 bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
@@ -246,7 +246,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   }
   if (options_.shard.count > 1) return end;
   journal::Merge(plan, provenance_, {folder}, out, out);
-  if (lock.TakeForMyself()) RemoveMergedRuns(plan, folder);
+  if (lock.TryLockAlone()) RemoveMergedRuns(plan, folder);
   end.is_merged = true;
   return end;
 }
