@@ -172,8 +172,8 @@ TEST(Check, AGridThatIsTooLargeIsRefusedBeforeItsValuesAreMade) {
   const Program program;
   const auto refuses = [&](const std::string& settings, const std::string& why) {
     program.Write("a.cdb", "benchmark b { " + settings + " }\n");
-    // 150 MB, where the values would take more.
-    const Finished check = program.Shell("ulimit -v 150000; \"$CDB\" check a.cdb");
+    // 400 MB, where the values would take more.
+    const Finished check = program.Shell("ulimit -v 400000; \"$CDB\" check a.cdb");
     EXPECT_EQ(check.status, 1) << check.err;
     EXPECT_NE(check.err.find(why), std::string::npos) << check.err;
   };
