@@ -26,7 +26,6 @@ constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 constexpr double kMostCases = 100'000;
 /// The maximum number of points of a grid: the results have a cell for each, also for skipped ones.
 constexpr double kMostPoints = 1e9;
-constexpr double kMostRuns = 1e8;
 /// The coordinate of a case that has no value for an axis.
 constexpr std::string_view kNoValue = "none";
 
@@ -247,7 +246,7 @@ class Expander {
       grid_.point_count += left;
       runs += static_cast<double>(left) * static_cast<double>(grid_.head.repeats);
     }
-    return runs <= kMostRuns || TooMany(runs, kMostRuns, "runs");
+    return runs <= configure::kMostRuns || TooMany(runs, configure::kMostRuns, "runs");
   }
 
   /// The values of each axis in a configuration, as indices.

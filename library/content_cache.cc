@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kDigest = 64;
+constexpr std::size_t kDigest = 64;  // hex digits
 
 fs::path FileOf(const fs::path& folder, std::string_view kind, std::string_view key) {
   return folder / fmt::format("{}.{}", key, kind);
@@ -27,7 +26,7 @@ fs::path FileOf(const fs::path& folder, std::string_view kind, std::string_view 
 
 /// The beginning of a file; to be incremented with every change of its layout.
 std::string HeadOf(std::string_view kind, std::string_view key) {
-  return fmt::format("cdb {} 3\n{}", kind, key);
+  return fmt::format("cdb {} 4\n{}", kind, key);
 }
 
 bool IsOfUserAlone(const struct stat& status) {
@@ -70,11 +69,9 @@ bool WriteAllTo(int fd, std::string_view bytes) {
   return true;
 }
 
-enum class Replace { kYes, kNo };
-
 /// Writes a file under a temporary name and renames it. A leftover from a killed process under that
 /// name is overwritten; if another process is writing it, nothing is done.
-bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
+bool WriteOwn(const fs::path& path, std::string_view bytes) {
   const fs::path temporary = path.string() + ".tmp";
   const plan::Descriptor file(
       open(temporary.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
@@ -83,42 +80,9 @@ bool WriteOwn(const fs::path& path, std::string_view bytes, Replace replace) {
   if (flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
   if (!plan::IsAt(file.get(), temporary)) return false;
   const bool is_written = ftruncate(file.get(), 0) == 0 && WriteAllTo(file.get(), bytes);
-  if (is_written && replace == Replace::kYes && rename(temporary.c_str(), path.c_str()) == 0)
-    return true;
-  const bool is_linked =
-      is_written && replace == Replace::kNo && link(temporary.c_str(), path.c_str()) == 0;
+  if (is_written && rename(temporary.c_str(), path.c_str()) == 0) return true;
   unlink(temporary.c_str());
-  return is_linked;
-}
-
-constexpr const char* kSecretName = "secret";
-constexpr std::size_t kSecretBytes = 32;
-
-/// Known to everyone who can read the folder, that is, only to the user.
-std::optional<std::string> FindSecret(const fs::path& folder) {
-  auto secret = ReadOwn(folder / kSecretName);
-  return secret && secret->size() == kSecretBytes ? secret : std::nullopt;
-}
-
-/// If two processes create one, both use the first.
-std::optional<std::string> MakeSecret(const fs::path& folder) {
-  const fs::path path = folder / kSecretName;
-  for (int tries = 0; tries < 3; ++tries) {
-    if (auto secret = FindSecret(folder)) return secret;
-    std::string bytes(kSecretBytes, '\0');
-    if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-      return std::nullopt;
-    // An existing file that is not a valid secret is useless.
-    if (!WriteOwn(path, bytes, Replace::kNo) && !FindSecret(folder)) unlink(path.c_str());
-  }
-  return FindSecret(folder);
-}
-
-/// 64 hex digits that only the owner of the secret can compute (two passes, as in HMAC).
-std::string SealOf(const std::string& secret, std::string_view body) {
-  std::string inner = secret;
-  inner += body;
-  return plan::Sha256Hex(secret + plan::Sha256Hex(inner));
+  return false;
 }
 
 }  // namespace
@@ -156,25 +120,22 @@ std::string CacheFault(const fs::path& folder) {
 std::optional<std::string> FindCached(const fs::path& folder, std::string_view kind,
                                       std::string_view key) {
   if (!IsSafeFolder(folder)) return std::nullopt;
-  const auto secret = FindSecret(folder);
-  const auto bytes = secret ? ReadOwn(FileOf(folder, kind, key)) : std::nullopt;
+  const auto bytes = ReadOwn(FileOf(folder, kind, key));
   const std::string head = HeadOf(kind, key);
   if (!bytes || bytes->size() < head.size() + kDigest || !bytes->starts_with(head))
     return std::nullopt;
   const std::string_view body = std::string_view(*bytes).substr(0, bytes->size() - kDigest);
-  if (SealOf(*secret, body) != std::string_view(*bytes).substr(body.size())) return std::nullopt;
+  if (plan::Sha256Hex(body) != std::string_view(*bytes).substr(body.size())) return std::nullopt;
   return std::string(body.substr(head.size()));
 }
 
 bool StoreCached(const fs::path& folder, std::string_view kind, std::string_view key,
                  std::string_view contents) {
   if (!MakeFolder(folder)) return false;
-  const auto secret = MakeSecret(folder);
-  if (!secret) return false;
   std::string bytes = HeadOf(kind, key);
   bytes += contents;
-  bytes += SealOf(*secret, bytes);
-  return WriteOwn(FileOf(folder, kind, key), bytes, Replace::kYes);
+  bytes += plan::Sha256Hex(bytes);
+  return WriteOwn(FileOf(folder, kind, key), bytes);
 }
 
 CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_view key,
@@ -184,12 +145,12 @@ CacheLock::CacheLock(const fs::path& folder, std::string_view kind, std::string_
   for (;;) {
     fd_ = plan::Descriptor(
         open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
-    if (!IsHeld() || TakeOrForget(on_wait)) return;
+    if (!IsHeld() || TryLock(on_wait)) return;
   }
 }
 
 /// False if the file is no longer the one that others lock: its last owner has removed it.
-bool CacheLock::TakeOrForget(const std::function<void()>& on_wait) {
+bool CacheLock::TryLock(const std::function<void()>& on_wait) {
   bool is_locked = flock(fd_.get(), LOCK_EX | LOCK_NB) == 0;
   if (!is_locked && errno == EWOULDBLOCK) {
     on_wait();

@@ -2,8 +2,8 @@
 // processes may share a folder.
 //
 // Cached data determines results, so only the user may be able to write it: folder and entries must
-// be owned by the user and writable by nobody else, and an entry is bound to its kind, its key and
-// a secret of the folder, so that an entry made elsewhere is rejected.
+// be owned by the user and writable by nobody else. An entry names its kind and its key, and ends
+// with a digest of all its bytes.
 //
 // Errors: none; a damaged or foreign file counts as missing, and nothing is stored if the folder
 // cannot be written or is not safe. Threads: any.
@@ -52,7 +52,7 @@ class CacheLock {
   bool IsHeld() const { return fd_.get() >= 0; }
 
  private:
-  bool TakeOrForget(const std::function<void()>& on_wait);
+  bool TryLock(const std::function<void()>& on_wait);
 
   std::filesystem::path file_;  ///< exists while it is held
   plan::Descriptor fd_;

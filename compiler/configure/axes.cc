@@ -144,7 +144,7 @@ class AxisFinder {
     if (!seen_.insert(&call).second) return;
     SweepAxis axis = Describe(call, statement, part);
     const evaluate::Sweep* sweep = evaluator_.sweeps().Find(call, scope);
-    if (sweep == nullptr) return;
+    if (sweep == nullptr || !CountPoints(sweep->items.size(), axis.span)) return;
     bool is_factor = false;
     const auto values = Evaluate(call, *sweep, scope, part, is_factor);
     if (!values) return;
@@ -176,6 +176,7 @@ class AxisFinder {
           "sweeps that move together have the same number of values");
       return;
     }
+    if (!CountPoints(evaluator_.sweeps().Find(first, scope)->items.size(), zip.span)) return;
     for (const Expr* sweep : zip.sweeps) {
       bool is_factor = false;
       const auto values =
@@ -191,6 +192,19 @@ class AxisFinder {
     if (distinct.size() < axis.values.size()) axis.values = JoinedLabels(columns);
     CheckDistinct(axis, *evaluator_.sweeps().Find(first, scope), columns[0]);
     axes_.push_back(std::move(axis));
+  }
+
+  /// False, with a diagnostic, if there are too many points with another axis of `values` values.
+  /// To evaluate those values would take seconds and hundreds of megabytes.
+  bool CountPoints(std::size_t values, text::Span span) {
+    points_ *= static_cast<double>(values);
+    if (points_ <= kMostRuns || !layers_.skips.empty()) return true;
+    evaluator_.Error(scenario::kTooManyRuns, span,
+                     fmt::format("with this sweep there are {:.15g} points", points_),
+                     fmt::format("a benchmark has at most {:.15g} runs: sweep fewer values, leave "
+                                 "some out by `skip`, or split the benchmark",
+                                 kMostRuns));
+    return false;
   }
 
   static std::vector<plan::Coordinate> JoinedLabels(
@@ -288,6 +302,7 @@ class AxisFinder {
   evaluate::Evaluator& evaluator_;
   std::set<const void*> seen_;
   std::vector<SweepAxis> axes_;
+  double points_ = 1;
 };
 
 }  // namespace

@@ -26,8 +26,11 @@ struct SweepAxis {
   std::vector<plan::Coordinate> values;
 };
 
+/// The maximum number of runs of a benchmark.
+inline constexpr double kMostRuns = 1e8;
+
 /// All axes of `layers`, in the order in which the sweeps are written. Two axes of one name are
-/// reported.
+/// reported, and so are more points than kMostRuns if no `skip` can leave any out.
 std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evaluator& evaluator);
 
 /// A number, or the label of any other value.

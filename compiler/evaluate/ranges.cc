@@ -21,7 +21,7 @@ constexpr double kRounding = 1e-9;
 
 std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
   return evaluator.Error(scenario::kTooManyRuns, range.span,
-                         fmt::format("this range has {:.6g} values", count),
+                         fmt::format("this range has {:.15g} values", count),
                          fmt::format("an axis has at most {}", kMaxAxisValues));
 }
 

@@ -82,6 +82,12 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
       good = AddItems(*argument.value, scope, sweep.items) && good;
     }
   }
+  if (good && sweep.items.size() > kMaxAxisValues) {
+    evaluator_.Error(scenario::kTooManyRuns, call.span,
+                     fmt::format("this sweep has {} values", sweep.items.size()),
+                     fmt::format("an axis has at most {}", kMaxAxisValues));
+    good = false;
+  }
   if (good && sweep.items.empty()) {
     evaluator_.Error(scenario::kBadArguments, call.span, "sweep( ) has no value",
                      "sweep(1, 2, 5) or sweep(1 .. 5)");

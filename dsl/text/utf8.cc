@@ -24,19 +24,42 @@ CodePoint DecodeUtf8(std::string_view text, std::size_t at) {
   return {value, bytes};
 }
 
+namespace {
+
+bool IsPrintable(char32_t c) {
+  return !(c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x61C || c == 0x200E || c == 0x200F ||
+           (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069));
+}
+
+}  // namespace
+
 std::string Printable(std::string_view text) {
-  const auto is_printable = [](char32_t c) {
-    return !(c < 0x20 || (c >= 0x7F && c < 0xA0) || c == 0x200E || c == 0x200F ||
-             (c >= 0x2028 && c <= 0x202E) || (c >= 0x2066 && c <= 0x2069));
-  };
   std::string printable;
   for (std::size_t at = 0; at < text.size();) {
     const CodePoint point = DecodeUtf8(text, at);
     const auto bytes = static_cast<std::size_t>(point.bytes > 0 ? point.bytes : 1);
-    if (text[at] == '\n' || (point.bytes > 0 && is_printable(point.value))) {
+    if (text[at] == '\n' || (point.bytes > 0 && IsPrintable(point.value))) {
       printable += text.substr(at, bytes);
     } else {
       printable.append(bytes, text[at] == '\t' ? ' ' : '?');
+    }
+    at += bytes;
+  }
+  return printable;
+}
+
+std::string PrintableJson(std::string_view json) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string printable;
+  printable.reserve(json.size());
+  for (std::size_t at = 0; at < json.size();) {
+    const CodePoint point = DecodeUtf8(json, at);
+    const auto bytes = static_cast<std::size_t>(point.bytes > 0 ? point.bytes : 1);
+    if (point.bytes == 0 || point.value < 0x20 || IsPrintable(point.value)) {
+      printable += json.substr(at, bytes);
+    } else {  // all of them have at most four digits
+      printable += "\\u";
+      for (int shift = 12; shift >= 0; shift -= 4) printable += kDigits[point.value >> shift & 0xF];
     }
     at += bytes;
   }

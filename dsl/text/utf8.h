@@ -21,6 +21,10 @@ CodePoint DecodeUtf8(std::string_view text, std::size_t at);
 /// space replaces a tab.
 std::string Printable(std::string_view text);
 
+/// JSON with escapes for the characters in its strings that Printable replaces. JSON itself has
+/// them for control characters below a space alone.
+std::string PrintableJson(std::string_view json);
+
 /// The width in columns of a terminal: 0 (combining), 1 or 2 (wide).
 int ColumnsOf(char32_t value);
 

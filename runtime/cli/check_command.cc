@@ -29,7 +29,7 @@ compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
   compiler::Compilation result = options::CompileWith(
       options::FindScenario(file), options::ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
-  terminal::PrintExact(options::DiagnosticsJson(result.diagnostics));
+  terminal::PrintJson(options::DiagnosticsJson(result.diagnostics));
   return result;
 }
 
@@ -62,11 +62,11 @@ options::ExitStatus Check(const CheckArguments& arguments) {
                        : options::CompileAndReport(file, std::nullopt, options::LintText::kWhole,
                                                    arguments.plugins, /*lists_runs=*/false);
     if (result.diagnostics.has_errors()) {
-      status = std::max(status, options::ExitStatus::kScenario);
+      status = std::max(status, options::ExitStatus::kScenarioError);
       continue;
     }
     for (const grid::Grid& grid : result.grids)
-      if (!FitsHere(grid, file)) status = std::max(status, options::ExitStatus::kWorld);
+      if (!FitsHere(grid, file)) status = std::max(status, options::ExitStatus::kEnvironmentError);
     if (arguments.json) continue;
     for (const grid::Grid& grid : result.grids)
       terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),

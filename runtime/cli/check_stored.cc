@@ -25,16 +25,10 @@ std::string Proof(bool has_digest) {
 
 const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 
-[[noreturn]] void RefuseContents(const std::string& file, const std::string& why) {
-  throw files::StoreError(
-      fmt::format("{}: is damaged: {}; it was left as it is: {}", file, why, store::kResultRemedy));
-}
-
 /// Nullopt for a file of an earlier version without a plan, or with a plan that this cdb cannot
-/// read. Throws StoreError if the plan is missing from a file that must have one.
+/// read.
 std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
-  if (text.empty() && results.has_digest()) RefuseContents(file, "it holds no plan");
   if (text.empty()) return std::nullopt;
   try {
     return plans::ReadSizedPlan(text, file);
@@ -64,31 +58,11 @@ StatusCounts CountCells(const store::ResultFile& results) {
   return counts;
 }
 
-/// Throws StoreError if the file does not match the plan that it holds.
-void CompareWithPlan(const store::ResultFile& results, const plan::Plan& plan,
-                     const std::string& file) {
-  if (plan.Sha256() != results.plan_sha256())
-    RefuseContents(file, "its plan is not the one that its plan_sha256 names");
-  bool is_alike = plan.axes.size() == results.axes().size() && plan.repeats == results.repeats();
-  for (std::size_t i = 0; is_alike && i < plan.axes.size(); ++i)
-    is_alike = plan.axes[i].name == results.axes()[i].name &&
-               plan.axes[i].values == results.axes()[i].values;
-  if (!is_alike) RefuseContents(file, "its axes are not those of its plan");
-  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
-    const store::ResultFile::Cell cell{at, rep};
-    if (results.ReadStatus(cell) == store::Status::kSkipped)
-      RefuseContents(file, fmt::format("the run {} of its plan is marked as skipped", id));
-    const std::string holds = results.ReadText("run_id", cell);
-    if (holds != id)
-      RefuseContents(file, fmt::format("it holds the run {} where its plan has {}", holds, id));
-  });
-}
-
 options::ExitStatus CheckResults(const std::string& file) {
   const store::ResultFile results(file, store::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
   const auto sized = PlanIn(results, file);
-  if (sized) CompareWithPlan(results, sized->plan, file);
+  if (sized) results.CheckIsOf(sized->plan);
   const StatusCounts counts = CountCells(results);
   const std::uint64_t missing = counts.Of(store::Status::kMissing);
   std::string text = fmt::format("{}: {}: {} of {} runs", file,
@@ -101,7 +75,7 @@ options::ExitStatus CheckResults(const std::string& file) {
   text += sized ? fmt::format(", of plan {}", plan_name)
                 : fmt::format(", of plan {}, which this cdb cannot read", plan_name);
   terminal::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
-  return missing > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return missing > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 options::ExitStatus CheckTraceFile(const std::string& file) {
@@ -150,7 +124,7 @@ options::ExitStatus CheckStored(const std::string& file) {
                                                           : CheckResults(file);
   } catch (const files::StoreError& error) {
     terminal::Say(fmt::format("cdb: {}\n", error.what()));
-    return options::ExitStatus::kWorld;
+    return options::ExitStatus::kEnvironmentError;
   }
 }
 

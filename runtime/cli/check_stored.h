@@ -11,7 +11,8 @@ namespace cdb::cli {
 bool IsStored(const std::string& file);
 
 /// Reads every byte of `file`. Prints in one line whether it is as it was written, whether its runs
-/// are those of its plan, and how many are missing (kRuns). Damage is an error (kWorld).
+/// are those of its plan, and how many are missing (kFailedRuns). Damage is an error
+/// (kEnvironmentError).
 options::ExitStatus CheckStored(const std::string& file);
 
 }  // namespace cdb::cli

@@ -151,7 +151,7 @@ options::ExitStatus CompareResults(const CompareArguments& arguments) {
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
   if (arguments.is_json) {
-    terminal::PrintExact(printers::CompareJson(benchmarks, unmatched, options));
+    terminal::PrintJson(printers::CompareJson(benchmarks, unmatched, options));
   } else {
     const printers::Document document =
         DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);

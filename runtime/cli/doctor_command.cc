@@ -67,7 +67,7 @@ options::ExitStatus Examine() {
                         doubts > 0 ? "; what is marked may still disturb them" : "")
           : "\nNot quiet: timings made now would be marked as noisy, or be wrong by more "
             "than they say.\n");
-  return floor.IsQuiet() ? options::ExitStatus::kGood : options::ExitStatus::kRuns;
+  return floor.IsQuiet() ? options::ExitStatus::kGood : options::ExitStatus::kFailedRuns;
 }
 
 void DeclareDoctor(options::Subcommand& command) { command.Action(Examine); }

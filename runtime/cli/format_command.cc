@@ -30,7 +30,7 @@ options::ExitStatus FormatFiles(const FormatArguments& arguments) {
     dsl::Parse(source, diagnostics);
     if (diagnostics.has_errors()) {
       terminal::SayExact(dsl::Render(diagnostics, options::RenderOptionsForTerminal()));
-      status = options::ExitStatus::kScenario;
+      status = options::ExitStatus::kScenarioError;
       continue;
     }
     const std::string formatted = dsl::Format(*source);
@@ -41,7 +41,7 @@ options::ExitStatus FormatFiles(const FormatArguments& arguments) {
     if (formatted == source->text()) continue;
     if (arguments.check) {
       terminal::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
-      status = options::ExitStatus::kScenario;
+      status = options::ExitStatus::kScenarioError;
     } else {
       files::WriteWhole(formatted, file);
     }

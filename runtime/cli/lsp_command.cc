@@ -55,7 +55,7 @@ options::ExitStatus ServeLanguage() {
     if (IsQuiet()) server.PublishDiagnostics();
     if (!ReadMore(reader)) break;
   }
-  return server.ended_well() ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
+  return server.ended_well() ? options::ExitStatus::kGood : options::ExitStatus::kScenarioError;
 }
 
 void DeclareLsp(options::Subcommand& command) {

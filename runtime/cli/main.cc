@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,7 +49,11 @@ ExitStatus Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? ExitStatus::kGood : ExitStatus::kWorld;
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);
+    cdb::terminal::Print(out.str());
+    cdb::terminal::Say(err.str());
+    return code == 0 ? ExitStatus::kGood : ExitStatus::kEnvironmentError;
   }
   return status;
 }
@@ -59,7 +64,7 @@ ExitStatus MainWithErrors(int argc, char** argv) {
   } catch (const std::exception& error) {
     cdb::terminal::Say(fmt::format("cdb: {}\n", error.what()));
   }
-  return ExitStatus::kWorld;
+  return ExitStatus::kEnvironmentError;
 }
 
 /// Opens closed standard descriptors. Otherwise the next file to be opened would get such a
@@ -70,19 +75,30 @@ void KeepStandardDescriptors() {
     if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+/// Undoes what the starter of this program may have set: with SIGCHLD ignored, no child can be
+/// waited for, and a blocked signal would not stop a sweep or end work at its limit. Other ignored
+/// signals stay so (nohup).
+void KeepSignals() {
+  std::signal(SIGCHLD, SIG_DFL);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
 /// Reports an error if some of the output could not be written.
 ExitStatus CheckOutput(ExitStatus status) {
   const auto fault = cdb::terminal::FinishOutput();
   if (!fault) return status;
   cdb::terminal::Say(fmt::format(
       "cdb: cannot write standard output: {}; what was printed is not complete\n", *fault));
-  return ExitStatus::kWorld;
+  return ExitStatus::kEnvironmentError;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   KeepStandardDescriptors();
+  KeepSignals();
   // A write beyond the limit on the size of files must fail with an error and a message, not end
   // the program.
   std::signal(SIGXFSZ, SIG_IGN);

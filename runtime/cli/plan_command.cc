@@ -100,7 +100,7 @@ options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string&
   }
   if (!found)
     throw options::CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
-  return good ? options::ExitStatus::kGood : options::ExitStatus::kScenario;
+  return good ? options::ExitStatus::kGood : options::ExitStatus::kScenarioError;
 }
 
 /// Limit of runs in a table; a plan in YAML has them all.
@@ -202,7 +202,7 @@ options::ExitStatus PrintEstimates(const PlanArguments& arguments) {
     if (stop.requested()) return options::StoppedBy(stop.signal());
     terminal::Print(plans::EstimateText(estimate, grid.head.benchmark, arguments.jobs));
   }
-  return grids.empty() ? options::ExitStatus::kScenario : options::ExitStatus::kGood;
+  return grids.empty() ? options::ExitStatus::kScenarioError : options::ExitStatus::kGood;
 }
 
 options::ExitStatus PrintPlans(const PlanArguments& arguments) {
@@ -216,12 +216,12 @@ options::ExitStatus PrintPlans(const PlanArguments& arguments) {
   if (arguments.why) {
     const auto plans = options::LoadPlans(file, arguments.benchmark, options::LintText::kOneLine,
                                           arguments.plugins);
-    return plans.empty() ? options::ExitStatus::kScenario : Why(plans, arguments.only);
+    return plans.empty() ? options::ExitStatus::kScenarioError : Why(plans, arguments.only);
   }
   if (options::IsPlanFile(arguments.file)) return PrintPlanFile(arguments);
   const auto grids =
       options::LoadGrids(file, arguments.benchmark, options::LintText::kOneLine, arguments.plugins);
-  if (grids.empty()) return options::ExitStatus::kScenario;
+  if (grids.empty()) return options::ExitStatus::kScenarioError;
   if (arguments.out.empty()) {
     std::vector<std::string> tables;
     for (const grid::Grid& grid : grids) tables.push_back(PlanTable(grid));

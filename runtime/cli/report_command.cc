@@ -61,7 +61,7 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   files::WriteWhole(page, PageName(arguments));
   terminal::Print(fmt::format("{}: {}; open it in a browser\n", PageName(arguments),
                               measure::BytesText(static_cast<double>(page.size()))));
-  return bad_cells > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return bad_cells > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 void DeclareReport(options::Subcommand& command) {

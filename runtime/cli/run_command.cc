@@ -140,7 +140,7 @@ options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
     terminal::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
                                 schedule::Describe(end.summary), out.string(),
                                 end.shards.string()));
-  return end.summary.HasBadRuns() ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return end.summary.HasBadRuns() ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 /// Runs that execute side by side slow each other down, which falsifies their times.
@@ -181,7 +181,7 @@ options::ExitStatus Run(const RunArguments& arguments) {
                       arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine,
                       arguments.plugins);
   }
-  if (plans.empty()) return options::ExitStatus::kScenario;
+  if (plans.empty()) return options::ExitStatus::kScenarioError;
   CheckJobs(arguments, plans);
   if (until)
     for (const plans::SizedPlan& sized : plans) plans::CheckUntil(sized.plan);

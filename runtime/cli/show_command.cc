@@ -134,8 +134,8 @@ options::ExitStatus Show(const ShowArguments& arguments) {
   store::ResultFile file(arguments.file);
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
-  (arguments.json || arguments.csv ? terminal::PrintExact : terminal::Print)(shown.text);
-  return shown.bad_count > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);
+  return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 void DeclareShow(options::Subcommand& command) {

@@ -70,7 +70,7 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
     const std::string file = fmt::format("{}/{}", kSuite, name);
     // No lints: these scenarios use such numbers on purpose.
     const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
-    if (loaded.empty()) return options::ExitStatus::kScenario;
+    if (loaded.empty()) return options::ExitStatus::kScenarioError;
     for (const plan::Plan& plan : loaded)
       plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
                                       "precision", arguments.precisions));

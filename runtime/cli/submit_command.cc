@@ -186,7 +186,7 @@ class Submitter {
         arguments_.quiet ? options::LintText::kNone : options::LintText::kOneLine;
     auto plans =
         plans::LoadSizedPlans(arguments_.file, arguments_.benchmark, lints, arguments_.plugins);
-    if (plans.empty()) return options::ExitStatus::kScenario;
+    if (plans.empty()) return options::ExitStatus::kScenarioError;
     if (!arguments_.is_dry) cluster::RequireSlurm();
     std::vector<Target> targets;
     for (plans::SizedPlan& sized : plans) {
@@ -355,7 +355,7 @@ class Submitter {
                    has_result ? std::max(not_again,
                                          plans::CountMissing(store::ResultFile(target.out), plan))
                               : plan.RunCount());
-        return options::ExitStatus::kWorld;
+        return options::ExitStatus::kEnvironmentError;
       }
       // Runs that the merge job has merged, if it ran, and any that came later.
       plans::MergeOnto(plan, {target.shards}, target.out);
@@ -364,7 +364,7 @@ class Submitter {
       if (missing > 0) {
         SayMissing(target, submission, missing);
         return std::max(plans::ShowResult(target.out, arguments_.quiet),
-                        options::ExitStatus::kWorld);
+                        options::ExitStatus::kEnvironmentError);
       }
     }
     plans::RemoveMergedRuns(plan, target.shards, lock, /*is_quiet=*/true);

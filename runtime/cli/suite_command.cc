@@ -117,7 +117,7 @@ options::ExitStatus Show(const SuiteArguments& arguments) {
         0);
   text += page + "\n";
   if (!arguments.quiet) terminal::Print(text);
-  return HasBadRuns(read) ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return HasBadRuns(read) ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 options::ExitStatus RunSuite(const SuiteArguments& arguments) {
@@ -161,7 +161,7 @@ options::ExitStatus Check(const fs::path& folder) {
   for (const StandardScene& scene : figures::StandardScenes())
     if (const fs::path file = folder / scene.ResultName(); fs::exists(file, error))
       status = std::max(status, CheckStored(file.string()));
-  if (status == options::ExitStatus::kWorld) return status;
+  if (status == options::ExitStatus::kEnvironmentError) return status;
   const plans::SuiteFolder read = plans::ReadSuiteFolder(folder);
   const plans::SuiteFaults made = plans::CheckSuite(read, folder);
   std::string text = "\n";
@@ -172,7 +172,7 @@ options::ExitStatus Check(const fs::path& folder) {
               : "\nNot complete and comparable:\n";
   for (const std::string& fault : made.faults) text += terminal::Wrapped(fault, 2);
   terminal::Print(text);
-  return made.faults.empty() ? options::ExitStatus::kGood : options::ExitStatus::kRuns;
+  return made.faults.empty() ? options::ExitStatus::kGood : options::ExitStatus::kFailedRuns;
 }
 
 options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
@@ -207,7 +207,7 @@ options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
                         });
   return disagrees  ? options::ExitStatus::kWorse
          : is_whole ? options::ExitStatus::kGood
-                    : options::ExitStatus::kRuns;
+                    : options::ExitStatus::kFailedRuns;
 }
 
 options::ExitStatus Suite(const SuiteArguments& arguments) {

@@ -44,7 +44,7 @@ class Tracer {
         stop_(stop),
         launcher_(process::FindWorkers(plan), 1, &stop) {}
 
-  /// ExitStatus::kRuns for a failed run; no file is written for it.
+  /// ExitStatus::kFailedRuns for a failed run; no file is written for it.
   options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     files::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
@@ -61,7 +61,7 @@ class Tracer {
     if (ending->result.status != store::Status::kDone) {
       terminal::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
                                 store::StatusName(ending->result.status), ending->result.message));
-      return options::ExitStatus::kRuns;
+      return options::ExitStatus::kFailedRuns;
     }
     const measure::TraceMemory trace = measure::TraceOf(run.scene, *ending->recording);
     const store::TraceOrigin origin = {plan_.benchmark,
@@ -103,7 +103,7 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
   auto plans = options::LoadPlans(
       arguments.file, arguments.benchmark,
       arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine, arguments.plugins);
-  if (plans.empty()) return options::ExitStatus::kScenario;
+  if (plans.empty()) return options::ExitStatus::kScenarioError;
   process::StopFlag stop;
   const process::StopOnSignals signals(stop);
   options::ExitStatus status = options::ExitStatus::kGood;

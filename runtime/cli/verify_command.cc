@@ -45,7 +45,7 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
   const auto plans =
       options::LoadPlans(arguments.file, arguments.benchmark, options::LintText::kNone,
                          arguments.plugins, &options.plugins);
-  if (plans.empty()) return options::ExitStatus::kScenario;
+  if (plans.empty()) return options::ExitStatus::kScenarioError;
   if (!options.WantsAll()) options::CheckWords("detector", options.detectors, options.plugins);
   std::vector<plans::VerifyPlan> verified;
   for (const plan::Plan& plan : plans) verified.push_back(plans::MakeVerifyPlan(plan, options));
@@ -62,7 +62,7 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
     WritePlan(one.plan, plan_file);
     const printers::VerifyText text = printers::VerifyTable(store::ResultFile(out), one.left_out);
     terminal::Print(text.text + "\n");
-    if (!text.is_good) status = options::ExitStatus::kRuns;
+    if (!text.is_good) status = options::ExitStatus::kFailedRuns;
   }
   return status;
 }

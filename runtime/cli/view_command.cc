@@ -208,7 +208,7 @@ options::ExitStatus View(const ViewArguments& arguments) {
     if (IsResults(file)) {
       ViewResults(file, arguments, choice, viewed);
     } else if (!ViewScenario(file, arguments, viewed)) {
-      return options::ExitStatus::kScenario;
+      return options::ExitStatus::kScenarioError;
     }
   }
   for (const AxisSelection& selection : ParseAll(arguments.select))

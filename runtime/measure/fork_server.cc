@@ -132,12 +132,17 @@ std::vector<std::string> ArgumentsOf(const Received& request) {
   return arguments;
 }
 
-/// Limits heap, anonymous mappings and stacks of threads. False if the limit cannot be set.
+/// Limits heap, anonymous mappings and stacks of threads, and each file, which may be one in
+/// memory. False if a limit cannot be set.
 bool LimitMemory(std::uint64_t bytes) {
-  rlimit limit = {};
-  if (getrlimit(RLIMIT_DATA, &limit) != 0) return false;
-  limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(limit.rlim_max, bytes);
-  return setrlimit(RLIMIT_DATA, &limit) == 0;
+  signal(SIGXFSZ, SIG_IGN);  // so that a write beyond the limit fails
+  for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE}) {
+    rlimit limit = {};
+    if (getrlimit(resource, &limit) != 0) return false;
+    limit.rlim_cur = limit.rlim_max = std::min<rlim_t>(limit.rlim_max, bytes);
+    if (setrlimit(resource, &limit) != 0) return false;
+  }
+  return true;
 }
 
 [[noreturn]] void BeWorker(const Received& request, pid_t runner,

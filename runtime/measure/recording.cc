@@ -107,6 +107,8 @@ Recording Recording::Open(int fd, const plan::Scene& scene) {
   if (recording.header().magic != RecordingHeader::kMagic ||
       recording.header().bytes != recording.bytes_)
     throw std::runtime_error("the recording does not belong to this run");
+  // The mapping is enough, and the code of a plug-in needs no descriptor of it.
+  close(std::exchange(recording.fd_, -1));
   return recording;
 }
 

@@ -77,7 +77,7 @@ class Recording {
   /// std::system_error.
   static Recording Create(const plan::Scene& scene);
   /// Worker: maps the runner's memory and touches every page, so that no cycle includes a page
-  /// fault. Throws std::runtime_error if the memory is not a recording of this scene.
+  /// fault. Closes `fd`. Throws std::runtime_error if the memory is not a recording of this scene.
   static Recording Open(int fd, const plan::Scene& scene);
 
   Recording(Recording&& other) noexcept;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "dsl/text/utf8.h"
+
 namespace cdb::page {
 namespace {
 
@@ -45,8 +47,8 @@ std::string Assemble(const Template& page, std::string_view title, std::string_v
     throw PageError(
         "this cdb was built without pages, for which npm was missing: install it (as root "
         "`apt-get install npm`) and run ./setup again");
-  return fmt::format("{}{}{}{}{}", page.before_title, EscapeHtml(title), page.before_data,
-                     EscapeJson(json), page.after_data);
+  return fmt::format("{}{}{}{}{}", page.before_title, EscapeHtml(text::Printable(title)),
+                     page.before_data, EscapeJson(text::PrintableJson(json)), page.after_data);
 }
 
 }  // namespace cdb::page

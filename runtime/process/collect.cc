@@ -17,6 +17,7 @@
 #include "runtime/measure/bytes_text.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/process.h"
+#include "runtime/store/examine.h"
 
 namespace cdb::process {
 namespace {
@@ -27,6 +28,8 @@ std::string LinesOf(std::string text) {
       text, [](unsigned char c) { return c < 0x7f && (c >= ' ' || c == '\n'); });
   return is_text ? text : std::string();
 }
+
+bool IsHexDigit(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
 
 std::string CrashText(const ProcessEnd& end, std::string_view trouble, const std::string& where) {
   std::string text(trouble);
@@ -161,6 +164,29 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
   }
 }
 
+/// A recording is memory that the code of a plug-in can write, and a clock can be broken: values
+/// that no run can have must not reach the results, which could then not be read.
+void DropIfImpossible(std::uint64_t cycles, store::RunResult& result) {
+  std::string fault = store::FindFault(result, cycles);
+  if (fault.empty() && !std::ranges::all_of(result.state_hash, IsHexDigit))
+    fault = "its state hash is none";
+  if (fault.empty()) return;
+  const std::string why = fmt::format(
+      "what it recorded cannot be and was dropped: {}; a plug-in wrote into it, or the "
+      "clock went backwards",
+      fault);
+  if (result.status == store::Status::kDone) {
+    result.status = store::Status::kFailed;
+    result.message = why;
+  } else {
+    result.message += "; " + why;
+  }
+  result.n_cycles = 0;
+  result.state_hash.clear();
+  result.scalars = {};
+  result.contacts.clear();
+}
+
 }  // namespace
 
 store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::Recording& recording,
@@ -175,6 +201,17 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
 
   const bool has_exited = HasExited(end);
   SetStatus(run, end, header, reported, result);
+  const auto text = [has_exited](const auto& shared) {
+    return has_exited ? text::Printable(shared.str()) : LinesOf(shared.str());
+  };
+  result.omitted = text(header.omitted);
+  result.decisions = text(header.decisions);
+  result.models = text(header.models);
+  result.scalars = header.scalars;
+  for (const measure::Series& series : measure::AllSeries())
+    if (const auto bytes = recording.Bytes(series); !bytes.empty())
+      result.series.emplace_back(&series, bytes);
+  DropIfImpossible(cycles, result);
   if (result.status != store::Status::kFailed) {
     const measure::Verdict ending =
         result.status == store::Status::kTimedOut  ? measure::Verdict::kTimedOut
@@ -185,16 +222,6 @@ store::RunResult Collect(const plan::Run& run, const ProcessEnd& end, measure::R
   if (result.status != store::Status::kDone)
     ClearUnfinished(recording, measure::ExtentsOf(run.scene), result.n_cycles);
 
-  const auto text = [has_exited](const auto& shared) {
-    return has_exited ? shared.str() : LinesOf(shared.str());
-  };
-  result.omitted = text(header.omitted);
-  result.decisions = text(header.decisions);
-  result.models = text(header.models);
-  result.scalars = header.scalars;
-  for (const measure::Series& series : measure::AllSeries())
-    if (const auto bytes = recording.Bytes(series); !bytes.empty())
-      result.series.emplace_back(&series, bytes);
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/recording.h"
 #include "runtime/process/launcher.h"
 
@@ -35,6 +36,15 @@ void FailToStart(std::string_view what, int error) {
 Descriptor MemoryFile(const char* name) {
   Descriptor fd(memfd_create(name, MFD_CLOEXEC));
   if (fd.get() < 0) FailToStart("no memory to start a run", errno);
+  return fd;
+}
+
+Descriptor SealedFile(const char* name, std::string_view content) {
+  Descriptor fd(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING));
+  if (fd.get() < 0 || !measure::TryWriteAll(fd.get(), std::as_bytes(std::span(content))) ||
+      lseek(fd.get(), 0, SEEK_SET) != 0 ||
+      fcntl(fd.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) != 0)
+    FailToStart("no memory to start a run", errno);
   return fd;
 }
 

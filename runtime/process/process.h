@@ -20,6 +20,9 @@ using plan::Descriptor;
 /// An anonymous file. Throws ScheduleError.
 Descriptor MemoryFile(const char* name);
 
+/// An anonymous file with this content, which nobody can change. Throws ScheduleError.
+Descriptor SealedFile(const char* name, std::string_view content);
+
 /// A descriptor that becomes readable when the process has ended. Throws ScheduleError.
 Descriptor WatchProcess(pid_t pid);
 

@@ -22,7 +22,6 @@
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
 #include "runtime/machine/host.h"
-#include "runtime/measure/file_descriptor_io.h"
 #include "runtime/measure/plugin_call.h"
 #include "runtime/process/collect.h"
 #include "runtime/process/process.h"
@@ -32,15 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC
-
-Descriptor RunFile(const std::string& text) {
-  Descriptor fd = MemoryFile("cdb-run");
-  // A worker reads from the start: pwrite does not move the shared offset.
-  const ssize_t written = pwrite(fd.get(), text.data(), text.size(), 0);
-  if (written != static_cast<ssize_t>(text.size()))
-    FailToStart("no memory to start a run", written < 0 ? errno : ENOSPC);
-  return fd;
-}
 
 /// While it lives, new processes start on `cpu`. A child inherits the setting, so it never runs
 /// elsewhere.
@@ -95,9 +85,7 @@ std::optional<Descriptor> PosesFile(const plan::Scene& scene) {
   try {
     const std::string packed = layouts::PackPoses(scene);
     if (packed.empty()) return std::nullopt;
-    Descriptor fd = MemoryFile("cdb-poses");
-    measure::WriteAll(fd.get(), packed);
-    return fd;
+    return SealedFile("cdb-poses", packed);
   } catch (const library::SceneError& error) {
     throw ScheduleError(error.what());
   }
@@ -312,7 +300,7 @@ void ProcessLauncher::Launch(Worker& worker, const std::vector<std::string>& arg
 bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>& arguments) {
   const plan::Scene& scene = worker.run->scene;
   worker.contacts = MemoryFile("cdb-contacts");
-  const Descriptor text = RunFile(text_.YamlOf(*worker.run));
+  const Descriptor text = SealedFile("cdb-run", text_.YamlOf(*worker.run));
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) FailToStart("no descriptor to start a run", errno);
   worker.errors = Descriptor(ends[0]);

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -44,12 +46,13 @@ void ExpectArray(const hdf5::File& file, const std::string& path, hdf5::Type typ
   throw hdf5::Error(fmt::format("{} holds {}, {}", array, value, why));
 }
 
-void CheckSeriesValues(const measure::Series& series, std::span<const double> values) {
+template <typename T>
+void CheckSeriesValues(const measure::Series& series, std::span<const T> values) {
   if (series.type == measure::SeriesType::kInt32) {
-    for (const double value : values)
+    for (const T value : values)
       if (value < -1) RefuseValue(series.name, value, "which is no count");
   } else if (series.name == "duration") {
-    for (const double value : values)
+    for (const T value : values)
       if (value < 0 || value > kMostMeasured)
         RefuseValue(series.name, value, "which is no duration");
   }
@@ -69,6 +72,28 @@ void CheckNumberValues(const RunNumber& number, std::span<const double> values,
   for (const double value : values)
     if (value < low || value > high)
       RefuseValue(number.name, value, fmt::format("and has values from {} to {}", low, high));
+}
+
+/// A run that is done has a time for each step, and the number of its pairs.
+void CheckNoneMissing(const measure::Series& series, std::span<const double> reals,
+                      std::span<const std::int32_t> ints, std::uint64_t cycles) {
+  const auto refuse = [&](auto at) {
+    throw hdf5::Error(fmt::format("{} has no value in cycle {}", series.name, at));
+  };
+  if (series.name == "duration") {
+    const auto step = reals.subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
+    const auto none = std::ranges::find_if(step, [](double value) { return std::isnan(value); });
+    if (none != step.end()) refuse(none - step.begin());
+  } else if (series.name == "pairs") {
+    const auto none = std::ranges::find(ints, -1);
+    if (none != ints.end()) refuse(none - ints.begin());
+  }
+}
+
+void CheckContact(const measure::ContactRecord& contact) {
+  for (const double body : {contact.body_a, contact.body_b})
+    if (!(body >= 0 && body <= std::numeric_limits<std::int32_t>::max()))
+      RefuseValue("contact_body", body, "which is no body");
 }
 
 using VisitPiece = std::function<void(const std::string&, std::span<const double>)>;
@@ -130,6 +155,27 @@ void CheckValues(std::string_view array, std::span<const double> values,
     return CheckSeriesValues(*series, values);
   const auto number = std::ranges::find(RunNumbers(), array, &RunNumber::name);
   if (number != RunNumbers().end()) CheckNumberValues(*number, values, extents);
+}
+
+std::string FindFault(const RunResult& result, std::uint64_t cycles) {
+  try {
+    for (const auto& [series, bytes] : result.series) {
+      const bool is_int = series->type == measure::SeriesType::kInt32;
+      const std::span reals(reinterpret_cast<const double*>(bytes.data()),
+                            is_int ? 0 : bytes.size() / sizeof(double));
+      const std::span ints(reinterpret_cast<const std::int32_t*>(bytes.data()),
+                           is_int ? bytes.size() / sizeof(std::int32_t) : 0);
+      CheckSeriesValues(*series, reals);
+      CheckSeriesValues(*series, ints);
+      if (result.status == Status::kDone) CheckNoneMissing(*series, reals, ints, cycles);
+    }
+    for (const RunNumber& number : RunNumbers())
+      CheckNumberValues(number, std::array{number.get(result)}, {0, {}, cycles});
+    std::ranges::for_each(result.contacts, CheckContact);
+  } catch (const hdf5::Error& error) {
+    return error.what();
+  }
+  return {};
 }
 
 void ReadEverything(const hdf5::File& file, const VisitPiece& visit) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "runtime/store/hdf5/file.h"
+#include "runtime/store/store.h"
 
 namespace cdb::store {
 
@@ -27,6 +28,10 @@ void CheckArrays(const hdf5::File& file, const FileExtents& extents);
 /// status, and more cycles than exist. NaN means no value.
 void CheckValues(std::string_view array, std::span<const double> values,
                  const FileExtents& extents);
+
+/// Why the values of a run of `cycles` cycles cannot be those of a run: CheckValues, and in a run
+/// that is done no cycle without times or pairs that were to be recorded. Empty if they can.
+std::string FindFault(const RunResult& result, std::uint64_t cycles);
 
 /// Reads all text and all numbers. `visit` receives the numbers piece by piece, with the path of
 /// their array in the file.

@@ -9,12 +9,16 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
 #include "runtime/store/layout.h"
+#include "runtime/store/proof.h"
 #include "runtime/store/run_facts.h"
+#include "runtime/store/store.h"
 #include "runtime/store/versions.h"
 
 namespace cdb::store {
 namespace {
 
+/// Nullopt for a plan in the short form, which only a compiler can read, and for one that this
+/// version does not read.
 std::optional<plan::Plan> ReadListedPlan(const std::string& text) {
   try {
     if (yaml::FindShortPlan(text, "plan_text")) return std::nullopt;
@@ -49,20 +53,11 @@ std::uint64_t RowsOfContacts(const hdf5::File& file) {
   return file.Has("contact_row") ? hdf5::Product(file.OpenDataset("contact_row").shape()) : 0;
 }
 
-}  // namespace
-
-void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
-                      const std::string& plan_text) {
-  if (extents.version != kSchemaVersion) return;
-  const auto plan = ReadListedPlan(plan_text);
-  if (!plan) return;
-  const PlanFacts facts(*plan);
-  if (facts.sha256 != file.Text("plan_sha256"))
-    throw hdf5::Error("its plan is not the one that its plan_sha256 names");
-  const Layout layout = MakeLayout(*plan, facts, RowsOfContacts(file));
+void CheckLayout(const hdf5::File& file, const FileExtents& extents, const plan::Plan& plan) {
+  const PlanFacts facts(plan);
+  const Layout layout = MakeLayout(plan, facts, RowsOfContacts(file));
   if (layout.grid != extents.grid || facts.cycles != extents.cycles)
     throw hdf5::Error("its axes are not as long as its plan has them");
-  for (const plan::Axis& axis : plan->axes) CheckCoordinates(file, axis);
   for (const Dimension& dimension : layout.dimensions)
     CheckIsAs(file, dimension.name, dimension.type, {dimension.size});
   for (const Array& array : layout.arrays) CheckIsAs(file, array.name, array.type, array.shape);
@@ -70,6 +65,42 @@ void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
       std::ranges::find(layout.arrays, "duration", &Array::name) != layout.arrays.end();
   if (has_durations && !file.Has("duration"))
     throw hdf5::Error("it lacks the durations that its plan records");
+}
+
+void CheckRuns(const hdf5::File& file, const FileExtents& extents, const plan::Plan& plan) {
+  const std::vector<double> statuses = file.OpenDataset("status").Read();
+  const std::vector<std::string> ids =
+      file.OpenDataset(PathIn(extents.version, "run/run_id")).ReadText();
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    std::size_t cell = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) cell = cell * extents.grid[i] + at[i];
+    cell = cell * extents.grid.back() + rep;
+    if (statuses.at(cell) == static_cast<double>(Status::kSkipped))
+      throw hdf5::Error(fmt::format("the run {} of its plan is marked as skipped", id));
+    if (ids.at(cell) != id)
+      throw hdf5::Error(fmt::format("it holds the run {} where its plan has {}", ids[cell], id));
+  });
+}
+
+}  // namespace
+
+void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents, const plan::Plan& plan) {
+  if (plan.Sha256() != file.Text("plan_sha256"))
+    throw hdf5::Error("its plan is not the one that its plan_sha256 names");
+  if (extents.grid.size() != plan.axes.size() + 1 || extents.grid.back() != plan.repeats)
+    throw hdf5::Error("its axes are not those of its plan");
+  if (extents.version == kSchemaVersion) CheckLayout(file, extents, plan);
+  for (const plan::Axis& axis : plan.axes) CheckCoordinates(file, axis);
+  CheckRuns(file, extents, plan);
+}
+
+void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
+                      const std::string& plan_text) {
+  // Earlier versions, which wrote no digest, had files without a plan.
+  if (plan_text.empty() && !file.Text(kDigestAttribute).empty())
+    throw hdf5::Error("it holds no plan");
+  if (extents.version != kSchemaVersion) return;
+  if (const auto plan = ReadListedPlan(plan_text)) CheckAgainstPlan(file, extents, *plan);
 }
 
 }  // namespace cdb::store

@@ -3,14 +3,20 @@
 
 #include <string>
 
+#include "compiler/plan/plan.h"
 #include "runtime/store/examine.h"
 #include "runtime/store/hdf5/file.h"
 
 namespace cdb::store {
 
-/// Checks that axes, repeats, and type and shape of every array are those required by `plan_text`,
-/// and that durations are present if it records any. A plan in the short form, or in a format that
-/// this version does not read, is not checked. Throws hdf5::Error, which names the difference.
+/// Checks that axes, repeats, type and shape of every array, and the run of every cell are those of
+/// `plan`, and that durations are present if it records any. Throws hdf5::Error, which names the
+/// difference.
+void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents, const plan::Plan& plan);
+
+/// The same with the plan of the file, which a file with a digest must have. Files of an earlier
+/// version, and plans in the short form or in a format that this version does not read, are not
+/// checked.
 void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
                       const std::string& plan_text);
 

@@ -262,6 +262,14 @@ ResultFile::ResultFile(ResultFile&&) noexcept = default;
 ResultFile::~ResultFile() = default;
 
 bool ResultFile::has_digest() const { return impl_->has_digest; }
+void ResultFile::CheckIsOf(const plan::Plan& plan) const {
+  try {
+    CheckAgainstPlan(impl_->file, impl_->extents(), plan);
+  } catch (const hdf5::Error& error) {
+    throw files::StoreError(fmt::format("{}: is damaged: {}; it was left as it is: {}", impl_->name,
+                                        error.what(), kResultRemedy));
+  }
+}
 const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }

@@ -99,6 +99,9 @@ class ResultFile {
 
   /// False for files of versions of cdb that wrote no digest.
   bool has_digest() const;
+  /// Throws StoreError if the file is not as results of its plan are. The constructor has checked
+  /// it with a plan that lists its runs; for one in the short form, call it before Select.
+  void CheckIsOf(const plan::Plan& plan) const;
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;

@@ -24,6 +24,8 @@ void NoteError(bool has_failed) {
 
 void Print(std::string_view text) { PrintExact(text::Printable(text)); }
 
+void PrintJson(std::string_view json) { PrintExact(text::PrintableJson(json)); }
+
 void PrintExact(std::string_view text) {
   NoteError(std::fwrite(text.data(), 1, text.size(), stdout) != text.size());
 }

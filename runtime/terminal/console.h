@@ -12,8 +12,9 @@ namespace cdb::terminal {
 
 /// Prints the requested output as text, to standard output.
 void Print(std::string_view text);
-/// Prints unchanged bytes: for formats with rules of their own (JSON, CSV, YAML, manual pages,
-/// scenarios).
+/// Prints JSON (text::PrintableJson).
+void PrintJson(std::string_view json);
+/// Prints unchanged bytes: for formats with rules of their own (YAML, manual pages, scenarios).
 void PrintExact(std::string_view text);
 /// Prints everything else to standard error.
 void Say(std::string_view text);

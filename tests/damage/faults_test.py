@@ -45,6 +45,8 @@ SCENARIO = """benchmark s {
 """
 # The second of the three runs always fails.
 FAILS = "benchmark f { cycles 3; world.side 500; acceleration (0, sweep(0, -1e39, -1) as g, 0) }\n"
+# No interval is that narrow, so that all repeats are run, in several rounds.
+UNTIL = "benchmark u { cycles 3; world.side 200; repeats 7; objects { quantity sweep(2, 3); size 20 } }\n"
 TRACED = "benchmark t { cycles 3; world.side 200; objects { quantity 3; size 20 } }\n"
 # The files present before, the command, its result, and the folder of runs that it leaves after success.
 COMMANDS = {
@@ -52,6 +54,7 @@ COMMANDS = {
     "go on": ("half", ["run", "s.cdb", "-q", "-o", "out.h5"], None),
     "fresh": ("done", ["run", "s.cdb", "-q", "-o", "out.h5", "--fresh"], None),
     "retry": ("failed", ["run", "f.cdb", "-q", "-o", "out.h5", "--retry", "failed"], None),
+    "until": ("new", ["run", "u.cdb", "-q", "-o", "out.h5", "--until", "0.001%"], None),
     "merge": ("all", ["merge", "-o", "out.h5", "out.runs"], "out.runs"),
     "merge --remove": ("all", ["merge", "-o", "out.h5", "out.runs", "--remove"], None),
     "trace": ("new", ["trace", "t.cdb", "-q", "-o", "out.h5"], None),
@@ -113,7 +116,7 @@ def outcome(path):
 class Cases:
     def __init__(self, cdb, place):
         self.cdb, self.place = cdb, place
-        for name, text in (("s", SCENARIO), ("f", FAILS), ("t", TRACED)):
+        for name, text in (("s", SCENARIO), ("f", FAILS), ("u", UNTIL), ("t", TRACED)):
             (place / f"{name}.cdb").write_text(text, encoding="utf-8")
         self.before, self.points, self.expected = {}, {}, {}
         for start, commands in {
@@ -121,7 +124,7 @@ class Cases:
                 "all": [["run", "s.cdb", "--shard", part] for part in ("1/2", "2/2")]}.items():
             self.before[start] = place / f"before-{start}"
             self.before[start].mkdir()
-            for file in ("s.cdb", "f.cdb", "t.cdb"):
+            for file in ("s.cdb", "f.cdb", "u.cdb", "t.cdb"):
                 shutil.copy(place / file, self.before[start])
             for words in commands:
                 status, said = call([cdb, *words, "-q", "-o", "out.h5"], self.before[start])
@@ -183,7 +186,7 @@ class Cases:
             lost = [run for run, start in known.items() if now.get(run) != start]
             if lost:
                 faults.append(("lost", f"{len(lost)} of {len(known)} finished runs"))
-        there = {path.name for path in folder.iterdir()} - {"out.h5", "s.cdb", "f.cdb", "t.cdb", leaves}
+        there = {path.name for path in folder.iterdir()} - {"out.h5", "s.cdb", "f.cdb", "u.cdb", "t.cdb", leaves}
         if there:
             faults.append(("left over", " ".join(sorted(there))))
         shutil.rmtree(folder)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsl/render.h"
+#include "dsl/text/utf8.h"
 
 namespace cdb::tests {
 using namespace dsl;
@@ -14,6 +15,13 @@ namespace {
 
 constexpr dsl::DiagnosticKind kError{"E0001", "some-error"};
 constexpr dsl::DiagnosticKind kWarning{"W0001", "some-warning"};
+
+TEST(Printable, LeavesNoControlsAndNoMarksOfDirection) {
+  const std::string text = "a\x1b[31m\x7f\u0085\u202e\u2066\u061c\u00e9\xff\n";
+  EXPECT_EQ(text::Printable(text), "a?[31m???????????\u00e9?\n");
+  EXPECT_EQ(text::PrintableJson("\"a\\u001b\x7f\u0085\u202e\u2066\u061c\u00e9\"\n"),
+            "\"a\\u001b\\u007f\\u0085\\u202e\\u2066\\u061c\u00e9\"\n");
+}
 
 TEST(DidYouMean, SlipsOfTheHand) {
   const std::vector<std::string_view> types{"sphere", "cuboid", "cylinder", "cone", "bunny"};

@@ -17,9 +17,9 @@ namespace cdb::tests {
 namespace {
 
 const std::vector<std::string> kRefused = {
-    "opens_a_socket",     "makes_a_file",      "writes_a_file",    "removes_a_file",
-    "changes_rights",     "executes",          "starts_a_process", "leaves_its_group",
-    "signals_the_runner", "traces_the_runner", "raises_its_limits"};
+    "opens_a_socket",     "makes_a_file",      "writes_a_file",     "removes_a_file",
+    "changes_rights",     "executes",          "starts_a_process",  "leaves_its_group",
+    "signals_the_runner", "traces_the_runner", "raises_its_limits", "shares_memory"};
 
 std::string HostileRun(const std::string& statements) {
   return fmt::format(
@@ -78,6 +78,22 @@ TEST(Confinement, DamageOfTheHeapIsFound) {
   EXPECT_TRUE(Has(ends.at("crashes_in_its_destructor").message,
                   "destroying detector `crashes_in_its_destructor`"))
       << ends.at("crashes_in_its_destructor").message;
+}
+
+TEST(Confinement, ItsRecordingIsCheckedAndHasNoDescriptor) {
+  const Program program;
+  program.Write("b.cdb", HostileRun("record timing, counts, stability; detector sweep(dbvt, "
+                                    "holds_descriptors, overwrites_its_recording)"));
+  for (const char* how : {"", "CDB_UNCONFINED_PLUGINS=1 "}) {
+    EXPECT_EQ(program.Shell(std::string(how) + "\"$CDB\" run b.cdb -q --fresh").status, 3) << how;
+    const auto ends = Ends(program.folder() / "b.h5");
+    EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
+    EXPECT_EQ(ends.at("holds_descriptors").status, store::Status::kDone)
+        << ends.at("holds_descriptors").message;
+    EXPECT_EQ(ends.at("overwrites_its_recording").status, store::Status::kFailed);
+    EXPECT_TRUE(Has(ends.at("overwrites_its_recording").message, "has no value in cycle 0"))
+        << ends.at("overwrites_its_recording").message;
+  }
 }
 
 TEST(MemoryLimit, EndsTheRunThatExceedsItAndNoOther) {

@@ -2,6 +2,7 @@
 // If the attempt is not denied, the run fails with the word `allowed`.
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -10,13 +11,16 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "library/detectors/detector.h"
+#include "runtime/measure/recording.h"
 #include "tests/plugins/every_pair.h"
 
 namespace {
@@ -55,6 +59,14 @@ bool StartsAProcess() {
 bool LeavesItsGroup() { return setsid() > 0 || setpgid(0, getpgid(getppid())) == 0; }
 bool SignalsTheRunner() { return kill(getppid(), 0) == 0 || kill(-1, 0) == 0; }
 bool TracesTheRunner() { return ptrace(PTRACE_SEIZE, getppid(), nullptr, nullptr) == 0; }
+/// Memory that does not count towards the limit.
+bool SharesMemory() {
+  const auto maps = [](int flags) {
+    return mmap(nullptr, 1 << 20, PROT_READ | PROT_WRITE, flags | MAP_ANONYMOUS, -1, 0) !=
+           MAP_FAILED;
+  };
+  return memfd_create("escaped", 0) >= 0 || maps(MAP_SHARED) || maps(MAP_PRIVATE | MAP_GROWSDOWN);
+}
 bool RaisesItsLimits() {
   rlimit limit = {};
   return getrlimit(RLIMIT_NOFILE, &limit) != 0 || setrlimit(RLIMIT_NOFILE, &limit) == 0;
@@ -75,6 +87,35 @@ bool ThreadsAndReading() {
     if (sum != 499500) return true;
   return line != "as it was";
 }
+
+/// True if a descriptor of the recording is open, or one whose file can grow without being counted.
+bool HoldsDescriptors() {
+  for (int fd = 3; fd < 64; ++fd) {
+    char name[64] = {};
+    const std::string link = "/proc/self/fd/" + std::to_string(fd);
+    if (readlink(link.c_str(), name, sizeof name - 1) < 0) continue;
+    if (std::strstr(name, "cdb-recording") != nullptr) return true;
+    if (std::strstr(name, "cdb-run") != nullptr && ftruncate(fd, 1 << 20) == 0) return true;
+  }
+  return false;
+}
+
+/// Overwrites the measurements of earlier cycles in the worker's memory.
+class OverwritesItsRecording : public EveryPair {
+ public:
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    EveryPair::FindPairs(scene, pairs);
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+      if (line.find("cdb-recording") == std::string::npos) continue;
+      char* end = nullptr;
+      const auto from = std::strtoull(line.c_str(), &end, 16);
+      const auto to = std::strtoull(end + 1, nullptr, 16);
+      constexpr std::size_t kHeader = sizeof(measure::RecordingHeader);
+      std::memset(reinterpret_cast<char*>(from) + kHeader, 0xff, to - from - kHeader);
+    }
+  }
+};
 
 /// Overwrites the header of the next block of the heap.
 class WritesPastItsPairs : public EveryPair {
@@ -119,6 +160,9 @@ constexpr DetectorEntry kEntries[] = {
     {"leaves_its_group", "", kBroad, 0, Make<Tries<LeavesItsGroup>>},
     {"signals_the_runner", "", kBroad, 0, Make<Tries<SignalsTheRunner>>},
     {"traces_the_runner", "", kBroad, 0, Make<Tries<TracesTheRunner>>},
+    {"shares_memory", "", kBroad, 0, Make<Tries<SharesMemory>>},
+    {"holds_descriptors", "", kBroad, 0, Make<Tries<HoldsDescriptors>>},
+    {"overwrites_its_recording", "", kBroad, 0, Make<OverwritesItsRecording>},
     {"raises_its_limits", "", kBroad, 0, Make<Tries<RaisesItsLimits>>},
     {"threads_and_reading", "", kBroad, 0, Make<Tries<ThreadsAndReading>>},
     {"writes_past_its_pairs", "", kBroad, 0, Make<WritesPastItsPairs>},

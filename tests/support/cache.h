@@ -29,11 +29,10 @@ class TemporaryCache {
   TemporaryCache& operator=(const TemporaryCache&) = delete;
 
   const std::filesystem::path& folder() const { return folder_.path(); }
-  /// The files in it, except the secret with which they are sealed.
+  /// The files in it.
   std::vector<std::filesystem::path> Entries() const {
     std::vector<std::filesystem::path> entries;
-    for (const std::string& name : FilesIn(folder()))
-      if (name != "secret") entries.push_back(folder() / name);
+    for (const std::string& name : FilesIn(folder())) entries.push_back(folder() / name);
     return entries;
   }
 

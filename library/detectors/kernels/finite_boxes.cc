@@ -12,17 +12,17 @@ bool IsWithin(const Box& box, double reach) {
 }  // namespace
 
 void FiniteBoxes::Prepare(const Scene& scene) {
-  Part(scene);
+  UpdateBodies(scene);
   Build(scene, within_);
 }
 
 void FiniteBoxes::FindPairs(const Scene& scene, std::vector<Pair>& pairs) {
-  if (Part(scene)) Build(scene, within_);
+  if (UpdateBodies(scene)) Build(scene, within_);
   if (within_.size() > 1) ListPairs(scene, pairs);
   ListOthers(scene, pairs);
 }
 
-bool FiniteBoxes::Part(const Scene& scene) {
+bool FiniteBoxes::UpdateBodies(const Scene& scene) {
   bool is_other = is_within_.size() != scene.size;
   is_within_.resize(scene.size);
   for (Id body = 0; body < scene.size; ++body) {

@@ -33,8 +33,8 @@ class FiniteBoxes : public Detector {
   std::span<const Id> bodies() const { return within_; }
 
  private:
-  /// True if the set of bodies within reach has changed.
-  bool Part(const Scene& scene);
+  /// Finds the bodies within reach. True if they have changed.
+  bool UpdateBodies(const Scene& scene);
   void ListOthers(const Scene& scene, std::vector<Pair>& pairs) const;
 
   double reach_;

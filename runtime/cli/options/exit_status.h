@@ -8,9 +8,9 @@ namespace cdb::options {
 /// The exit status of the program. Of two, the larger one is the worse.
 enum class ExitStatus {
   kGood = 0,
-  kScenario = 1,  ///< an error in the scenario
-  kWorld = 2,     ///< environment or usage error
-  kRuns = 3,      ///< complete, but with failed runs
+  kScenarioError = 1,     ///< an error in the scenario
+  kEnvironmentError = 2,  ///< environment or usage error
+  kFailedRuns = 3,        ///< complete, but with failed runs
   kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
 };
 

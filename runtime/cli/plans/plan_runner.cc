@@ -91,7 +91,10 @@ void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) cons
 }
 
 std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
-                                                      const Precision& reached) const {
+                                                      const Precision& reached,
+                                                      std::uint64_t done) const {
+  // A stopped command had begun these repeats.
+  if (reached.missing > 0 && reached.repeats > done) return reached.repeats;
   const std::uint64_t next = NextRepeats(reached, *options_.until, plan.repeats);
   if (!options_.is_quiet)
     terminal::Say(fmt::format("{}{}\n", Describe(reached, *options_.until),
@@ -106,7 +109,7 @@ void PlanRunner::RemoveLeftovers(const plan::Plan& plan, const fs::path& folder)
   std::error_code error;
   if (!fs::exists(folder, error)) return;
   FolderLock leftovers(folder);
-  if (leftovers.TakeForMyself()) RemoveMergedRuns(plan, folder);
+  if (leftovers.TryLockAlone()) RemoveMergedRuns(plan, folder);
 }
 
 bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
@@ -123,7 +126,8 @@ std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, co
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
   const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
-  if (reached.IsWholeRound() && !HasRuns(ShardFolderOf(out))) return RepeatsAfter(plan, reached);
+  if (reached.IsWholeRound() && !HasRuns(ShardFolderOf(out)))
+    return RepeatsAfter(plan, reached, reached.repeats);
   return std::max(least, reached.repeats);
 }
 
@@ -183,9 +187,10 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     if (end.summary.signal != 0) SayStopped(sized, end);
     if (end.summary.signal != 0 || is_part) return end;
     MergeRound(plan, out, is_anew);
-    repeats = options_.until
-                  ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until))
-                  : std::nullopt;
+    repeats =
+        options_.until
+            ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until), *repeats)
+            : std::nullopt;
   }
   RemoveMergedRuns(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
@@ -241,7 +246,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   }
   if (options_.shard.count > 1) return end;
   journal::Merge(plan, provenance_, {folder}, out, out);
-  if (lock.TakeForMyself()) RemoveMergedRuns(plan, folder);
+  if (lock.TryLockAlone()) RemoveMergedRuns(plan, folder);
   end.is_merged = true;
   return end;
 }

@@ -71,9 +71,10 @@ class PlanRunner {
   std::optional<std::uint64_t> FirstRepeats(const plan::Plan& plan,
                                             const std::filesystem::path& out,
                                             bool has_results) const;
-  /// Reports the precision of the results. Returns the repeats of the next round; nullopt after the
-  /// last.
-  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached) const;
+  /// Reports the precision of the results after a round of `done` repeats. Returns the repeats of
+  /// the next round; nullopt after the last.
+  std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached,
+                                            std::uint64_t done) const;
   schedule::ExecuteOptions ExecuteOptionsFor(const plan::Plan& plan,
                                              const std::filesystem::path& folder,
                                              bool starts_over) const;

@@ -60,7 +60,7 @@ options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
     terminal::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
                               terminal::ShellWord(out.string())));
   }
-  return shown.bad_count > 0 ? options::ExitStatus::kRuns : options::ExitStatus::kGood;
+  return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 }  // namespace cdb::plans

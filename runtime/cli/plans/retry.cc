@@ -27,7 +27,7 @@ void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_com
   std::error_code error;
   if (!fs::exists(shards, error)) return;
   FolderLock lock(shards);
-  if (!lock.TakeForMyself())
+  if (!lock.TryLockAlone())
     throw options::CommandError(
         fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
   if ((!is_complete || IsMadeAnew(plan, shards)) && HasRuns(shards))

@@ -117,10 +117,10 @@ FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
 }
 
 FolderLock::~FolderLock() {
-  if (TakeForMyself()) rmdir(folder_.c_str());
+  if (TryLockAlone()) rmdir(folder_.c_str());
 }
 
-bool FolderLock::TakeForMyself() {
+bool FolderLock::TryLockAlone() {
   if (flock(fd_.get(), LOCK_EX | LOCK_NB) == 0) return true;
   // NFS may grant a shared lock on a folder that is open for reading, but never an exclusive one.
   if (errno != EWOULDBLOCK && errno != EINTR) is_known_ = false;
@@ -147,7 +147,7 @@ void RemoveMergedRuns(const plan::Plan& plan, const fs::path& folder) {
 
 void RemoveMergedRuns(const plan::Plan& plan, const fs::path& folder, FolderLock& lock,
                       bool is_quiet) {
-  if (lock.TakeForMyself()) return RemoveMergedRuns(plan, folder);
+  if (lock.TryLockAlone()) return RemoveMergedRuns(plan, folder);
   if (!lock.is_known() && !is_quiet)
     terminal::Say(fmt::format(
         "'{}' is on a file system without locks, so that nobody can tell whether another cdb works "

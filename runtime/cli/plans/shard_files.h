@@ -43,7 +43,7 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
   /// False if another runner is at work, or the file system does not support locks.
-  bool TakeForMyself();
+  bool TryLockAlone();
   /// False if the file system does not support locks; it is then unknown whether others are at
   /// work.
   bool is_known() const { return is_known_; }

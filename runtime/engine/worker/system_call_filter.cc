@@ -5,6 +5,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -38,14 +39,12 @@ constexpr std::uint32_t kUnknown = SECCOMP_RET_ERRNO | ENOSYS;
 constexpr int kAnyCall[] = {
     // memory
     SYS_brk,
-    SYS_mmap,
     SYS_munmap,
     SYS_mremap,
     SYS_mprotect,
     SYS_madvise,
     SYS_mincore,
     SYS_msync,
-    SYS_memfd_create,
     SYS_membarrier,
     // threads
     SYS_futex,
@@ -215,6 +214,16 @@ constexpr Program AllowReading(int flags_argument) {
   return program;
 }
 
+/// Allows private memory: what is shared, or grows like a stack, does not count towards
+/// RLIMIT_DATA.
+constexpr Program AllowPrivateMemory() {
+  Program program;
+  program.LoadArgument(3);
+  program.AnswerIf(BPF_JSET, MAP_SHARED | MAP_GROWSDOWN, kRefused);
+  program.Answer(SECCOMP_RET_ALLOW);
+  return program;
+}
+
 /// Allows clone for threads, not for processes.
 constexpr Program AllowThreads() {
   Program program;
@@ -243,6 +252,7 @@ constexpr std::vector<Calls> ListCalls() {
 #ifdef __x86_64__
   calls.push_back(Call(SYS_open, AllowReading(1)));
 #endif
+  calls.push_back(Call(SYS_mmap, AllowPrivateMemory()));
   calls.push_back(Call(SYS_clone, AllowThreads()));
   calls.push_back(Call(SYS_clone3, Always(kUnknown)));
   calls.push_back(Call(SYS_prlimit64, AllowWithoutPointer(2)));

@@ -64,6 +64,11 @@ TEST(Check, JsonHasTheFieldsOfRustc) {
 TEST(Check, JsonOfAGoodFileIsEmptyAndHasEveryErrorOfABadOne) {
   const Program program;
   program.Write("good.cdb", "benchmark b { }\n");
+  program.Write("turned.cdb", "benchmark b { cycles \"\u202e\x7f\" }");
+  const std::string turned = program.Run({"check", "--json", "turned.cdb"}).out;
+  EXPECT_EQ(turned.find("\u202e"), std::string::npos) << turned;
+  EXPECT_EQ(turned.find('\x7f'), std::string::npos) << turned;
+  EXPECT_NE(turned.find("\\u202e"), std::string::npos) << turned;
   const Finished good = program.Run({"check", "--json", "good.cdb"});
   EXPECT_EQ(good.status, 0);
   EXPECT_EQ(good.out + good.err, "");
@@ -123,6 +128,59 @@ TEST(Check, AResultsFileOfAnotherPlanThanItHoldsIsDamaged) {
               std::string::npos)
         << other.err;
   }
+}
+
+TEST(Check, EveryCommandSaysTheSameOfOtherRunsThanThePlanHas) {
+  const Program program;
+  program.Write("a.cdb", "benchmark b {\n  cycles 5\n  repeats 2\n  objects.quantity 0\n}\n");
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "a.h5"}).status, 0);
+  std::string id =
+      program.Shell("\"$CDB\" plan a.cdb -o - | sed -n 's/.*\\bid: *\"*//p' | tr -d '\\n'").out;
+  id.resize(16);
+  std::string bytes = program.Read("a.h5");
+  bytes.resize(bytes.size() - sizeof(files::Seal));
+  int replaced = 0;
+  for (std::size_t at = bytes.find(id); at != std::string::npos; at = bytes.find(id, at + 1)) {
+    if (bytes.substr(at - 4, 4) == "id: ") continue;  // in the plan
+    bytes.replace(at, id.size(), "0123456789abcdef");
+    ++replaced;
+  }
+  ASSERT_GT(replaced, 0);
+  program.Write("a.h5", bytes);
+  files::AppendSeal(program.folder() / "a.h5", "a.h5");
+  for (const char* command : {"check", "show", "report"}) {
+    const Finished other = program.Run({command, "a.h5"});
+    EXPECT_EQ(other.status, 2) << command;
+    EXPECT_NE(other.err.find("it holds the run 0123456789abcdef where its plan has " + id),
+              std::string::npos)
+        << command << ": " << other.err;
+  }
+}
+
+TEST(Check, AJournalHoldsReferenceRunsToo) {
+  const Program program;
+  program.Write("a.cdb",
+                "benchmark b { cycles 5; timestep 1/60; world.side 100; objects.quantity 2\n"
+                "  accuracy { metrics position; interval 1/60; reference { timestep 1/120 } } }\n");
+  ASSERT_EQ(program.Run({"run", "a.cdb", "-q", "-o", "part.h5", "--shard", "1/2"}).status, 0);
+  const Finished check = program.Run({"check", "part.runs/runs.journal"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_NE(check.out.find("whole: a journal of "), std::string::npos) << check.out;
+}
+
+TEST(Check, AGridThatIsTooLargeIsRefusedBeforeItsValuesAreMade) {
+  const Program program;
+  const auto refuses = [&](const std::string& settings, const std::string& why) {
+    program.Write("a.cdb", "benchmark b { " + settings + " }\n");
+    // 400 MB, where the values would take more.
+    const Finished check = program.Shell("ulimit -v 400000; \"$CDB\" check a.cdb");
+    EXPECT_EQ(check.status, 1) << check.err;
+    EXPECT_NE(check.err.find(why), std::string::npos) << check.err;
+  };
+  refuses("seed sweep(1 .. 1000001)", "this range has 1000001 values");
+  refuses("seed sweep(1 .. 1000000, 1000001)", "this sweep has 1000001 values");
+  refuses("objects.quantity sweep(1 .. 101); seed sweep(1 .. 1000000)",
+          "with this sweep there are 101000000 points");
 }
 
 TEST(Check, AResultsFileIsKnownByItsContents) {

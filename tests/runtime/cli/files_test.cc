@@ -78,6 +78,19 @@ TEST(Outputs, AResultsFileCalledLikeAFolderOfRunsIsRefused) {
   EXPECT_FALSE(program.Exists("s.runs"));
 }
 
+/// What the starter of a program leaves to it.
+TEST(Inputs, IgnoredOrBlockedSignalsAndClosedDescriptorsDoNoHarm) {
+  const Program program;
+  program.Write("b.cdb", "benchmark b { cycles 3; world.side 100; objects { quantity 2 } }");
+  for (const char* how : {"trap '' CHLD", "trap '' CHLD PIPE HUP INT TERM", "exec <&- 2>&-",
+                          "umask 0", "umask 077"}) {
+    const std::string line = std::string(how) + "; \"$CDB\" run -q --fresh b.cdb >/dev/null && " +
+                             "\"$CDB\" check b.h5 >checked";
+    EXPECT_EQ(program.Shell(line).status, 0) << how;
+    EXPECT_NE(program.Read("checked").find("1 of 1 runs"), std::string::npos) << how;
+  }
+}
+
 TEST(Outputs, ALinkIsWrittenThroughAndADeviceIsRefused) {
   const Program program;
   program.Write("s.cdb", kScenario);

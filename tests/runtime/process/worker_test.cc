@@ -265,6 +265,32 @@ TEST(WorkerTest, ASpoiledRecordingDoesNoHarm) {
   EXPECT_EQ(ending.result.omitted + ending.result.decisions, "");
 }
 
+TEST(WorkerTest, WhatNoRunCanHaveRecordedIsAFailureAndDropped) {
+  PlanShape shape;
+  shape.record = {"timing", "counts", "contacts"};
+  const struct {
+    Behaviour behaviour;
+    std::string_view fault;
+  } cases[] = {{kGoesBackInTime, "duration holds -5, which is no duration"},
+               {kHasNoTime, "duration has no value in cycle 4"},
+               {kHasNoPairs, "pairs has no value in cycle 4"},
+               {kHasNoMemory, "run/peak_rss holds -1"},
+               {kHasNoHash, "its state hash is none"},
+               {kTouchesNobody, "contact_body holds -3, which is no body"}};
+  for (const auto& [behaviour, fault] : cases) {
+    const process::Ending ending = RunOne(MakeBehaviourPlan({behaviour}, shape));
+    const store::RunResult& result = ending.result;
+    EXPECT_EQ(result.status, store::Status::kFailed) << fault;
+    EXPECT_TRUE(Has(result.message, fault)) << result.message;
+    EXPECT_EQ(result.n_cycles, 0u) << fault;
+    EXPECT_EQ(result.judgement.verdict, measure::Verdict::kUnknown) << fault;
+    EXPECT_EQ(result.state_hash, "") << fault;
+    EXPECT_TRUE(result.contacts.empty()) << fault;
+    for (const double value : Values<double>(ending, "duration")) EXPECT_TRUE(std::isnan(value));
+    for (const std::int32_t value : Values<std::int32_t>(ending, "pairs")) EXPECT_EQ(value, -1);
+  }
+}
+
 TEST(WorkerTest, LastWordsAreText) {
   const process::Ending ending = RunOne(MakeBehaviourPlan({kWritesBinary}));
   EXPECT_EQ(ending.result.message, "the worker ended with exit status 1: café ????[31m ?? end");
@@ -313,7 +339,7 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
   const auto told = Values<std::int32_t>(ending, "pairs");
   ASSERT_EQ(told.size(), 10u);
   EXPECT_EQ(told[2], 0) << "signals blocked or ignored";
-  EXPECT_EQ(told[3], 6) << "descriptors 0 to 5";
+  EXPECT_EQ(told[3], 5) << "descriptors 0 to 5, and the recording's is closed";
   EXPECT_EQ(told[4], 1) << "a process group of its own";
 }
 
@@ -333,7 +359,7 @@ TEST(WorkerTest, WorkersAreForkedFromOneThatIsLoaded) {
   for (const auto& told : Places(TestWorker().single, 2)) {
     EXPECT_EQ(told.at(5), 1);
     EXPECT_EQ(told.at(2), 0) << "signals blocked or ignored";
-    EXPECT_EQ(told.at(3), 6) << "descriptors 0 to 5";
+    EXPECT_EQ(told.at(3), 5) << "descriptors 0 to 5, and the recording's is closed";
     EXPECT_EQ(told.at(4), 1) << "a process group of its own";
   }
 }
@@ -344,7 +370,7 @@ TEST(WorkerTest, AWorkerThatCannotBeForkedIsStarted) {
   fs::create_symlink(TestWorker().single, program);
   for (const auto& told : Places(program, 2)) {
     EXPECT_EQ(told.at(5), 0);
-    EXPECT_EQ(told.at(3), 6) << "descriptors 0 to 5";
+    EXPECT_EQ(told.at(3), 5) << "descriptors 0 to 5, and the recording's is closed";
   }
 }
 

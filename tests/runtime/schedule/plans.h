@@ -32,6 +32,13 @@ enum Behaviour : std::uint64_t {
   kContactsLost,       ///< crashes, with the contacts of its last two cycles unwritten
   kTakesMemory,  ///< finishes after allocating 64 GB without touching them; fails if it gets less
   kNeedsMemory,  ///< the same, and crashes if it gets less
+  // Report success, with a value in cycle 4, or a fact of the run, that no run can have.
+  kGoesBackInTime,  ///< a phase of -5 ns
+  kHasNoTime,       ///< a step of NaN ns
+  kHasNoPairs,      ///< -1 pairs
+  kHasNoMemory,     ///< a peak of -1 bytes
+  kHasNoHash,       ///< a state hash that is no number
+  kTouchesNobody,   ///< a contact of no body
 };
 
 struct PlanShape {

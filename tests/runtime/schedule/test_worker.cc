@@ -211,7 +211,33 @@ int Behave(const plan::Run& run, measure::Recording& recording) {
       break;
   }
   worker.Cycles(cycles);
-  return worker.Report(measure::WorkerOutcome::kDone);
+  worker.Report(measure::WorkerOutcome::kDone);
+  const std::uint64_t step = measure::IndexOf(measure::Phase::kStep) * cycles;
+  switch (run.scene.world.Count("seed")) {
+    case kGoesBackInTime:
+      recording.Reals("duration")[4] = -5;
+      break;
+    case kHasNoTime:
+      recording.Reals("duration")[step + 4] = schema::RunScalars::kNone;
+      break;
+    case kHasNoPairs:
+      recording.Ints("pairs")[4] = -1;
+      break;
+    case kHasNoMemory:
+      recording.header().scalars.peak_rss_bytes = -1;
+      break;
+    case kHasNoHash:
+      recording.header().state_hash = "<no hash>";
+      break;
+    case kTouchesNobody: {
+      const measure::ContactRecord record = {-3, schema::RunScalars::kNone, {}, {}, 0};
+      if (pwrite(measure::kContactsFd, &record, sizeof record, 0) != sizeof record) _exit(97);
+      break;
+    }
+    default:
+      break;
+  }
+  return 0;
 }
 
 int Execute(const std::vector<std::string>& /*arguments*/) {

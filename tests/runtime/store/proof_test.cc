@@ -167,6 +167,11 @@ TEST_F(Proof, ImpossibleValuesAreRefusedThoughTheDigestFits) {
   EXPECT_THAT(Fault(), HasSubstr("n_cycles holds 51, and has values from -1 to 50"));
 }
 
+TEST_F(Proof, AFileWithoutItsPlanIsRefused) {
+  Edit([](hid_t file) { H5Ldelete(file, "provenance/plan_text", H5P_DEFAULT); });
+  EXPECT_THAT(Fault(), HasSubstr("it holds no plan"));
+}
+
 TEST_F(Proof, OtherShapesAndTypesAreRefused) {
   Replace("duration", H5T_IEEE_F64LE, {2, 1, 3, 50});
   EXPECT_THAT(Fault(store::ProofOf::kStructure), HasSubstr("duration has the shape [2 1 3 50]"));

@@ -95,6 +95,14 @@ TEST_F(Until, ASmallerPartGoesOnFromALargerOne) {
   EXPECT_EQ(Open().ReadReal("started", {{1}, 4}), started);
 }
 
+/// A command that was stopped in a round had finished some runs of it.
+TEST_F(Until, ARoundThatWasBegunIsFinished) {
+  ASSERT_EQ(program_.Run({"run", "s.cdb", "-q", "--shard", "1/3"}).status, 0);
+  ASSERT_EQ(program_.Run({"run", "s.cdb", "-q", "--until", "100000"}).status, 0);
+  EXPECT_EQ(Repeats(), 10u) << "the shard had begun ten";
+  EXPECT_FALSE(program_.Exists("s.runs"));
+}
+
 TEST_F(Until, IsRefusedWhereItCannotBe) {
   const auto error = [&](const std::string& text, const std::vector<std::string>& more) {
     program_.Write("t.cdb", text);

@@ -128,7 +128,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"precision", "chooses the worker"},
     {"objects.overlap", "is of layouts that are refused without it"},
     {"repeats", "is the schedule's"},
-    {"trace", "is run without the engine: replay_test.cc"},
+    {"trace", "is run without the engine: trace_command_test.cc"},
     {"narrow_phase", "needs a detector that comes with a package; adapter_test.cc has one"},
     {"threads", "must not change what a detector finds"},
     {"expect", "is the verdict's"},
