@@ -83,7 +83,7 @@ struct Axis {
 
 /// One point of the grid in one repeat.
 struct Run {
-  std::string id;  ///< 16 hex digits of a hash of `scene`, `rep` and kPlanVersion; the shard's name
+  std::string id;               ///< 16 hex digits of a hash of `scene`, `rep` and kPlanVersion
   std::vector<std::size_t> at;  ///< the index on each axis; empty for a reference
   std::uint64_t rep = 0;
   Scene scene;

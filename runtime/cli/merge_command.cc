@@ -17,8 +17,8 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/retry.h"
-#include "runtime/cli/plans/shard_files.h"
 #include "runtime/cli/plans/sized_plan.h"
+#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/points.h"
 #include "runtime/printers/notes.h"
 #include "runtime/schedule/folder.h"
@@ -83,7 +83,7 @@ plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   if (sized.plan.version != plan::kPlanVersion)
     throw options::CommandError(fmt::format(
         "'{}' is a plan of format {} of an earlier cdb, which named its runs differently: merge "
-        "the shards beside it with that cdb; this one reads the result",
+        "the runs beside it with that cdb; this one reads the result",
         files[0], sized.plan.version));
   return sized;
 }
@@ -127,7 +127,7 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
   const plan::Plan& plan = sized.plan;
   plans::CheckIsOfPlan(arguments.out, plan);
   const std::vector<fs::path> places(arguments.journals.begin(), arguments.journals.end());
-  for (const fs::path& place : places) schedule::RefuseShards(place);
+  for (const fs::path& place : places) schedule::RefuseEarlierShards(place);
   std::error_code error;
   if (arguments.removes && (places.size() != 1 || !fs::is_directory(places[0], error)))
     throw options::CommandError("--remove goes with one folder of journals");

@@ -139,7 +139,7 @@ options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
   if (!is_quiet)
     terminal::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
                                 schedule::Describe(end.summary), out.string(),
-                                end.shards.string()));
+                                end.folder.string()));
   return end.summary.HasBadRuns() ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 

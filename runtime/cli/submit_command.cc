@@ -18,8 +18,8 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/result_path.h"
 #include "runtime/cli/plans/retry.h"
-#include "runtime/cli/plans/shard_files.h"
 #include "runtime/cli/plans/sized_plan.h"
+#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/cluster/follow.h"
 #include "runtime/cluster/job_script.h"
 #include "runtime/cluster/slurm.h"
@@ -62,7 +62,7 @@ struct SubmitArguments {
 /// One plan and its results file.
 struct Target {
   plans::SizedPlan sized;
-  fs::path out, shards;
+  fs::path out, folder;
   const plan::Plan& plan() const { return sized.plan; }
 };
 
@@ -114,10 +114,10 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
 std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks,
                                        const plans::KeptRuns* kept, bool is_quiet) {
   const plan::Plan& plan = target.plan();
-  schedule::SweepFolder folder(plan, target.shards, schedule::SweepStart::kResume);
+  schedule::SweepFolder folder(plan, target.folder, schedule::SweepStart::kResume);
   std::vector<std::uint64_t> missing;
   if (plan.whole) {
-    if (kept == nullptr) return schedule::FindUnmarkedShards(plan, target.shards, tasks);
+    if (kept == nullptr) return schedule::FindUnmarkedShards(plan, target.folder, tasks);
     for (std::uint64_t task = 1; task <= tasks; ++task) missing.push_back(task);
     return missing;  // tasks without a missing run end at once
   }
@@ -142,8 +142,8 @@ std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks
 cluster::Sweep SweepOf(const Target& target, std::uint64_t tasks) {
   const auto path = [](const fs::path& name) { return fs::absolute(name).lexically_normal(); };
   return {target.plan().benchmark,
-          {ThisProgram(), fs::current_path(), path(target.shards),
-           path(target.shards / "plan.yaml"), path(target.out)},
+          {ThisProgram(), fs::current_path(), path(target.folder),
+           path(target.folder / "plan.yaml"), path(target.out)},
           tasks,
           MostThreads(target.plan()),
           {}};
@@ -153,7 +153,7 @@ cluster::Sweep SweepOf(const Target& target, std::uint64_t tasks) {
 std::string PlanCommand(const SubmitArguments& arguments, const Target& target) {
   const std::string file = terminal::ShellWord(arguments.file);
   const std::string to =
-      terminal::ShellWord((fs::absolute(target.shards).lexically_normal() / "plan.yaml").string());
+      terminal::ShellWord((fs::absolute(target.folder).lexically_normal() / "plan.yaml").string());
   if (options::IsPlanFile(arguments.file)) return fmt::format("cp {} {}", file, to);
   std::string words = fmt::format("{} plan {} -b {}", terminal::ShellWord(ThisProgram().string()),
                                   file, target.plan().benchmark);
@@ -165,11 +165,11 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
 /// Refuses a folder that a stopped `cdb run --fresh` has left: it keeps its state there and works
 /// on one machine only.
 void RefuseOtherWork(const Target& target) {
-  if (!journal::FindRequest(target.shards, journal::kFresh).empty())
+  if (!journal::FindRequest(target.folder, journal::kFresh).empty())
     throw options::CommandError(
         fmt::format("'{}' holds what a stopped `cdb run --fresh` has done; let `cdb run` end it "
                     "first, or remove the folder",
-                    target.shards.string()));
+                    target.folder.string()));
 }
 
 class Submitter {
@@ -192,8 +192,8 @@ class Submitter {
     for (plans::SizedPlan& sized : plans) {
       fs::path out =
           plans::ResultPath(arguments_.out, sized.plan.benchmark, arguments_.file, plans.size());
-      fs::path shards = plans::ShardFolderOf(out);
-      targets.push_back({std::move(sized), std::move(out), std::move(shards)});
+      fs::path folder = plans::RunsFolderOf(out);
+      targets.push_back({std::move(sized), std::move(out), std::move(folder)});
     }
     options::ExitStatus status = options::ExitStatus::kGood;
     // All plans are submitted before the first is waited for.
@@ -206,7 +206,7 @@ class Submitter {
         continue;
       }
       if (submitted[i]) {
-        cluster::Follow(targets[i].plan(), targets[i].shards, *submitted[i], stop_,
+        cluster::Follow(targets[i].plan(), targets[i].folder, *submitted[i], stop_,
                         schedule::StandardError(), arguments_.quiet);
         if (stop_.requested()) {
           for (std::size_t left = i; left < targets.size(); ++left)
@@ -235,9 +235,9 @@ class Submitter {
       return std::nullopt;
     }
     RefuseOtherWork(target);
-    const auto before = cluster::ReadSubmission(target.shards);
+    const auto before = cluster::ReadSubmission(target.folder);
     if (before && before->plan_sha256 == target.plan().Sha256() && IsAtWork(*before)) {
-      if (retry.Words() != plans::FindStartedRetry(target.shards).Words())
+      if (retry.Words() != plans::FindStartedRetry(target.folder).Words())
         throw options::CommandError(
             fmt::format("job {} is at work on '{}'; retry when it has ended", before->array,
                         target.out.string()));
@@ -245,9 +245,9 @@ class Submitter {
                       target.out.string()));
       return before;
     }
-    if (!retry.is_empty() && plans::FindStartedRetry(target.shards).is_empty()) {
+    if (!retry.is_empty() && plans::FindStartedRetry(target.folder).is_empty()) {
       const std::string why =
-          plans::PrepareRetry(target.plan(), target.shards, target.out, retry, is_complete);
+          plans::PrepareRetry(target.plan(), target.folder, target.out, retry, is_complete);
       if (!why.empty()) {
         Say(why);
         return std::nullopt;
@@ -265,7 +265,7 @@ class Submitter {
                         target.out.string()));
       return {};
     }
-    return retry_.With(plans::FindStartedRetry(target.shards));
+    return retry_.With(plans::FindStartedRetry(target.folder));
   }
 
   bool IsAtWork(const cluster::Submission& before) {
@@ -287,15 +287,15 @@ class Submitter {
         before && arguments_.tasks == 0 && before->plan_sha256 == plan.Sha256()
             ? before->tasks
             : ChooseTasks(arguments_, plan);
-    const plans::FolderLock lock(target.shards);
-    const cluster::SubmissionLock submitting(target.shards);
+    const plans::FolderLock lock(target.folder);
+    const cluster::SubmissionLock submitting(target.folder);
     if (!submitting.is_held())
       throw options::CommandError(
           fmt::format("another cdb is submitting '{}'; nothing was submitted: the same command "
                       "follows its jobs when it has ended",
                       target.out.string()));
     // Submitted by another cdb before this one had the lock.
-    const auto meanwhile = cluster::ReadSubmission(target.shards);
+    const auto meanwhile = cluster::ReadSubmission(target.folder);
     if (meanwhile && meanwhile->plan_sha256 == plan.Sha256() &&
         (!before || before->array != meanwhile->array) && IsAtWork(*meanwhile))
       return meanwhile;
@@ -304,12 +304,12 @@ class Submitter {
     if (!retry.is_empty()) {
       kept.emplace(target.out, retry);
       // The tasks read it.
-      journal::Ask(target.shards, plan.Sha256(), journal::kRetry, retry.Text());
+      journal::Ask(target.folder, plan.Sha256(), journal::kRetry, retry.Text());
     }
     sweep.missing = FindMissing(target, tasks, kept ? &*kept : nullptr, arguments_.quiet);
     const bool is_short = !plan.whole && !target.sized.short_text.empty();
     {
-      const schedule::SweepFolder folder(plan, target.shards, schedule::SweepStart::kResume);
+      const schedule::SweepFolder folder(plan, target.folder, schedule::SweepStart::kResume);
       folder.WritePlan(plan);
       if (is_short) folder.WriteShortPlan(target.sized.short_text);
     }
@@ -319,9 +319,9 @@ class Submitter {
     cluster::Submission made = {plan.Sha256(), tasks, array, array};
     try {
       // Recorded before there is a merge job, so that a later `cdb submit` follows the array.
-      cluster::WriteSubmission(made, target.shards);
+      cluster::WriteSubmission(made, target.folder);
       made.merge = cluster::Submit(cluster::MergeJob(sweep, arguments_.job, array));
-      cluster::WriteSubmission(made, target.shards);
+      cluster::WriteSubmission(made, target.folder);
     } catch (...) {
       cluster::Cancel(array);
       if (made.merge != array) cluster::Cancel(made.merge);
@@ -344,13 +344,13 @@ class Submitter {
   options::ExitStatus Finish(const Target& target,
                              const std::optional<cluster::Submission>& submission) {
     const plan::Plan& plan = target.plan();
-    plans::FolderLock lock(target.shards);
-    const std::size_t not_again = plans::CountNotRunAgain(plan, target.shards, target.out);
-    const bool is_retried = !plans::FindStartedRetry(target.shards).is_empty();
+    plans::FolderLock lock(target.folder);
+    const std::size_t not_again = plans::CountNotRunAgain(plan, target.folder, target.out);
+    const bool is_retried = !plans::FindStartedRetry(target.folder).is_empty();
     if (!plans::IsThereAlready(target.out, plan) || is_retried) {
       std::error_code error;
       const bool has_result = fs::exists(target.out, error);
-      if (!plans::HasRuns(target.shards)) {
+      if (!plans::HasRuns(target.folder)) {
         SayMissing(target, submission,
                    has_result ? std::max(not_again,
                                          plans::CountMissing(store::ResultFile(target.out), plan))
@@ -358,7 +358,7 @@ class Submitter {
         return options::ExitStatus::kEnvironmentError;
       }
       // Runs that the merge job has merged, if it ran, and any that came later.
-      plans::MergeOnto(plan, {target.shards}, target.out);
+      plans::MergeOnto(plan, {target.folder}, target.out);
       const std::size_t missing =
           std::max(not_again, plans::CountMissing(store::ResultFile(target.out), plan));
       if (missing > 0) {
@@ -367,7 +367,7 @@ class Submitter {
                         options::ExitStatus::kEnvironmentError);
       }
     }
-    plans::RemoveMergedRuns(plan, target.shards, lock, /*is_quiet=*/true);
+    plans::RemoveMergedRuns(plan, target.folder, lock, /*is_quiet=*/true);
     return plans::ShowResult(target.out, arguments_.quiet);
   }
 
@@ -382,14 +382,14 @@ class Submitter {
       std::size_t listed = 0;
       for (const auto& [task, state] : failures) {
         if (listed++ == kMostListed) break;
-        const fs::path log = target.shards / cluster::LogName(submission->array, task);
+        const fs::path log = target.folder / cluster::LogName(submission->array, task);
         text += fmt::format("  task {}: {}; {}\n", task, state, LogText(log));
       }
       if (failures.size() > kMostListed)
         text += fmt::format("  and {} more tasks\n", failures.size() - kMostListed);
       if (failures.empty())
         text += fmt::format("  the logs of its tasks are {}\n",
-                            (target.shards / "slurm-*.log").string());
+                            (target.folder / "slurm-*.log").string());
     }
     terminal::Say(text);
   }

@@ -37,9 +37,9 @@ std::string TaskText(const ActiveTasks& active) {
 
 class Watch {
  public:
-  Watch(const plan::Plan& plan, const fs::path& shards, const Submission& submission,
+  Watch(const plan::Plan& plan, const fs::path& folder, const Submission& submission,
         const schedule::ProgressOutput& output, bool is_quiet)
-      : runs_(plan, shards), submission_(submission), bar_(output), is_quiet_(is_quiet) {
+      : runs_(plan, folder), submission_(submission), bar_(output), is_quiet_(is_quiet) {
     runs_.Update();
     begin_ended_ = told_ = runs_.ended();
     begin_s_ = output.now_s();
@@ -143,9 +143,9 @@ void RunCount::Update() {
   ended_ = std::min(seen_.size(), total_);
 }
 
-void Follow(const plan::Plan& plan, const fs::path& shards, const Submission& submission,
+void Follow(const plan::Plan& plan, const fs::path& folder, const Submission& submission,
             const process::StopFlag& stop, const schedule::ProgressOutput& output, bool is_quiet) {
-  Watch watch(plan, shards, submission, output, is_quiet);
+  Watch watch(plan, folder, submission, output, is_quiet);
   double pause_s = kFirstPause;
   while (!stop.requested() && watch.Look()) {
     Pause(pause_s, stop);

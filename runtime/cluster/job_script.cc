@@ -40,7 +40,7 @@ cd {folder} || refuse 'this node does not have the folder above; start from a fo
 tries=0
 until [ -r {plan} ]; do
   tries=$((tries + 1))
-  [ $tries -lt {wait} ] || refuse 'this node does not see the folder of shards; name a results file (-o) in a folder that all nodes share'
+  [ $tries -lt {wait} ] || refuse 'this node does not see the folder of the sweep; name a results file (-o) in a folder that all nodes share'
   sleep 1
 done
 )",
@@ -51,7 +51,7 @@ done
 std::vector<std::string> CommonWords(const Sweep& sweep, const JobOptions& options) {
   // Logs by file name only: sbatch would expand % signs in a path.
   std::vector<std::string> words = {
-      "sbatch",     "--parsable", "--chdir=" + sweep.files.shards.string(),
+      "sbatch",     "--parsable", "--chdir=" + sweep.files.runs.string(),
       "--ntasks=1", "--requeue",  "--open-mode=append"};
   const auto add = [&words](std::string_view option, const std::string& value) {
     if (!value.empty()) words.push_back(fmt::format("--{}={}", option, value));
@@ -126,14 +126,13 @@ exit 75  # RequeueExit of slurm.conf may name it
 Job MergeJob(const Sweep& sweep, const JobOptions& options, const std::string& array) {
   Job job = {CommonWords(sweep, options), {}};
   job.words.push_back("--job-name=cdb-merge-" + sweep.name);
-  // `afterany`: the shards are merged even if a task failed.
+  // `afterany`: the runs are merged even if a task failed.
   job.words.push_back("--dependency=afterany:" + array);
   job.words.push_back(fmt::format("--output={}%j{}", kLogBegin, kLogEnding));
   job.words.insert(job.words.end(), options.more.begin(), options.more.end());
-  job.script =
-      Begin(sweep.files) + fmt::format("exec {} merge --wait {} --remove -o {} {}\n",
-                                       Quoted(sweep.files.program), kVisibleAfter_s,
-                                       Quoted(sweep.files.out), Quoted(sweep.files.shards));
+  job.script = Begin(sweep.files) + fmt::format("exec {} merge --wait {} --remove -o {} {}\n",
+                                                Quoted(sweep.files.program), kVisibleAfter_s,
+                                                Quoted(sweep.files.out), Quoted(sweep.files.runs));
   return job;
 }
 
@@ -144,7 +143,7 @@ std::string DryRunText(const Sweep& sweep, const JobOptions& options,
       "#!/bin/sh\nmkdir -p {} && {} || exit\narray=$({} <<'END_OF_TASK'\n{}END_OF_TASK\n) || "
       "exit\narray=${{array%%;*}}\n"
       "{} <<'END_OF_MERGE'\n{}END_OF_MERGE\n",
-      Quoted(sweep.files.shards), make_plan, CommandText(array), array.script, CommandText(merge),
+      Quoted(sweep.files.runs), make_plan, CommandText(array), array.script, CommandText(merge),
       merge.script);
 }
 

@@ -1,4 +1,4 @@
-// The two jobs of a sweep on a Slurm cluster: an array whose tasks each execute a shard of the
+// The two jobs of a sweep on a Slurm cluster: an array whose tasks each execute a part of the
 // plan, and a merge job after it. Source of the options: sbatch(1), Slurm 22.05.
 #pragma once
 
@@ -20,7 +20,7 @@ struct JobOptions {
 struct SweepFiles {
   std::filesystem::path program;  ///< cdb
   std::filesystem::path folder;   ///< current folder, to which paths in a plan are relative
-  std::filesystem::path shards;   ///< folder of the shards
+  std::filesystem::path runs;     ///< folder of the journals
   std::filesystem::path plan;     ///< plan file in that folder
   std::filesystem::path out;
 };
@@ -49,10 +49,10 @@ Job MergeJob(const Sweep& sweep, const JobOptions& options, const std::string& a
 std::string IndexList(const std::vector<std::uint64_t>& indices);
 
 /// A shell script that submits both. `make_plan`: the command that writes the plan into the folder
-/// of shards.
+/// of journals.
 std::string DryRunText(const Sweep& sweep, const JobOptions& options, const std::string& make_plan);
 
-/// The name of the log of a task of an array, in the folder of shards.
+/// The name of the log of a task of an array, in the folder of journals.
 std::string LogName(const std::string& array, std::uint64_t task);
 /// True if `name` is the log of a task or of a merge.
 bool IsLogName(const std::string& name);

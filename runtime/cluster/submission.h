@@ -18,13 +18,13 @@ struct Submission {
 };
 
 /// Nullopt if there is none, or if it is damaged.
-std::optional<Submission> ReadSubmission(const std::filesystem::path& shards);
+std::optional<Submission> ReadSubmission(const std::filesystem::path& folder);
 /// Throws StoreError.
-void WriteSubmission(const Submission& submission, const std::filesystem::path& shards);
+void WriteSubmission(const Submission& submission, const std::filesystem::path& folder);
 /// Keeps other cdb processes from submitting to the same folder. Starting tasks ignore it.
 class SubmissionLock {
  public:
-  explicit SubmissionLock(const std::filesystem::path& shards);
+  explicit SubmissionLock(const std::filesystem::path& folder);
   /// False while another cdb submits. True if the file system does not support locks.
   bool is_held() const { return is_held_; }
 
@@ -34,6 +34,6 @@ class SubmissionLock {
 };
 
 /// Removes the lock and the logs of the jobs; the submission is removed with its journal.
-void RemoveSubmission(const std::filesystem::path& shards);
+void RemoveSubmission(const std::filesystem::path& folder);
 
 }  // namespace cdb::cluster

@@ -21,7 +21,7 @@ class ScheduleError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The ending of a run. `result.series` point into `recording`, so both are kept until the shard is
+/// The ending of a run. `result.series` point into `recording`, so both are kept until the run is
 /// written.
 struct Ending {
   std::size_t slot = 0;

@@ -26,7 +26,7 @@ constexpr double kBytesOfObject = 1000;
 /// No results compress better.
 constexpr double kBestCompression = 20;
 constexpr double kSecondsOfObject = 10e-9;  // per cycle
-constexpr double kSecondsOfRun = 1e-3;      // for its process and its shard
+constexpr double kSecondsOfRun = 1e-3;      // for its process and its record
 constexpr double kMostSeconds = 365.25 * 24 * 3600;
 /// Fraction of the free memory; the rest is left to the system.
 constexpr double kUsableMemory = 0.8;
@@ -85,7 +85,7 @@ Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs
     double samples = 0;
     if (const auto shape = measure::SampleShapeOf(run->scene))
       samples = static_cast<double>(shape->Count() * sizeof(double));
-    // Recording and shard exist at the same time; samples are those of the run, of its reference
+    // Recording and record exist at the same time; samples are those of the run, of its reference
     // and of its perturbed run.
     demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
     demand.disk += 2 / kBestCompression * series;

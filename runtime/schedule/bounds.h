@@ -14,10 +14,10 @@ namespace cdb::schedule {
 
 struct Demand {
   double objects = 0;   ///< number in the largest scene
-  double recorded = 0;  ///< bytes: the largest recording and its shard, which exist at the same
+  double recorded = 0;  ///< bytes: the largest recording and its record, which exist at the same
                         ///< time
   double scene = 0;     ///< bytes: bodies of the largest scene
-  double disk = 0;      ///< bytes: all shards and the merged file, at the best compression
+  double disk = 0;      ///< bytes: the journal and the merged file, at the best compression
   double time = 0;      ///< s: all runs, at a rate that no engine exceeds
 };
 

@@ -65,7 +65,7 @@ void RemoveOtherFiles(const fs::path& folder) {
 
 }  // namespace
 
-void RefuseShards(const fs::path& folder) {
+void RefuseEarlierShards(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) return;
   ForEachName(folder, [&](const std::string& name) {
@@ -128,7 +128,7 @@ void SweepFolder::StartOver(bool is_newer) {
 }
 
 void SweepFolder::RefuseOthers() {
-  RefuseShards(folder_);
+  RefuseEarlierShards(folder_);
   for (const fs::path& file : journal::JournalsIn(folder_)) {
     std::string plan;
     try {

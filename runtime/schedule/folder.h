@@ -20,7 +20,7 @@ inline constexpr const char* kShortPlanName = "plan.short.yaml";
 
 /// Throws ScheduleError if the folder holds a shard, a file of one run, as versions of cdb before
 /// journals left them.
-void RefuseShards(const std::filesystem::path& folder);
+void RefuseEarlierShards(const std::filesystem::path& folder);
 
 /// Removes the journals of the sweep of a plan and its plan file, and then the folder if it is
 /// empty. Removes nothing if a journal is of another plan. No process may be at work in it. Throws

@@ -95,7 +95,7 @@ double EstimatedWork(const plan::Run& run) {
   const plan::WorldSettings& world = run.scene.world;
   const auto cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
   const auto objects = static_cast<double>(run.scene.ObjectCount());
-  // A cycle of an empty world costs about as much as ten objects; a process and its shard cost
+  // A cycle of an empty world costs about as much as ten objects; a process and its record cost
   // about as much as ten thousand objects for one cycle.
   return 10'000 + cycles * (10 + objects);
 }

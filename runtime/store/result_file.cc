@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMostPlanText = 256 << 10;
 
-/// Empty if there is none, as in shards.
+/// Empty if there is none.
 std::string PlanText(const hdf5::File& file) {
   const std::string path = "provenance/plan_text";
   if (!file.Has("provenance") || !file.Has(path)) return {};

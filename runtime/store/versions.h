@@ -17,7 +17,7 @@ inline constexpr int kOldestSchemaVersion = 1;
 /// texts from 1.8 on.
 inline constexpr std::string_view kConventions = "CF-1.8";
 
-/// The version of a results file or shard. Throws StoreError if this cdb cannot read it.
+/// The version of a results file. Throws StoreError if this cdb cannot read it.
 int ReadVersion(const hdf5::File& file, const std::string& name);
 
 /// The path, in a file of `version`, of the array that this version stores at `path`.

@@ -1,7 +1,7 @@
 // How the compiler grows with the runs of a benchmark: a check, a check of which `skip` leaves
 // half, a check whose lints read every axis, the plan as YAML, which goes nowhere, and what `cdb
 // run` does until its first run starts: for the first of a thousand shards, and for all runs where
-// half are done (up to 10^6, as each has a file).
+// half are done (up to 10^6, as each is written to a journal). fsync does nothing here.
 //   bench_grid [MOST]      up to 10^MOST runs; default 7
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -27,6 +27,9 @@
 #include "runtime/schedule/folder.h"
 #include "runtime/schedule/parts.h"
 #include "tests/support/files.h"
+
+extern "C" int fsync(int) { return 0; }
+extern "C" int fdatasync(int) { return 0; }
 
 namespace {
 
@@ -94,16 +97,21 @@ void StartShard(const std::string& text, const std::filesystem::path& folder,
       options, launcher, silent);
 }
 
-/// A folder in which the first half of the parts have ended, with empty files for shards.
+/// A journal in which the first half of the parts have ended, with empty records of their runs.
 void MakeHalfDone(const cdb::plan::Plan& plan, const std::filesystem::path& folder) {
   const std::uint64_t runs = plan.RunCount();
   const std::uint64_t parts =
       std::max<std::uint64_t>(1, (runs + cdb::schedule::kPartRuns - 1) / cdb::schedule::kPartRuns);
-  for (std::uint64_t part = 0; part < parts / 2; ++part)
-    std::ofstream(folder / cdb::schedule::PartMarkName(part, parts))
-        << plan.Sha256() << " " << runs / parts << " 0 0 0 0\n";
-  for (std::uint64_t i = 0; i < parts / 2 * (runs / parts); ++i)
-    std::ofstream(folder / fmt::format("{:016x}.h5", i));
+  auto journal = cdb::journal::Journal::OpenToWrite(folder, plan.Sha256());
+  for (std::uint64_t part = 1; part <= parts / 2; ++part)
+    journal.Ask(fmt::format("part {} of {}", part, parts),
+                fmt::format("{} {} 0 0 0 0", plan.Sha256(), runs / parts));
+  cdb::journal::Record record;
+  record.about = std::make_shared<const cdb::journal::About>();
+  for (std::uint64_t i = 0; i < parts / 2 * (runs / parts); ++i) {
+    record.run_id = fmt::format("{:016x}", i);
+    journal.Write(record);
+  }
 }
 
 /// Processor time and peak memory of a process of its own.

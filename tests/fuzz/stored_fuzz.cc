@@ -1,7 +1,7 @@
-// Results files, shards and traces with some bytes changed, and the right digest: the result is an
-// error that names the file, or valid values. The input describes the changes, because HDF5 files
-// are too long for a corpus: which file, then position (3 bytes), count (1 byte) and bytes of each
-// change.
+// Results files, journals and traces with some bytes changed, and the right digest: the result is
+// an error that names the file, or valid values. The input describes the changes, because HDF5
+// files are too long for a corpus: which file, then position (3 bytes), count (1 byte) and bytes of
+// each change.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

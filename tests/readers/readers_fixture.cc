@@ -42,11 +42,11 @@ class Fixture {
       const plan::Run& run = plan_.runs[i];
       const FakeResult fake(run, i == 2 ? store::Status::kCrashed : store::Status::kDone,
                             i == 2 ? 2 : kCycles);
-      WriteRun(plan_, run, fake.result, TestProvenance(), shards_.path());
+      WriteRun(plan_, run, fake.result, TestProvenance(), runs_.path());
       results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
     }
     WriteReferences();
-    journal::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "out.h5");
+    journal::Merge(plan_, TestProvenance(), runs_.path(), folder_ / "out.h5");
     Coordinates("");
     Coordinates("run/");
     Coordinates("accuracy/");
@@ -80,7 +80,7 @@ class Fixture {
       for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = SampleOf(r, i);
       store::RunResult result;
       result.status = store::Status::kDone;
-      WriteReference(plan_, run, result, samples, TestProvenance(), shards_.path());
+      WriteReference(plan_, run, result, samples, TestProvenance(), runs_.path());
     }
   }
 
@@ -263,7 +263,7 @@ class Fixture {
   }
 
   const std::filesystem::path folder_;
-  const TemporaryFolder shards_;
+  const TemporaryFolder runs_;
   const plan::Plan plan_ =
       MakePlan({NumberAxis("quantity", {10, 20, 30}), NumberAxis("size", {0.5, 1.25}, "m"),
                 TextAxis("detector", {"simple", "dbvt"})},

@@ -14,7 +14,7 @@
 #include "library/content_cache.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/options/provenance.h"
-#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/cluster/submission.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/machine/host.h"
@@ -87,7 +87,7 @@ void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) cons
                             end.summary.ended(),
                             plan.grid != nullptr ? plan.plan.RunCount() / options_.shard.count
                                                  : end.summary.ended() + end.summary.left,
-                            end.shards.string()));
+                            end.folder.string()));
 }
 
 std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
@@ -114,7 +114,7 @@ void PlanRunner::RemoveLeftovers(const plan::Plan& plan, const fs::path& folder)
 
 bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
   if (!IsThereAlready(out, plan)) return false;
-  RemoveLeftovers(plan, ShardFolderOf(out));
+  RemoveLeftovers(plan, RunsFolderOf(out));
   if (!options_.is_quiet)
     terminal::Say(fmt::format("'{}' is complete; --fresh runs it again\n", out.string()));
   return true;
@@ -126,8 +126,7 @@ std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, co
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
   const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
-  if (reached.IsWholeRound() && !HasRuns(ShardFolderOf(out)))
-    return RepeatsAfter(plan, reached, reached.repeats);
+  if (reached.IsWholeRound() && !HasRuns(RunsFolderOf(out))) return RepeatsAfter(plan, reached);
   return std::max(least, reached.repeats);
 }
 
@@ -148,7 +147,7 @@ schedule::ExecuteOptions PlanRunner::ExecuteOptionsFor(const plan::Plan& plan,
 
 ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolderOf(out);
+  const fs::path folder = RunsFolderOf(out);
   std::error_code error;
   files::RemoveStaleTemporariesBeside(out);
   const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
@@ -189,7 +188,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     MergeRound(plan, out, is_anew);
     repeats =
         options_.until
-            ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out), *options_.until), *repeats)
+            ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out, store::ProofOf::kStructure),
+                                             *options_.until))
             : std::nullopt;
   }
   RemoveMergedRuns(plan, folder, lock, options_.is_quiet);
@@ -201,7 +201,7 @@ void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is
   // Another runner may have been faster with the same plan.
   if (!is_anew && !options_.until && options_.retry.is_empty() && IsThereAlready(out, plan)) return;
   std::error_code error;
-  const fs::path folder = ShardFolderOf(out);
+  const fs::path folder = RunsFolderOf(out);
   try {
     journal::Merge(plan, provenance_, {folder}, out,
                    !is_anew && fs::exists(out, error) ? out : fs::path());
@@ -214,7 +214,7 @@ void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is
 ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
                                const RetryChoice& retry) const {
   const plan::Plan& plan = sized.plan;
-  const fs::path folder = ShardFolderOf(out);
+  const fs::path folder = RunsFolderOf(out);
   const bool is_started = !FindStartedRetry(folder).is_empty();
   if (options_.shard.count > 1 && !is_started)
     throw options::CommandError(

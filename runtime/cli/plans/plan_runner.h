@@ -34,7 +34,7 @@ struct PlanRunnerOptions {
 
 struct ExecutedPlan {
   schedule::Summary summary;  ///< empty if every run was already in the results
-  std::filesystem::path shards;
+  std::filesystem::path folder;
   /// `out` holds all of the plan. False if only a shard of it was requested.
   bool is_merged = false;
 };

@@ -4,7 +4,7 @@
 
 #include <system_error>
 
-#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/printers/show.h"
 #include "runtime/store/store.h"
 #include "runtime/terminal/console.h"
@@ -23,11 +23,11 @@ fs::path RequireOwnFolder(fs::path out) {
     other.replace_extension();
   else
     other += ".h5";
-  if (ShardFolderOf(other) != ShardFolderOf(out) || !store::IsStored(other)) return out;
+  if (RunsFolderOf(other) != RunsFolderOf(out) || !store::IsStored(other)) return out;
   throw options::CommandError(fmt::format(
       "'{}' is there, and '{}' would keep its runs in the same folder '{}'; nothing was changed: "
       "name another file by -o",
-      other.string(), out.string(), ShardFolderOf(out).string()));
+      other.string(), out.string(), RunsFolderOf(out).string()));
 }
 
 }  // namespace
@@ -53,7 +53,8 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
 }
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
-  const printers::Printed shown = printers::Show(store::ResultFile(out));
+  const printers::Printed shown =
+      printers::Show(store::ResultFile(out, store::ProofOf::kStructure));
   if (!is_quiet) {
     terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
   } else if (shown.bad_count > 0) {

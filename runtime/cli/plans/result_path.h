@@ -16,7 +16,8 @@ namespace cdb::plans {
 std::filesystem::path ResultPath(const std::string& out, const std::string& name,
                                  const std::string& file, std::size_t plan_count);
 
-/// Prints the summary of results. Exit status 3 if a run did not end well.
+/// Prints the summary of results that this process has merged or opened: their values have been
+/// proven then. Exit status 3 if a run did not end well.
 options::ExitStatus ShowResult(const std::filesystem::path& out, bool is_quiet);
 
 }  // namespace cdb::plans

@@ -10,7 +10,7 @@
 
 #include "dsl/diagnostics.h"
 #include "runtime/cli/options/exit_status.h"
-#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/machine/noise.h"
 #include "runtime/schedule/folder.h"
 
@@ -23,19 +23,19 @@ constexpr std::string_view kNoisy = "noisy";
 constexpr std::string_view kWords[] = {"failed", "crashed", "timed_out", kNoisy};
 
 /// Journals beside a complete result were left by a runner that was killed right after its merge.
-void RemoveLeftovers(const plan::Plan& plan, const fs::path& shards, bool is_complete) {
+void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_complete) {
   std::error_code error;
-  if (!fs::exists(shards, error)) return;
-  FolderLock lock(shards);
+  if (!fs::exists(folder, error)) return;
+  FolderLock lock(folder);
   if (!lock.TryLockAlone())
     throw options::CommandError(
-        fmt::format("another cdb is at work in '{}'; retry when it has ended", shards.string()));
-  if ((!is_complete || IsMadeAnew(plan, shards)) && HasRuns(shards))
+        fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+  if ((!is_complete || IsMadeAnew(plan, folder)) && HasRuns(folder))
     throw options::CommandError(
         fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
                     "without --retry first",
-                    shards.string()));
-  RemoveMergedRuns(plan, shards);
+                    folder.string()));
+  RemoveMergedRuns(plan, folder);
 }
 
 }  // namespace
@@ -90,8 +90,8 @@ RetryChoice RetryChoice::With(const RetryChoice& other) const {
   return both;
 }
 
-RetryChoice FindStartedRetry(const fs::path& shards) {
-  return RetryChoice::FromText(journal::FindRequest(shards, journal::kRetry));
+RetryChoice FindStartedRetry(const fs::path& folder) {
+  return RetryChoice::FromText(journal::FindRequest(folder, journal::kRetry));
 }
 
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
@@ -118,20 +118,20 @@ std::optional<journal::RunInfo> KeptRuns::Find(const plan::Run& run) const {
   return info;
 }
 
-std::string PrepareRetry(const plan::Plan& plan, const fs::path& shards, const fs::path& out,
+std::string PrepareRetry(const plan::Plan& plan, const fs::path& folder, const fs::path& out,
                          const RetryChoice& retry, bool is_complete) {
-  RemoveLeftovers(plan, shards, is_complete);
+  RemoveLeftovers(plan, folder, is_complete);
   if (KeptRuns(out, retry).CountOthers(plan) > 0) return {};
   return fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
                      fmt::join(retry.Words(), " or "));
 }
 
-std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& shards, const fs::path& out) {
+std::size_t CountNotRunAgain(const plan::Plan& plan, const fs::path& folder, const fs::path& out) {
   std::error_code error;
-  const RetryChoice retry = FindStartedRetry(shards);
+  const RetryChoice retry = FindStartedRetry(folder);
   if (retry.is_empty() || !fs::exists(out, error)) return 0;
   const KeptRuns kept(out, retry);
-  const journal::Journals journals({shards});
+  const journal::Journals journals({folder});
   std::size_t missing = 0;
   plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
     missing += !kept.Has(id, at, rep) && !journals.Has(id);

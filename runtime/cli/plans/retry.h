@@ -42,7 +42,7 @@ class RetryChoice {
 };
 
 /// The choice of the unfinished retry of a sweep; empty if there is none.
-RetryChoice FindStartedRetry(const std::filesystem::path& shards);
+RetryChoice FindStartedRetry(const std::filesystem::path& folder);
 
 /// The runs of a results file that are not run again.
 class KeptRuns {
@@ -63,13 +63,13 @@ class KeptRuns {
 /// Prepares the folder of a sweep for a new retry: removes journals whose runs the result already
 /// contains. Returns an empty text, or the reason why there is nothing to run again. Throws
 /// CommandError if the result lacks some of these runs, or another cdb is at work in the folder.
-std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& shards,
+std::string PrepareRetry(const plan::Plan& plan, const std::filesystem::path& folder,
                          const std::filesystem::path& out, const RetryChoice& retry,
                          bool is_complete);
 
-/// The number of runs that the retry in `shards` selects and that have not been run again yet; 0 if
+/// The number of runs that the retry in `folder` selects and that have not been run again yet; 0 if
 /// there is no retry. Call it before they are merged into `out`.
-std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& shards,
+std::size_t CountNotRunAgain(const plan::Plan& plan, const std::filesystem::path& folder,
                              const std::filesystem::path& out);
 
 }  // namespace cdb::plans

@@ -201,7 +201,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
         static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
     estimate.cycles = std::max(estimate.cycles, sampled);
     const auto writing = journal.TimeOf(plan.runs[i], ending->result);
-    estimate.has_shards = estimate.has_shards && writing;
+    estimate.has_journal = estimate.has_journal && writing;
     estimate.samples.push_back(
         {rest + step * cycles + writing.value_or(0), settling, SeriesBytes(scene)});
   }
@@ -271,7 +271,7 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
       estimate.samples.size(), estimate.points, estimate.cycles,
       Duration(*std::ranges::min_element(seconds)), Duration(*std::ranges::max_element(seconds)));
   text += "  Not known: how the time of a cycle changes after these; what other programs disturb";
-  if (!estimate.has_shards)
+  if (!estimate.has_journal)
     text += ";\n  how long writing the results takes, as nothing can be written to this folder";
   text += estimate.has_references ? "; the reference runs, which\n  come on top.\n" : ".\n";
   return text;

@@ -13,7 +13,7 @@ namespace cdb::plans {
 
 /// A run that was executed for a few cycles.
 struct SampledRun {
-  double seconds = 0;   ///< predicted for all of its cycles and for its shard, without settling
+  double seconds = 0;   ///< predicted for all of its cycles and for writing it, without settling
   double settling = 0;  ///< s, of its piles; 0 if it has none, or if they were already settled
   double bytes = 0;     ///< of its series, before compression
 };
@@ -34,14 +34,14 @@ struct SweepEstimate {
   std::uint64_t cycles = 0;           ///< most cycles of each sampled run
   bool has_references = false;        ///< runs are compared with reference runs, whose cost is not
                                       ///< included
-  bool has_shards = true;             ///< shards can be written here, and their time is included
+  bool has_journal = true;            ///< a journal can be written here, and its time is included
   /// The number of different piles: of all runs, approximately, and of the sampled runs, which are
   /// settled.
   std::uint64_t piles = 0, settled_piles = 0;
 };
 
 /// Executes runs at about kSampledRuns points, spread over the grid, one after the other. Writes
-/// their shards to a folder in the current one, which it removes. Throws ScheduleError.
+/// a journal to a folder in the current one, which it removes. Throws ScheduleError.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;

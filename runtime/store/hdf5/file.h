@@ -31,7 +31,7 @@ class Group : public Object {
   Group CreateGroup(const std::string& name);
 
   /// Attaches scales to datasets of this group: `scales` names one for each dimension. All at once,
-  /// because attaching them one by one takes HDF5 longer than everything else in a shard.
+  /// because attaching them one by one takes HDF5 longer than everything else in a small file.
   struct Attachment {
     std::string dataset;
     std::vector<std::string> scales;

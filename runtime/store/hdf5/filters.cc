@@ -30,6 +30,45 @@ std::uint32_t Fletcher32(std::span<const std::byte> bytes) {
   return reduce(sum_of_sums) << 16 | reduce(sum);
 }
 
+/// Kept, as its 256 KiB take longer to allocate and to clear than a small chunk to compress.
+class Deflater {
+ public:
+  Deflater() {
+    constexpr int kLevel = 1;
+    if (deflateInit(&stream_, kLevel) != Z_OK) throw Error("cannot compress a chunk");
+  }
+  ~Deflater() { deflateEnd(&stream_); }
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+
+  std::vector<std::byte> Deflate(std::span<const std::byte> bytes) {
+    if (deflateReset(&stream_) != Z_OK) throw Error("cannot compress a chunk");
+    std::vector<std::byte> packed(compressBound(static_cast<uLong>(bytes.size())));
+    std::size_t read = 0, written = 0;
+    for (int code = Z_OK; code != Z_STREAM_END;) {
+      // zlib does not write to what it reads.
+      stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data() + read));
+      stream_.avail_in = AtMost(bytes.size() - read);
+      stream_.next_out = reinterpret_cast<Bytef*>(packed.data() + written);
+      stream_.avail_out = AtMost(packed.size() - written);
+      const uInt in = stream_.avail_in, out = stream_.avail_out;
+      code = deflate(&stream_, read + in == bytes.size() ? Z_FINISH : Z_NO_FLUSH);
+      if (code != Z_OK && code != Z_STREAM_END) throw Error("cannot compress a chunk");
+      read += in - stream_.avail_in;
+      written += out - stream_.avail_out;
+    }
+    packed.resize(written);
+    return packed;
+  }
+
+ private:
+  static uInt AtMost(std::size_t left) {
+    return static_cast<uInt>(std::min<std::size_t>(left, std::numeric_limits<uInt>::max()));
+  }
+
+  z_stream stream_ = {};
+};
+
 }  // namespace
 
 double AsStored(double value, Type type) {
@@ -43,15 +82,8 @@ double AsStored(double value, Type type) {
 }
 
 std::vector<std::byte> Deflated(std::span<const std::byte> bytes) {
-  constexpr int kLevel = 1;
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  std::vector<std::byte> packed(size);
-  if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
-                kLevel) != Z_OK)
-    throw Error("cannot compress a chunk");
-  packed.resize(size);
-  return packed;
+  static Deflater deflater;
+  return deflater.Deflate(bytes);
 }
 
 std::vector<std::byte> Inflated(std::span<const std::byte> deflated, std::size_t bytes) {

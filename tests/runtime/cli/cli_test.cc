@@ -130,7 +130,7 @@ TEST(Run, RefusesJobsThatDisturbTimes) {
   EXPECT_EQ(program.Run({"run", "counts.cdb", "-q", "-j", "2"}).status, 0);
 }
 
-TEST(Run, KeepsTheShardsOfTwoOutputsApart) {
+TEST(Run, KeepsTheRunsOfTwoOutputsApart) {
   const Program program;
   program.Write("small.cdb", kSmall);
   for (const char* out : {"r.v1", "r.v2", "r.h5"})
@@ -176,7 +176,7 @@ TEST(EarlierPlans, AStartedSweepIsRefusedAndKept) {
     EXPECT_NE(run.err.find(part), std::string::npos) << part << "\n" << run.err;
   const Finished merged = program.Run({"merge", "-o", "default.h5", "default.runs"});
   EXPECT_EQ(merged.status, 2);
-  EXPECT_NE(merged.err.find("merge the shards beside it with that cdb"), std::string::npos)
+  EXPECT_NE(merged.err.find("merge the runs beside it with that cdb"), std::string::npos)
       << merged.err;
   EXPECT_EQ(program.Read("default.runs/plan.yaml"), plan);
   EXPECT_TRUE(program.Exists("default.runs/1fb6691c8206a52a.h5"));
@@ -458,7 +458,7 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(some.status, 0) << some.err;
   EXPECT_NE(some.out.find("small: 4 runs\n"), std::string::npos) << some.out;
   EXPECT_NE(some.out.find("Sampled: 4 of 4 points"), std::string::npos) << some.out;
-  EXPECT_EQ(program.Shell("ls -A | grep -c estimate").out, "0\n") << "sampled shards are gone";
+  EXPECT_EQ(program.Shell("ls -A | grep -c estimate").out, "0\n") << "sampled runs are gone";
   EXPECT_EQ(program.Run({"plan", "--estimate", "small.cdb", "-o", "p.yaml"}).status, 2);
   EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).status, 0);
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);

@@ -35,8 +35,8 @@ TEST(LogName, IsKnownAgain) {
 class JobScript : public testing::Test {
  protected:
   JobScript() {
-    fs::create_directories(sweep_.files.shards);
-    WriteFile(sweep_.files.shards / "plan.yaml", "");
+    fs::create_directories(sweep_.files.runs);
+    WriteFile(sweep_.files.runs / "plan.yaml", "");
     SetProgram("exit 0");
   }
   /// `body` runs after the arguments have been recorded.

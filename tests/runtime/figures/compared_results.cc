@@ -28,7 +28,7 @@ plan::Plan ComparedPlan(std::uint64_t repeats, const std::vector<std::string>& q
 }
 
 void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
-  const TemporaryFolder shards;
+  const TemporaryFolder runs;
   distributions::Stream stream(of.seed);
   for (const plan::Run& run : of.plan.runs) {
     ComparedRun made;
@@ -59,9 +59,9 @@ void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
     fake.result.scalars.harness_ns = 40 * std::exp(of.noise * stream.Normal());
     fake.result.errors.values["position"] = {made.error};
     fake.result.errors.values["position_floor"] = {made.floor};
-    WriteRun(of.plan, run, fake.result, of.provenance, shards.path());
+    WriteRun(of.plan, run, fake.result, of.provenance, runs.path());
   }
-  journal::Merge(of.plan, of.provenance, shards.path(), out);
+  journal::Merge(of.plan, of.provenance, runs.path(), out);
 }
 
 ComparedScene Slower(std::size_t detector, double factor) {

@@ -33,7 +33,7 @@ using MakeUp = std::function<MadeUp(const plan::Run&)>;
 /// Cycles of each run.
 inline constexpr std::uint64_t kMadeUpCycles = 4;
 
-/// Writes the shard of a run. The plan records only timing.
+/// Writes a run. The plan records only timing.
 inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const MadeUp& made,
                         const std::filesystem::path& folder) {
   FakeResult fake(run, made.status, made.cycles);

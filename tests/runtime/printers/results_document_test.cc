@@ -181,10 +181,10 @@ TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {
 
 TEST(ReportCommand, WritesOnePageOfAllFiles) {
   const Program program;
-  const TemporaryFolder shards;
+  const TemporaryFolder runs;
   const plan::Plan plan = DocumentPlan(1);
-  for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, MadeUpTimes(run), shards.path());
-  journal::Merge(plan, {{"build_type", "Release"}}, shards.path(), program.folder() / "out.h5");
+  for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, MadeUpTimes(run), runs.path());
+  journal::Merge(plan, {{"build_type", "Release"}}, runs.path(), program.folder() / "out.h5");
   const Finished written = program.Run({"report", "out.h5", "out.h5"});
   if (written.status == 2 && written.err.find("without pages") != std::string::npos)
     GTEST_SKIP() << written.err;
@@ -205,7 +205,7 @@ TEST(ReportCommand, WritesOnePageOfAllFiles) {
   EXPECT_EQ(program.Read("out.h5"), results);
 }
 
-/// A plan of `points` points. Equal runs share a shard.
+/// A plan of `points` points. Equal runs have one record.
 plan::Plan LargePlan(std::size_t points) {
   std::vector<double> values(points);
   for (std::size_t i = 0; i < points; ++i) values[i] = static_cast<double>(i);

@@ -178,8 +178,8 @@ TEST(ProgressBarTest, WarningsStandAboveIt) {
   const auto plan = MakePlan({.quantities = {100}, .detectors = {"dbvt"}});
   Screen screen;
   schedule::Progress progress(screen.Output(true));
-  progress.Warn("a broken shard");
-  EXPECT_EQ(screen.Take(), "cdb: warning: a broken shard\n");
+  progress.Warn("a broken journal");
+  EXPECT_EQ(screen.Take(), "cdb: warning: a broken journal\n");
   progress.Begin(plan, Pointers(plan), {}, 1);
   screen.Take();
   progress.Warn("another");

@@ -115,7 +115,7 @@ void LeaveOutArrays(const plan::Plan& plan, const plan::Run& run,
 TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
   const plan::Plan plan =
       MakePlan({NumberAxis("quantity", {10, 20})}, 1, {.record = {"timing", "stability"}});
-  const TemporaryFolder folder, shards, replaced;
+  const TemporaryFolder folder, runs, replaced;
   const auto write = [&](const plan::Run& run, const TemporaryFolder& to) {
     WriteRun(plan, run, FakeResult(run).result, TestProvenance(), to.path());
   };
@@ -133,11 +133,11 @@ TEST(Versions, FilesFromBeforeAnArrayWasAddedAreMerged) {
     EXPECT_EQ(file.ReadReal("peak_rss", today), wanted.result.scalars.peak_rss_bytes);
     EXPECT_EQ(file.ReadText("host", today), wanted.result.host);
   };
-  for (const plan::Run& run : plan.runs) write(run, shards);
-  journal::Merge(plan, {}, shards.path(), folder / "result.h5");
+  for (const plan::Run& run : plan.runs) write(run, runs);
+  journal::Merge(plan, {}, runs.path(), folder / "result.h5");
 
-  LeaveOutArrays(plan, plan.runs[0], shards.path());
-  journal::Merge(plan, {}, shards.path(), folder / "merged.h5");
+  LeaveOutArrays(plan, plan.runs[0], runs.path());
+  journal::Merge(plan, {}, runs.path(), folder / "merged.h5");
   check(folder / "merged.h5");
 
   // A run is repeated in a result.

@@ -64,25 +64,25 @@ class MergeBaseTest : public testing::Test {
                 .record = {"timing", "poses", "boxes", "contacts", "counts"},
                 .metrics = {"height", "position"}},
                {{1, 1}});
-  const TemporaryFolder folder_, shards_, retried_;
+  const TemporaryFolder folder_, runs_, retried_;
 };
 
 TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
   const store::Provenance elsewhere = {{"cpu", "another processor"}, {"compiler", "one"}};
   const plan::Run& crashed = plan_.runs[3];
   for (const plan::Run& run : plan_.runs)
-    Write(run, store::Status::kDone, 6, shards_.path(),
+    Write(run, store::Status::kDone, 6, runs_.path(),
           &run == &plan_.runs[5] ? elsewhere : TestProvenance());
-  WriteAllReferences(shards_.path());
-  Write(crashed, store::Status::kCrashed, 2, shards_.path(), TestProvenance());
+  WriteAllReferences(runs_.path());
+  Write(crashed, store::Status::kCrashed, 2, runs_.path(), TestProvenance());
   const fs::path out = folder_ / "out.h5";
-  journal::Merge(plan_, TestProvenance(), shards_.path(), out);
+  journal::Merge(plan_, TestProvenance(), runs_.path(), out);
   EXPECT_EQ(store::ResultFile(out).ReadStatus({crashed.at, crashed.rep}), store::Status::kCrashed);
 
   // As it would be if the run had succeeded at first.
-  for (const fs::path& folder : {shards_.path(), retried_.path()})
+  for (const fs::path& folder : {runs_.path(), retried_.path()})
     Write(crashed, store::Status::kDone, 6, folder, TestProvenance());
-  journal::Merge(plan_, TestProvenance(), shards_.path(), folder_ / "wanted.h5");
+  journal::Merge(plan_, TestProvenance(), runs_.path(), folder_ / "wanted.h5");
   journal::Merge(plan_, TestProvenance(), {retried_.path()}, out, out);
   EXPECT_EQ(store::ResultFile(out).ReadStatus({crashed.at, crashed.rep}), store::Status::kDone);
   EXPECT_TRUE(ValuesIn(hdf5::File::Open(out)) == ValuesIn(hdf5::File::Open(folder_ / "wanted.h5")))
@@ -93,8 +93,8 @@ TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
 
 TEST_F(MergeBaseTest, RefusesTheFileOfAnotherPlan) {
   const plan::Plan other = MakePlan({}, 1, {});
-  WriteRun(other, other.runs[0], FakeResult(other.runs[0]).result, {}, shards_.path());
-  journal::Merge(other, {}, shards_.path(), folder_ / "other.h5");
+  WriteRun(other, other.runs[0], FakeResult(other.runs[0]).result, {}, runs_.path());
+  journal::Merge(other, {}, runs_.path(), folder_ / "other.h5");
   const std::string before = ReadFile(folder_ / "other.h5");
   EXPECT_THROW(
       journal::Merge(plan_, {}, {retried_.path()}, folder_ / "other.h5", folder_ / "other.h5"),

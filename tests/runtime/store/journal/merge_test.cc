@@ -71,10 +71,10 @@ TEST(Merge, PutsEveryRunInItsCell) {
     WriteRun(plan, plan.runs[i], FakeResult(plan.runs[i], how, n_cycles).result, TestProvenance(),
              folder.path());
   }
-  const std::vector<std::string> shards = FilesIn(folder.path());
+  const std::vector<std::string> before = FilesIn(folder.path());
   const TemporaryFolder target;
   journal::Merge(plan, TestProvenance(), folder.path(), target / "out.h5");
-  EXPECT_EQ(FilesIn(folder.path()), shards);
+  EXPECT_EQ(FilesIn(folder.path()), before);
   EXPECT_THAT(FilesIn(target.path()), ElementsAre("out.h5"));
 
   const store::ResultFile file(target / "out.h5");

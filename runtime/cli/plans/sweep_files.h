@@ -14,7 +14,7 @@
 namespace cdb::plans {
 
 /// The journals of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
-std::filesystem::path ShardFolderOf(const std::filesystem::path& out);
+std::filesystem::path RunsFolderOf(const std::filesystem::path& out);
 
 /// True if `out` exists and holds every run of the plan. Throws CommandError, with `hint` at the
 /// end, if it holds the results of another plan, and StoreError if it is damaged.
@@ -28,7 +28,7 @@ std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan);
 
 /// Merges the journals into `out`. Runs in `out` that no journal holds are kept. Throws StoreError;
 /// `out` is then unchanged.
-void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& shards,
+void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& places,
                const std::filesystem::path& out);
 
 /// Tells other runners that the folder of a sweep is in use. Shared while runs are executed; the

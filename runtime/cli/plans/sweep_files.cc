@@ -1,4 +1,4 @@
-#include "runtime/cli/plans/shard_files.h"
+#include "runtime/cli/plans/sweep_files.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ bool IsOfEarlierFormat(const store::ResultFile& file, const plan::Plan& plan) {
 
 }  // namespace
 
-fs::path ShardFolderOf(const fs::path& out) {
+fs::path RunsFolderOf(const fs::path& out) {
   fs::path folder = out;
   if (out.extension() == ".h5") folder.replace_extension();
   return folder += ".runs";
@@ -89,9 +89,9 @@ std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) 
   return missing;
 }
 
-void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& shards, const fs::path& out) {
+void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& places, const fs::path& out) {
   std::error_code error;
-  journal::Merge(plan, options::CollectProvenance(), shards, out,
+  journal::Merge(plan, options::CollectProvenance(), places, out,
                  fs::exists(out, error) ? out : fs::path());
 }
 
@@ -132,7 +132,7 @@ bool IsMadeAnew(const plan::Plan& plan, const fs::path& folder) {
 }
 
 bool HasRuns(const fs::path& folder) {
-  schedule::RefuseShards(folder);
+  schedule::RefuseEarlierShards(folder);
   try {
     return journal::CountRuns(folder) > 0;
   } catch (const journal::DamagedJournal&) {
