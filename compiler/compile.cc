@@ -27,7 +27,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
   if (benchmarks.empty() && is_read) {
     const text::Span start = {scenario->main()->tree.source.get(), 0, 0};
     result.diagnostics.Report(scenario::kNoRuns, start, "there is no benchmark in this file",
-                              "`benchmark name { }` is a whole one");
+                              "`benchmark name { }` is a complete benchmark");
   }
   checks::CheckFileLets(*scenario, result.diagnostics);
   for (const scenario::BenchmarkRef& benchmark : benchmarks) {
@@ -37,12 +37,11 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
     if (!grid || !is_asked_for) continue;
     checks::ReportUnreachable(*scenario, benchmark, *grid, result.diagnostics);
     if (options.lists_runs && grid->run_count() > kMostListed)
-      result.diagnostics.Report(
-          scenario::kTooManyRuns, benchmark.benchmark->name.span,
-          fmt::format("this benchmark has {} runs", grid->run_count()),
-          fmt::format("a command that lists them takes {} at most; leave some out by `skip`, or "
-                      "split the benchmark",
-                      kMostListed));
+      result.diagnostics.Report(scenario::kTooManyRuns, benchmark.benchmark->name.span,
+                                fmt::format("this benchmark has {} runs", grid->run_count()),
+                                fmt::format("commands that list runs take at most {}; skip some by "
+                                            "`skip`, or split the benchmark",
+                                            kMostListed));
     grid->head.benchmark = benchmark.benchmark->name.text;
     grid->head.title = benchmark.benchmark->title;
     grid->head.source = path;

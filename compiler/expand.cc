@@ -80,11 +80,10 @@ class Expander {
   }
 
   bool TooMany(double count, double most, std::string_view what) {
-    diagnostics_.Report(scenario::kTooManyRuns, benchmark_.benchmark->name.span,
-                        fmt::format("this benchmark has {:.6g} {}", count, what),
-                        fmt::format("the limit is {:g}; leave some out by `skip` or split the "
-                                    "benchmark",
-                                    most));
+    diagnostics_.Report(
+        scenario::kTooManyRuns, benchmark_.benchmark->name.span,
+        fmt::format("this benchmark has {:.6g} {}", count, what),
+        fmt::format("the limit is {:g}; skip some by `skip`, or split the benchmark", most));
     return false;
   }
 
@@ -133,7 +132,7 @@ class Expander {
       if (axis.axis.name != sweep.name) continue;
       if (axis.sweep == nullptr) {
         diagnostics_.Report(scenario::kAxisTwice, sweep.span,
-                            fmt::format("there are cases called '{}' already", sweep.name),
+                            fmt::format("there are already cases called '{}'", sweep.name),
                             fmt::format("name the axis: sweep(…) as {}_2", sweep.name));
       } else {
         axis.order = std::min(axis.order, sweep.order);
@@ -159,7 +158,7 @@ class Expander {
       diagnostics_.Report(
           scenario::kReservedName,
           is_cases ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
-          fmt::format("an axis cannot be called '{}', which is {}", name, *clash),
+          fmt::format("an axis cannot be called '{}', which is the name of {}", name, *clash),
           is_cases ? fmt::format("give the cases another name: cases {}_case {{ … }}", name)
                    : fmt::format("give the axis another name: sweep(…) as {}_value", name));
     }
@@ -212,7 +211,7 @@ class Expander {
                .empty()) {
         const text::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
         diagnostics_.Report(scenario::kMisplacedSweep, whole, "'repeats' cannot be swept",
-                            "every point has as many: they are the axis `rep`");
+                            "every point has the same number: they make the axis `rep`");
         return false;
       }
       auto setting = here.evaluator().EvaluateParameter({"", repeats});
@@ -220,7 +219,7 @@ class Expander {
       if (!setting) return false;
       const std::uint64_t n = std::get<schema::Number>(*setting).AsCount();
       if (value && *value != n) {
-        diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' is the same in every case",
+        diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' must be the same in every case",
                             "set it outside the cases");
         return false;
       }
@@ -228,8 +227,8 @@ class Expander {
       if (n <= kMostListed) continue;
       diagnostics_.Report(
           scenario::kTooManyRuns, span,
-          fmt::format("a point has {} repeats, and the limit is {}", n, kMostListed),
-          "repeat less, or sweep the seed");
+          fmt::format("a point has {} repeats, but the limit is {}", n, kMostListed),
+          "use fewer repeats, or sweep the seed");
       return false;
     }
     grid_.head.repeats = *value;
@@ -287,8 +286,8 @@ class Expander {
     if (Failed()) return;
     if (grid_.point_count == 0) {
       diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
-                          fmt::format("'{}' has no run left", benchmark_.benchmark->name.text),
-                          "its `skip` leaves out every point");
+                          fmt::format("'{}' has no runs left", benchmark_.benchmark->name.text),
+                          "its `skip` skips every point");
       return;
     }
     checks.FindFaults(find_fault_);

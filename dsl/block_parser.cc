@@ -34,12 +34,12 @@ void StatementParser::ReportUnclosed() {
     brace = *suspect_;
   } else {
     for (std::size_t i = open_.size() - 1; i-- > 0;)
-      notes.push_back({open_[i].brace, "this '{' is open too"});
+      notes.push_back({open_[i].brace, "this '{' is not closed either"});
   }
   notes.push_back({cursor_.SpanOf(found),
                    found.kind == TokenKind::kEnd
                        ? "the file ends here"
-                       : cursor_.Quote(found) + " begins here, which stands outside blocks"});
+                       : cursor_.Quote(found) + " begins here, which must be outside blocks"});
   cursor_.Report(kUnclosedBlock, brace, "this '{' has no '}'", "", std::move(notes));
 }
 
@@ -142,7 +142,7 @@ void StatementParser::EndStatement() {
 void StatementParser::ReportStrayBracket() {
   const Token& token = cursor_.Peek();
   cursor_.Report(kStrayBracket, cursor_.SpanOf(token),
-                 text::Concat({"no bracket is open that this ", cursor_.Quote(token), " closes"}));
+                 text::Concat({"this ", cursor_.Quote(token), " does not close any parenthesis"}));
 }
 
 void StatementParser::SkipStatement() {

@@ -18,8 +18,8 @@ bool IsName(std::string_view path) { return path.find('.') == std::string_view::
 Token ValueParser::TakeOpen() {
   const Token open = cursor_.Take();
   if (open.kind == TokenKind::kLeftBracket)
-    cursor_.Report(kSquareBracket, cursor_.SpanOf(open), "square brackets mean nothing here",
-                   "vectors and arguments stand in ( )");
+    cursor_.Report(kSquareBracket, cursor_.SpanOf(open), "square brackets have no meaning here",
+                   "vectors and arguments are enclosed in ( )");
   return open;
 }
 
@@ -76,7 +76,7 @@ bool ValueParser::Close(const Token& open, std::string_view expected) {
 void ValueParser::ReportMisplacedAs() {
   const Token as = cursor_.Take();
   if (cursor_.At(TokenKind::kPath)) cursor_.Take();
-  cursor_.Report(kMisplacedAs, cursor_.SpanFrom(as.begin), "'as' stands after a ')' only",
+  cursor_.Report(kMisplacedAs, cursor_.SpanFrom(as.begin), "'as' can only follow a ')'",
                  "for example: sweep(1 .. 5) as z");
 }
 
@@ -104,7 +104,7 @@ bool ValueParser::ParseList(const Token& open, ParseOne parse_one) {
       const Token comma = cursor_.Take();
       if (AtClose())
         cursor_.Report(kTrailingComma, cursor_.SpanOf(comma), "no value follows this ','",
-                       "leave it out");
+                       "remove it");
       continue;
     }
     if (AtClose()) break;
@@ -143,9 +143,9 @@ ExprPtr ValueParser::ParseBracketed() {
       const char* what = item->kind == ExprKind::kRange   ? "a range"
                          : item->kind == ExprKind::kRatio ? "a ratio"
                                                           : "a text";
-      cursor_.Report(kBracketedValue, item->span,
-                     std::string(what) + " cannot stand in plain brackets",
-                     item->kind == ExprKind::kRange ? "write sweep(a .. b), or no brackets" : "");
+      cursor_.Report(
+          kBracketedValue, item->span, std::string(what) + " is not allowed in plain parentheses",
+          item->kind == ExprKind::kRange ? "write sweep(a .. b), or remove the parentheses" : "");
     }
     all_good &= item != nullptr;
     const bool good = item != nullptr;
@@ -155,7 +155,7 @@ ExprPtr ValueParser::ParseBracketed() {
   if (!closed) return nullptr;
   const text::Span span = cursor_.SpanFrom(open.begin);
   if (items.empty()) {
-    if (all_good) cursor_.Report(kMissingValue, span, "there is no value in these brackets");
+    if (all_good) cursor_.Report(kMissingValue, span, "these parentheses are empty");
     return nullptr;
   }
   if (items.size() == 1) {
@@ -164,10 +164,10 @@ ExprPtr ValueParser::ParseBracketed() {
     return inner;
   }
   if (items.size() != 3 && all_good)
-    cursor_.Report(
-        kVectorParts, span,
-        text::Concat({"a vector has three parts, and this has ", std::to_string(items.size())}),
-        "a vector is written (x, y, z)");
+    cursor_.Report(kVectorParts, span,
+                   text::Concat({"a vector has three components, but this one has ",
+                                 std::to_string(items.size())}),
+                   "a vector is written (x, y, z)");
   ExprPtr vector = Make(ExprKind::kVector, open.begin);
   vector->items = std::move(items);
   return Finish(std::move(vector), cursor_.SpanOf(open));
@@ -176,7 +176,8 @@ ExprPtr ValueParser::ParseBracketed() {
 /// Parses the values after `word`, which is `in`.
 bool ValueParser::ParseInList(const Token& word, std::vector<ExprPtr>& values) {
   if (!cursor_.At(TokenKind::kLeftParen) && !cursor_.At(TokenKind::kLeftBracket)) {
-    cursor_.Report(kMissingValue, cursor_.SpanOf(word), "'in' needs a list in brackets after it",
+    cursor_.Report(kMissingValue, cursor_.SpanOf(word),
+                   "'in' must be followed by a list in parentheses",
                    "for example: detector in (sap, dbvt)");
     return false;
   }
@@ -191,8 +192,7 @@ bool ValueParser::ParseInList(const Token& word, std::vector<ExprPtr>& values) {
     return all_good;
   });
   if (closed && all_good && values.empty())
-    cursor_.Report(kMissingValue, cursor_.SpanFrom(open.begin),
-                   "there is no value in these brackets");
+    cursor_.Report(kMissingValue, cursor_.SpanFrom(open.begin), "these parentheses are empty");
   return closed && all_good && !values.empty();
 }
 
@@ -200,7 +200,7 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
   ExprPtr call = Make(ExprKind::kCall, name.begin);
   call->text = cursor_.Text(name);
   if (!name.faulty && !IsName(call->text))
-    cursor_.Report(kBadName, cursor_.SpanOf(name), "a function's name has no '.' in it");
+    cursor_.Report(kBadName, cursor_.SpanOf(name), "the name of a function cannot contain '.'");
   {
     const DepthScope deeper(cursor_);
     const Token open = TakeOpen();
@@ -211,7 +211,8 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
     const Token as = cursor_.Take();
     call->axis = cursor_.ParseName("an axis", /*within_value=*/true);
     if (!call->axis) {
-      cursor_.Report(kMissingName, cursor_.SpanOf(as), "'as' needs the axis's name after it",
+      cursor_.Report(kMissingName, cursor_.SpanOf(as),
+                     "'as' must be followed by the name of the axis",
                      "for example: sweep(1 .. 5) as z");
       return nullptr;
     }
@@ -254,7 +255,7 @@ ExprPtr ValueParser::ParseBareCall() {
   const Name function{call->text, cursor_.SpanOf(name)};
   if (!name.faulty) cursor_.RefuseReserved(function);
   if (!name.faulty && !IsName(call->text))
-    cursor_.Report(kBadName, function.span, "a function's name has no '.' in it");
+    cursor_.Report(kBadName, function.span, "the name of a function cannot contain '.'");
   const Token label = cursor_.Take();
   cursor_.Take();
   Argument argument;

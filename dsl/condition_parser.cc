@@ -84,8 +84,8 @@ ConditionPtr ValueParser::ParseNot() {
   if (!operand) return nullptr;
   const bool several = operand->kind == ConditionKind::kAnd || operand->kind == ConditionKind::kOr;
   if (several && !bracketed_)
-    cursor_.Report(kNotScope, cursor_.SpanOf(word), "this 'not' negates all that follows it",
-                   "write brackets around what it should negate");
+    cursor_.Report(kNotScope, cursor_.SpanOf(word), "this 'not' negates everything that follows",
+                   "put the part to negate in parentheses");
   return MakeLogic(ConditionKind::kNot, cursor_.SpanOf(word), std::move(operand), nullptr);
 }
 
@@ -208,7 +208,7 @@ ConditionPtr ValueParser::ParseComparison() {
       return nullptr;
     }
     cursor_.Report(kMissingComparison, condition->left->span,
-                   cursor_.Quote(condition->left->span) + " alone is no condition",
+                   cursor_.Quote(condition->left->span) + " alone is not a condition",
                    "compare it with a value: detector == simple");
     return nullptr;
   }

@@ -91,12 +91,12 @@ bool Lexer::CheckEncoding() {
           at == 0 && (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"));
       Report(kNotUtf8, at, at + 1,
              text::Concat({"the file is not UTF-8: byte ",
-                           Hex(static_cast<unsigned char>(text_[at]), 2), " means nothing here"}),
+                           Hex(static_cast<unsigned char>(text_[at]), 2), " has no meaning here"}),
              utf16 ? "it looks like UTF-16; save it as UTF-8" : "save the file as UTF-8");
       return false;
     }
     if (point.value == 0) {
-      Report(kNulByte, at, at + 1, "the file holds a NUL byte, so it is not a text",
+      Report(kNulByte, at, at + 1, "the file contains a NUL byte, so it is not a text file",
              "save the file as UTF-8");
       return false;
     }
@@ -244,7 +244,7 @@ void Lexer::LexText(char quote) {
       --end;
     Report(quote == '"' ? kUnclosedText : kSingleQuotes, begin, begin + 1,
            quote == '"' ? "this text has no closing '\"' on its line"
-                        : "a single quote means nothing here",
+                        : "a single quote has no meaning here",
            quote == '"' ? "a line break within a text is written \\n" : "a text stands in \"…\"");
     Add(TokenKind::kText, end, true);
     return;
@@ -253,7 +253,7 @@ void Lexer::LexText(char quote) {
   if (quote == '\'') {
     const std::string inner(text_.substr(begin + 1, end - begin - 2));
     const bool plain = inner.find_first_of("\"\\") == std::string::npos;
-    Report(kSingleQuotes, begin, end, "a text stands in double quotes",
+    Report(kSingleQuotes, begin, end, "texts are written in double quotes",
            plain ? text::Concat({"write \"", inner, "\", or a word of the language without quotes"})
                  : "");
   } else {
@@ -275,8 +275,8 @@ void Lexer::CheckEscapes(std::size_t begin, std::size_t end) {
     const int bytes = std::max(text::DecodeUtf8(text_, i).bytes, 1);
     const std::size_t stop = text::IsControl(text_[i]) ? i : i + static_cast<std::size_t>(bytes);
     Report(kBadEscape, i - 1, stop,
-           text::Concat({"'", text_.substr(i - 1, stop - i + 1), "' means nothing in a text"}),
-           "it knows \\\" \\\\ \\n and \\t; a backslash itself is \\\\");
+           text::Concat({"'", text_.substr(i - 1, stop - i + 1), "' is not an escape sequence"}),
+           "the escape sequences are \\\" \\\\ \\n and \\t; write \\\\ for a backslash");
   }
 }
 
@@ -286,7 +286,7 @@ void Lexer::LexDots() {
   const bool good = end - at_ == 2;
   if (!good) {
     Report(kForeignOperator, at_, end,
-           text::Concat({"'", text_.substr(at_, end - at_), "' means nothing here"}),
+           text::Concat({"'", text_.substr(at_, end - at_), "' has no meaning here"}),
            "did you mean '..'?");
   }
   Add(TokenKind::kDots, end, !good);
@@ -296,8 +296,8 @@ void Lexer::LexPercent() {
   const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
   const char c = next == std::string_view::npos ? '\n' : text_[next];
   const bool remainder = text::IsNameChar(c) || c == '(';
-  Report(kForeignOperator, at_, at_ + 1, "'%' means nothing here",
-         remainder ? "there is no remainder; + - * / ^ are what there is"
+  Report(kForeignOperator, at_, at_ + 1, "'%' has no meaning here",
+         remainder ? "there is no remainder operator; the operators are + - * / ^"
                    : "a percentage is written as a fraction: 5 % is 0.05 or 5/100");
   // Between two values it is an operator; after a single value it is a unit, and is dropped.
   if (remainder)
@@ -309,21 +309,21 @@ void Lexer::LexPercent() {
 bool Lexer::LexForeign() {
   // `!` is an operator itself only if `!=` is not meant.
   if (text_[at_] == '!' && At(at_ + 1) != '=') {
-    Report(kForeignOperator, at_, at_ + 1, "'!' means nothing here", "did you mean 'not'?");
+    Report(kForeignOperator, at_, at_ + 1, "'!' has no meaning here", "did you mean 'not'?");
     Add(TokenKind::kNot, at_ + 1, true);
     return true;
   }
   const std::string_view rest = text_.substr(at_);
   if (const ForeignOperator* foreign = FindForeignOperator(rest)) {
     const std::size_t end = at_ + foreign->text.size();
-    Report(kForeignOperator, at_, end, text::Concat({"'", foreign->text, "' means nothing here"}),
+    Report(kForeignOperator, at_, end, text::Concat({"'", foreign->text, "' has no meaning here"}),
            text::Concat({"did you mean '", foreign->here, "'?"}));
     Add(foreign->kind, end, true);
     return true;
   }
   std::size_t quote_bytes = 0;
   if (const std::size_t bytes = ForeignTextBytes(rest, quote_bytes); bytes > 0) {
-    Report(kUnknownCharacter, at_, at_ + quote_bytes, "a text does not stand in typographic quotes",
+    Report(kUnknownCharacter, at_, at_ + quote_bytes, "texts are not written in typographic quotes",
            "write \"…\"");
     Add(TokenKind::kText, at_ + bytes, true);
     return true;
@@ -366,7 +366,7 @@ void Lexer::LexUnknown() {
   const std::size_t end = at_ + static_cast<std::size_t>(point.bytes);
   const std::string code = text::Concat({"U+", Hex(static_cast<std::uint32_t>(point.value), 4)});
   if (point.value == '\r') {
-    Report(kControlCharacter, at_, end, "a carriage return stands here without a line feed",
+    Report(kControlCharacter, at_, end, "carriage return without a line feed",
            "end each line with LF, or with CR LF");
     LexNewline();
     return;
@@ -380,14 +380,14 @@ void Lexer::LexUnknown() {
   }
   if (point.value < 0x20 || point.value == 0x7F) {
     Report(kControlCharacter, at_, end,
-           text::Concat({"the control character ", code, " means nothing here"}));
+           text::Concat({"the control character ", code, " has no meaning here"}));
     at_ = end;
     return;
   }
   const std::string shown(text_.substr(at_, end - at_));
   std::string help;
   if (shown == ".") help = "a range is written 'a .. b', a path 'objects.quantity'";
-  Report(kUnknownCharacter, at_, end, text::Concat({"'", shown, "' means nothing here"}),
+  Report(kUnknownCharacter, at_, end, text::Concat({"'", shown, "' has no meaning here"}),
          std::move(help));
   Add(TokenKind::kUnknown, end, true);
 }

@@ -25,9 +25,10 @@ class NumberCheck {
     if (!TakeDigits(is_hex)) return false;
     if (is_hex) return CheckHex();
     if (digits_.front() == '.')
-      return Refuse(kBadNumber, "a number begins with a digit", text::Concat({"write 0", lexeme_}));
+      return Refuse(kBadNumber, "a number must begin with a digit",
+                    text::Concat({"write 0", lexeme_}));
     if (digits_.back() == '.')
-      return Refuse(kBadNumber, "a number does not end with a point",
+      return Refuse(kBadNumber, "a number cannot end with a point",
                     text::Concat({"write ", lexeme_, "0, or leave the point out"}));
     return CheckDecimal();
   }
@@ -52,7 +53,7 @@ class NumberCheck {
       }
       if (i == 0 || i + 1 == lexeme_.size() || !is_digit(lexeme_[i - 1]) ||
           !is_digit(lexeme_[i + 1]))
-        return RefuseForm("'_' stands between two digits: 1_000");
+        return RefuseForm("'_' is only allowed between two digits: 1_000");
     }
     return true;
   }
@@ -62,7 +63,7 @@ class NumberCheck {
     std::uint64_t value = 0;
     const auto [stop, error] = std::from_chars(begin, end, value, 16);
     if (stop != end || stop == begin)
-      return RefuseForm("after 0x come the digits 0 to 9 and A to F, without a point");
+      return RefuseForm("0x must be followed by the digits 0 to 9 and A to F, without a point");
     if (error == std::errc::result_out_of_range)
       return Refuse(kNumberRange, Quoted() + " does not fit into 64 bits",
                     "the largest is 0xFFFFFFFFFFFFFFFF");
@@ -120,11 +121,11 @@ class NumberCheck {
   bool CheckWholeRange() {
     return Fits<std::uint64_t>() ||
            Refuse(kNumberRange, Quoted() + " does not fit into 64 bits",
-                  "where a rounded number will do, write an exponent: 1e20");
+                  "if a rounded number is enough, write it with an exponent: 1e20");
   }
   bool CheckRealRange() {
     return Fits<double>() || Refuse(kNumberRange, Quoted() + " does not fit into a 64-bit real",
-                                    "reals reach from about 1e-308 to 1.8e308");
+                                    "reals range from about 1e-308 to 1.8e308");
   }
 
   std::string_view lexeme_;

@@ -35,7 +35,7 @@ void StatementParser::ParseItems(File& file) {
       file.items.emplace_back(ParseBenchmark());
     } else if (token.kind == TokenKind::kRightBrace) {
       AddDamage(Damage::kLost);
-      cursor_.Report(kStrayBrace, cursor_.SpanOf(token), "no block is open that this '}' closes");
+      cursor_.Report(kStrayBrace, cursor_.SpanOf(token), "this '}' does not close any block");
       cursor_.Take();
       continue;
     } else if (token.kind == TokenKind::kPath) {
@@ -62,8 +62,8 @@ bool StatementParser::DropOutsideBenchmark(const Token& token, bool& is_reported
   const std::string_view meant = DidYouMean(cursor_.Text(token), {"benchmark", "use", "let"});
   if ((!is_reported || !meant.empty()) && !token.faulty)
     cursor_.Report(kMisplacedStatement, cursor_.SpanOf(token),
-                   cursor_.Quote(token) + " cannot stand outside a benchmark",
-                   meant.empty() ? "a file holds use, let and benchmark NAME { … }"
+                   cursor_.Quote(token) + " is not allowed outside a benchmark",
+                   meant.empty() ? "a file consists of use, let and benchmark NAME { … }"
                                  : text::Concat({"did you mean '", meant, "'?"}));
   is_reported |= meant.empty();
   if (meant.empty()) {
@@ -102,7 +102,7 @@ Use StatementParser::ParseUse() {
     if (!faulty && cursor_.Previous().end > begin) {
       const text::Span span = cursor_.SpanFrom(begin);
       cursor_.Report(
-          kMissingQuotes, span, "a file's name stands in quotes",
+          kMissingQuotes, span, "the name of a file is written in quotes",
           text::Concat({"write \"",
                         cursor_.source().text().substr(span.begin, span.end - span.begin), "\""}));
     }
@@ -128,7 +128,7 @@ std::optional<Let> StatementParser::ParseLet() {
   }
   if (cursor_.At(TokenKind::kLeftParen)) {
     cursor_.Report(kNoFunctions, cursor_.SpanOf(cursor_.Peek()),
-                   "a let is a value and takes no arguments",
+                   "a let is a value and cannot take arguments",
                    text::Concat({"write: let ", name->text, " = …"}));
     SkipStatement();
     return Let{std::move(*name), nullptr};
@@ -159,7 +159,7 @@ bool StatementParser::ParseEquals(const Name& name) {
     return true;
   }
   if (cursor_.AtStatementEnd()) {
-    cursor_.Report(kMissingEquals, name.span, "this name is given no value", help);
+    cursor_.Report(kMissingEquals, name.span, "this name has no value", help);
     return false;
   }
   const Token& found = cursor_.Peek();
@@ -181,10 +181,10 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
   };
   constexpr std::string_view kForm = "write: let a, b = zip(sweep(1, 2), sweep(10, 20))";
   if (zip->kind != ExprKind::kCall || zip->text != "zip")
-    return fail(zip->span, "several names need a zip( ) of several sweeps", kForm);
+    return fail(zip->span, "several names need a zip() of several sweeps", kForm);
   if (zip->arguments.size() != names.size())
     return fail(zip->span,
-                text::Concat({"here are ", std::to_string(names.size()), " names, and zip( ) has ",
+                text::Concat({"here are ", std::to_string(names.size()), " names, but zip() has ",
                               std::to_string(zip->arguments.size()), " sweeps"}),
                 "each name is one of the sweeps");
   auto all = std::make_shared<Zip>();
@@ -194,10 +194,10 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
   for (const Argument& argument : zip->arguments) {
     const Expr& value = *argument.value;
     if (argument.name || argument.weight || value.kind != ExprKind::kCall || value.text != "sweep")
-      return fail(value.span, "zip( ) takes sweeps only", kForm);
+      return fail(value.span, "zip() takes only sweeps", kForm);
     if (value.axis)
-      return fail(value.axis->span, "the sweeps of zip( ) are one axis, which has one name",
-                  text::Concat({"write it behind zip( ): zip(…) as ", value.axis->text}));
+      return fail(value.axis->span, "the sweeps of zip() make one axis, which has one name",
+                  text::Concat({"write it after zip(): zip(…) as ", value.axis->text}));
     all->sweeps.push_back(&value);
   }
   std::vector<Let> lets;
@@ -231,9 +231,10 @@ Benchmark StatementParser::ParseBenchmark() {
       continue;
     }
     if (titled || benchmark.from)
-      cursor_.Report(kMisplacedFrom, cursor_.SpanOf(token),
-                     titled ? "'from' stands before the title" : "there is one 'from' at most",
-                     "write: benchmark NAME from OTHER \"title\" { … }");
+      cursor_.Report(
+          kMisplacedFrom, cursor_.SpanOf(token),
+          titled ? "'from' must precede the title" : "a benchmark has at most one 'from'",
+          "write: benchmark NAME from OTHER \"title\" { … }");
     benchmark.from = cursor_.ParseName("a benchmark");
     if (!benchmark.from && !cursor_.Peek().faulty)
       cursor_.Report(kMissingName, cursor_.SpanOf(token),

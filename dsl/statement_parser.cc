@@ -77,7 +77,7 @@ void StatementParser::SkipNoStatement(const Token& first) {
   else if (!first.faulty)
     cursor_.Report(
         kUnexpectedToken, cursor_.SpanOf(first),
-        text::Concat({"a statement begins with a name, not with ", cursor_.Describe(first)}));
+        text::Concat({"a statement must begin with a name, not with ", cursor_.Describe(first)}));
   AddDamage(Damage::kLost);
   cursor_.Take();
   SkipStatement();
@@ -108,8 +108,8 @@ void StatementParser::ParseMisplaced() {
   AddDamage(Damage::kMisnested);
   const Token word = cursor_.Peek();
   cursor_.Report(kMisplacedStatement, cursor_.SpanOf(word),
-                 cursor_.Quote(word) + " cannot stand inside a block",
-                 "it stands outside all blocks, at the start of a line");
+                 cursor_.Quote(word) + " is not allowed inside a block",
+                 "it must be outside all blocks, at the start of a line");
   if (cursor_.AtWord("use"))
     ParseUse();
   else
@@ -133,20 +133,21 @@ std::optional<Group> StatementParser::ParseGroup(Name kind, bool faulty) {
   if (cursor_.At(TokenKind::kText)) {
     const Token text = cursor_.Take();
     if (!text.faulty)
-      cursor_.Report(kBadName, cursor_.SpanOf(text), "the name of a group stands without quotes");
+      cursor_.Report(kBadName, cursor_.SpanOf(text),
+                     "the name of a group is written without quotes");
   } else if (cursor_.At(TokenKind::kPath)) {
     group.label = cursor_.ParseName("a group");
   }
   if (cursor_.At(TokenKind::kLeftBrace) && ListInBraces()) {
     const Token brace = cursor_.Peek();
     SkipBraces();
-    cursor_.Report(kBracesForList, cursor_.SpanFrom(brace.begin), "values do not stand in { }",
+    cursor_.Report(kBracesForList, cursor_.SpanFrom(brace.begin), "values are not written in { }",
                    "a vector is written (x, y, z), a list a, b, c");
     return std::nullopt;
   }
   if (!faulty && kind.text.find('.') != std::string::npos)
-    cursor_.Report(kBadName, kind.span, "the name of a block has no '.' in it",
-                   "put one block into the other");
+    cursor_.Report(kBadName, kind.span, "the name of a block cannot contain '.'",
+                   "nest one block in the other");
   const text::Span owner = kind.span;
   group.kind = std::move(kind);
   if (!ParseBlock(group.block, owner)) return std::nullopt;
@@ -161,7 +162,7 @@ Setting StatementParser::ParseSetting(Name path) {
                       cursor_.Previous().kind == TokenKind::kColon;
     if (!sign)
       cursor_.Report(kMissingValue, setting.path.span,
-                     text::Concat({"'", setting.path.text, "' is given no value"}));
+                     text::Concat({"'", setting.path.text, "' has no value"}));
   } else if (!ParseMoreValues(setting)) {
     SkipStatement();
   }
@@ -178,8 +179,8 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
     if (!value) return false;
     if (comma && IsTrailing(*comma, first, *value)) {
       cursor_.Report(kTrailingComma, cursor_.SpanOf(*comma),
-                     "after this ',' the next line goes on with the list",
-                     "leave it out if the list ends here");
+                     "after this ',' the list continues on the next line",
+                     "remove it if the list ends here");
       cursor_.Rewind(start);
       statement_begins_ = true;
       return true;
@@ -193,7 +194,7 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
       comma = cursor_.Take();
       if (!cursor_.AtStatementEnd()) continue;
       cursor_.Report(kTrailingComma, cursor_.SpanOf(*comma), "no value follows this ','",
-                     "leave it out");
+                     "remove it");
       return true;
     }
     comma.reset();
@@ -205,7 +206,7 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
       cursor_.Report(kMissingComma, cursor_.SpanOf(next),
                      text::Concat({"a ',' is missing before ", cursor_.Quote(next)}),
                      kind == ExprKind::kPath && next.kind != TokenKind::kPath
-                         ? text::Concat({"arguments stand in brackets: ", word, "(…)"})
+                         ? text::Concat({"arguments are written in parentheses: ", word, "(…)"})
                          : "");
     comma_reported = true;
   }
@@ -228,10 +229,11 @@ bool StatementParser::RefuseSecondArgument(const Expr& value) {
   const bool after_comma = cursor_.At(TokenKind::kComma);
   if (!value.bare || !(values_.AtLabel() || (after_comma && values_.AtLabel(1)))) return false;
   const Token& label = cursor_.Peek(after_comma ? 1 : 0);
-  cursor_.Report(kMissingBrackets, cursor_.SpanOf(label),
-                 text::Concat({"several arguments of '", value.text, "' stand in brackets"}),
-                 text::Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
-                               cursor_.Text(label), ": …)"}));
+  cursor_.Report(
+      kMissingBrackets, cursor_.SpanOf(label),
+      text::Concat({"several arguments of '", value.text, "' are written in parentheses"}),
+      text::Concat({"write: ", value.text, "(", value.arguments[0].name->text, ": …, ",
+                    cursor_.Text(label), ": …)"}));
   return true;
 }
 
@@ -268,7 +270,7 @@ bool StatementParser::RefuseUnit(ExprKind last) {
   }
   if (last != ExprKind::kPath || !ends || !text::IsUnitName(word)) return false;
   const Token name = cursor_.Previous();
-  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "a unit follows a number or a bracket",
+  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "a unit must follow a number or a parenthesis",
                  text::Concat({"write (", cursor_.Text(name), ") ", word}));
   return true;
 }
@@ -281,10 +283,10 @@ bool StatementParser::RefuseSecondNumber(const Setting& setting) {
   const Token next = cursor_.Peek();
   const std::string_view first =
       cursor_.source().text().substr(last.span.begin, last.span.end - last.span.begin);
-  cursor_.Report(kTwoValues, cursor_.SpanOf(next),
-                 text::Concat({"'", setting.path.text, "' is given a second value"}),
-                 text::Concat({"to make a run with each, write sweep(", first, ", ",
-                               cursor_.Text(next), ")"}));
+  cursor_.Report(
+      kTwoValues, cursor_.SpanOf(next),
+      text::Concat({"'", setting.path.text, "' has a second value"}),
+      text::Concat({"for one run with each, write sweep(", first, ", ", cursor_.Text(next), ")"}));
   return true;
 }
 
@@ -298,7 +300,7 @@ bool StatementParser::RefuseLoop() {
   if (!cursor_.AtValueStart(1)) return false;
   cursor_.Report(kNoLoops, cursor_.SpanOf(word),
                  text::Concat({"there is no ", cursor_.Quote(word), " in this language"}),
-                 is_branch ? "skip when … leaves out runs; cases { } set several values together"
+                 is_branch ? "skip when … skips runs; cases { } sets several values together"
                            : "sweep(1 .. 3) makes a run for each value");
   AddDamage(Damage::kLost);
   SkipStatement();
@@ -343,8 +345,8 @@ std::optional<Case> StatementParser::ParseCase() {
   const Token first = cursor_.Peek();
   if (first.kind == TokenKind::kComma) {
     cursor_.Take();
-    cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first), "no ',' stands between cases",
-                   "leave it out");
+    cursor_.Report(kUnexpectedToken, cursor_.SpanOf(first), "cases are not separated by ','",
+                   "remove it");
     return std::nullopt;
   }
   std::optional<Case> result;
@@ -361,7 +363,7 @@ std::optional<Case> StatementParser::ParseCase() {
     if (cursor_.At(TokenKind::kText)) one.title = TextContents(cursor_.Text(cursor_.Take()));
     const bool setting = cursor_.AtValueStart() && !cursor_.Peek().faulty;
     if (setting) {
-      cursor_.Report(kMissingBlock, one.name.span, "a case has a block, and no value of its own",
+      cursor_.Report(kMissingBlock, one.name.span, "a case has a block, not a value",
                      text::Concat({"write ", one.name.text, " { … }"}));
       SkipStatement();
     } else if (cursor_.fault_count() > faults && cursor_.AtStatementEnd()) {
@@ -373,7 +375,7 @@ std::optional<Case> StatementParser::ParseCase() {
     if (!first.faulty)
       cursor_.Report(
           kUnexpectedToken, cursor_.SpanOf(first),
-          text::Concat({"a case begins with its name, not with ", cursor_.Describe(first)}),
+          text::Concat({"a case must begin with its name, not with ", cursor_.Describe(first)}),
           "write NAME { … }");
     if (first.kind == TokenKind::kLeftBrace) {
       Block dropped;
@@ -397,8 +399,8 @@ Skip StatementParser::ParseSkip() {
     cursor_.Take();
   } else if (cursor_.AtStatementEnd()) {
     cursor_.Report(kMissingWhen, cursor_.SpanOf(word),
-                   text::Concat({"'", name, "' does not say which points to ",
-                                 skip.is_only ? "run" : "leave out"}),
+                   text::Concat({"'", name, "' does not state which points to ",
+                                 skip.is_only ? "run" : "skip"}),
                    text::Concat({"for example: ", name, " when quantity > 3000"}));
     return skip;
   } else {

@@ -145,8 +145,8 @@ bool TokenCursor::FitsDepth(int height, const text::Span& span) {
   if (depth_ + height <= kMaxDepth) return true;
   if (std::exchange(gave_up_, true)) return false;
   Report(kTooDeep, span,
-         text::Concat({"this nests deeper than ", std::to_string(kMaxDepth), " levels"}),
-         "blocks, brackets, calls and operators count; give parts of it names with 'let'");
+         text::Concat({"this is nested more deeply than ", std::to_string(kMaxDepth), " levels"}),
+         "blocks, parentheses, calls and operators count; name parts of it with 'let'");
   return false;
 }
 
@@ -166,7 +166,7 @@ Name TokenCursor::TakeHyphened(bool digits_too) {
     name.text += '_' + std::string(Text(part));
     name.span.end = part.end;
   }
-  Report(kBadName, name.span, "a name has no '-' in it", text::Concat({"write ", name.text}));
+  Report(kBadName, name.span, "a name cannot contain '-'", text::Concat({"write ", name.text}));
   return name;
 }
 
@@ -183,8 +183,7 @@ void TokenCursor::RefuseReserved(const Name& path) {
     if (IsReserved(part)) {
       const auto at = path.span.begin + static_cast<std::uint32_t>(begin);
       Report(kReservedWord, {&source_, at, at + static_cast<std::uint32_t>(part.size())},
-             text::Concat({"'", part,
-                           "' begins a statement of its own, so nothing else can have that name"}));
+             text::Concat({"'", part, "' is a reserved word, so nothing else can have this name"}));
     }
     begin = end + 1;
   }

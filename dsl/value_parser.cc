@@ -84,7 +84,7 @@ ExprPtr ValueParser::ParseValue() {
 ExprPtr ValueParser::ParseText() {
   const Token token = cursor_.Take();
   if (IsOperator(cursor_.Peek().kind) || cursor_.At(TokenKind::kDots)) {
-    cursor_.Report(kTextInSum, cursor_.SpanOf(token), "a text cannot be calculated with");
+    cursor_.Report(kTextInSum, cursor_.SpanOf(token), "a text cannot be used in arithmetic");
     return nullptr;
   }
   ExprPtr expr = Make(ExprKind::kText, token.begin);
@@ -111,14 +111,14 @@ ExprPtr ValueParser::FinishRatio(std::vector<ExprPtr> parts) {
   }
   ExprPtr ratio = Make(ExprKind::kRatio, begin);
   if (parts.size() == 2) {
-    cursor_.Report(kRatioParts, ratio->span, "a ratio has three parts, and this has 2",
+    cursor_.Report(kRatioParts, ratio->span, "a ratio has three parts, but this one has 2",
                    "a range is written with '..', a ratio as 1 : y : z");
     // Most likely, a range was meant.
     ratio->kind = ExprKind::kRange;
   } else if (parts.size() > 3) {
     cursor_.Report(
         kRatioParts, ratio->span,
-        text::Concat({"a ratio has three parts, and this has ", std::to_string(parts.size())}),
+        text::Concat({"a ratio has three parts, but this one has ", std::to_string(parts.size())}),
         "a ratio is written 1 : y : z");
     parts.resize(3);
   }
@@ -145,7 +145,7 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   const Token token = cursor_.Peek();
   if (token.kind == TokenKind::kDots) {
     if (!token.faulty)
-      cursor_.Report(kBadRange, cursor_.SpanOf(token), "a range has only one '..'",
+      cursor_.Report(kBadRange, cursor_.SpanOf(token), "a range can have only one '..'",
                      "a step follows the word: a .. b step d");
     cursor_.Take();
     return ParseSum() ? RangeWord::kTaken : RangeWord::kFailed;
@@ -160,7 +160,7 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
         meant == "log" || cursor_.AtValueStart(1) || cursor_.Peek(1).kind == TokenKind::kMinus;
     if (meant.empty() || !follows || word == "as") return RangeWord::kNone;
     cursor_.Report(kBadRange, cursor_.SpanOf(token),
-                   text::Concat({"a range knows no word ", cursor_.Quote(token)}),
+                   text::Concat({"a range has no word ", cursor_.Quote(token)}),
                    text::Concat({"did you mean '", meant, "'?"}));
   }
   cursor_.Take();
@@ -168,8 +168,8 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   if (range.range == RangeKind::kCount)
     range.range = RangeKind::kCountLog;
   else if (known)
-    cursor_.Report(kBadRange, cursor_.SpanOf(token),
-                   "'log' needs to know how many values there are", "write: a .. b count n log");
+    cursor_.Report(kBadRange, cursor_.SpanOf(token), "'log' needs the number of values",
+                   "write: a .. b count n log");
   return RangeWord::kTaken;
 }
 
@@ -186,7 +186,7 @@ ValueParser::RangeWord ValueParser::ParseRangeNumber(Expr& range, const Token& w
   if (range.items.size() == 3) {
     if (known)
       cursor_.Report(kBadRange, cursor_.SpanOf(word),
-                     "a range has one 'step' or one 'count', not both");
+                     "a range can have 'step' or 'count', not both");
     return RangeWord::kTaken;
   }
   range.range = is_step ? RangeKind::kStep : RangeKind::kCount;
@@ -265,8 +265,8 @@ bool ValueParser::TakePower(std::string& unit) {
       cursor_.At(TokenKind::kNumber) ? cursor_.Text(cursor_.Peek()) : std::string_view();
   if (power.size() != 1 || power == "0") {
     cursor_.Report(kWrittenUnit, cursor_.SpanOf(caret),
-                   "the power of a unit is a whole number from 1 to 9",
-                   "write m/s^2, or bracket the value: (5 cm)^x");
+                   "the power of a unit must be a whole number from 1 to 9",
+                   "write m/s^2, or put the value in parentheses: (5 cm)^x");
     return false;
   }
   cursor_.Take();
@@ -294,11 +294,11 @@ ExprPtr ValueParser::ParseUnary() {
   cursor_.Take();
   if (cursor_.At(TokenKind::kMinus) || cursor_.At(TokenKind::kPlus)) {
     while (cursor_.At(TokenKind::kMinus) || cursor_.At(TokenKind::kPlus)) cursor_.Take();
-    cursor_.Report(kBadSign, cursor_.SpanFrom(sign.begin), "a value has one sign at most",
-                   "bracket the inner one: -(-5)");
+    cursor_.Report(kBadSign, cursor_.SpanFrom(sign.begin), "a value can have only one sign",
+                   "put the inner one in parentheses: -(-5)");
   } else if (sign.kind == TokenKind::kPlus) {
-    cursor_.Report(kBadSign, cursor_.SpanOf(sign), "a value has no '+' before it",
-                   "leave it out: a value without a sign is positive");
+    cursor_.Report(kBadSign, cursor_.SpanOf(sign), "a value cannot begin with '+'",
+                   "remove it: a value without a sign is positive");
   }
   ExprPtr operand = ParsePrimary();
   if (!operand || sign.kind == TokenKind::kPlus) return operand;
@@ -311,7 +311,7 @@ ExprPtr ValueParser::ParsePrimary() {
   if (IsOperator(cursor_.Previous().kind) && cursor_.NextLineContinues()) {
     cursor_.Report(kLineBreak, cursor_.SpanOf(cursor_.Previous()),
                    text::Concat({"a line cannot break after ", cursor_.Quote(cursor_.Previous())}),
-                   "it can after ',' in a list; else write the value on one line");
+                   "only after ',' in a list; otherwise, write the value on one line");
     cursor_.Take();
   }
   switch (cursor_.Peek().kind) {
@@ -330,7 +330,7 @@ ExprPtr ValueParser::ParsePrimary() {
       const Token token = cursor_.Take();
       if (!token.faulty)
         cursor_.Report(kTextInSum, cursor_.SpanOf(token),
-                       "a text cannot stand here, where a number or a name is asked for",
+                       "a text is not allowed here; expected a number or a name",
                        "names such as sphere and dbvt are written without quotes");
       ExprPtr expr = Make(ExprKind::kPath, token.begin);
       expr->text = TextContents(cursor_.Text(token));

@@ -106,14 +106,14 @@ std::string CacheFault(const fs::path& folder) {
   struct stat status = {};
   if (folder.empty() || stat(folder.c_str(), &status) != 0 || IsSafeFolder(folder)) return {};
   if (!S_ISDIR(status.st_mode))
-    return fmt::format("the cache '{}' is no folder and is not used; name another by CDB_CACHE",
+    return fmt::format("the cache '{}' is not a folder and is not used; set CDB_CACHE to another",
                        folder.string());
   if (status.st_uid != geteuid())
     return fmt::format(
-        "the cache '{}' belongs to another user and is not used; name your own by CDB_CACHE",
+        "the cache '{}' belongs to another user and is not used; set CDB_CACHE to your own",
         folder.string());
   return fmt::format(
-      "others may write to the cache '{0}', and it is not used; empty it, and `chmod 700 {0}`",
+      "the cache '{0}' is not used, as others may write to it; empty it, and `chmod 700 {0}`",
       folder.string());
 }
 

@@ -74,11 +74,12 @@ class Analysis {
       case Component::kRotation:
         return Rotation();
       case Component::kMotionStates:
-        return {Decision::kLeftOut, "nothing draws the scene while it runs"};
+        return {Decision::kLeftOut, "the scene is not drawn while it runs"};
       case Component::kStaticBoxes:
         return StaticBoxes();
       case Component::kPools:
-        return {Decision::kOpen, "how many contacts there can be is known when all are placed"};
+        return {Decision::kOpen,
+                "the possible number of contacts is known once all objects are placed"};
       case Component::kWallPairs:
         return WallPairs();
     }
@@ -92,27 +93,29 @@ class Analysis {
 
   std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
   std::string Pull() const {
-    return fmt::format("{} are linked and pull at one another", *linked_);
+    return fmt::format("{} are linked and pull on one another", *linked_);
   }
 
   Answer Walls() const {
     if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
     if (ccd_) return {Decision::kKept, Sweeps()};
     if (linked_) return {Decision::kKept, Pull()};
-    return {Decision::kOpen, "where each object can get to is known when all are placed"};
+    return {Decision::kOpen, "the reach of each object is known once all objects are placed"};
   }
 
   // A pair without a contact has no effect if contacts are solved in the order of their bodies.
   Answer WallPairs() const {
     if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
     if (scene_.world.WordOr("world.wall_shape") != "plane")
-      return {Decision::kAbsent, "walls are boxes, and their pairs are those that reach them"};
+      return {Decision::kAbsent,
+              "walls are boxes, and only objects that reach them are in pairs with them"};
     if (scene_.world.WordOr("pair_order") != "sorted")
       return {Decision::kKept,
               "with pair_order listed, contacts are solved in an order that depends on all pairs; "
-              "pair_order sorted does without"};
+              "use pair_order sorted"};
     if (ccd_) return {Decision::kKept, Sweeps()};
-    return {Decision::kOpen, "whether an object has several pieces is known when all are placed"};
+    return {Decision::kOpen,
+            "the number of pieces of each object is known once all objects are placed"};
   }
 
   Answer RaycastTree() const {
@@ -136,7 +139,8 @@ class Analysis {
   Answer Sleeping() const {
     if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
     if (linked_) return {Decision::kKept, Pull()};
-    return {Decision::kOpen, "whether an object can come to rest is known when all are placed"};
+    return {Decision::kOpen,
+            "whether an object can come to rest is known once all objects are placed"};
   }
 
   Answer Gravity() const {
@@ -155,10 +159,11 @@ class Analysis {
 
   Answer Rotation() const {
     if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
-    if (told_) return {Decision::kKept, fmt::format("{} may have the spins of a file", *told_)};
+    if (told_)
+      return {Decision::kKept, fmt::format("{} may have the angular velocities of a file", *told_)};
     if (linked_) return {Decision::kKept, Pull()};
     return {Decision::kOpen,
-            "whether a touch can set an object spinning is known when all are placed"};
+            "whether a contact can make an object spin is known once all objects are placed"};
   }
 
   Answer StaticBoxes() const {
@@ -168,15 +173,15 @@ class Analysis {
       return {Decision::kKept, "dbvt finds other pairs where boxes are not updated"};
     if (scene_.world.On("sleeping"))
       return {Decision::kOpen,
-              "an object that falls asleep needs its box once more; whether one can is known when "
-              "all are placed"};
-    return {Decision::kLeftOut, "walls and fixed objects stay where they are"};
+              "an object that falls asleep needs its box once more; whether one can is known once "
+              "all objects are placed"};
+    return {Decision::kLeftOut, "walls and fixed objects do not move"};
   }
 
   Answer IfNothingTouches() const {
     if (ccd_) return {Decision::kKept, Sweeps()};
     if (linked_) return {Decision::kKept, Pull()};
-    return {Decision::kOpen, "whether anything can touch is known when all are placed"};
+    return {Decision::kOpen, "whether anything can touch is known once all objects are placed"};
   }
 
   const plan::Scene& scene_;
@@ -203,7 +208,7 @@ std::vector<PruningDecision> AnalysePruning(const plan::Scene& scene) {
     const PruningRequest asked = RequestFor(scene, info.component);
     Answer answer = asked == PruningRequest::kNo
                         ? Answer{Decision::kKept, is_none   ? "omit none"
-                                                  : is_auto ? "left out only if omit names it"
+                                                  : is_auto ? "omitted only if omit names it"
                                                             : "omit does not list it"}
                         : analysis.Of(info.component, asked);
     decisions.push_back({info.component, answer.decision, std::move(answer.why)});

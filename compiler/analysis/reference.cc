@@ -36,7 +36,8 @@ std::string IntervalThatWouldDo(double wanted, double timestep, double other) {
   for (double away = 0; away <= kFar; ++away)
     for (const double steps : {near + away, near - away})
       if (steps >= 1 && WholeSteps(steps * timestep, other))
-        return fmt::format("an interval of {} s would do", SecondsText(steps * timestep, timestep));
+        return fmt::format("use an interval of {} s, for example",
+                           SecondsText(steps * timestep, timestep));
   return "choose a reference.timestep that divides the time step of the run";
 }
 
@@ -80,7 +81,7 @@ AccuracyFault FindAccuracyFault(const plan::Scene& scene) {
   for (const auto& [step, whose] : {std::pair{timestep, "the run"}, {reference, "the reference"}})
     if (!WholeSteps(interval, step))
       return {schema::WorldParameter("accuracy.interval").get(),
-              fmt::format("an interval of {} s is no whole number of time steps of {}, {} s",
+              fmt::format("an interval of {} s is not a whole number of time steps of {}, {} s",
                           SecondsText(interval, interval), whose, SecondsText(step, step)),
               IntervalThatWouldDo(interval, timestep, reference)};
   const std::uint64_t cycles = world.Count("warmup") + world.Count("cycles");
@@ -104,7 +105,7 @@ AccuracyFault FindAccuracyFault(const plan::Scene& scene) {
     whole = StretchSchedules(group.settings, timestep, reference) && whole;
   if (!whole)
     return {schema::WorldParameter("accuracy.reference.timestep").get(),
-            "a schedule changes after cycles that are no whole number of the reference's",
+            "a schedule changes at a time that is not a whole number of the reference's time steps",
             "take a reference.timestep that divides the time step of the run"};
   const std::uint64_t bodies = BodyCount(scene);
   const std::string_view detector_name = world.WordOr("accuracy.reference.detector");
@@ -112,8 +113,8 @@ AccuracyFault FindAccuracyFault(const plan::Scene& scene) {
   CDB_CHECK(detector);
   if (!detector->Holds(bodies))
     return {schema::WorldParameter("accuracy.reference.detector").get(),
-            fmt::format("'{}' holds at most {} bodies, walls included; here are {}", detector_name,
-                        detector->max_bodies, bodies),
+            fmt::format("'{}' handles at most {} bodies, walls included, but there are {}",
+                        detector_name, detector->max_bodies, bodies),
             "use dbvt"};
   return {};
 }

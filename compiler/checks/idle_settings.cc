@@ -38,8 +38,8 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
       if (IsZero(group.settings.Get(velocity))) continue;
       Look(configuration, {group.name, velocity.get()}, group.settings.WordOr("mass") == "fixed",
            fmt::format("'{}' is fixed, and {} does not move it", group.name, velocity.name()),
-           "leave it out, or write mass kinematic: that moves as its velocity says, whatever it "
-           "meets");
+           "remove it, or write mass kinematic: such objects move with their velocity, whatever "
+           "they meet");
     }
     if (analysis::HasKinematic(group))
       Look(configuration, {group.name, schema::GroupParameter("mass").get()}, IsStill(group),
@@ -56,11 +56,11 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
   if (said == "rest" || said == "energy")
     Look(configuration, {"", schema::WorldParameter("expect").get()},
          analysis::ExpectationOf(scene) == analysis::Expectation::kDriven,
-         fmt::format("'expect {}' judges nothing here: a schedule or kinematic objects drive the "
+         fmt::format("'expect {}' has no effect here: a schedule or kinematic objects drive the "
                      "scene, so that {}",
                      said,
                      said == "rest" ? "it need not rest" : "its energy may change at any time"),
-         "leave it out");
+         "remove it");
 }
 
 void IdleSettings::Report() const {

@@ -22,9 +22,9 @@ std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
   if (!group.settings.Has(*schema::GroupParameter("margin"))) return std::nullopt;
   const schema::Value& given = group.settings.Get("margin");
   return MotionFault{"margin",
-                     fmt::format("a surface has no margin, and that of {} is {}", group.name,
+                     fmt::format("a surface has no margin, but that of {} is {}", group.name,
                                  schema::ToText(given)),
-                     "leave the margin out"};
+                     "remove the margin"};
 }
 
 std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
@@ -34,28 +34,29 @@ std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
     return MotionFault{
         settings.WordOr("mass") == analysis::kKinematicWord ? schema::GroupParameter("mass")
                                                             : schema::GroupParameter("type"),
-        fmt::format("a surface has no inside and does not move, and the mass of {} is {}",
+        fmt::format("a surface has no inside and does not move, but the mass of {} is {}",
                     group.name, schema::ToText(settings.Get("mass"))),
         "write mass fixed, or type mesh(…) for a solid that moves"};
   if (analysis::HasSurface(settings))
     if (auto fault = FindMarginFault(group)) return fault;
   if (analysis::PathOf(group) != nullptr && settings.WordOr("mass") != analysis::kKinematicWord)
-    return MotionFault{"location",
-                       fmt::format("a path moves a kinematic object, and the mass of {} is {}",
-                                   group.name, schema::ToText(settings.Get("mass"))),
-                       "write mass kinematic"};
+    return MotionFault{
+        "location",
+        fmt::format("only a kinematic object can move along a path, but the mass of {} is {}",
+                    group.name, schema::ToText(settings.Get("mass"))),
+        "write mass kinematic"};
   if (!analysis::HasKinematic(group)) return std::nullopt;
   for (const auto parameter :
        {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
     if (const schema::Call* schedule = schema::AsCall(settings.Get(parameter)))
       return MotionFault{
           parameter,
-          fmt::format("'{}' changes a velocity, and kinematic objects keep theirs", schedule->name),
-          "write one velocity, or how they move in a file: location path(\"motion.csv\")"};
+          fmt::format("'{}' changes a velocity, but kinematic objects keep theirs", schedule->name),
+          "write one velocity, or their motion in a file: location path(\"motion.csv\")"};
   const schema::Call* layout = schema::AsCall(settings.Get("location"));
   if (layout != nullptr && layout->name == "pile")
     return MotionFault{
-        "location", fmt::format("the {} are kinematic and do not settle into a pile", group.name),
+        "location", fmt::format("the {} are kinematic and cannot settle into a pile", group.name),
         "give them a mass, or another location"};
   return std::nullopt;
 }

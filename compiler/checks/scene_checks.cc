@@ -53,8 +53,8 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
   const std::uint64_t bodies = analysis::BodyCount(scene);
   if (bodies > 2147483647) {
     diagnostics_.Report(scenario::kCapacity, benchmark_,
-                        fmt::format("{} objects are more than a run holds", objects),
-                        "2147483647 with the walls");
+                        fmt::format("{} objects are more than a run can have", objects),
+                        "the limit is 2147483647, walls included");
     return false;
   }
   const bool places_good = CheckPlaces(configuration, scene);
@@ -69,13 +69,13 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
     if (!detector || detector->Holds(bodies)) continue;
     holds = false;
     if (!std::exchange(capacity_reported_, true))
-      diagnostics_.Report(scenario::kCapacity,
-                          configuration.SpanOf({"", parameter.get()}, benchmark_),
-                          fmt::format("'{}' holds at most {} bodies, walls included; here are {}",
-                                      word, detector->max_bodies, bodies),
-                          fmt::format("skip when quantity > {} and {} == {}, or use {}",
-                                      detector->max_bodies - (bodies - objects), parameter.name(),
-                                      word, parameter.name() == "detector" ? "sap32" : "bullet"));
+      diagnostics_.Report(
+          scenario::kCapacity, configuration.SpanOf({"", parameter.get()}, benchmark_),
+          fmt::format("'{}' handles at most {} bodies, walls included, but there are {}", word,
+                      detector->max_bodies, bodies),
+          fmt::format("skip when quantity > {} and {} == {}, or use {}",
+                      detector->max_bodies - (bodies - objects), parameter.name(), word,
+                      parameter.name() == "detector" ? "sap32" : "bullet"));
   }
   return holds;
 }
@@ -104,12 +104,11 @@ bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const pla
     diagnostics_.Report(
         scenario::kCapacity,
         configuration.SpanOf({group.name, schema::GroupParameter("location").get()}, benchmark_),
-        fmt::format("'{}' places {}, and the quantity of {} is {}", location->name, count,
+        fmt::format("'{}' places {}, but the quantity of {} is {}", location->name, count,
                     group.name, quantity),
-        is_pair
-            ? "write quantity 2"
-            : fmt::format("leave the quantity out, or list {} point{}: at((0, 0, 0), (1, 2, 3))",
-                          quantity, quantity == 1 ? "" : "s"));
+        is_pair ? "write quantity 2"
+                : fmt::format("remove the quantity, or list {} point{}: at((0, 0, 0), (1, 2, 3))",
+                              quantity, quantity == 1 ? "" : "s"));
   }
   return good;
 }
@@ -132,12 +131,11 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
   const std::uint64_t quantity = group.settings.Count("quantity");
   if (quantity != facts->count && quantity != 0)
     return report("location", scenario::kCapacity,
-                  fmt::format("'{}' {} {} object{}, and the quantity of {} is {}", file,
+                  fmt::format("'{}' {} {} object{}, but the quantity of {} is {}", file,
                               is_path ? "is the path of" : "has the poses of", facts->count,
                               facts->count == 1 ? "" : "s", group.name, quantity),
-                  is_path
-                      ? "leave the quantity out; another object needs a group and a path of its own"
-                      : "leave the quantity out, or name another file");
+                  is_path ? "remove the quantity; another object needs its own group and path"
+                          : "remove the quantity, or name another file");
   struct Given {
     schema::GroupParameter parameter;
     bool is_given;
@@ -147,12 +145,12 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
                          {"angular_velocity", facts->has_angular_velocity}};
   for (const auto& [parameter, is_given] : given)
     if (is_given && configuration.IsSet({group.name, parameter.get()}))
-      return report(
-          parameter, scenario::kContradiction,
-          fmt::format("'{}' gives the {} of each object of {}", file, parameter.name(), group.name),
-          is_path && parameter.name() == "linear_velocity"
-              ? "take it out here"
-              : "take it out here, or its columns out of the file");
+      return report(parameter, scenario::kContradiction,
+                    fmt::format("'{}' already sets the {} of each object of {}", file,
+                                parameter.name(), group.name),
+                    is_path && parameter.name() == "linear_velocity"
+                        ? "take it out here"
+                        : "remove it here, or its columns from the file");
   return true;
 }
 
@@ -175,7 +173,7 @@ bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
       const std::string_view near = dsl::DidYouMean(word, names);
       if (is_known)
         diagnostics_.Report(scenario::kContradiction, span,
-                            "'walls' may be those of the world or the group of that name",
+                            "'walls' could mean those of the world or the group of that name",
                             "give the group another name");
       else
         diagnostics_.Report(scenario::kUnknownName, span,
@@ -187,11 +185,11 @@ bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
   const std::size_t classes = analysis::Collisions(scene).ClassCount();
   if (!good || classes <= analysis::kMostCollisionClasses) return good;
   if (misplaced_.emplace("", "collides_with").second)
-    diagnostics_.Report(scenario::kCapacity, benchmark_,
-                        fmt::format("collides_with makes {} kinds of groups, and Bullet tells {} "
-                                    "apart",
-                                    classes, analysis::kMostCollisionClasses),
-                        "let more groups touch the same others");
+    diagnostics_.Report(
+        scenario::kCapacity, benchmark_,
+        fmt::format("collides_with makes {} kinds of groups, but Bullet supports {}", classes,
+                    analysis::kMostCollisionClasses),
+        "let more groups touch the same groups");
   return false;
 }
 
@@ -203,16 +201,16 @@ bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan
     const schema::Call* location = schema::AsCall(group.settings.Get("location"));
     std::string why, hint;
     if (group.settings.WordOr("mass") == "fixed") {
-      why = "never move, and links would hold nothing";
+      why = "never move, so links would have no effect";
       hint = "give them a mass";
     } else if (analysis::HasKinematic(group)) {
-      why = "are kinematic, and links would hold nothing";
+      why = "are kinematic, so links would have no effect";
       hint = "give them a mass";
     } else if (group.settings.Count("quantity") == 1 && !group.settings.On("links.anchor")) {
       why = "are one object, and without links.anchor there is nothing to link it to";
       hint = "write quantity 2 or links.anchor on";
     } else if (location != nullptr && location->name == "pile") {
-      why = "settle in a pile, which links would hang in the air";
+      why = "settle in a pile, which cannot have links";
       hint = "write another location, line for example";
     }
     if (why.empty()) continue;
@@ -240,8 +238,8 @@ bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan:
         configuration.SpanOfWord({"", schema::WorldParameter("omit").get()}, name);
     if (!refused_.emplace(span.source, span.begin, part.component).second) continue;
     diagnostics_.Report(
-        scenario::kNeeded, span, fmt::format("'{}' cannot be left out: {}", name, part.why),
-        "take it out of the list; omit auto leaves out all that a scene does not need");
+        scenario::kNeeded, span, fmt::format("'{}' cannot be omitted: {}", name, part.why),
+        "remove it from the list; omit auto omits everything that a scene does not need");
   }
   return good;
 }
@@ -256,8 +254,8 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
   if (said != settings.end() && !settings.contains(metrics)) {
     if (std::exchange(inaccurate_, true)) return false;
     diagnostics_.Report(scenario::kContradiction, said->second.node->path.span,
-                        "accuracy without metrics collects nothing",
-                        "say which errors: accuracy.metrics position, energy");
+                        "accuracy without metrics computes nothing",
+                        "name the errors: accuracy.metrics position, energy");
     return false;
   }
   const auto report = [&](const dsl::DiagnosticKind& kind, const schema::Parameter* parameter,
@@ -274,7 +272,7 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
   if (!interval_s_) interval_s_ = sampling->interval_s;
   if (*interval_s_ != sampling->interval_s)
     return report(scenario::kMisplacedSweep, schema::WorldParameter("accuracy.interval").get(),
-                  "the interval is the same in every run", "their samples are one axis");
+                  "the interval must be the same in every run", "the samples make one axis");
   return true;
 }
 

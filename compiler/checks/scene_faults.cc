@@ -135,7 +135,7 @@ void SceneFaults::WarnOfEllipsoids(configure::Configuration& configuration,
     const std::string text = schema::ToText(group.settings.Get(size));
     diagnostics_.Report(scenario::kEllipsoids,
                         configuration.SpanOf({group.name, size.get()}, benchmark_),
-                        "each side is drawn by itself, so that the spheres are ellipsoids",
+                        "each side is drawn separately, so that the spheres are ellipsoids",
                         fmt::format("size same({}) draws one value for all sides", text));
   }
 }

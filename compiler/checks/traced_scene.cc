@@ -38,8 +38,8 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
       faults.push_back({&scenario::kContradiction,
                         key,
                         {},
-                        fmt::format("'{}' means nothing on a trace", setting.node->path.text),
-                        "leave it out; what can be set there: " + MeaningfulNames()});
+                        fmt::format("'{}' has no meaning on a trace", setting.node->path.text),
+                        "remove it; a benchmark on a trace can set " + MeaningfulNames()});
 
   const std::uint64_t warmup = scene.world.Count("warmup");
   const schema::WorldParameter of_cycles = "cycles", of_warmup = "warmup";
@@ -49,10 +49,10 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
     faults.push_back({&scenario::kCapacity,
                       {"", (is_set(of_cycles) ? of_cycles : of_warmup).get()},
                       {},
-                      fmt::format("the trace has {} cycles, and this asks for {}", facts.cycles,
+                      fmt::format("the trace has {} cycles, but this asks for {}", facts.cycles,
                                   warmup + cycles),
-                      is_set("cycles") ? "cycles left out takes all that there are"
-                                       : "warmup leaves at least one to time"});
+                      is_set("cycles") ? "without cycles, all of them are used"
+                                       : "warmup must leave at least one cycle to time"});
 
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
   std::vector<std::string_view> recorded;

@@ -74,18 +74,18 @@ class UnreachedValues {
         for (const std::size_t value : missed)
           if (axis.values[value] == plan::Coordinate(one.name.text))
             Warn(one.name.span, fmt::format("no run is in the case '{}'", one.name.text),
-                 "take it out, or change `skip`");
+                 "remove it, or change `skip`");
       return;
     }
     const auto place = SweepOf(axis.name);
     if (place && Holds(benchmark_.benchmark->span, *place))
       Warn(*place, "no run has " + ValuesText(axis, missed),
-           "take it out of the sweep, or change `skip`");
+           "remove it from the sweep, or change `skip`");
   }
 
   void Warn(const text::Span& span, const std::string& what, const std::string& help) {
     diagnostics_.Report(scenario::kUnreachable, span,
-                        what + ": `skip` leaves out every point that has it", help);
+                        what + ": `skip` skips every point that has it", help);
   }
 
   /// The cases in the benchmark itself that make the axis; null if there are none.
@@ -150,7 +150,7 @@ void ReportOverridden(const dsl::Block& block, dsl::Diagnostics& diagnostics) {
         continue;
       diagnostics.Report(scenario::kUnreachable, span,
                          fmt::format("no run has this value: every case sets '{}'", name),
-                         "take it out, or leave it out of a case",
+                         "remove it here, or from a case",
                          {{inside[0].at(name), "the first case sets it here"}});
     }
   }
@@ -176,7 +176,7 @@ void ReportUnusedSweep(const dsl::Let& let, dsl::Diagnostics& diagnostics) {
   if (IsSweepCall(*let.value))
     diagnostics.Report(scenario::kUnreachable, let.name.span,
                        fmt::format("nothing uses '{}', so its sweep makes no axis", let.name.text),
-                       "set a parameter to it, or take it out");
+                       "set a parameter to it, or remove it");
 }
 
 void ReportUnreachable(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,

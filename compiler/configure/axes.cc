@@ -172,8 +172,8 @@ class AxisFinder {
     if (!is_even) {
       evaluator_.Error(
           scenario::kBadArguments, zip.span,
-          fmt::format("the sweeps of zip( ) have {} values", fmt::join(lengths, " and ")),
-          "sweeps that move together have the same number of values");
+          fmt::format("the sweeps of zip() have {} values", fmt::join(lengths, " and ")),
+          "sweeps that change together must have the same number of values");
       return;
     }
     if (!CountPoints(evaluator_.sweeps().Find(first, scope)->items.size(), zip.span)) return;
@@ -280,7 +280,7 @@ class AxisFinder {
       evaluator_.diagnostics().Report(
           scenario::kBadArguments, item != nullptr ? item->span : axis.call->span,
           fmt::format("the value {} is on this axis twice", LabelOf(values[i])),
-          "`repeats` measures a point more than once");
+          "to measure a point several times, use `repeats`");
     }
   }
 
@@ -291,7 +291,7 @@ class AxisFinder {
         if (axes_[j].name != axis.name) continue;
         evaluator_.diagnostics().Report(
             scenario::kAxisTwice, axis.span,
-            fmt::format("there is an axis '{}' already", axis.name),
+            fmt::format("there is already an axis '{}'", axis.name),
             fmt::format("name one of them: sweep(…) as {}_2", axis.name),
             {{axes_[j].span, "the first is here"}});
       }

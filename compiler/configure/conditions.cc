@@ -75,14 +75,15 @@ void Conditions::CheckCalls(const dsl::Condition& condition) {
 /// A call in a condition does not have a single value: true, with a report.
 bool Conditions::RefuseCall(const Expr& expr) {
   if (expr.kind == ExprKind::kCall && expr.text == "sweep") {
-    evaluator_.Error(scenario::kMisplacedSweep, expr.span, "a sweep in a condition makes no axis",
+    evaluator_.Error(scenario::kMisplacedSweep, expr.span, "a condition cannot contain a sweep",
                      "sweep a setting or a let, and compare its name");
     return true;
   }
   if (expr.kind == ExprKind::kCall && schema::FindDistribution(expr.text)) {
-    evaluator_.Error(scenario::kBadComparison, expr.span,
-                     fmt::format("{}( ) is drawn for each object and has no one value", expr.text),
-                     "conditions compare axes, lets and parameters");
+    evaluator_.Error(
+        scenario::kBadComparison, expr.span,
+        fmt::format("{}() is drawn for each object and has no single value", expr.text),
+        "conditions can compare axes, lets and parameters");
     return true;
   }
   return std::ranges::any_of(expr.items, [this](const auto& item) { return RefuseCall(*item); }) ||
@@ -104,7 +105,7 @@ bool Conditions::Compare(const Expr& left_expr, const std::string& op, const Exp
   if (AsNumber(*left) && AsNumber(*right))
     return CompareNumbers(op, *AsNumber(*left), *AsNumber(*right));
   if (op != "==" && op != "!=") {
-    evaluator_.Error(scenario::kBadComparison, span, fmt::format("'{}' compares numbers only", op),
+    evaluator_.Error(scenario::kBadComparison, span, fmt::format("'{}' compares only numbers", op),
                      "words are compared with == and !=");
     return false;
   }

@@ -176,7 +176,8 @@ std::optional<Value> Configuration::ValueOf(const scenario::ParameterKey& key) {
   if (setting.values.size() > 1) {
     evaluator_.diagnostics().Report(
         scenario::kWrongKind, Join(setting.values.front()->span, setting.values.back()->span),
-        fmt::format("'{}' takes one value, here are {}", parameter.name, setting.values.size()),
+        fmt::format("'{}' takes one value, but there are {}", parameter.name,
+                    setting.values.size()),
         "sweep(…) makes a run for each, any(…) draws one for each object");
     return std::nullopt;
   }

@@ -32,7 +32,7 @@ std::optional<Value> EvaluatePoints(const Expr& expr, const schema::Parametrised
     good = good && value && AsVector(*value);
     if (value && !AsVector(*value))
       evaluator.Error(scenario::kWrongKind, written.span,
-                      fmt::format("this is {}, and the others are points", names::KindName(*value)),
+                      fmt::format("this is {}, but the others are points", names::KindName(*value)),
                       "write (x, y, z) for each object");
     if (value) call.arguments.push_back(*value);
   }
@@ -116,11 +116,11 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
     near = schema::WordFor(expr.text);
   if (expr.text == "zip")
     return evaluator.Error(scenario::kMisplacedSweep, expr.span,
-                           "zip( ) gives several values, and stands in a let only",
+                           "zip() has several values, and is only allowed in a let",
                            "write: let a, b = zip(sweep(1, 2), sweep(10, 20)), and use a and b");
   if (expr.text == "until")
     return evaluator.Error(scenario::kUnknownName, expr.span,
-                           "the number of repeats does not depend on what they measure",
+                           "the number of repeats cannot depend on a measurement",
                            "write the upper limit, such as repeats 50; `cdb run --until 1%` stops "
                            "once every interval is within 1 %");
   return evaluator.Error(scenario::kUnknownName, expr.span,
@@ -135,12 +135,12 @@ std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope
                                   Evaluator& evaluator) {
   if (!call.items.empty() && !schema::FindDistribution(call.text))
     return evaluator.Error(scenario::kBadArguments, call.span,
-                           fmt::format("{}( ) has no limits", call.text),
+                           fmt::format("{}() cannot have limits", call.text),
                            "'in a .. b' limits a distribution");
   if (call.text == "sweep") return evaluator.sweeps().Evaluate(call, scope);
   if (call.axis)
     return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,
-                           "only a sweep makes an axis that has a name");
+                           "only a sweep makes an axis, which can have a name");
   if (IsFunction(call.text)) return EvaluateFunction(call, scope, evaluator);
   if (call.text == "any") return EvaluateAny(call, scope, evaluator);
   if (const auto kind = schema::FindDistribution(call.text))

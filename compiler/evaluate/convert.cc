@@ -65,10 +65,9 @@ class Converter {
 
   std::optional<Value> Drawn(const schema::Distribution& drawn) const {
     if (!parameter_.distribution)
-      return Error(
-          scenario::kWrongKind,
-          fmt::format("'{}' has one value in a run and takes no distribution", parameter_.name),
-          "sweep(…) makes a run for each of several values");
+      return Error(scenario::kWrongKind,
+                   fmt::format("'{}' has one value in a run and cannot be drawn", parameter_.name),
+                   "sweep(…) makes a run for each of several values");
     return drawn.kind == schema::DistributionKind::kAny ? OfChoices(drawn) : OfNumbers(drawn);
   }
 
@@ -100,12 +99,12 @@ class Converter {
     if (parameter_.type == schema::ParameterType::kVector) {
       diagnostics_.Report(
           scenario::kBadArguments, at,
-          fmt::format("{}( ) goes on for the whole run and cannot be a choice of any( )", call),
+          fmt::format("{}() lasts for the whole run and cannot be a choice of any()", call),
           "sweep(…) makes a run for each of several");
     } else {
       diagnostics_.Report(scenario::kBadArguments, at,
-                          fmt::format("{}( ) cannot be a choice of any( )", call),
-                          fmt::format("write any( ) into it: {}(any(…))", call));
+                          fmt::format("{}() cannot be a choice of any()", call),
+                          fmt::format("write any() inside it: {}(any(…))", call));
     }
   }
 
@@ -114,7 +113,7 @@ class Converter {
     if (parameter_.type != schema::ParameterType::kReal &&
         parameter_.type != schema::ParameterType::kVector)
       return Error(scenario::kWrongKind,
-                   fmt::format("'{}' takes {}; {}( ) draws numbers", parameter_.name,
+                   fmt::format("'{}' takes {}, but {}() draws numbers", parameter_.name,
                                parameter_.Takes(plugins_), schema::DistributionName(drawn.kind)),
                    "any(…) draws from a list");
     if (are_vectors && parameter_.type != schema::ParameterType::kVector)
@@ -135,7 +134,7 @@ class Converter {
                    fmt::format("'{}' takes a word, not a text", parameter_.name),
                    fmt::format("write {} without quotes", text->text));
     return Error(scenario::kWrongKind,
-                 fmt::format("'{}' takes {}; this is {}", parameter_.name,
+                 fmt::format("'{}' takes {}, but this is {}", parameter_.name,
                              parameter_.Takes(plugins_), names::KindName(value)),
                  text != nullptr && parameter_.TakesCall("mesh")
                      ? fmt::format("write mesh({})", ToText(Value(*text)))
@@ -158,7 +157,7 @@ class Converter {
     constexpr Integer kMost = ~std::uint64_t{0};
     if (*whole > kMost || !parameter_.domain.Contains(static_cast<double>(*whole)))
       return Error(scenario::kOutOfDomain,
-                   *whole > 0 ? fmt::format("'{}' does not go up to {}", parameter_.name,
+                   *whole > 0 ? fmt::format("'{}' cannot be as large as {}", parameter_.name,
                                             AsNumber(value)->Text())
                               : fmt::format("'{}' must be {}, not {}", parameter_.name,
                                             parameter_.domain.Text(), AsNumber(value)->Text()));
@@ -180,10 +179,10 @@ class Converter {
     if (AsVector(value)) return not_zero(*AsVector(value));
     if (!AsNumber(value)) return WrongKind(value);
     if (AsNumber(value)->AsReal() != 0)
-      return Error(
-          scenario::kWrongKind,
-          fmt::format("'{}' is a vector; of numbers only 0 stands for one", parameter_.name),
-          fmt::format("write (0, {}, 0), say", AsNumber(value)->Text()));
+      return Error(scenario::kWrongKind,
+                   fmt::format("'{}' is a vector; the only number allowed in its place is 0",
+                               parameter_.name),
+                   fmt::format("write (0, {}, 0), for example", AsNumber(value)->Text()));
     return not_zero(Eigen::Vector3d::Zero());
   }
 
@@ -225,11 +224,11 @@ class Converter {
     if (!parameter_.HasWord(detector.name, plugins_)) {
       if (parameter_.word_source == schema::WordSource::kNarrowPhases) {
         Error(scenario::kWrongKind,
-              fmt::format("'{}' has no narrow phase: it finds pairs", detector.name),
+              fmt::format("'{}' has no narrow phase: it only finds pairs", detector.name),
               fmt::format("write detector {}", detector.name));
       } else {
         Error(scenario::kWrongKind,
-              fmt::format("'{}' finds no pairs: it is a narrow phase", detector.name),
+              fmt::format("'{}' does not find pairs: it is a narrow phase", detector.name),
               fmt::format("write narrow_phase {}", detector.name));
       }
       return false;
@@ -250,8 +249,8 @@ class Converter {
       const schema::Number& number = *AsNumber(value);
       if (parameter_.domain.Contains(number.AsReal())) return true;
       Error(scenario::kOutOfDomain,
-            fmt::format("'{}' must be {}; '{}' has {}", parameter_.name, parameter_.domain.Text(),
-                        drawn.file, number.Text()));
+            fmt::format("'{}' must be {}, but '{}' has {}", parameter_.name,
+                        parameter_.domain.Text(), drawn.file, number.Text()));
       return false;
     });
   }
@@ -273,7 +272,7 @@ class Converter {
                                      how_often, domain.Text())
                        : fmt::format("'{}' must be {}; {} {} is", parameter_.name, domain.Text(),
                                      text, how_often),
-          "what is outside is drawn again, so most of it has to lie inside");
+          "values outside are drawn again, so most of the distribution must lie inside");
     return false;
   }
 
@@ -334,11 +333,10 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Value, text::Span>>
       if (words[j] == words[i] || (parameter.StandsAlone(words[j]) && i < j) ||
           parameter.StandsBeside(words[i], words[j]))
         continue;
-      diagnostics.Report(scenario::kContradiction, spans[i],
-                         fmt::format("'{}' cannot stand beside '{}'", words[i], words[j]),
-                         fmt::format("'{}' speaks of all of them: write it alone, or only the "
-                                     "others",
-                                     words[i]));
+      diagnostics.Report(
+          scenario::kContradiction, spans[i],
+          fmt::format("'{}' cannot be combined with '{}'", words[i], words[j]),
+          fmt::format("'{}' applies to all of them: write it alone, or only the others", words[i]));
       good = false;
       break;
     }

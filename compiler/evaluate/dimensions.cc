@@ -123,11 +123,11 @@ void Dimensions::CheckFor(const schema::Parameter& parameter, std::string_view u
   const Unit wanted = SchemaUnit(unit);
   if (wanted.HasDimensionOf(found.unit)) return;
   if (wanted.IsPure()) {
-    Report(expr.span,
-           fmt::format("'{}' has no unit; this is {}", parameter.name, DimensionName(found.unit)));
+    Report(expr.span, fmt::format("'{}' has no unit, but this is {}", parameter.name,
+                                  DimensionName(found.unit)));
   } else {
     Report(expr.span,
-           fmt::format("'{}' is {}; this is {}", parameter.name, DimensionName(wanted),
+           fmt::format("'{}' is {}, but this is {}", parameter.name, DimensionName(wanted),
                        DimensionName(found.unit)),
            fmt::format("a number without a unit is in {}", unit));
   }
@@ -234,14 +234,14 @@ Dimensions::Dimension Dimensions::FindPower(const Expr& expr, const Dimension& b
   if (base.kind != Kind::kUnit) return base;
   if (power) return Of(text::Multiplied({}, base.unit, *power));
   return Report(expr.items[1]->span,
-                "a value with a unit is raised to a whole number, from -9 to 9");
+                "the exponent of a value with a unit must be a whole number from -9 to 9");
 }
 
 Dimensions::Dimension Dimensions::FindQuantity(const Expr& expr, const scenario::Scope& scope) {
   const Dimension value = Find(*expr.items[0], scope);
   if (value.kind == Kind::kUnit || value.kind == Kind::kDrawn)
     return Report(expr.text_span,
-                  fmt::format("this has a unit already: it is {}", DimensionName(value.unit)));
+                  fmt::format("this already has a unit: it is {}", DimensionName(value.unit)));
   return Of(*text::ParseUnit(expr.text));
 }
 
@@ -329,10 +329,11 @@ Dimensions::Dimension Dimensions::FindFunction(const Expr& expr, const scenario:
                        .angle = unit.angle / 2,
                        .memory = unit.memory / 2};
     if (text::Multiplied({}, root, 2).HasDimensionOf(unit)) return Of(root);
-    return Report(parts[0].span, fmt::format("{} has no root in whole units", DimensionName(unit)));
+    return Report(parts[0].span,
+                  fmt::format("the root of {} is not a whole power of units", DimensionName(unit)));
   }
   if (rule == schema::UnitRule::kAngle && unit.HasDimensionOf(SchemaUnit("rad"))) return Pure();
-  return Report(parts[0].span, fmt::format("{}( ) takes a number without a unit; this is {}",
+  return Report(parts[0].span, fmt::format("{}() takes a number without a unit, but this is {}",
                                            expr.text, DimensionName(unit)));
 }
 
@@ -346,7 +347,7 @@ Dimensions::Dimension Dimensions::FindNormal(const Expr& expr, const scenario::S
   const Unit square = text::Multiplied({}, parts[0].dimension.unit, 2);
   if (square.HasDimensionOf(parts[1].dimension.unit)) return parts[0].dimension;
   return Report(parts[1].span,
-                fmt::format("this variance is {}; the variance of {} is {}",
+                fmt::format("this variance is {}, but the variance of {} is {}",
                             DimensionName(parts[1].dimension.unit),
                             DimensionName(parts[0].dimension.unit), DimensionName(square)));
 }
@@ -373,12 +374,12 @@ Dimensions::Dimension Dimensions::Join(const Parts& parts) {
   for (const Part& part : parts) {
     if (part.dimension.kind == Kind::kPure)
       return Report(part.span,
-                    fmt::format("this has no unit; the value beside it is {}",
+                    fmt::format("this has no unit, but the value beside it is {}",
                                 DimensionName(first->dimension.unit)),
-                    "write the unit behind each of them, or once behind the brackets");
+                    "write the unit after each of them, or once after the parentheses");
     if ((part.dimension.kind == Kind::kUnit || part.dimension.kind == Kind::kDrawn) &&
         !part.dimension.unit.HasDimensionOf(first->dimension.unit))
-      return Report(part.span, fmt::format("this is {}; the value beside it is {}",
+      return Report(part.span, fmt::format("this is {}, but the value beside it is {}",
                                            DimensionName(part.dimension.unit),
                                            DimensionName(first->dimension.unit)));
   }
@@ -403,7 +404,7 @@ Dimensions::Dimension Dimensions::JoinWithoutUnit(const Parts& parts) {
 void Dimensions::RequirePure(const Part& part, const char* what) {
   if (part.dimension.kind == Kind::kUnit)
     Report(part.span,
-           fmt::format("{} has no unit; this is {}", what, DimensionName(part.dimension.unit)));
+           fmt::format("{} has no unit, but this is {}", what, DimensionName(part.dimension.unit)));
 }
 
 void Dimensions::Check(const dsl::Condition& condition, const scenario::Scope& scope) {
@@ -411,7 +412,7 @@ void Dimensions::Check(const dsl::Condition& condition, const scenario::Scope& s
   if (!condition.left || !condition.right) return;
   const auto left = SideOf(*condition.left, scope), right = SideOf(*condition.right, scope);
   if (left && right && !left->HasDimensionOf(*right))
-    Report(condition.right->span, fmt::format("this is {}; it is compared with {}",
+    Report(condition.right->span, fmt::format("this is {}, but it is compared with {}",
                                               DimensionName(*right), DimensionName(*left)));
 }
 

@@ -29,8 +29,9 @@ std::optional<double> WeightOf(const dsl::Argument& argument, const scenario::Sc
   const auto number = evaluator.EvaluateNumber(*argument.weight, scope, "weights");
   if (!number) return std::nullopt;
   if (!(number->AsReal() > 0))
-    return evaluator.Error(scenario::kOutOfDomain, argument.weight->span, "a weight is more than 0",
-                           "leave out what is never to be chosen");
+    return evaluator.Error(scenario::kOutOfDomain, argument.weight->span,
+                           "a weight must be greater than 0",
+                           "remove choices that should never be drawn");
   return number->AsReal();
 }
 
@@ -39,7 +40,7 @@ bool AddChoice(const dsl::Argument& argument, const scenario::Scope& scope, Eval
                schema::Distribution& drawn) {
   if (argument.name) {
     evaluator.Error(scenario::kBadArguments, argument.name->span,
-                    fmt::format("any( ) has no argument '{}'", argument.name->text),
+                    fmt::format("any() has no argument '{}'", argument.name->text),
                     "a weight follows its choice: any(sphere 3, cone 1)");
     return false;
   }
@@ -91,13 +92,13 @@ class PairDistribution {
   bool CheckForm(const dsl::Argument& argument) {
     if (argument.weight)
       return Fail(scenario::kBadArguments, argument.weight->span,
-                  fmt::format("{}( ) takes no weights", call_.text), usage_);
+                  fmt::format("{}() does not take weights", call_.text), usage_);
     if (!argument.name) return true;
     is_variance_ = argument.name->text == "variance";
     const bool is_second = arguments_.size() == 1;
     if (is_normal_ && is_second && (is_variance_ || argument.name->text == "sd")) return true;
     return Fail(scenario::kBadArguments, argument.name->span,
-                fmt::format("{}( ) has no argument '{}'{}", call_.text, argument.name->text,
+                fmt::format("{}() has no argument '{}'{}", call_.text, argument.name->text,
                             is_normal_ && !is_second ? " there" : ""),
                 usage_);
   }
@@ -111,7 +112,7 @@ class PairDistribution {
     }
     if (!AsNumber(*value) && !AsVector(*value))
       return Fail(scenario::kWrongKind, argument.value->span,
-                  fmt::format("{}( ) takes numbers or vectors, this is {}", call_.text,
+                  fmt::format("{}() takes numbers or vectors, but this is {}", call_.text,
                               names::KindName(*value)),
                   usage_);
     arguments_.push_back(*value);
@@ -122,7 +123,7 @@ class PairDistribution {
   bool MatchKinds() {
     if (arguments_.size() != 2)
       return Fail(scenario::kBadArguments, call_.span,
-                  fmt::format("{}( ) takes two values, here {} {}", call_.text,
+                  fmt::format("{}() takes two values, but there {} {}", call_.text,
                               arguments_.size() == 1 ? "is" : "are", arguments_.size()),
                   usage_);
     const auto widen = [](Value& value, const Value& other) {
@@ -149,12 +150,12 @@ class PairDistribution {
           fmt::format("a {} is 0 or more", is_variance_ ? "variance" : "standard deviation"));
     if (!is_normal_ && (a.array() > b.array()).any())
       return Fail(scenario::kOutOfDomain, call_.span,
-                  fmt::format("the least value, {}, is more than the most, {}",
+                  fmt::format("the lower bound, {}, is greater than the upper, {}",
                               ToText(arguments_[0]), ToText(arguments_[1])),
                   "swap them");
     if (kind_ == DistributionKind::kLogUniform && (a.array() <= 0).any())
       return Fail(scenario::kOutOfDomain, call_.arguments[0].value->span,
-                  "log_uniform( ) takes values more than 0");
+                  "log_uniform() takes values greater than 0");
     return true;
   }
 
@@ -190,7 +191,7 @@ std::optional<schema::Limits> LimitsOf(const Expr& call, const scenario::Scope& 
 std::optional<Value> EvaluateAny(const Expr& call, const scenario::Scope& scope,
                                  Evaluator& evaluator) {
   if (call.arguments.empty())
-    return evaluator.Error(scenario::kBadArguments, call.span, "any( ) has nothing to choose from");
+    return evaluator.Error(scenario::kBadArguments, call.span, "any() has no choices");
   schema::Distribution drawn;
   drawn.kind = DistributionKind::kAny;
   bool good = true;
@@ -199,8 +200,8 @@ std::optional<Value> EvaluateAny(const Expr& call, const scenario::Scope& scope,
   if (!good) return std::nullopt;
   if (!call.items.empty())
     return evaluator.Error(scenario::kBadArguments, call.items[0]->span,
-                           "any( ) draws from a list and has no limits",
-                           "leave out the values outside of them");
+                           "any() draws from a list and cannot have limits",
+                           "remove the values outside of them");
   return drawn;
 }
 

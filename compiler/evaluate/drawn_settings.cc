@@ -44,18 +44,18 @@ std::optional<Value> NamedSetting(const dsl::Expr& path, const scenario::Paramet
     return evaluator.Error(scenario::kWrongKind, path.span, std::move(message), std::move(help));
   };
   if (key.first.empty() || key.second->type != schema::ParameterType::kReal)
-    return refuse(
-        fmt::format("'{}' is drawn anew for each object and has no one value", path.text));
+    return refuse(fmt::format("'{}' is drawn for each object and has no single value", path.text));
   const schema::Distribution* drawn = AsDistribution(value);
   if (drawn != nullptr && key.second == schema::GroupParameter("size").get())
     return refuse(
-        fmt::format("'{}' draws each side by itself, so that an object has no one size", path.text),
+        fmt::format("'{}' draws each side separately, so that an object has no single size",
+                    path.text),
         fmt::format("write size same({})", LabelOf(value)));
   if (drawn != nullptr)
     for (const Value& choice : drawn->arguments)
       if (AsWord(choice))
-        return refuse(
-            fmt::format("'{}' may be drawn as {}, which is no number", path.text, LabelOf(choice)));
+        return refuse(fmt::format("'{}' can be drawn as {}, which is not a number", path.text,
+                                  LabelOf(choice)));
   Formula formula;
   formula.setting = key.second->name;
   formula.group = key.first;
@@ -84,7 +84,7 @@ void RefuseFormula(const Formula& formula, dsl::Diagnostics& diagnostics) {
   const Formula& name = *schema::SettingsIn(value).front();
   diagnostics.Report(
       scenario::kWrongKind, name.written,
-      fmt::format("'{}' is drawn anew for each object and has no one value", TextOf(name.written)));
+      fmt::format("'{}' is drawn for each object and has no single value", TextOf(name.written)));
 }
 
 std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
@@ -100,9 +100,10 @@ std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
         return other;
     return evaluator.Error(
         scenario::kWrongKind, name->written,
-        fmt::format("'{}' is drawn for each object of '{}', and has no one value for those of '{}'",
-                    TextOf(name->written), name->group, key.first),
-        "an expression may name the drawn settings of its own group");
+        fmt::format(
+            "'{}' is drawn for each object of '{}', and has no single value for those of '{}'",
+            TextOf(name->written), name->group, key.first),
+        "an expression can name drawn settings of its own group only");
   }
   return value;
 }

@@ -48,10 +48,11 @@ class TableReader {
     const std::vector<std::string_view> fields = Split(line);
     if (std::exchange(is_first_, false) && IsHeading(fields[0])) return true;
     if (fields.size() > 2)
-      return Refuse(fmt::format("{} columns; a table has one of values, or values and weights",
-                                fields.size()));
+      return Refuse(
+          fmt::format("{} columns; a table has a column of values, and may have one of weights",
+                      fields.size()));
     if (columns_ != 0 && fields.size() != columns_)
-      return Refuse(fmt::format("{} column{}, and {} in the lines before", fields.size(),
+      return Refuse(fmt::format("{} column{}, but {} in the lines before", fields.size(),
                                 fields.size() == 1 ? "" : "s", columns_));
     columns_ = fields.size();
     if (table_.arguments.size() == kMaxTableValues)
@@ -83,7 +84,7 @@ class TableReader {
   bool AddWeight(std::string_view field) {
     const auto weight = TableNumber(field);
     if (!weight || !(*weight > 0))
-      return Refuse(fmt::format("'{}' is not a weight, more than 0", text::Printable(field)));
+      return Refuse(fmt::format("'{}' is not a weight greater than 0", text::Printable(field)));
     table_.weights.push_back(*weight);
     return true;
   }
@@ -107,7 +108,7 @@ std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator&
                        call.arguments[0].value->kind == dsl::ExprKind::kText;
   if (!is_text)
     return evaluator.Error(scenario::kBadArguments, call.span,
-                           "empirical( ) takes the name of a file in quotes",
+                           "empirical() takes the name of a file in quotes",
                            "write empirical(\"sizes.csv\")");
   const dsl::Expr& name = *call.arguments[0].value;
   const auto folder = std::filesystem::path(name.span.source->name()).parent_path();
@@ -117,7 +118,7 @@ std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator&
   if (!text)
     return evaluator.Error(scenario::kNoSuchFile, name.span,
                            fmt::format("cannot read '{}': {}", path, why),
-                           "its name counts from the folder of the .cdb file that says it");
+                           "the path is relative to the folder of the .cdb file that names it");
   TableReader reader;
   std::string_view rest = *text;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
@@ -126,13 +127,13 @@ std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator&
     if (!reader.Add(rest.substr(0, end)))
       return evaluator.Error(scenario::kBadTable, name.span,
                              fmt::format("{}:{}: {}", path, line, reader.fault()),
-                             "a line holds a value, or a value, a comma and its weight");
+                             "a line contains a value, or a value, a comma and its weight");
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   schema::Distribution& table = reader.table();
   if (table.arguments.empty())
     return evaluator.Error(scenario::kBadTable, name.span,
-                           fmt::format("'{}' holds no value", path));
+                           fmt::format("'{}' contains no value", path));
   table.file = path;
   return std::move(table);
 }

@@ -52,8 +52,8 @@ std::optional<Value> EvaluateVector(const Expr& expr, const scenario::Scope& sco
   if (scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kWords)
     return evaluator.Error(
         scenario::kWrongKind, expr.span,
-        fmt::format("'{}' takes words, and no brackets around them", scope.parameter->name),
-        "cases { } are an axis whose values are lists");
+        fmt::format("'{}' takes words without parentheses", scope.parameter->name),
+        "use cases { } for an axis whose values are lists");
   if (expr.items.size() != 3) return std::nullopt;  // reported by the parser
   const auto vector = EvaluateTriple(expr, scope, "a vector's components", evaluator);
   return vector ? std::optional<Value>(*vector) : std::nullopt;
@@ -155,7 +155,7 @@ std::optional<Number> Evaluator::EvaluateNumber(const Expr& expr, const scenario
   }
   if (!AsNumber(*value))
     return Error(scenario::kWrongKind, expr.span,
-                 fmt::format("{} are numbers, this is {}", what, names::KindName(*value)),
+                 fmt::format("{} are numbers, but this is {}", what, names::KindName(*value)),
                  AsDistribution(*value)
                      ? "put the vectors into the distribution: uniform((0, 0, 0), (1, 2, 3))"
                      : "");
@@ -176,7 +176,7 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
     if (expr.text == kPiName) return Number(kPi);
     if (expr.text.find('.') != std::string::npos)
       return Error(scenario::kUnknownName, expr.span,
-                   fmt::format("nothing is called '{}'", expr.text));
+                   fmt::format("'{}' is not defined", expr.text));
     return schema::Word{expr.text};
   }
   if (referent.is_object_count) return CountObjects();
@@ -199,15 +199,16 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
     for (auto at = begin; at != first; ++at) circle.push_back(at->name.text);
     circle.push_back(first->name.text);
     Error(scenario::kCircular, first->name.span,
-          fmt::format("'{}' leads back to itself", first->name.text),
+          fmt::format("'{}' refers to itself", first->name.text),
           fmt::format("{}", fmt::join(circle, " -> ")));
     return false;
   }
   if (active_.size() < kMaxChain) return true;
   // The rest of the chain would be too long as well.
   if (!std::exchange(is_chain_reported_, true))
-    Error(scenario::kCircular, expr.span, fmt::format("'{}' leads on and on", expr.text),
-          fmt::format("lets may use one another {} deep", kMaxChain));
+    Error(scenario::kCircular, expr.span,
+          fmt::format("'{}' refers to too many lets in turn", expr.text),
+          fmt::format("lets can be nested {} deep", kMaxChain));
   return false;
 }
 

@@ -24,14 +24,14 @@ bool CheckForm(const dsl::Expr& call, const Function& function, Evaluator& evalu
     if (!argument.name && !argument.weight) continue;
     evaluator.Error(
         scenario::kBadArguments, argument.name ? argument.name->span : argument.weight->span,
-        fmt::format("{}( ) takes numbers alone", function.name), "separate them by commas");
+        fmt::format("{}() takes only numbers", function.name), "separate them by commas");
     return false;
   }
   const std::size_t count = call.arguments.size();
   if (count >= 1 && count <= function.most_arguments) return true;
   evaluator.Error(
       scenario::kBadArguments, call.span,
-      fmt::format("{}( ) takes {}, here are {}", function.name,
+      fmt::format("{}() takes {}, but there are {}", function.name,
                   function.most_arguments == 1 ? "one number" : "one number or more", count));
   return false;
 }
@@ -58,7 +58,7 @@ std::optional<Value> EvaluateFunction(const dsl::Expr& call, const scenario::Sco
     if (!AsNumber(*value) && !AsFormula(*value))
       return evaluator.Error(
           scenario::kWrongKind, argument.value->span,
-          fmt::format("{}( ) takes numbers; this is {}", call.text, names::KindName(*value)));
+          fmt::format("{}() takes numbers, but this is {}", call.text, names::KindName(*value)));
     operands.push_back(*value);
     if (AsNumber(*value)) numbers.push_back(*AsNumber(*value));
   }
@@ -68,7 +68,7 @@ std::optional<Value> EvaluateFunction(const dsl::Expr& call, const scenario::Sco
     return evaluator.Error(
         scenario::kNotFinite, call.span,
         fmt::format("{}({}) is not a real number", call.text, numbers[0].Text()),
-        fmt::format("{}( ) takes a number {}", call.text, function.domain.Text()));
+        fmt::format("{}() takes a number {}", call.text, function.domain.Text()));
   const Number result = function.apply(numbers);
   if (std::isfinite(result.AsReal())) return result;
   return evaluator.Error(

@@ -53,11 +53,12 @@ std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& 
                              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
     }
     if (!IsNumeric(value) && !AsVector(value))
-      return evaluator.Error(scenario::kWrongKind, span,
-                             fmt::format("cannot calculate with {}", names::KindName(value)));
+      return evaluator.Error(
+          scenario::kWrongKind, span,
+          fmt::format("{} cannot be used in arithmetic", names::KindName(value)));
   }
   return evaluator.Error(scenario::kWrongKind, expr.span,
-                         fmt::format("'{}' does not go between {} and {}", expr.op,
+                         fmt::format("'{}' cannot be applied to {} and {}", expr.op,
                                      names::KindName(left), names::KindName(right)));
 }
 

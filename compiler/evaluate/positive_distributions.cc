@@ -53,7 +53,7 @@ class PositiveEvaluation {
       if (!Add(i)) return std::nullopt;
     if (std::ranges::any_of(values_, [](const auto& value) { return !value; }))
       return Fail(call_.span,
-                  fmt::format("{}( ) takes {} number{}, here {} {}", call_.text, row_.size(),
+                  fmt::format("{}() takes {} number{}, but there {} {}", call_.text, row_.size(),
                               row_.size() == 1 ? "" : "s",
                               call_.arguments.size() == 1 ? "is" : "are", call_.arguments.size()));
     schema::Distribution drawn{kind_, {}, {}};
@@ -70,7 +70,7 @@ class PositiveEvaluation {
   bool Add(std::size_t i) {
     const dsl::Argument& argument = call_.arguments[i];
     if (argument.weight) {
-      Fail(argument.weight->span, fmt::format("{}( ) takes no weights", call_.text));
+      Fail(argument.weight->span, fmt::format("{}() does not take weights", call_.text));
       return false;
     }
     const bool is_median =
@@ -81,10 +81,9 @@ class PositiveEvaluation {
           std::ranges::find(row_, argument.name->text, &PositiveArgument::name) - row_.begin());
     if (place >= row_.size()) {
       Fail(argument.name ? argument.name->span : argument.value->span,
-           argument.name
-               ? fmt::format("{}( ) has no argument '{}'", call_.text, argument.name->text)
-               : fmt::format("{}( ) takes at most {} number{}", call_.text, row_.size(),
-                             row_.size() == 1 ? "" : "s"));
+           argument.name ? fmt::format("{}() has no argument '{}'", call_.text, argument.name->text)
+                         : fmt::format("{}() takes at most {} number{}", call_.text, row_.size(),
+                                       row_.size() == 1 ? "" : "s"));
       return false;
     }
     if (values_[place]) {
@@ -110,9 +109,10 @@ class PositiveEvaluation {
     std::string wanted = "more than 0";
     if (!is_median && row.most != kUnlimited)
       wanted = fmt::format("from {} to {}", row.least, row.most);
-    evaluator_.Error(scenario::kOutOfDomain, argument.value->span,
-                     fmt::format("the {} of {}( ) is {}, not {}", is_median ? "median" : row.name,
-                                 call_.text, wanted, number->Text()));
+    evaluator_.Error(
+        scenario::kOutOfDomain, argument.value->span,
+        fmt::format("the {} of {}() must be {}, not {}", is_median ? "median" : row.name,
+                    call_.text, wanted, number->Text()));
     return false;
   }
 

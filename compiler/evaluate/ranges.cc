@@ -22,7 +22,7 @@ constexpr double kRounding = 1e-9;
 std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
   return evaluator.Error(scenario::kTooManyRuns, range.span,
                          fmt::format("this range has {:.15g} values", count),
-                         fmt::format("an axis has at most {}", kMaxAxisValues));
+                         fmt::format("an axis can have at most {}", kMaxAxisValues));
 }
 
 /// `bounds`: first, last, count.
@@ -32,12 +32,12 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
   const auto count = bounds[2].AsWhole();
   if (!count || *count < 1)
     return evaluator.Error(scenario::kBadRange, range.items[2]->span,
-                           "a count is a whole number, 1 or more");
+                           "a count must be a whole number, 1 or more");
   if (*count > static_cast<Integer>(kMaxAxisValues))
     return TooMany(range, bounds[2].AsReal(), evaluator);
   const bool log = range.range == dsl::RangeKind::kCountLog;
   if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
-    return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range lies above 0");
+    return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
   const auto between = [&](Integer i) {
     if (!log) return first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1);
     // In decades, so that 1 .. 1000 count 4 gives exactly 10 and 100.
@@ -60,10 +60,10 @@ std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, cons
   const double steps = (last - first).AsReal() / step.AsReal();
   if (steps < 0)
     return evaluator.Error(scenario::kBadRange, range.span,
-                           fmt::format("this range is empty: from {} steps of {} never come to {}",
+                           fmt::format("this range is empty: steps of {1} from {0} never reach {2}",
                                        first.Text(), step.Text(), last.Text()),
-                           range.range == dsl::RangeKind::kStep ? "turn the step's sign"
-                                                                : "to count down add: step -1");
+                           range.range == dsl::RangeKind::kStep ? "change the sign of the step"
+                                                                : "to count down, add: step -1");
   const double count = std::floor(steps + kRounding) + 1;
   if (!(count <= static_cast<double>(kMaxAxisValues))) return TooMany(range, count, evaluator);
   Numbers numbers;

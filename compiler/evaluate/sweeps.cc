@@ -46,8 +46,7 @@ bool Sweeps::Choose(const Expr& call, std::size_t index) {
 
 std::optional<Value> Sweeps::Evaluate(const Expr& call, const scenario::Scope& scope) {
   if (is_inside_)
-    return evaluator_.Error(scenario::kMisplacedSweep, call.span,
-                            "a sweep cannot stand inside a sweep");
+    return evaluator_.Error(scenario::kMisplacedSweep, call.span, "a sweep cannot contain a sweep");
   const Sweep* sweep = Find(call, scope);
   if (sweep == nullptr) return std::nullopt;
   const Sweep::Item& item = sweep->items[chosen_[&call]];
@@ -71,12 +70,12 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   for (const dsl::Argument& argument : call.arguments) {
     if (argument.name) {
       evaluator_.Error(scenario::kBadArguments, argument.name->span,
-                       fmt::format("sweep( ) has no argument '{}'", argument.name->text),
+                       fmt::format("sweep() has no argument '{}'", argument.name->text),
                        "sweep(1, 2, 5) or sweep(1 .. 5)");
       good = false;
     } else if (argument.weight) {
-      evaluator_.Error(scenario::kBadArguments, argument.weight->span, "sweep( ) takes no weights",
-                       "separate the values by commas");
+      evaluator_.Error(scenario::kBadArguments, argument.weight->span,
+                       "sweep() does not take weights", "separate the values by commas");
       good = false;
     } else {
       good = AddItems(*argument.value, scope, sweep.items) && good;
@@ -85,11 +84,11 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   if (good && sweep.items.size() > kMaxAxisValues) {
     evaluator_.Error(scenario::kTooManyRuns, call.span,
                      fmt::format("this sweep has {} values", sweep.items.size()),
-                     fmt::format("an axis has at most {}", kMaxAxisValues));
+                     fmt::format("an axis can have at most {}", kMaxAxisValues));
     good = false;
   }
   if (good && sweep.items.empty()) {
-    evaluator_.Error(scenario::kBadArguments, call.span, "sweep( ) has no value",
+    evaluator_.Error(scenario::kBadArguments, call.span, "sweep() has no values",
                      "sweep(1, 2, 5) or sweep(1 .. 5)");
     good = false;
   }

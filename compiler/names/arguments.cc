@@ -45,8 +45,8 @@ GivenArguments::GivenArguments(const Expr& call, const schema::ParametrisedWord&
     if (slot == nullptr) {
       ReportNoSuch(argument);
     } else if (named && !argument.name) {
-      Report(argument.value->span, "a value without a name stands before those with names",
-             fmt::format("write {}: before it, if it is that", slot->name));
+      Report(argument.value->span, "values without names must precede those with names",
+             fmt::format("write {}: before it, if it is this argument", slot->name));
     } else {
       Take(argument, *slot);
     }
@@ -61,9 +61,9 @@ void GivenArguments::Report(const text::Span& span, std::string message, std::st
 void GivenArguments::ReportWeight(const dsl::Argument& argument) {
   const std::string& word = argument.value->text;
   if (std::ranges::find(info_.arguments, word, &schema::Parameter::name) == info_.arguments.end()) {
-    Report(argument.weight->span, fmt::format("{}( ) takes no weights", info_.name));
+    Report(argument.weight->span, fmt::format("{}() does not take weights", info_.name));
   } else {
-    Report(argument.value->span, fmt::format("a ':' is missing behind '{}'", word),
+    Report(argument.value->span, fmt::format("a ':' is missing after '{}'", word),
            fmt::format("write {}: {}", word, argument.weight->text));
   }
 }
@@ -74,14 +74,14 @@ void GivenArguments::ReportNoSuch(const dsl::Argument& argument) {
   const std::string all = fmt::format("it takes {}", fmt::join(names, ", "));
   if (!argument.name) {
     Report(argument.value->span,
-           fmt::format("{}( ) takes at most {} argument{}", info_.name, names.size(),
+           fmt::format("{}() takes at most {} argument{}", info_.name, names.size(),
                        names.size() == 1 ? "" : "s"),
            all);
     return;
   }
   const std::string_view near = dsl::DidYouMean(argument.name->text, names);
   Report(argument.name->span,
-         fmt::format("{}( ) has no argument '{}'", info_.name, argument.name->text),
+         fmt::format("{}() has no argument '{}'", info_.name, argument.name->text),
          near.empty() ? all : fmt::format("did you mean '{}'?", near));
 }
 

@@ -39,7 +39,7 @@ std::optional<std::string> HashOfTable(const scenario::Scenario& scenario, const
     if (call.name == schema::kPathCall || !analysis::IsCsv(call) || AsWord(ArgumentOf(call, name)))
       continue;
     diagnostics.Report(scenario::kBadArguments, written, fmt::format("a CSV file has no {}s", name),
-                       fmt::format("leave {} out, or name a results file (.h5)", name));
+                       fmt::format("remove {}, or name a results file (.h5)", name));
     return std::nullopt;
   }
   analysis::PoseFault why;
@@ -67,7 +67,7 @@ std::optional<std::string> HashOf(const scenario::Scenario& scenario, bool is_tr
   if (!hash)
     diagnostics.Report(
         scenario::kNoSuchFile, written, fmt::format("cannot read '{}': {}", path, why),
-        fmt::format("{}its name counts from the folder of the .cdb file that says it",
+        fmt::format("{}the path is relative to the folder of the .cdb file that names it",
                     is_trace ? "`cdb trace` writes such files; " : ""));
   return hash;
 }
@@ -81,10 +81,9 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
   if (!formats.empty() && std::ranges::find(formats, extension) == formats.end()) {
-    diagnostics.Report(
-        scenario::kOutOfDomain, written,
-        fmt::format("'{}' is no {} that can be read", name, is_table ? "table" : "model"),
-        fmt::format("its name ends in {}", fmt::join(formats, ", ")));
+    diagnostics.Report(scenario::kOutOfDomain, written,
+                       fmt::format("'{}' is not a readable {}", name, is_table ? "table" : "model"),
+                       fmt::format("its name ends in {}", fmt::join(formats, ", ")));
     return false;
   }
   const fs::path folder = fs::path(written.source->name()).parent_path();
@@ -99,7 +98,7 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   if (wanted != nullptr && LowerCase(wanted->text) != *hash) {
     diagnostics.Report(scenario::kContradiction, wanted->written,
                        fmt::format("'{}' has the SHA-256 {}, not {}", path, *hash, wanted->text),
-                       "it is another file than the one meant, or was changed");
+                       "it is a different file, or it was changed");
     return false;
   }
   call.arguments[1] = schema::Text{*hash};

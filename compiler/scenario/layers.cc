@@ -64,7 +64,7 @@ std::string SuggestParameter(std::string_view word, const std::string& block, bo
   for (const schema::Parameter& parameter : schema::Schema())
     if (schema::ListsWord(parameter.also, word))
       return fmt::format("did you mean '{}', outside this block?", parameter.FullName());
-  return "`cdb doc parameters` lists all there are";
+  return "`cdb doc parameters` lists them";
 }
 
 }  // namespace
@@ -105,8 +105,8 @@ void LayeredBenchmark::Chain(const BenchmarkRef& benchmark) {
 
 void LayeredBenchmark::ReportBase(const dsl::Name& from, const ScenarioFile& file, bool is_circle) {
   if (is_circle) {
-    diagnostics_.Report(kCircular, from.span, fmt::format("'{}' leads back to itself", from.text),
-                        "a benchmark cannot come from one that comes from it");
+    diagnostics_.Report(kCircular, from.span, fmt::format("'{}' refers to itself", from.text),
+                        "a benchmark cannot extend one that extends it");
   } else if (scenario_.is_complete()) {
     const std::string_view near = dsl::DidYouMean(from.text, scenario_.BenchmarkNames(file));
     diagnostics_.Report(kUnknownName, from.span, fmt::format("no benchmark '{}'", from.text),
@@ -167,7 +167,7 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
                         fmt::format("'{}' is a word of the language", let.name.text),
                         "give the let another name");
   Once(place.layer, "let " + Joined(place.group, place.block) + "." + let.name.text, let.name.span,
-       fmt::format("there is a let '{}' already", let.name.text));
+       fmt::format("there is already a let '{}'", let.name.text));
   Entry entry;
   entry.case_axis = place.case_axis;
   entry.case_index = place.case_index;
@@ -209,15 +209,15 @@ void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
   const std::string_view near = dsl::DidYouMean(kind.text, kinds);
   if (outermost && HasBlock("", true, kind.text)) {
     diagnostics_.Report(kWrongPlace, kind.span,
-                        fmt::format("'{}' is a block of the objects", kind.text),
+                        fmt::format("'{}' is a block of objects", kind.text),
                         fmt::format("write objects {{ {} {{ … }} }}", kind.text));
   } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup)) {
     diagnostics_.Report(kWrongPlace, kind.span,
-                        fmt::format("'{}' cannot stand inside '{}'", kind.text, where),
+                        fmt::format("'{}' is not allowed inside '{}'", kind.text, where),
                         "write it outside this block");
   } else if (kinds.empty()) {
     diagnostics_.Report(kWrongPlace, kind.span,
-                        fmt::format("a block cannot stand inside '{}'", where));
+                        fmt::format("a block is not allowed inside '{}'", where));
   } else {
     diagnostics_.Report(
         kUnknownName, kind.span,
@@ -230,7 +230,7 @@ void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
 
 void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
   if (place.case_axis >= 0) {
-    diagnostics_.Report(kWrongPlace, cases.keyword, "cases cannot stand inside a case",
+    diagnostics_.Report(kWrongPlace, cases.keyword, "cases are not allowed inside a case",
                         "write two `cases` side by side; the runs are their product");
     return;
   }
@@ -242,7 +242,7 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
   auto index = std::ranges::find(case_axes_, axis.name, &CaseAxis::name) - case_axes_.begin();
   if (index < static_cast<std::ptrdiff_t>(case_axes_.size())) {
     Once(place.layer, "cases " + axis.name, axis.span,
-         fmt::format("there are cases '{}' already", axis.name));
+         fmt::format("there are already cases '{}'", axis.name));
     std::erase_if(entries_, [&](const Entry& entry) { return entry.case_axis == index; });
     std::erase_if(groups_, [&](const GroupDeclaration& g) { return g.case_axis == index; });
     axis.order = case_axes_[static_cast<std::size_t>(index)].order;
@@ -252,7 +252,7 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
     case_axes_.push_back(axis);
   }
   if (cases.cases.empty() && is_complete())
-    diagnostics_.Report(kNoRuns, cases.keyword, "there is no case in it", "name { settings }");
+    diagnostics_.Report(kNoRuns, cases.keyword, "it contains no case", "name { settings }");
   for (const dsl::Case& one : cases.cases) {
     auto& names = case_axes_[static_cast<std::size_t>(index)].names;
     Place inner = place;
@@ -261,7 +261,7 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
     inner.layer = layers_++;
     if (std::ranges::find(names, one.name.text) != names.end())
       diagnostics_.Report(kSetTwice, one.name.span,
-                          fmt::format("there is a case '{}' already", one.name.text),
+                          fmt::format("there is already a case '{}'", one.name.text),
                           "give it another name");
     names.push_back(one.name.text);
     Walk(one.block, inner);
@@ -286,10 +286,10 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
     return std::nullopt;
   };
   if (in_group && schema::FindParameter(text, false) != nullptr)
-    return misplaced(fmt::format("'{}' is not of the objects but of the whole run", text),
+    return misplaced(fmt::format("'{}' is a setting of the whole run, not of objects", text),
                      "write it outside this block");
   if (!place.block.empty() && schema::FindParameter(text, in_group) != nullptr)
-    return misplaced(fmt::format("'{}' is not of '{}'", text, place.block),
+    return misplaced(fmt::format("'{}' is not a setting of '{}'", text, place.block),
                      "write it outside this block");
   if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
@@ -299,8 +299,8 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
         dot == std::string::npos ? nullptr : schema::FindParameter(text.substr(dot + 1), true);
     if (of_group != nullptr && (head == kUnnamedGroup || labelled)) {
       if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_)
-        return misplaced(fmt::format("'{}' is of no group here", head),
-                         fmt::format("write {}.{}; or objects {{ … }} for objects besides",
+        return misplaced(fmt::format("'{}' is outside of a group here", head),
+                         fmt::format("write {}.{}; or objects {{ … }} for further objects",
                                      labels_.front(), text.substr(dot + 1)));
       DeclareGroup(head, place);
       return {{head, of_group}};
@@ -313,12 +313,12 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
         return std::nullopt;
       }
     if (schema::FindParameter(text, true) != nullptr)
-      return misplaced(fmt::format("'{}' is of the objects", text),
+      return misplaced(fmt::format("'{}' is a setting of objects", text),
                        fmt::format("write objects.{}", text));
   }
   if (IsLet(text, place))
     return misplaced(fmt::format("'{}' is a let, not a parameter", text),
-                     fmt::format("to give it another value write: let {} = …", text));
+                     fmt::format("to change its value, write: let {} = …", text));
   const std::string where = Joined(place.group, place.block);
   diagnostics_.Report(kUnknownName, path.span,
                       fmt::format("no parameter{} is called '{}'",
@@ -333,7 +333,7 @@ void LayeredBenchmark::WalkSetting(const dsl::Setting& setting, const Place& pla
   const auto key = Resolve(setting.path, place);
   if (!key) return;
   Once(place.layer, key->first + "/" + std::string(key->second->name), setting.path.span,
-       fmt::format("'{}' is set a second time", setting.path.text));
+       fmt::format("'{}' is set twice", setting.path.text));
   Entry entry;
   entry.case_axis = place.case_axis;
   entry.case_index = place.case_index;

@@ -52,9 +52,8 @@ const ScenarioFile* Scenario::Load(const std::string& path, const dsl::Use* use,
                                    dsl::Diagnostics& diagnostics) {
   for (const ScenarioFile* open : loading_) {
     if (open->path != path) continue;
-    diagnostics.Report(kCircular, use->path_span,
-                       fmt::format("'{}' leads back to itself", use->path),
-                       "a file cannot use a file that uses it");
+    diagnostics.Report(kCircular, use->path_span, fmt::format("'{}' refers to itself", use->path),
+                       "files cannot use one another in a circle");
     is_complete_ = false;
     return nullptr;
   }
@@ -93,7 +92,7 @@ void Scenario::LoadUsed(ScenarioFile& file, dsl::Diagnostics& diagnostics) {
     if (wanted.path_span.source == nullptr) return;  // not a path; reported by the parser
     if (files_.size() + plugin_files_.size() >= kMaxUses) {
       diagnostics.Report(kTooManyRuns, wanted.span,
-                         fmt::format("a scenario reads at most {} files", kMaxUses));
+                         fmt::format("a scenario can read at most {} files", kMaxUses));
       return;
     }
     if (wanted.detector) {
@@ -130,15 +129,16 @@ void Scenario::LoadPlugin(const std::string& path, const dsl::Use* use,
   if (!bytes) {
     is_complete_ = false;
     diagnostics.Report(kNoSuchFile, span, fmt::format("cannot read '{}': {}", path, why),
-                       use != nullptr ? "its name counts from the folder of the file that says it"
-                                      : "--plugin takes a shared library");
+                       use != nullptr
+                           ? "the path is relative to the folder of the file that names it"
+                           : "--plugin takes a shared library");
     return;
   }
   auto detectors = describe_ ? describe_(*bytes, path, why) : std::nullopt;
   if (!detectors) {
     is_complete_ = false;
     diagnostics.Report(kUnavailable, span,
-                       describe_ ? why : fmt::format("'{}' cannot be looked into here", path));
+                       describe_ ? why : fmt::format("'{}' cannot be read here", path));
     return;
   }
   const std::string hash = plan::Sha256Hex(*bytes);
@@ -161,15 +161,15 @@ void Scenario::AddDetector(schema::PluginDetector detector, const dsl::Use* use,
     diagnostics.Report(kSetTwice, span,
                        fmt::format("'{}' and '{}' both have a detector '{}'", place->path,
                                    detector.path, detector.name),
-                       "leave one of them out, or give its detector another name",
-                       std::move(notes));
+                       "remove one of them, or rename its detector", std::move(notes));
   } else if (std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
                return parameter.TakesDetectors() && parameter.HasWord(detector.name);
              })) {
     diagnostics.Report(
         kSetTwice, span,
-        fmt::format("'{}' has a detector '{}', and so has cdb", detector.path, detector.name),
-        "give it another name; `cdb list detectors` shows those that are taken");
+        fmt::format("'{}' has a detector '{}', which is also the name of one of cdb's",
+                    detector.path, detector.name),
+        "rename it; `cdb list detectors` lists the names in use");
   } else {
     plugins_.insert(place, std::move(detector));
   }
@@ -181,7 +181,7 @@ void Scenario::CheckNames(dsl::Diagnostics& diagnostics) const {
     const auto [first, is_new] = seen.emplace(name.text, &name);
     if (!is_new)
       diagnostics.Report(kSetTwice, name.span,
-                         fmt::format("there is a {} '{}' already", what, name.text), {},
+                         fmt::format("there is already a {} '{}'", what, name.text), {},
                          {{first->second->span, "the first is here"}});
   };
   for (const auto& file : files_) {

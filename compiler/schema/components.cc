@@ -14,7 +14,7 @@ constexpr ComponentInfo kTable[] = {
      "pairs and the broad phase exclude them"},
     {Component::kRaycastTree, "raycast_tree",
      "the tree for ray casts that Bullet keeps beside sap and sap32",
-     "the broad phase keeps no second tree"},
+     "the broad phase has no tree for ray casts"},
     {Component::kDetection, "detection",
      "broad and narrow phase, if nothing can touch and `record` does not ask for them",
      "nothing is detected"},

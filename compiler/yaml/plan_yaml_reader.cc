@@ -34,14 +34,14 @@ class Nodes {
   }
 
   YAML::Node Member(const YAML::Node& map, const char* key) const {
-    if (!map.IsMap()) Fail(map.Mark(), fmt::format("a map with `{}` should be here", key));
+    if (!map.IsMap()) Fail(map.Mark(), fmt::format("expected a map with `{}`", key));
     YAML::Node member = map[key];
     if (!member) Fail(map.Mark(), fmt::format("`{}` is missing", key));
     return member;
   }
 
   const std::string& Text(const YAML::Node& node) const {
-    if (!node.IsScalar()) Fail(node.Mark(), "one word or number should be here");
+    if (!node.IsScalar()) Fail(node.Mark(), "expected a word or a number");
     return node.Scalar();
   }
 
@@ -67,14 +67,14 @@ class Nodes {
   }
 
   std::vector<std::size_t> Indices(const YAML::Node& node) const {
-    if (!node.IsSequence()) Fail(node.Mark(), "a list of indices should be here");
+    if (!node.IsSequence()) Fail(node.Mark(), "expected a list of indices");
     std::vector<std::size_t> indices;
     for (const YAML::Node& item : node) indices.push_back(Count(item));
     return indices;
   }
 
   Eigen::Vector3d Vector(const YAML::Node& node) const {
-    if (!node.IsSequence() || node.size() != 3) Fail(node.Mark(), "three numbers should be here");
+    if (!node.IsSequence() || node.size() != 3) Fail(node.Mark(), "expected three numbers");
     return {Real(node[0]), Real(node[1]), Real(node[2])};
   }
 
@@ -89,11 +89,11 @@ class ValueReader : public Nodes {
   schema::Value ReadValue(const YAML::Node& node, const schema::Parameter& parameter,
                           std::span<const schema::PluginDetector> plugins = {}) const {
     if (node.IsMap()) {
-      if (node.size() == 0) Fail(node.Mark(), "one distribution or word should be here");
+      if (node.size() == 0) Fail(node.Mark(), "expected a distribution or a word");
       const schema::ParametrisedWord* info =
           schema::FindParametrisedWord(Text(node.begin()->first));
       if (info != nullptr && node.size() > 1)
-        Fail(node.Mark(), "one distribution or word should be here");
+        Fail(node.Mark(), "expected a distribution or a word");
       if (info != nullptr) return ReadCall(node, *info, parameter);
       if (Text(node.begin()->first) == "formula") return ReadFormula(node, parameter);
       return ReadDistribution(node, parameter);
@@ -135,7 +135,7 @@ class ValueReader : public Nodes {
         return schema::Ratio{parts};
       }
       case schema::ParameterType::kWords: {
-        if (!node.IsSequence()) Fail(node.Mark(), "a list of words should be here");
+        if (!node.IsSequence()) Fail(node.Mark(), "expected a list of words");
         schema::WordList words;
         for (const YAML::Node& item : node) {
           const bool is_group = parameter.word_source == schema::WordSource::kGroups;
@@ -164,7 +164,7 @@ class ValueReader : public Nodes {
       return call;
     }
     if (!arguments.IsMap() || arguments.size() != info.arguments.size())
-      Fail(node.Mark(), fmt::format("a map with the {} arguments of `{}` should be here",
+      Fail(node.Mark(), fmt::format("expected a map with the {} arguments of `{}`",
                                     info.arguments.size(), info.name));
     schema::Call call{std::string(info.name), {}};
     for (const schema::Parameter& argument : info.arguments)
@@ -174,30 +174,30 @@ class ValueReader : public Nodes {
   }
 
   schema::Value ReadFormula(const YAML::Node& node, const schema::Parameter& parameter) const {
-    if (node.size() > 1) Fail(node.Mark(), "one distribution or word should be here");
+    if (node.size() > 1) Fail(node.Mark(), "expected a distribution or a word");
     if (parameter.type != schema::ParameterType::kReal || !parameter.distribution)
       Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
     std::size_t parts = 0;
     schema::Value value = ReadPart(node.begin()->second, parts);
-    if (schema::SettingsIn(value).empty())
-      Fail(node.Mark(), "a formula names a setting that is drawn");
+    if (schema::SettingsIn(value).empty()) Fail(node.Mark(), "a formula must name a drawn setting");
     return value;
   }
 
   schema::Value ReadPart(const YAML::Node& node, std::size_t& parts) const {
     if (++parts > schema::kMostFormulaParts)
-      Fail(node.Mark(), fmt::format("a formula has at most {} parts", schema::kMostFormulaParts));
+      Fail(node.Mark(),
+           fmt::format("a formula can have at most {} parts", schema::kMostFormulaParts));
     schema::Formula formula;
     if (!node.IsSequence()) {
       const schema::Parameter* named = schema::FindParameter(Text(node), true);
       if (named == nullptr) return Real(node);
       if (named->type != schema::ParameterType::kReal || !named->distribution)
-        Fail(node.Mark(), fmt::format("`{}` is no number that is drawn", named->name));
+        Fail(node.Mark(), fmt::format("`{}` is not a drawn number", named->name));
       formula.setting = named->name;
       return formula;
     }
     if (node.size() == 0 || !schema::IsFormulaOp(Text(node[0]), node.size() - 1))
-      Fail(node.Mark(), "an operator or a function and its arguments should be here");
+      Fail(node.Mark(), "expected an operator or a function, and its arguments");
     formula.op = Text(node[0]);
     for (std::size_t i = 1; i < node.size(); ++i)
       formula.arguments.push_back(ReadPart(node[i], parts));
@@ -206,7 +206,7 @@ class ValueReader : public Nodes {
 
   schema::Value ReadDistribution(const YAML::Node& node, const schema::Parameter& parameter) const {
     if (!parameter.distribution)
-      Fail(node.Mark(), fmt::format("`{}` takes no distribution", parameter.name));
+      Fail(node.Mark(), fmt::format("`{}` cannot be drawn", parameter.name));
     const std::string& name = Text(node.begin()->first);
     const auto kind = schema::FindDistribution(name);
     if (!kind) Fail(node.Mark(), fmt::format("this version has no distribution `{}`", name));
@@ -218,8 +218,7 @@ class ValueReader : public Nodes {
     const bool has_weights = distribution.weights.empty()
                                  ? *kind != schema::DistributionKind::kAny
                                  : distribution.weights.size() == distribution.arguments.size();
-    if (!enough || !has_weights)
-      Fail(node.Mark(), fmt::format("`{}` has not the arguments it needs", name));
+    if (!enough || !has_weights) Fail(node.Mark(), fmt::format("`{}` lacks arguments", name));
     ReadLimits(node, distribution);
     return distribution;
   }
@@ -231,13 +230,14 @@ class ValueReader : public Nodes {
     for (const YAML::Node& item : arguments) {
       if (is_any || (has_weights && item.IsSequence())) {
         if (!item.IsSequence() || item.size() != 2)
-          Fail(item.Mark(), "a choice and its weight should be here");
+          Fail(item.Mark(), "expected a choice and its weight");
         distribution.arguments.push_back(ReadValue(item[0], parameter));
         if (schema::AsCall(distribution.arguments.back()) != nullptr && !parameter.ChoosesCalls())
           Fail(item.Mark(),
-               fmt::format("no choice of `{}` goes on for the whole run", parameter.name));
+               fmt::format("a choice of `{}` cannot last for the whole run", parameter.name));
         distribution.weights.push_back(Real(item[1]));
-        if (!(distribution.weights.back() > 0)) Fail(item.Mark(), "a weight is more than 0");
+        if (!(distribution.weights.back() > 0))
+          Fail(item.Mark(), "a weight must be greater than 0");
       } else if (item.IsSequence()) {
         distribution.arguments.emplace_back(Vector(item));
       } else {
@@ -251,7 +251,7 @@ class ValueReader : public Nodes {
       const std::string& key = Text(entry.first);
       if (key == "in") {
         if (!entry.second.IsSequence() || entry.second.size() != 2)
-          Fail(entry.second.Mark(), "two limits should be here");
+          Fail(entry.second.Mark(), "expected two limits");
         distribution.limits = schema::Limits{Real(entry.second[0]), Real(entry.second[1])};
       } else if (key == "file") {
         distribution.file = Text(entry.second);
@@ -275,7 +275,7 @@ class PlanReader : public ValueReader {
   plan::SettingsOf<kGrouped> ReadSettings(
       const YAML::Node& map, std::string& canonical,
       std::span<const schema::PluginDetector> plugins = {}) const {
-    if (!map.IsMap()) Fail(map.Mark(), "a map of settings should be here");
+    if (!map.IsMap()) Fail(map.Mark(), "expected a map of settings");
     plan::SettingsOf<kGrouped> settings;
     std::map<std::string_view, std::string> lines;
     for (const auto& entry : map) {
@@ -320,7 +320,7 @@ class PlanReader : public ValueReader {
       run.scene.seeds.emplace(Text(entry.first), Count(entry.second));
     for (const schema::PluginDetector& plugin : run.scene.plugins)
       if (!run.scene.Uses(plugin.name))
-        Fail(node.Mark(), fmt::format("the run lists `{}` and does not use it", plugin.name));
+        Fail(node.Mark(), fmt::format("the run lists `{}` but does not use it", plugin.name));
     // In format 5, the id is a hash of everything that is listed.
     const std::string id =
         version == plan::kPlanVersion
@@ -334,7 +334,7 @@ class PlanReader : public ValueReader {
   }
 
   std::vector<schema::PluginDetector> ReadPlugins(const YAML::Node& map) const {
-    if (!map.IsMap()) Fail(map.Mark(), "a map of plug-in detectors should be here");
+    if (!map.IsMap()) Fail(map.Mark(), "expected a map of plug-in detectors");
     std::vector<schema::PluginDetector> plugins;
     for (const auto& entry : map) {
       schema::PluginDetector plugin;
@@ -384,7 +384,7 @@ class PlanReader : public ValueReader {
                       name_, Text(Member(root, "runs"))));
     if (!root.IsMap() || !root[std::string(kPlanFormat)])
       throw PlanError(
-          fmt::format("{}: this is no cdb plan; `cdb plan FILE.cdb -o` writes one", name_));
+          fmt::format("{}: this is not a plan of cdb; `cdb plan FILE.cdb -o` writes one", name_));
     const std::uint64_t version = Count(root[std::string(kPlanFormat)]);
     CheckPlanVersion(version, plan::kOldestPlanVersion, name_);
     plan::Plan plan;
@@ -399,7 +399,7 @@ class PlanReader : public ValueReader {
       CheckPlace(run, plan, plan.runs.back().at);
       if (plan.runs.back().rep >= plan.repeats) Fail(run.Mark(), "`rep` is past `repeats`");
       if (plan.runs.back().scene.role != plan::Role::kMeasured)
-        Fail(run.Mark(), "references are no runs of a plan; they follow from them");
+        Fail(run.Mark(), "references are not runs of a plan; they follow from the runs");
       CheckAccuracy(run, plan.runs.back().scene);
     }
     for (const YAML::Node& point : Member(root, "skipped")) {
@@ -416,9 +416,9 @@ class PlanReader : public ValueReader {
   std::string Name(const YAML::Node& node) const {
     const std::string& name = Text(node);
     if (!text::IsPlainName(name))
-      Fail(node.Mark(),
-           fmt::format("`{}` is no name; a name is letters, digits and _, and begins with no digit",
-                       text::Printable(name)));
+      Fail(node.Mark(), fmt::format("`{}` is not a name; a name consists of letters, digits and _, "
+                                    "and does not begin with a digit",
+                                    text::Printable(name)));
     return name;
   }
 
@@ -433,7 +433,7 @@ class PlanReader : public ValueReader {
     bool inside = at.size() == plan.axes.size();
     for (std::size_t i = 0; inside && i < at.size(); ++i)
       inside = at[i] < plan.axes[i].values.size();
-    if (!inside) Fail(node.Mark(), "the indices do not lie on the axes");
+    if (!inside) Fail(node.Mark(), "the indices are not on the axes");
   }
 };
 

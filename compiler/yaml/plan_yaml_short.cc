@@ -34,10 +34,9 @@ std::string ToYaml(const ShortPlan& plan) {
 
 void CheckPlanVersion(std::uint64_t version, int oldest, const std::string& name) {
   if (version < static_cast<std::uint64_t>(oldest) || version > plan::kPlanVersion)
-    throw PlanError(
-        fmt::format("{}: a plan of format {}, this cdb reads format {}; plan again from the .cdb "
-                    "file",
-                    name, version, plan::kPlanVersion));
+    throw PlanError(fmt::format(
+        "{}: a plan of format {}, but this cdb reads format {}; plan again from the .cdb file",
+        name, version, plan::kPlanVersion));
 }
 
 std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::string& name) {
@@ -52,9 +51,10 @@ std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::strin
     ShortPlan plan;
     plan.benchmark = root["benchmark"].as<std::string>();
     if (!text::IsPlainName(plan.benchmark))
-      throw PlanError(fmt::format(
-          "{}:{}: `{}` is no name; a name is letters, digits and _, and begins with no digit", name,
-          root["benchmark"].Mark().line + 1, text::Printable(plan.benchmark)));
+      throw PlanError(
+          fmt::format("{}:{}: `{}` is not a name; a name consists of letters, digits and _, and "
+                      "does not begin with a digit",
+                      name, root["benchmark"].Mark().line + 1, text::Printable(plan.benchmark)));
     plan.sha256 = root["sha256"].as<std::string>();
     plan.runs = root["runs"].as<std::uint64_t>();
     plan.source = root["source"].as<std::string>();

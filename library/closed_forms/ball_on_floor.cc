@@ -149,7 +149,7 @@ std::unique_ptr<ClosedForm> MakeBowl(const Fit& fit) {
   if (ball.angular_velocity.y() != 0)
     fit.Refuse(fit.Name(0) + " spins about the vertical", "make the y of its angular_velocity 0");
   if (!(ball.numbers["friction"] > 0))
-    fit.Refuse("the ball never comes to roll", "make its friction more than 0");
+    fit.Refuse("the ball never begins to roll", "make its friction greater than 0");
   auto form = MakeBallOnFloor(fit, Vector3d::Zero());
   if (form->slips_for() > fit.end())
     fit.Refuse(fmt::format("the ball rolls after {:.4g} s, and the run ends after {:.4g} s",

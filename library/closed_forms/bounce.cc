@@ -135,9 +135,9 @@ std::unique_ptr<ClosedForm> MakeBounce(const Fit& fit) {
                "make two components of both 0");
   const int towards = fit.acceleration()[axis] < 0 ? -1 : 1;
   if (!fit.HasWall(axis, -1) && !fit.HasWall(axis, 1))
-    fit.Refuse("no wall stands along the ball's way", "make world.walls all, or take `flight`");
+    fit.Refuse("there is no wall in the path of the ball", "make world.walls all, or use `flight`");
   if (falls && !fit.HasWall(axis, towards))
-    fit.Refuse("it falls to where no wall stands", "make world.walls all, or take `flight`");
+    fit.Refuse("it falls to a side without a wall", "make world.walls all, or use `flight`");
   auto form = std::make_unique<Bounce>(fit, axis);
   if (!(form->energy_scale() > 0))
     fit.Refuse("the ball rests", "place it above the floor or give it a velocity");

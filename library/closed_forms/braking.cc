@@ -59,7 +59,7 @@ std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit) {
   fit.RequireStanding(0, box.pose.position.y() - height / 2 - fit.WallAt(-1), height);
   fit.RequireLevelVelocity(0);
   const double friction = box.numbers["friction"] * library::kWallFriction;
-  if (!(friction > 0)) fit.Refuse("nothing stops the box", "make its friction more than 0");
+  if (!(friction > 0)) fit.Refuse("nothing stops the box", "make its friction greater than 0");
   // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = friction * height / 2 * box.linear_velocity.normalized();
   if (!fit.IsOverBase(0, upright, off))

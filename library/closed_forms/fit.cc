@@ -57,8 +57,8 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
 }
 
 void Fit::Refuse(const std::string& what, const std::string& remedy) const {
-  throw library::SceneError(fmt::format("closed form `{}` is not of this scene: {}", form_, what),
-                            remedy);
+  throw library::SceneError(
+      fmt::format("closed form `{}` does not apply to this scene: {}", form_, what), remedy);
 }
 
 bool Fit::HasWall(int axis, int sign) const {
@@ -72,7 +72,7 @@ std::string Fit::Name(std::size_t index) const {
 }
 
 void Fit::RequireOneObject() const {
-  if (size() != 1) Refuse(fmt::format("there are {} objects", size()), "it is of one");
+  if (size() != 1) Refuse(fmt::format("there are {} objects", size()), "the closed form has one");
 }
 
 void Fit::RequireBall(std::size_t index) const {
@@ -135,7 +135,7 @@ void Fit::RequireStanding(std::size_t index, double gap, double height) const {
   if (std::abs(gap) <= kStandingGap * height) return;
   Refuse(fmt::format("{} is {:.4g} m {} what it should stand on", Name(index), std::abs(gap),
                      gap > 0 ? "above" : "inside"),
-         fmt::format("a gap of at most {:.4g} m counts as standing", kStandingGap * height));
+         fmt::format("a gap of at most {:.4g} m counts as contact", kStandingGap * height));
 }
 
 bool Fit::IsOverBase(std::size_t index, int upright, const Vector3d& off) const {

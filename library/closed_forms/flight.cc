@@ -91,7 +91,7 @@ std::unique_ptr<ClosedForm> MakeFlight(const Fit& fit) {
     for (std::size_t j = 0; j < i; ++j)
       if (MayTouch(flyers[j], flyers[i], fit.end()))
         fit.Refuse(
-            fmt::format("{} comes so near to {} that they may touch", fit.Name(i), fit.Name(j)),
+            fmt::format("{} comes so close to {} that they may touch", fit.Name(i), fit.Name(j)),
             "make the run shorter, or place them farther apart");
   }
   const double energy = LargestKineticEnergy(fit);

@@ -56,7 +56,7 @@ class HeadOn : public ClosedForm {
 
 std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit) {
   if (fit.size() != 2)
-    fit.Refuse(fmt::format("there are {} objects", fit.size()), "it is of two balls");
+    fit.Refuse(fmt::format("there are {} objects", fit.size()), "the closed form has two balls");
   fit.RequireNoAcceleration();
   for (std::size_t i = 0; i < 2; ++i) {
     fit.RequireBall(i);
@@ -68,13 +68,13 @@ std::unique_ptr<ClosedForm> MakeHeadOn(const Fit& fit) {
   const double approach = closing.dot(apart) / apart.norm();
   if (!(approach > 0) || (apart.normalized() * approach - closing).norm() > kSame * approach)
     fit.Refuse("the balls do not come towards each other along the line of their centres",
-               "let their velocities differ along that line alone");
+               "let their velocities differ along that line only");
   const double gap = apart.norm() - (a.solid.sides.x() + b.solid.sides.x()) / 2;
   const double meeting = gap / approach;
   if (meeting >= fit.end())
     fit.Refuse(fmt::format("they meet after {:.4g} s, and the run ends after {:.4g} s", meeting,
                            fit.end()),
-               "make it longer, or take `flight`");
+               "make it longer, or use `flight`");
   auto form = std::make_unique<HeadOn>(fit, meeting);
   for (std::size_t i = 0; i < 2; ++i) {
     const layouts::ObjectState& ball = fit.object(i);

@@ -76,7 +76,7 @@ std::unique_ptr<ClosedForm> MakeSlide(const Fit& fit) {
     fit.Refuse(fmt::format("friction of {:.4g} (the product with the floor's) holds the box on a "
                            "slope of {:.4g}",
                            incline.friction, incline.tangent),
-               "tilt the acceleration more, make the friction smaller, or take `stick`");
+               "tilt the acceleration more, make the friction smaller, or use `stick`");
   const Vector3d downhill = fit.Downhill();
   const Vector3d along = downhill * (1 - incline.friction / incline.tangent);
   const double way = along.norm() * fit.end() * fit.end() / 2;
@@ -90,7 +90,7 @@ std::unique_ptr<ClosedForm> MakeStick(const Fit& fit) {
     fit.Refuse(fmt::format("friction of {:.4g} (the product with the floor's) does not hold the "
                            "box on a slope of {:.4g}",
                            incline.friction, incline.tangent),
-               "tilt the acceleration less, make the friction larger, or take `slide`");
+               "tilt the acceleration less, make the friction larger, or use `slide`");
   return std::make_unique<OnFloor>(fit, incline.height, Vector3d::Zero(),
                                    fit.object(0).mass * fit.Pressing() * incline.height / 2);
 }

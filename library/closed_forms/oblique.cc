@@ -95,8 +95,8 @@ std::unique_ptr<ClosedForm> MakeOblique(const Fit& fit) {
                    ? fmt::format("the ball meets a wall after {:.4g} s, and the run ends after "
                                  "{:.4g} s",
                                  hit.time, fit.end())
-                   : std::string("no wall stands on the ball's way"),
-               "make the run longer, aim the linear_velocity at a wall, or take `flight`");
+                   : std::string("there is no wall in the path of the ball"),
+               "make the run longer, aim the linear_velocity at a wall, or use `flight`");
   auto form = std::make_unique<Oblique>(fit, hit);
   const Vector3d at_wall = ball.pose.position + hit.time * ball.linear_velocity;
   // The wall itself is left behind.

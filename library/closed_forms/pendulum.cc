@@ -99,7 +99,7 @@ std::unique_ptr<ClosedForm> MakePendulum(const Fit& fit) {
   const Vector3d down = -Vector3d::UnitY(), pull = fit.acceleration();
   if (fit.Downhill().isZero(0))
     fit.Refuse("the body hangs at rest, as the acceleration is along y",
-               "tilt the acceleration by the angle that it shall swing from");
+               "tilt the acceleration by the initial angle of the swing");
   const Vector3d axis = down.cross(pull).normalized();
   const double angle = std::acos(down.dot(pull) / pull.norm());
   const Vector3d inside = object.pose.orientation.conjugate() * axis;
@@ -108,7 +108,7 @@ std::unique_ptr<ClosedForm> MakePendulum(const Fit& fit) {
     fit.Refuse("the body does not swing about one of its own axes",
                "turn the acceleration about x or z, or make the object a ball");
   if (fit.links().WordOr("links.type") == "hinge" && std::abs(axis.z()) < 1 - kSame)
-    fit.Refuse("a hinge turns about z, and the acceleration is tilted otherwise",
+    fit.Refuse("a hinge turns about z, but the acceleration is tilted about another axis",
                "make the z of the acceleration 0, or links.type ball");
   const double length = objects::Bounds(object.solid, object.pose.orientation).upper.y();
   const Vector3d reach = Vector3d::Constant(length + object.solid.OuterRadius());

@@ -83,11 +83,12 @@ std::size_t RequirePlateOnBalls(const Fit& fit) {
     if (fit.object(i).numbers["rolling_friction"] != 0)
       fit.Refuse(fit.Name(i) + " has rolling friction", "make its rolling_friction 0");
     if (fit.object(i).solid.shape != objects::Shape::kCuboid) continue;
-    if (plate < fit.size()) fit.Refuse("there are two cuboids", "it is of one, on balls");
+    if (plate < fit.size())
+      fit.Refuse("there is more than one cuboid", "the closed form has one cuboid, on balls");
     plate = i;
   }
-  if (plate == fit.size()) fit.Refuse("there is no cuboid", "lay one on the balls");
-  if (fit.size() < 2) fit.Refuse("there are no balls", "lay the cuboid on balls");
+  if (plate == fit.size()) fit.Refuse("there is no cuboid", "put one on the balls");
+  if (fit.size() < 2) fit.Refuse("there are no balls", "put the cuboid on balls");
   return plate;
 }
 
@@ -135,8 +136,8 @@ struct PlateOnBalls {
     const layouts::ObjectState& object = fit.object(i);
     if (object.solid.sides != ball.solid.sides || object.mass != ball.mass ||
         object.numbers["friction"] != ball.numbers["friction"])
-      fit.Refuse(fit.Name(i) + " is not like the other balls",
-                 "give all one size, mass and friction");
+      fit.Refuse(fit.Name(i) + " differs from the other balls",
+                 "give all the same size, mass and friction");
   }
 
   /// The point below the plate where the forces of the balls act in sum must be between the balls,

@@ -135,16 +135,16 @@ std::unique_ptr<ClosedForm> MakeFlip(const Fit& fit) {
   std::sort(inertia.data(), inertia.data() + 3);
   if (about != inertia[1] || inertia[0] == inertia[1] || inertia[1] == inertia[2])
     fit.Refuse(
-        fit.Name(0) + " does not turn about its middle axis",
+        fit.Name(0) + " does not rotate about its middle axis",
         "give it three different sides, and an angular_velocity mainly along the middle one");
   const double flips = FlipTime(object);
   if (!std::isfinite(flips))
-    fit.Refuse(fit.Name(0) + " turns about its middle axis alone, and never over",
-               "add a little to the other components of its angular_velocity");
+    fit.Refuse(fit.Name(0) + " rotates about its middle axis only, and never turns over",
+               "increase the other components of its angular_velocity a little");
   if (flips > fit.end())
     fit.Refuse(fmt::format("it turns over every {:.4g} s, and the run ends after {:.4g} s", flips,
                            fit.end()),
-               "make the run longer, or add to the other components of its angular_velocity");
+               "make the run longer, or increase the other components of its angular_velocity");
   return form;
 }
 

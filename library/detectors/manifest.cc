@@ -112,7 +112,7 @@ schema::PluginDetector ReadLine(std::string_view line, const std::string& path) 
   if (!most ||
       std::ranges::find(schema::kPluginPhases, detector.phases) == std::end(schema::kPluginPhases))
     throw PluginError(
-        fmt::format("'{}' offers a detector without phase or limit: '{}'", path, detector.name));
+        fmt::format("'{}' has a detector without phase or limit: '{}'", path, detector.name));
   detector.max_bodies = *most;
   return detector;
 }
@@ -123,7 +123,7 @@ std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const s
   const auto header = ElfHeader(bytes);
   if (!header)
     throw PluginError(
-        fmt::format("'{}' is no shared library of this machine; build it from a source that has "
+        fmt::format("'{}' is not a shared library of this machine; build it from a source that has "
                     "CDB_DETECTORS (cdb/detector.h)",
                     path));
   const auto contents = FindSection(bytes, *header, kManifestSection);
@@ -142,7 +142,7 @@ std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const s
           fmt::format("'{}' has two detectors called '{}'", path, detectors.back().name));
   }
   if (detectors.empty())
-    throw PluginError(fmt::format("'{}' offers no detector: its array is empty", path));
+    throw PluginError(fmt::format("'{}' has no detectors: its array is empty", path));
   return detectors;
 }
 

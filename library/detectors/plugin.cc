@@ -25,23 +25,23 @@ bool IsName(std::string_view text) {
 void CheckAbi(std::uint32_t abi, const std::string& path) {
   if (abi != kDetectorAbi)
     throw PluginError(
-        fmt::format("'{}' was built for detector interface {}, this cdb has {}; build "
-                    "it again with this cdb's cdb/detector.h",
+        fmt::format("'{}' was built for detector interface {}, but this cdb has {}; rebuild it "
+                    "with this cdb's cdb/detector.h",
                     path, abi, kDetectorAbi));
 }
 
 void CheckName(std::string_view name, const std::string& shown, const std::string& path) {
   if (!IsName(name))
     throw PluginError(
-        fmt::format("'{}' calls a detector '{}', which no .cdb file can write; a name is letters, "
-                    "digits and _, and begins with no digit",
+        fmt::format("'{}' calls a detector '{}', which is not a name in .cdb files; a name "
+                    "consists of letters, digits and _, and does not begin with a digit",
                     path, shown));
 }
 
 void RefuseBuild(const std::string& build, const std::string& path) {
   throw PluginError(
-      fmt::format("'{}' was built with {}, this cdb with {}; build it with the same compiler", path,
-                  build, DetectorBuild()));
+      fmt::format("'{}' was built with {}, but this cdb with {}; build it with the same compiler",
+                  path, build, DetectorBuild()));
 }
 
 const Plugin& LoadPlugin(const std::string& path) {
@@ -54,7 +54,7 @@ const Plugin& LoadPlugin(const std::string& path) {
   const auto get = reinterpret_cast<const Plugin* (*)()>(dlsym(handle, "cdb_plugin"));
   if (get == nullptr)
     throw PluginError(
-        fmt::format("'{}' offers no detector: it has no function cdb_plugin; write CDB_DETECTORS "
+        fmt::format("'{}' has no detectors: it has no function cdb_plugin; write CDB_DETECTORS "
                     "once in it (cdb/detector.h)",
                     path));
   const Plugin* plugin = get();
@@ -63,13 +63,13 @@ const Plugin& LoadPlugin(const std::string& path) {
   if (plugin->build == nullptr || std::string_view(plugin->build) != DetectorBuild())
     RefuseBuild(plugin->build == nullptr ? "nothing named" : plugin->build, path);
   if (plugin->entries == nullptr || plugin->count == 0)
-    throw PluginError(fmt::format("'{}' offers no detector: its array is empty", path));
+    throw PluginError(fmt::format("'{}' has no detectors: its array is empty", path));
   const std::span entries(plugin->entries, plugin->count);
   for (const DetectorEntry& entry : entries) {
     if (entry.name == nullptr || entry.doc == nullptr || entry.make == nullptr ||
         !HasAny(entry.phases, kBroad | kNarrow))
       throw PluginError(
-          fmt::format("'{}' offers a detector without name, line, phase or function", path));
+          fmt::format("'{}' has a detector without name, line, phase or function", path));
     CheckName(entry.name, entry.name, path);
     if (FindEntry(*plugin, entry.name) != &entry)
       throw PluginError(fmt::format("'{}' has two detectors called '{}'", path, entry.name));

@@ -147,7 +147,7 @@ double Draw::RealInDomain(const Value& value, int component) {
 
 void Draw::NeverInDomain() const {
   throw library::SceneError(
-      fmt::format("`{} {}` gave {} values in a row that are not {}; change it", name_,
+      fmt::format("`{} {}` drew {} values in a row that are not {}; change it", name_,
                   schema::LabelOf(*value_), kMaxRedraws, parameter_->domain.Text()));
 }
 

@@ -106,11 +106,11 @@ double ObjectNumbers::Evaluated(const Setting& setting) {
       schema::Evaluate(*setting.formula, [this](std::string_view name) { return Named(name); });
   if (std::isfinite(number) && setting.parameter->domain.Contains(number)) return number;
   throw library::SceneError(
-      fmt::format("the {} of object {} of `{}` must be {}; {} is {}", setting.parameter->name,
+      fmt::format("the {} of object {} of `{}` must be {}, but {} is {}", setting.parameter->name,
                   count_, group_.name, setting.parameter->domain.Text(),
                   schema::FormulaText(*setting.formula),
                   std::isfinite(number) ? fmt::format("{:.6g}", number) : "no finite number"),
-      "max( ) and min( ) keep a value within limits", group_.name,
+      "max() and min() keep a value within limits", group_.name,
       std::string(setting.parameter->name));
 }
 
@@ -120,15 +120,15 @@ double ObjectNumbers::Named(std::string_view name) {
     const Eigen::Vector3d sides = Sides();
     if (sides.x() == sides.y() && sides.y() == sides.z()) return sides.x();
     throw library::SceneError(
-        fmt::format("`{}.size` draws each side by itself, so that an object has no one size",
+        fmt::format("`{}.size` draws each side separately, so that an object has no single size",
                     group_.name),
-        "write it in same( )", group_.name, "size");
+        "write it in same()", group_.name, "size");
   }
   const auto number = Find(setting);
   if (number) return *number;
   throw library::SceneError(
-      fmt::format("`{}.{}` is no number for object {}", group_.name, name, count_),
-      "leave it out of the expressions of other settings", group_.name, std::string(name));
+      fmt::format("`{}.{}` is not a number for object {}", group_.name, name, count_),
+      "remove it from the expressions of other settings", group_.name, std::string(name));
 }
 
 }  // namespace cdb::distributions

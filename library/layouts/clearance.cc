@@ -31,7 +31,7 @@ constexpr double kShownApart = 1e-6;
 
 /// `reaches 2 m through`, for messages; `extent` is that of the object.
 std::string HowFar(double through, double extent, double rounding) {
-  if (through <= rounding) return "is nearer than its place can be told to";
+  if (through <= rounding) return "is closer than the precision of its position to";
   if (through > extent) return fmt::format("lies {:.4g} m beyond", through - extent);
   return fmt::format("reaches {:.4g} m through", through);
 }

@@ -172,14 +172,13 @@ class ExactPlacer {
   void At() {
     if (ListsPoints(layout_)) {
       const std::size_t count = layout_.arguments.size();
-      Require(count, fmt::format("gives {} object{} a place", count, count == 1 ? "" : "s"),
+      Require(count, fmt::format("places {} object{}", count, count == 1 ? "" : "s"),
               "list a point for each object");
       for (std::size_t i = 0; i < count; ++i)
         bodies_.MoveTo(range_.first + i, *AsVector(layout_.arguments[i]));
       return;
     }
-    Require(1, "gives one object its place",
-            "make the quantity 1, or list a point for each object");
+    Require(1, "places one object", "make the quantity 1, or list a point for each object");
     const auto coordinate = [&](std::string_view name) { return *Length(name); };
     bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
   }
@@ -203,11 +202,10 @@ class ExactPlacer {
       bodies_.MoveTo(range_.first + 1, *apart / 2 * direction);
       return;
     }
-    throw library::SceneError(
-        fmt::format("group `{}`: {} directions were drawn for its pair, and in none do the objects "
-                    "come {:.6g} m near each other",
-                    range_.group->name, kMaxDirections, distance),
-        "make the distance larger", range_.group->name);
+    throw library::SceneError(fmt::format("group `{}`: {} directions were drawn for its pair, but "
+                                          "the objects come within {:.6g} m of each other in none",
+                                          range_.group->name, kMaxDirections, distance),
+                              "make the distance larger", range_.group->name);
   }
 
   void Pile() {
@@ -270,7 +268,7 @@ constexpr LayoutRow kLayouts[] = {
      {"make radius larger", "make radius or the size smaller or world.side larger"}},
     {"line",
      &ExactPlacer::Line,
-     {"make gap larger, or say overlap on",
+     {"make gap larger, or write overlap on",
       "make gap, the size or the quantity smaller or world.side larger"}},
     {"at", &ExactPlacer::At, {"move it", "move it inwards or make world.side larger"}},
     {"pair",
@@ -278,13 +276,13 @@ constexpr LayoutRow kLayouts[] = {
      {"make distance larger", "make distance or the size smaller or world.side larger"}},
     {"poses",
      &ExactPlacer::Poses,
-     {"change the file, or say overlap on",
+     {"change the file, or write overlap on",
       "change the file, or make world.side larger; overlap on allows it while the centre of mass "
       "is "
       "inside"}},
     {"path",
      &ExactPlacer::Poses,
-     {"change the file, or say overlap on", "change the file, or make world.side larger"}},
+     {"change the file, or write overlap on", "change the file, or make world.side larger"}},
     {"pile",
      &ExactPlacer::Pile,
      {"make the size smaller", "make width or the size smaller or world.side larger"}},

@@ -38,9 +38,10 @@ void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
   if (poses == nullptr || objects.empty()) return;
   const PoseTable table = ReadPoseTable(*poses);
   if (table.rows.size() != objects.size())
-    throw library::SceneError(fmt::format("group `{}` has {} objects, and its file the poses of {}",
-                                          group.name, objects.size(), table.rows.size()),
-                              "leave the quantity out, or name another file", group.name);
+    throw library::SceneError(
+        fmt::format("group `{}` has {} objects, but its file has the poses of {}", group.name,
+                    objects.size(), table.rows.size()),
+        "remove the quantity, or name another file", group.name);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const PoseRow& row = table.rows[i];
     ObjectState& object = objects[i];
@@ -61,7 +62,7 @@ void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
   for (ObjectState& object : objects) {
     if (!object.is_kinematic)
       throw library::SceneError(
-          fmt::format("the objects of group `{}` have a path and are not kinematic", group.name),
+          fmt::format("the objects of group `{}` have a path but are not kinematic", group.name),
           "write mass kinematic", group.name);
     object.path = path;
     object.pose = PoseAt(object, 0);

@@ -42,10 +42,10 @@ void PackingFraction::RefuseWhatCannotFit() const {
     for (std::size_t i = range.first; i < range.end; ++i) RefuseLarge(i);
   }
   if (volume_ / Cube() > 1) {
-    throw library::SceneError(fmt::format("all objects together fill {:.4g} % of the cube: more "
-                                          "than there is, so none was placed",
-                                          100 * volume_ / Cube()),
-                              Advice());
+    throw library::SceneError(
+        fmt::format("all objects together would fill {:.4g} % of the cube, so none was placed",
+                    100 * volume_ / Cube()),
+        Advice());
   }
   for (const GroupRange& range : bodies_.groups())
     if (!HasExactLayout(*range.group)) RefuseGroup(range);
@@ -75,8 +75,8 @@ void PackingFraction::RefuseGroup(const GroupRange& range) const {
   const double fill = static_cast<double>(range.size()) * solid.Volume() / Cube();
   if (fill <= most) return;
   throw library::SceneError(
-      fmt::format("the {} objects of group `{}` fill {:.3g} % of the cube: equal objects at places "
-                  "drawn by chance leave no free place before {:.3g} %, so none was placed",
+      fmt::format("the {} objects of group `{}` fill {:.3g} % of the cube: equal objects at random "
+                  "positions leave no free position before {:.3g} %, so none was placed",
                   range.size(), range.group->name, 100 * fill, 100 * most),
       Advice(), range.group->name);
 }
@@ -85,16 +85,17 @@ std::string PackingFraction::Advice() const {
   // Boxes that fill a tenth of the cube leave enough space for random placement, whatever the
   // shapes.
   return fmt::format(
-      "make world.side larger ({:.4g} m would do) or the size or the quantity smaller",
+      "make world.side larger ({:.4g} m is enough), or the size or the quantity smaller",
       std::max(bodies_.side() * 1.1, std::cbrt(boxes_ * 10)));
 }
 
 void PackingFraction::TooFull(std::size_t index, std::string_view when) const {
   throw library::SceneError(
-      fmt::format("no free place was found for {}: all objects together fill {:.3g} % of the cube "
-                  "({:.3g} % with the boxes around them), {:.3g} % was filled when {}",
-                  bodies_.Name(index), 100 * volume_ / Cube(), 100 * boxes_ / Cube(),
-                  100 * placed_volume_ / Cube(), when),
+      fmt::format(
+          "no free position was found for {}: all objects together fill {:.3g} % of the cube "
+          "({:.3g} % with the boxes around them), {:.3g} % was filled when {}",
+          bodies_.Name(index), 100 * volume_ / Cube(), 100 * boxes_ / Cube(),
+          100 * placed_volume_ / Cube(), when),
       Advice(), bodies_.GroupOf(index).name);
 }
 

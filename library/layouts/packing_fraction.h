@@ -25,8 +25,8 @@ class PackingFraction {
   /// Counts object `index`, which has been placed.
   void CountPlaced(std::size_t index) { placed_volume_ += bodies_.object(index).solid.Volume(); }
 
-  static constexpr std::string_view kGivenUp = "every place drawn was taken";
-  static constexpr std::string_view kNoPlaceLeft = "no free place was left";
+  static constexpr std::string_view kGivenUp = "every position drawn was taken";
+  static constexpr std::string_view kNoPlaceLeft = "no free position was left";
   [[noreturn]] void TooFull(std::size_t index, std::string_view when) const;
 
  private:

@@ -27,12 +27,12 @@ Path::Path(const schema::Call& call, const PoseTable& table)
     : rows_(table.rows), has_orientation_(table.has_orientation), repeats_(Repeats(call)) {
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(call, "file")).text;
   if (repeats_ && rows_.size() < 2)
-    throw library::SceneError(fmt::format("{}: one pose is nothing to repeat", file),
-                              "write more lines, or leave `then` out");
+    throw library::SceneError(fmt::format("{}: a path of one pose cannot repeat", file),
+                              "write more lines, or remove `then`");
   if (repeats_ && !AreSamePose(rows_.front(), rows_.back()))
     throw library::SceneError(
-        fmt::format("{}: it repeats, and its last pose is not its first", file),
-        "end the path where it begins, or leave `then` out");
+        fmt::format("{}: it repeats, but its last pose differs from its first", file),
+        "end the path where it begins, or remove `then`");
 }
 
 Path::Between Path::At(double time) const {

@@ -38,13 +38,13 @@ struct Layout {
   std::string_view rows, none;  ///< noun for a line, and message if there are none
 };
 constexpr Layout kPoses = {kOfPoses, "x,y,z",
-                           "the columns are x, y, z, and qw, qx, qy, qz, vx, vy, vz, wx, "
-                           "wy, wz where they are given, separated by commas",
+                           "the columns are x, y, z and optionally qw, qx, qy, qz, vx, vy, vz, wx, "
+                           "wy, wz, separated by commas",
                            "object", "it has no objects"};
-constexpr Layout kPath = {kOfPath, "t,x,y,z",
-                          "the columns of a path are t, x, y, z, and qw, qx, qy, qz where they are "
-                          "given, separated by commas",
-                          "time", "it has no poses"};
+constexpr Layout kPath = {
+    kOfPath, "t,x,y,z",
+    "the columns of a path are t, x, y, z and optionally qw, qx, qy, qz, separated by commas",
+    "time", "it has no poses"};
 constexpr double kLargest = 1e15;  ///< larger numbers are not valid
 
 class CsvReader {
@@ -65,7 +65,7 @@ class CsvReader {
     while (NextLine()) {
       const PoseRow row = ReadRow();
       if (Has(kTime) && !table.rows.empty() && !(row.time > table.rows.back().time))
-        Refuse(fmt::format("t is {}, and {} in the line before", schema::FormatReal(row.time),
+        Refuse(fmt::format("t is {}, but {} in the line before", schema::FormatReal(row.time),
                            schema::FormatReal(table.rows.back().time)),
                "write the lines in the order of their times");
       table.rows.push_back(row);
@@ -125,10 +125,10 @@ class CsvReader {
       const auto column = std::ranges::find(kNames, cells_[i]);
       const auto index = static_cast<std::size_t>(column - kNames.begin());
       if (!Takes(index))
-        Refuse(fmt::format("`{}` is no column that is known here", text::Printable(cells_[i])),
+        Refuse(fmt::format("`{}` is not a known column", text::Printable(cells_[i])),
                std::string(layout_.columns));
       auto& place = places_[index];
-      if (place) Refuse(fmt::format("the column `{}` is there twice", *column), "keep one of them");
+      if (place) Refuse(fmt::format("the column `{}` occurs twice", *column), "keep one of them");
       place = i;
     }
     for (const Quantity& quantity : layout_.quantities) {
@@ -136,18 +136,18 @@ class CsvReader {
       for (std::size_t i = 0; i < quantity.count; ++i)
         there += places_[quantity.first + i].has_value();
       if (quantity.first == kTime.first && there == 0)
-        Refuse("the column t is missing", "a path says when the object is where: t,x,y,z");
+        Refuse("the column t is missing", "a path has times and positions: t,x,y,z");
       if (there != quantity.count && (there > 0 || quantity.first == 0))
         Refuse(
             fmt::format("{} of the columns {} are missing", quantity.count - there, quantity.names),
-            quantity.first == 0 ? "a position has all three" : "give all of them, or none");
+            quantity.first == 0 ? "a position needs all three" : "give all of them, or none");
     }
     columns_ = cells_.size();
   }
 
   PoseRow ReadRow() const {
     if (cells_.size() != columns_)
-      Refuse(fmt::format("{} value{} in this line, and {} columns", cells_.size(),
+      Refuse(fmt::format("{} value{} in this line, but {} columns", cells_.size(),
                          cells_.size() == 1 ? "" : "s", columns_),
              "write a value for each column, separated by commas");
     const auto vector = [this](const Quantity& quantity) {
@@ -164,8 +164,8 @@ class CsvReader {
     if (!Has(kOrientation)) return row;
     const auto turn = UnitQuaternion(Number(3), Number(4), Number(5), Number(6));
     if (!turn)
-      Refuse("qw, qx, qy, qz are no unit quaternion",
-             "their squares add up to 1; 1, 0, 0, 0 is no turn");
+      Refuse("qw, qx, qy, qz are not a unit quaternion",
+             "their squares must add up to 1; 1, 0, 0, 0 is no rotation");
     row.orientation = *turn;
     return row;
   }
@@ -177,9 +177,9 @@ class CsvReader {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-      Refuse(fmt::format("{} is `{}`, which is no finite number", kNames[column],
+      Refuse(fmt::format("{} is `{}`, which is not a finite number", kNames[column],
                          text::Printable(written)),
-             "write a number with a decimal point, as -1.5 or 2e-3");
+             "write a number with a decimal point, such as -1.5 or 2e-3");
     if (std::abs(value) > kLargest)
       Refuse(fmt::format("{} is {}, beyond {:g}", kNames[column], written, kLargest),
              "positions, velocities and times are in m, m/s, rad/s and s");

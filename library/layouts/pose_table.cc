@@ -34,7 +34,7 @@ struct Unreadable : SceneError {
 
 [[noreturn]] void FailToRead(const std::string& path, const std::string& why) {
   throw Unreadable(fmt::format("{}: {}", path, why),
-                   "its name counts from the folder of the .cdb file");
+                   "the path is relative to the folder of the .cdb file");
 }
 
 /// The table, and the hash of its source: the CSV file, or the values read from HDF5.
@@ -68,8 +68,9 @@ PoseTable ReadPoseTable(const schema::Call& poses) {
   auto [table, sha256] = ReadWithHash(poses);
   const auto* planned = std::get_if<schema::Text>(&schema::ArgumentOf(poses, "sha256"));
   if (planned != nullptr && planned->text != sha256)
-    throw SceneError(fmt::format("{}: it is not the file that was planned with", FileOf(poses)),
-                     std::string(kPlanAgain));
+    throw SceneError(
+        fmt::format("{}: it differs from the file that the plan was made with", FileOf(poses)),
+        std::string(kPlanAgain));
   return std::move(table);
 }
 

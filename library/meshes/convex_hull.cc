@@ -164,7 +164,7 @@ Hull ConvexHull(const Mesh& mesh, std::string_view name) {
   std::optional<Hull> hull = TryConvexHull(mesh.vertices);
   if (!hull)
     throw library::SceneError(
-        fmt::format("{}: is flat, and so is its convex hull; a solid needs a volume", name));
+        fmt::format("{}: is flat, so its convex hull has no volume; a solid needs one", name));
   return *std::move(hull);
 }
 

@@ -66,10 +66,10 @@ std::vector<Triangle> Simplified(const Mesh& mesh, std::size_t faces, std::strin
                                  nullptr));
   // The time of HACD grows with the square of the number of faces.
   if (coarse.size() / 3 > 2 * faces)
-    throw library::SceneError(fmt::format(
-        "{}: cannot be simplified below {} faces, and more than {} take too long to cut into "
-        "convex pieces; use fewer separate parts or holes, or its convex hull",
-        name, coarse.size() / 3, 2 * faces));
+    throw library::SceneError(
+        fmt::format("{}: cannot be simplified below {} faces, but decomposing more than {} takes "
+                    "too long; use fewer separate parts or holes, or its convex hull",
+                    name, coarse.size() / 3, 2 * faces));
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i + 2 < coarse.size(); i += 3)
     triangles.push_back({coarse[i], coarse[i + 1], coarse[i + 2]});
@@ -109,8 +109,7 @@ std::vector<std::vector<std::uint32_t>> Clusters(const Mesh& mesh, double compac
   hacd.SetAddExtraDistPoints(true);
   hacd.SetAddNeighboursDistPoints(true);
   hacd.SetAddFacesPoints(true);
-  if (!hacd.Compute())
-    throw library::SceneError(fmt::format("{}: HACD cannot cut it into pieces", name));
+  if (!hacd.Compute()) throw library::SceneError(fmt::format("{}: HACD cannot decompose it", name));
   std::vector<std::vector<std::uint32_t>> clusters(hacd.GetNClusters());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const long cluster = hacd.GetPartition()[i];
@@ -175,7 +174,8 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
     if (best.iou >= options.good_iou) break;
   }
   if (best.hulls.empty())
-    throw library::SceneError(fmt::format("{}: falls into flat pieces; use its convex hull", name));
+    throw library::SceneError(
+        fmt::format("{}: its convex pieces are flat; use its convex hull", name));
   return best;
 }
 

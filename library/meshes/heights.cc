@@ -31,7 +31,7 @@ double HeightOf(std::string_view cell, std::string_view name, std::size_t line) 
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), height);
   if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(height) ||
       std::abs(height) > kLargestCoordinate)
-    RefuseHeights(name, line, fmt::format("`{}` is no height", text::Printable(cell)),
+    RefuseHeights(name, line, fmt::format("`{}` is not a height", text::Printable(cell)),
                   "write numbers, separated by commas");
   return height;
 }
@@ -58,14 +58,14 @@ HeightGrid ParseHeights(std::string_view csv, std::string_view name, double cell
     if (columns != grid.columns)
       RefuseHeights(
           name, number,
-          fmt::format("{} heights in this row, and {} in the first", columns, grid.columns),
+          fmt::format("{} heights in this row, but {} in the first", columns, grid.columns),
           "write as many in each row");
     ++grid.rows;
   }
   if (grid.rows < 2 || grid.columns < 2)
     throw library::SceneError(
         fmt::format("{}: it has {} by {} heights", name, grid.rows, grid.columns),
-        "a height field has 2 by 2 or more");
+        "a height field needs at least 2 by 2");
   return grid;
 }
 

@@ -65,7 +65,7 @@ void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Me
   for (const std::uint32_t corner : corners)
     if (corner >= vertices)
       Refuse(name, place,
-             fmt::format("a face has vertex {}, counted from {}, and there are {}",
+             fmt::format("a face has vertex {}, counted from {}, but there are {}",
                          std::uint64_t{corner} + first, first, vertices));
   if (mesh.triangles.size() + corners.size() - 2 > kMaxTriangles)
     Refuse(name, place,
@@ -113,9 +113,8 @@ Mesh ParseMesh(std::string_view bytes, std::string_view name) {
     mesh = MergeEqualVertices(ParseStl(bytes, name));
   else
     throw library::SceneError(fmt::format(
-        "{}: cannot tell the format; a model's name ends in .obj, .ply, .stl or .off", name));
-  if (mesh.triangles.empty())
-    throw library::SceneError(fmt::format("{}: has no faces; a model needs some", name));
+        "{}: unknown format; the name of a model ends in .obj, .ply, .stl or .off", name));
+  if (mesh.triangles.empty()) throw library::SceneError(fmt::format("{}: has no faces", name));
   return mesh;
 }
 

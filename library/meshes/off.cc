@@ -42,8 +42,9 @@ std::uint64_t ReadCount(std::string_view word, std::string_view what, std::strin
   const std::int64_t count = Integer(word, name, place);
   // Each takes a separate line of at least two bytes.
   if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
-    Refuse(name, place,
-           fmt::format("says {} {}, which cannot be in {} bytes", count, what, bytes.size()));
+    Refuse(
+        name, place,
+        fmt::format("declares {} {}, which do not fit into {} bytes", count, what, bytes.size()));
   return static_cast<std::uint64_t>(count);
 }
 
@@ -59,7 +60,7 @@ Counts ReadHead(std::string_view bytes, std::string_view name, OffReader& reader
            fmt::format("starts with `{}`; should start with OFF, STOFF, COFF or NOFF", words[0]));
   words.erase(words.begin());
   if (!words.empty() && words[0] == "BINARY")
-    Refuse(name, reader.place(), "binary OFF is not read; export the model as text");
+    Refuse(name, reader.place(), "binary OFF is not supported; export the model as text");
   if (words.empty()) reader.Require("the numbers of vertices and faces");
   if (words.size() < 2 || words.size() > 3)
     Refuse(name, reader.place(), "should be the numbers of vertices, faces and edges");
@@ -86,14 +87,14 @@ void ReadCorners(std::uint64_t vertices, std::string_view name, OffReader& reade
   // The colour of the face follows the corners.
   if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
     Refuse(name, reader.place(),
-           fmt::format("says {} corners and has {}", count, words.size() - 1));
+           fmt::format("declares {} corners but has {}", count, words.size() - 1));
   corners.clear();
   for (std::int64_t k = 1; k <= count; ++k) {
     const std::int64_t corner = Integer(words[static_cast<std::size_t>(k)], name, reader.place());
     if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertices)
       Refuse(
           name, reader.place(),
-          fmt::format("a face has vertex {}, counted from 0, and there are {}", corner, vertices));
+          fmt::format("a face has vertex {}, counted from 0, but there are {}", corner, vertices));
     corners.push_back(static_cast<std::uint32_t>(corner));
   }
 }
@@ -116,7 +117,7 @@ Mesh ParseOff(std::string_view bytes, std::string_view name) {
   }
   if (reader.Next())
     Refuse(name, reader.place(),
-           fmt::format("goes on after the {} faces that its head says", counts.faces));
+           fmt::format("continues after the {} faces that its header declares", counts.faces));
   return mesh;
 }
 

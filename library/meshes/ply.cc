@@ -74,7 +74,7 @@ class TextValues : public Values {
       : lines_(body), size_(body.size()), header_lines_(header_lines), name_(name) {}
 
   double Next(Type) override {
-    if (IsAtEnd()) Refuse(name_, place(), "the file ends before all that its header says");
+    if (IsAtEnd()) Refuse(name_, place(), "the file ends before the data that its header declares");
     return Number(words_[at_++], name_, place());
   }
   /// The location of the next value, which may be some lines below.
@@ -108,7 +108,8 @@ class BinaryValues : public Values {
 
   double Next(Type type) override {
     const std::size_t size = BytesOf(type);
-    if (size > BytesLeft()) Refuse(name_, place(), "the file ends before all that its header says");
+    if (size > BytesLeft())
+      Refuse(name_, place(), "the file ends before the data that its header declares");
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < size; ++i) {
       const std::size_t from = big_endian_ ? at_ + i : at_ + size - 1 - i;
@@ -157,7 +158,7 @@ class PlyParser {
         Skip(element);
     }
     if (!values_->IsAtEnd())
-      Refuse(name_, values_->place(), "goes on after all that its header says");
+      Refuse(name_, values_->place(), "continues after the data that its header declares");
     return std::move(mesh_);
   }
 
@@ -206,7 +207,8 @@ class PlyParser {
       if (element.name == "vertex" && vertices_) Refuse(name_, element.place, "vertices twice");
       if (element.name == "vertex") vertices_ = element.count;
       if (element.name == "tristrips" || element.name == "tristrip")
-        Refuse(name_, element.place, "triangle strips are not read; export the model as triangles");
+        Refuse(name_, element.place,
+               "triangle strips are not supported; export the model as triangles");
     }
     if (!vertices_) Refuse(name_, lines.place(), "the header has no `element vertex`");
   }
@@ -227,8 +229,8 @@ class PlyParser {
     // The last value of a text needs no separator.
     if (element.count > 0 && element.count > (values_->BytesLeft() + 1) / least)
       Refuse(name_, element.place,
-             fmt::format("says {} of `{}`, which cannot be in the {} bytes left; the file is cut "
-                         "off or damaged",
+             fmt::format("declares {} of `{}`, which do not fit into the remaining {} bytes; the "
+                         "file is truncated or damaged",
                          element.count, element.name, values_->BytesLeft()));
   }
 
@@ -239,7 +241,7 @@ class PlyParser {
         length >
             static_cast<double>((values_->BytesLeft() + 1) / values_->LeastBytes(property.type)))
       Refuse(name_, place,
-             fmt::format("a list of {} values cannot be in the rest of the file", length));
+             fmt::format("a list of {} values does not fit into the rest of the file", length));
     return static_cast<std::uint64_t>(length);
   }
 
@@ -304,7 +306,7 @@ class PlyParser {
           if (!(corner >= 0 && corner < static_cast<double>(*vertices_)) ||
               corner != std::floor(corner))
             Refuse(name_, place,
-                   fmt::format("a face has vertex {}, counted from 0, and there are {}", corner,
+                   fmt::format("a face has vertex {}, counted from 0, but there are {}", corner,
                                *vertices_));
           corners.push_back(static_cast<std::uint32_t>(corner));
         }

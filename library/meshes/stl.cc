@@ -61,12 +61,12 @@ class StlText {
     if (Take(word)) return;
     const std::string_view got = Peek();
     Refuse(name_, place(),
-           got.empty() ? fmt::format("the file ends where `{}` should be", word)
-                       : fmt::format("`{}` where `{}` should be", got, word));
+           got.empty() ? fmt::format("the file ends before `{}`", word)
+                       : fmt::format("`{}` instead of `{}`", got, word));
   }
   std::string_view TakeAny(std::string_view what) {
     const std::string_view word = Peek();
-    if (word.empty()) Refuse(name_, place(), fmt::format("the file ends where {} should be", what));
+    if (word.empty()) Refuse(name_, place(), fmt::format("the file ends before {}", what));
     ++at_;
     return word;
   }
@@ -120,11 +120,11 @@ Mesh ParseStl(std::string_view bytes, std::string_view name) {
   if (LowerCase(bytes.substr(0, 5)) == "solid") return ParseText(bytes, name);
   if (bytes.size() < kHead + 4)
     Refuse(name, {Place::Unit::kByte, bytes.size()},
-           "the file ends before the number of triangles; it is no STL, or cut off");
+           "the file ends before the number of triangles; it is not an STL file, or truncated");
   const std::uint32_t count = Word(bytes, kHead);
   Refuse(name, {Place::Unit::kByte, kHead},
-         fmt::format("says {} triangles, which take {} bytes, and the file has {}; it is cut off "
-                     "or no STL",
+         fmt::format("declares {} triangles, which take {} bytes, but the file has {}; it is "
+                     "truncated, or not an STL file",
                      count, kHead + 4 + std::uint64_t{kTriangle} * count, bytes.size()));
 }
 

@@ -119,8 +119,8 @@ void CheckParts(const Mesh& mesh, std::string_view name) {
     for (std::size_t k = 0; k < parts.size() && !is_cavity; ++k)
       is_cavity = volumes[k] > -volumes[i] && boxes[k].contains(boxes[i]);
     if (!is_cavity)
-      Refuse(name, fmt::format("the part from {} to {} is inside out, and in no other part as a "
-                               "cavity would be; turn its faces round",
+      Refuse(name, fmt::format("the part from {} to {} is inside out, but not a cavity of another "
+                               "part; flip its faces",
                                Written(boxes[i].min()), Written(boxes[i].max())));
   }
 }
@@ -181,8 +181,8 @@ Mesh Watertight(Mesh mesh, std::string_view name) {
                              "two at each",
                              Edges(faults.crowded), Written(mesh, *faults.first_crowded)));
   if (faults.against > 0)
-    Refuse(name, fmt::format("{} where the two faces disagree which side is outside, the first "
-                             "from {}; make the normals consistent",
+    Refuse(name, fmt::format("{} where the two faces are oriented inconsistently, the first from "
+                             "{}; make the normals consistent",
                              Edges(faults.against), Written(mesh, *faults.first_against)));
   mesh = WithoutUnusedVertices(mesh);
   double volume = SignedVolume(mesh);
@@ -194,7 +194,7 @@ Mesh Watertight(Mesh mesh, std::string_view name) {
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
   // Rounding leaves some volume in a mesh that has none.
   if (!(volume > 1e-12 * std::pow(box.diagonal().norm(), 3)))
-    Refuse(name, "has no volume; a flat or folded surface is no solid");
+    Refuse(name, "has no volume; a flat or folded surface is not a solid");
   CheckParts(mesh, name);
   return mesh;
 }

@@ -82,7 +82,7 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   const std::string sha256 = plan::Sha256Hex(bytes);
   if (planned != nullptr && sha256 != planned->text)
     throw library::SceneError(
-        fmt::format("{}: it is not the file that was planned with; plan again", file));
+        fmt::format("{}: it differs from the file that the plan was made with; plan again", file));
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
   if (call.name == "surface") return MakeSurface(name, meshes::ParseMesh(bytes, file));
   return DecomposeOnce(name, SourceOf(file, sha256, call.name), [&] {

@@ -69,7 +69,7 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
     throw library::SceneError(fmt::format("{}: its triangles have no area", form.name),
                               "name another model");
   if (form.pieces.size() > kMaxSurfaceTriangles)
-    throw library::SceneError(fmt::format("{}: it has {} triangles, more than {}", form.name,
+    throw library::SceneError(fmt::format("{}: it has {} triangles; the limit is {}", form.name,
                                           form.pieces.size(), kMaxSurfaceTriangles),
                               "simplify the model first");
   form.tree = std::make_shared<const BoxTree>(std::move(boxes));

@@ -247,11 +247,12 @@ measure::RunErrors CollectErrors(const plan::Scene& scene, const measure::Sample
   if (standard != nullptr)
     result.values["horizon"] = {run.Time(std::min(horizon, run.shape.samples - 1))};
   if (!run.IsFinite()) {
-    result.message = "a state of the run is not a number";
+    result.message = "a state of the run is not finite";
   } else if (!is_sure && horizon < 2) {
-    result.message = "the reference is not sure of any place, even at the first sample";
+    result.message = "the reference is not accurate in any position, even at the first sample";
   } else if (!unknown.empty() && standard != nullptr) {
-    result.message = fmt::format("the truth says nothing of {}, or the scene has none", unknown);
+    result.message =
+        fmt::format("the ground truth does not provide {}, or the scene has none", unknown);
   }
   return result;
 }

@@ -52,7 +52,7 @@ options::ExitStatus Check(const CheckArguments& arguments) {
     if (name != "-" && IsStored(name)) {
       if (arguments.json)
         throw options::CommandError(fmt::format(
-            "--json is for scenario files, and '{}' is none; check it without --json", name));
+            "--json is for scenario files, but '{}' is not one; check it without --json", name));
       status = std::max(status, CheckStored(name));
       continue;
     }

@@ -19,8 +19,8 @@ namespace {
 
 std::string Proof(bool has_digest) {
   return has_digest ? "every byte is as it was written"
-                    : "it carries no digest that would show changed bytes, as it is from an "
-                      "earlier version of cdb";
+                    : "it has no digest that would reveal changed bytes, as it is from an earlier "
+                      "version of cdb";
 }
 
 const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }

@@ -42,7 +42,7 @@ std::optional<measure::Phase> ParsePhase(const std::string& name) {
 figures::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw options::CommandError(
-        "compare takes two results files or more, or two folders of them or more");
+        "compare takes two or more results files, or two or more folders of them");
   options::CheckOneForm({{"--markdown", arguments.is_markdown},
                          {"--latex", arguments.is_latex},
                          {"--json", arguments.is_json}});
@@ -132,7 +132,7 @@ printers::Document DocumentOf(const std::vector<figures::BenchmarkHistory>& benc
                               const figures::CompareOptions& options) {
   printers::Document document;
   if (!unmatched.empty())
-    document.push_back({.title = "Not in all folders, and not compared", .lines = unmatched});
+    document.push_back({.title = "Not compared, because not in all folders", .lines = unmatched});
   if (benchmarks[0].files.size() > 2) {
     printers::Document history = printers::HistoryDocument(benchmarks, names, options);
     std::ranges::move(history, std::back_inserter(document));

@@ -66,10 +66,9 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
   }
   const std::vector<std::string> names = DocNames();
   const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
-  throw options::CommandError(fmt::format("there is nothing about '{}'; {}", name,
-                                          near.empty()
-                                              ? std::string("`cdb doc` lists what there is")
-                                              : fmt::format("did you mean '{}'?", near)));
+  throw options::CommandError(fmt::format("no entry for '{}'; {}", name,
+                                          near.empty() ? std::string("`cdb doc` lists the topics")
+                                                       : fmt::format("did you mean '{}'?", near)));
 }
 
 void DeclareDoc(options::Subcommand& command) {

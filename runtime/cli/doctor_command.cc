@@ -22,13 +22,12 @@ std::string Percent(double part) { return fmt::format("{:.1f} %", 100 * part); }
 
 std::vector<machine::MachineFact> FactsOf(const machine::NoiseFloor& floor) {
   std::vector<machine::MachineFact> facts;
-  facts.push_back({"reading the clock", fmt::format("{:.0f} ns", floor.clock_ns),
-                   floor.clock_ns > kSlowClock ? "short phases are dominated by it; see the clock "
-                                                 "source above"
-                                               : ""});
+  facts.push_back(
+      {"reading the clock", fmt::format("{:.0f} ns", floor.clock_ns),
+       floor.clock_ns > kSlowClock ? "it dominates short phases; see the clock source above" : ""});
   facts.push_back({"off the processor", Percent(floor.off_processor),
                    floor.off_processor > machine::kMostOffProcessor
-                       ? "other programs take turns with this one"
+                       ? "other programs use the same processor"
                        : ""});
   if (!std::isnan(floor.stolen))
     facts.push_back(
@@ -46,7 +45,7 @@ std::vector<machine::MachineFact> FactsOf(const machine::NoiseFloor& floor) {
                    floor.median / 1e3, floor.loops,
                    Percent((floor.half_high - floor.half_low) / 2 / floor.median),
                    Percent(floor.p99 / floor.median - 1), floor.worst / floor.median),
-       floor.IsQuiet() ? "" : "smaller differences than these are lost in noise"});
+       floor.IsQuiet() ? "" : "smaller differences than these cannot be measured"});
   return facts;
 }
 
@@ -61,12 +60,11 @@ options::ExitStatus Examine() {
     terminal::Print(fmt::format("  {}  {:20} {}\n", is_good ? "ok" : " !", fact.name, fact.value));
     if (!is_good) terminal::Print(fmt::format("      {:20} {}\n", "", fact.remedy));
   }
-  terminal::Print(
-      floor.IsQuiet()
-          ? fmt::format("\nQuiet enough for timings{}.\n",
-                        doubts > 0 ? "; what is marked may still disturb them" : "")
-          : "\nNot quiet: timings made now would be marked as noisy, or be wrong by more "
-            "than they say.\n");
+  terminal::Print(floor.IsQuiet()
+                      ? fmt::format("\nQuiet enough for timings{}.\n",
+                                    doubts > 0 ? "; the marked items may still disturb them" : "")
+                      : "\nNot quiet: timings made now would be marked as noisy, or be wrong by "
+                        "more than their intervals.\n");
   return floor.IsQuiet() ? options::ExitStatus::kGood : options::ExitStatus::kFailedRuns;
 }
 

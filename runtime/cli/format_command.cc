@@ -40,7 +40,7 @@ options::ExitStatus FormatFiles(const FormatArguments& arguments) {
     }
     if (formatted == source->text()) continue;
     if (arguments.check) {
-      terminal::Say(fmt::format("{} is not laid out as `cdb fmt` does it\n", file));
+      terminal::Say(fmt::format("{} is not formatted; `cdb fmt` formats it\n", file));
       status = options::ExitStatus::kScenarioError;
     } else {
       files::WriteWhole(formatted, file);

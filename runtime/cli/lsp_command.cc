@@ -51,7 +51,7 @@ options::ExitStatus ServeLanguage() {
     }
     if (reader.is_broken())
       throw options::CommandError(
-          "standard input is not the language server protocol; an editor starts this");
+          "standard input is not the language server protocol; editors start this command");
     if (IsQuiet()) server.PublishDiagnostics();
     if (!ReadMore(reader)) break;
   }

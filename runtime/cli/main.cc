@@ -89,8 +89,8 @@ void KeepSignals() {
 ExitStatus CheckOutput(ExitStatus status) {
   const auto fault = cdb::terminal::FinishOutput();
   if (!fault) return status;
-  cdb::terminal::Say(fmt::format(
-      "cdb: cannot write standard output: {}; what was printed is not complete\n", *fault));
+  cdb::terminal::Say(
+      fmt::format("cdb: cannot write standard output: {}; the output is incomplete\n", *fault));
   return ExitStatus::kEnvironmentError;
 }
 

@@ -99,8 +99,8 @@ plans::SizedPlan ReadPlanOf(const MergeArguments& arguments) {
     return plans::ReadSizedPlan(store::ResultFile(arguments.out).ReadProvenance("plan_text"),
                                 arguments.out);
   throw options::CommandError(fmt::format(
-      "there is no plan.yaml in or beside '{}'; merge takes the folders that journals are in, as "
-      "`cdb run` makes them",
+      "there is no plan.yaml in or beside '{}'; merge takes folders with journals, as `cdb run` "
+      "makes them",
       fmt::join(arguments.journals, "', '")));
 }
 

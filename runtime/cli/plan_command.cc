@@ -89,7 +89,7 @@ options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string&
       if (last != nullptr && run.at == *last) continue;
       last = &run.at;
       const std::string alike = only.empty() && plan.repeats > 1
-                                    ? fmt::format(" and {} more alike", plan.repeats - 1)
+                                    ? fmt::format(" and {} more like it", plan.repeats - 1)
                                     : std::string();
       terminal::Print(fmt::format("{}{}  {}: {}{}\n", found ? "\n" : "", run.id, plan.benchmark,
                                   plan::Describe(plan, run), alike));
@@ -99,7 +99,8 @@ options::ExitStatus Why(const std::vector<plan::Plan>& plans, const std::string&
     }
   }
   if (!found)
-    throw options::CommandError(fmt::format("no run has the id '{}'; `cdb plan` lists them", only));
+    throw options::CommandError(
+        fmt::format("no run has the id '{}'; `cdb plan` lists the ids", only));
   return good ? options::ExitStatus::kGood : options::ExitStatus::kScenarioError;
 }
 
@@ -112,10 +113,9 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
   for (const plan::Axis& axis : plan.axes)
     grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
   if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
-  std::string text =
-      fmt::format("{}: {} {}{}{}\n", plan.benchmark, runs, runs == 1 ? "run" : "runs",
-                  grid.empty() ? "" : " = " + grid,
-                  skipped > 0 ? fmt::format(", {:.0f} left out by skip", skipped) : "");
+  std::string text = fmt::format("{}: {} {}{}{}\n", plan.benchmark, runs,
+                                 runs == 1 ? "run" : "runs", grid.empty() ? "" : " = " + grid,
+                                 skipped > 0 ? fmt::format(", {:.0f} skipped", skipped) : "");
   if (!plan.references.empty())
     text +=
         fmt::format("  compared with {} reference runs, half of them perturbed: cdb doc accuracy\n",
@@ -169,8 +169,8 @@ void WritePlan(const std::string& out, Write write) {
 
 void RequireOne(std::size_t benchmarks, const std::string& file) {
   if (benchmarks > 1)
-    throw options::CommandError(fmt::format(
-        "{} has {} benchmarks and a plan is of one: choose it by -b", file, benchmarks));
+    throw options::CommandError(
+        fmt::format("{} has {} benchmarks, but a plan has one: choose it by -b", file, benchmarks));
 }
 
 /// Prints a plan that was written before.
@@ -188,11 +188,10 @@ options::ExitStatus PrintPlanFile(const PlanArguments& arguments) {
 
 options::ExitStatus PrintEstimates(const PlanArguments& arguments) {
   if (arguments.why || !arguments.out.empty())
-    throw options::CommandError(
-        "--estimate runs a few runs and prints what all cost: without --why and -o");
+    throw options::CommandError("--estimate cannot be combined with --why or -o");
   if (options::IsPlanFile(arguments.file))
     throw options::CommandError(
-        fmt::format("--estimate is of a scenario file, and {} is a plan", arguments.file));
+        fmt::format("--estimate takes a scenario file, but {} is a plan", arguments.file));
   const auto grids = options::LoadGrids(arguments.file, arguments.benchmark,
                                         options::LintText::kOneLine, arguments.plugins);
   process::StopFlag stop;
@@ -208,10 +207,10 @@ options::ExitStatus PrintEstimates(const PlanArguments& arguments) {
 options::ExitStatus PrintPlans(const PlanArguments& arguments) {
   if (arguments.estimate) return PrintEstimates(arguments);
   if (arguments.why && !arguments.out.empty())
-    throw options::CommandError(
-        "--why prints what runs leave out and -o writes a plan: one at a time");
+    throw options::CommandError("--why cannot be combined with -o");
   if (!arguments.why && !arguments.only.empty())
-    throw options::CommandError("--only is of `cdb plan --why` and of `cdb run`; a plan is whole");
+    throw options::CommandError(
+        "--only is an option of `cdb plan --why` and of `cdb run`; a plan has all runs");
   const std::string file = options::FileOrStandardInput(arguments.file);
   if (arguments.why) {
     const auto plans = options::LoadPlans(file, arguments.benchmark, options::LintText::kOneLine,

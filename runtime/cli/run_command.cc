@@ -109,7 +109,7 @@ std::vector<plans::SizedPlan> OnlyRun(const RunArguments& arguments) {
       if (auto one = FindRun(grid, arguments.only)) return {{*std::move(one), nullptr}};
   }
   throw options::CommandError(
-      fmt::format("no run has the id '{}'; `cdb plan` lists them", arguments.only));
+      fmt::format("no run has the id '{}'; `cdb plan` lists the ids", arguments.only));
 }
 
 /// The plan of the existing results file `-o`, if it contains the run of `--only`; that run is then
@@ -148,27 +148,27 @@ void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan
   if (arguments.jobs == 1 || arguments.shares_timings) return;
   for (const plans::SizedPlan& sized : plans)
     if (sized.plan.Records("timing"))
-      throw options::CommandError(fmt::format(
-          "--jobs {}: '{}' records times, and runs side by side disturb one another's; leave "
-          "--jobs out, leave timing out of `record`, or say --shared-timings too if these times do "
-          "not matter; nothing was started",
-          arguments.jobs, sized.plan.benchmark));
+      throw options::CommandError(
+          fmt::format("--jobs {}: '{}' records times, which parallel runs disturb; remove --jobs, "
+                      "remove timing from `record`, or add --shared-timings if these times do not "
+                      "matter; nothing was started",
+                      arguments.jobs, sized.plan.benchmark));
 }
 
 options::ExitStatus Run(const RunArguments& arguments) {
   const schedule::ShardChoice shard = ParseShard(arguments.shard);
   plans::RetryChoice retry(arguments.retry);
   if (!retry.is_empty() && (arguments.fresh || !arguments.only.empty()))
-    throw options::CommandError(
-        fmt::format("--retry keeps the other runs, and {}; one of them alone",
-                    arguments.fresh ? "--fresh forgets all" : "--only runs one run by its id"));
+    throw options::CommandError(fmt::format(
+        "--retry keeps the other runs, but {}; use one of them",
+        arguments.fresh ? "--fresh discards all" : "--only executes one run by its id"));
   std::optional<double> until;
   if (!arguments.until.empty()) {
     if (!arguments.shard.empty() || !arguments.only.empty() || !retry.is_empty())
       throw options::CommandError(
-          "--until looks at all repeats of all points; leave out --shard, --only and --retry");
+          "--until needs all repeats of all points; remove --shard, --only and --retry");
     until = options::ParsePercent("--until", arguments.until);
-    if (*until == 0) throw options::CommandError("--until 0%: no number of repeats comes so near");
+    if (*until == 0) throw options::CommandError("--until 0%: no number of repeats is enough");
   }
   auto plans = PlanOfExisting(arguments);
   if (!plans.empty()) {

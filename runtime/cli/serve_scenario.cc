@@ -30,7 +30,7 @@ std::string ChooseBenchmark(const std::string& file, const std::string& text,
       options::CompileWith(file, ReadEdited(file, text), std::nullopt).benchmarks;
   if (names.empty())
     throw options::CommandError(
-        fmt::format("{}: there is no benchmark to edit; `cdb check` says why", file));
+        fmt::format("{}: there is no benchmark to edit; `cdb check` explains why", file));
   if (!wanted) return names[0];
   if (std::ranges::find(names, *wanted) == names.end())
     throw options::CommandError(fmt::format("{} has no benchmark '{}'; there are {}", file, *wanted,
@@ -44,7 +44,7 @@ options::ExitStatus ServeScenario(const std::string& file,
                                   const std::optional<std::string>& benchmark) {
   if (options::FindScenario(file) != file)
     throw options::CommandError(fmt::format(
-        "{} comes with cdb and is not edited: write a file that extends it, or copy it", file));
+        "{} comes with cdb and cannot be edited: write a file that extends it, or copy it", file));
   const std::string text = options::ReadText(file);
   const auto check = [file](const std::string& edited) {
     compiler::Compilation result =

@@ -56,28 +56,28 @@ void CheckOptions(const ShowArguments& a) {
   if (a.json)
     CheckMisfits(
         {{!a.error.empty() || !a.each.empty(),
-          "--json has the errors and their fronts: leave --error and --each out"},
+          "--json has all errors and fronts; remove --error and --each"},
          {!a.by.empty(), "--json has a row for each point; --by is for tables"},
          {!a.phases.empty(), "--json has all phases; --phase is for tables and --csv"},
          {!a.statistic.empty(), "--json has all statistics; --stat is for tables and --csv"},
-         {a.plots, "--json has no plots; leave --plot out"}});
+         {a.plots, "--json has no plots; remove --plot"}});
   if (a.csv)
     CheckMisfits({{!a.error.empty() || !a.each.empty(),
-                   "--csv has a column for each error: leave --error and --each out"},
+                   "--csv has a column for each error; remove --error and --each"},
                   {!a.by.empty(), "--csv has a row for each point; --by is for tables"},
                   {!a.baseline.empty(), "--csv has no ratios; --baseline is for tables and --json"},
-                  {a.plots, "--csv has no plots; leave --plot out"}});
+                  {a.plots, "--csv has no plots; remove --plot"}});
   if (a.error.empty()) {
-    CheckMisfits({{!a.each.empty(), "--each goes with --error NAME; a summary takes --by"}});
+    CheckMisfits({{!a.each.empty(), "--each needs --error NAME; a summary takes --by"}});
     return;
   }
   CheckMisfits(
       {{!a.baseline.empty(), "--baseline is for the ratios of a summary; --error has none"},
        {!a.phases.empty(), "--phase is for a summary; --error is against the time of a step"},
        {!a.statistic.empty(),
-        "--stat is for a summary; --error is against the mean, as a simulated second takes all of "
+        "--stat is for a summary; --error uses the mean, as a simulated second consists of all of "
         "its cycles"},
-       {a.plots, "--error has its plot anyway; leave --plot out"}});
+       {a.plots, "--error always has a plot; remove --plot"}});
 }
 
 /// The index of `name` in `names`. Throws CommandError that lists them.

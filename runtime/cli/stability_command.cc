@@ -42,7 +42,7 @@ std::vector<std::string> SuiteFiles() {
     if (entry.path().extension() == ".cdb") names.push_back(entry.path().stem());
   if (names.empty())
     throw options::CommandError(
-        "the stability suite does not lie beside this program; installing cdb brings it");
+        "the stability suite is not installed beside this program; install cdb");
   std::ranges::sort(names);
   return names;
 }

@@ -71,7 +71,7 @@ fs::path ThisProgram() {
   fs::path path = fs::read_symlink("/proc/self/exe", error);
   if (error)
     throw options::CommandError(
-        fmt::format("cannot tell where this program is (/proc/self/exe): {}", error.message()));
+        fmt::format("cannot find the path of this program (/proc/self/exe): {}", error.message()));
   return path;
 }
 
@@ -97,9 +97,10 @@ std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& pl
       plan.whole ? plan.RunCount() : schedule::ListShards(plan, plan.runs.size()).size();
   const std::uint64_t most = std::max<std::uint64_t>(1, std::min(capacity.most_tasks, points));
   if (arguments.tasks > capacity.most_tasks)
-    throw options::CommandError(fmt::format(
-        "--tasks {}: an array of this cluster has at most {} tasks (MaxArraySize of slurm.conf)",
-        arguments.tasks, capacity.most_tasks));
+    throw options::CommandError(
+        fmt::format("--tasks {}: a job array of this cluster can have at most {} tasks "
+                    "(MaxArraySize of slurm.conf)",
+                    arguments.tasks, capacity.most_tasks));
   if (arguments.tasks > 0) return std::min(arguments.tasks, most);
   auto wanted =
       static_cast<std::uint64_t>(std::clamp(EstimatedSeconds(plan) / kTaskSeconds, 1.0, 1e9));
@@ -167,7 +168,7 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
 void RefuseOtherWork(const Target& target) {
   if (!journal::FindRequest(target.folder, journal::kFresh).empty())
     throw options::CommandError(
-        fmt::format("'{}' holds what a stopped `cdb run --fresh` has done; let `cdb run` end it "
+        fmt::format("'{}' has the runs of an interrupted `cdb run --fresh`; finish it by `cdb run` "
                     "first, or remove the folder",
                     target.folder.string()));
 }
@@ -178,7 +179,7 @@ class Submitter {
       : arguments_(arguments), retry_(arguments.retry), signals_(stop_) {
     std::signal(SIGPIPE, SIG_IGN);
     if (arguments.is_dry && !retry_.is_empty())
-      throw options::CommandError("--dry-run prints the script of all runs; leave out --retry");
+      throw options::CommandError("--dry-run prints the script of all runs; remove --retry");
   }
 
   options::ExitStatus Run() {
@@ -239,9 +240,9 @@ class Submitter {
     if (before && before->plan_sha256 == target.plan().Sha256() && IsAtWork(*before)) {
       if (retry.Words() != plans::FindStartedRetry(target.folder).Words())
         throw options::CommandError(
-            fmt::format("job {} is at work on '{}'; retry when it has ended", before->array,
+            fmt::format("job {} is working on '{}'; retry when it has ended", before->array,
                         target.out.string()));
-      Say(fmt::format("job {} is at work on '{}'; following it\n", before->array,
+      Say(fmt::format("job {} is working on '{}'; following it\n", before->array,
                       target.out.string()));
       return before;
     }
@@ -261,7 +262,7 @@ class Submitter {
     std::error_code error;
     if (!fs::exists(target.out, error)) {
       if (!retry_.is_empty())
-        Say(fmt::format("'{}' is not there: nothing to retry, and every run is done\n",
+        Say(fmt::format("'{}' does not exist, so there is nothing to retry: executing every run\n",
                         target.out.string()));
       return {};
     }
@@ -273,8 +274,8 @@ class Submitter {
     const auto active = cluster::FindActive(before.array, before.merge, why);
     if (!active)
       throw options::CommandError(
-          fmt::format("cannot tell whether job {} still runs: {}; nothing was submitted: try again "
-                      "when Slurm answers",
+          fmt::format("cannot tell whether job {} is still running: {}; nothing was submitted: try "
+                      "again when Slurm answers",
                       before.array, why));
     return active->count() > 0;
   }
@@ -374,8 +375,8 @@ class Submitter {
   void SayMissing(const Target& target, const std::optional<cluster::Submission>& submission,
                   std::size_t missing) {
     std::string text =
-        fmt::format("{} of {} runs are still to be done; the same command submits them again\n",
-                    missing, target.plan().RunCount());
+        fmt::format("{} of {} runs are missing; the same command submits them again\n", missing,
+                    target.plan().RunCount());
     if (submission) {
       constexpr std::size_t kMostListed = 5;
       const auto failures = cluster::FindFailures(submission->array);
@@ -405,8 +406,8 @@ class Submitter {
 
   void SayHowToGoOn(const Target& target, const cluster::Submission& submission) {
     Say(
-        fmt::format("job {} goes on without this command; the same command follows it again, "
-                    "`scancel {} {}` ends it; results will be in '{}'\n",
+        fmt::format("job {} continues without this command; the same command follows it again, "
+                    "`scancel {} {}` ends it; the results will be in '{}'\n",
                     submission.array, submission.array, submission.merge, target.out.string()));
   }
 

@@ -125,11 +125,9 @@ options::ExitStatus RunSuite(const SuiteArguments& arguments) {
   if (arguments.seed != 0) choice.seed = arguments.seed;
   if (!arguments.retry.empty() && arguments.fresh)
     throw options::CommandError(
-        "--retry keeps the other runs, and --fresh forgets all; one of them alone");
+        "--retry keeps the other runs, but --fresh discards all; use one of them");
   if (choice.seed && choice.is_long)
-    throw options::CommandError(
-        "--long has seeds of its own, and --seed replaces the one of the short suite; one of them "
-        "alone");
+    throw options::CommandError("--long has its own seeds, so it cannot be combined with --seed");
   const auto scenes = Chosen(arguments.only);
   std::vector<plan::Plan> plans;
   for (const StandardScene& scene : scenes) plans.push_back(plans::StandardPlan(scene, choice));
@@ -195,8 +193,8 @@ options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
   std::string text = fmt::format("{} verified by {}\n{}", other.string(), mine.string(),
                                  printers::VerificationText(verified));
   if (!unverified.empty())
-    text += terminal::Wrapped(fmt::format("Not verified, as '{}' does not have them: {}",
-                                          mine.string(), fmt::join(unverified, ", ")),
+    text += terminal::Wrapped(fmt::format("Not verified, because not in '{}': {}", mine.string(),
+                                          fmt::join(unverified, ", ")),
                               2);
   terminal::Print(text);
   const bool disagrees = std::ranges::any_of(verified, [](const auto& of) {
@@ -212,7 +210,7 @@ options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
 
 options::ExitStatus Suite(const SuiteArguments& arguments) {
   if (!arguments.check.empty() && !arguments.against.empty())
-    throw options::CommandError("--check and --against each read results; one of them alone");
+    throw options::CommandError("--check cannot be combined with --against");
   if (!arguments.check.empty()) return Check(arguments.check);
   if (!arguments.against.empty()) return Against(arguments.against, arguments.out);
   return RunSuite(arguments);

@@ -48,7 +48,7 @@ class Tracer {
   options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     files::RemoveStaleTemporariesBeside(file);
     if (!arguments_.fresh && store::TracedRun(file) == run.id) {
-      Tell(file, "is there already; --fresh makes it anew");
+      Tell(file, "exists already; --fresh records it again");
       return options::ExitStatus::kGood;
     }
     CheckIsOurs(file);
@@ -88,8 +88,8 @@ class Tracer {
     std::error_code error;
     if (!arguments_.fresh && fs::exists(file, error))
       throw options::CommandError(
-          fmt::format("'{}' is there and is no trace of this run; name another place "
-                      "by -o, or say --fresh to write over it",
+          fmt::format("'{}' exists but is not a trace of this run; name another place by -o, or "
+                      "use --fresh to overwrite it",
                       file.string()));
   }
 

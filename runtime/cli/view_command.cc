@@ -79,7 +79,7 @@ view::FrameChoice FramesOf(const ViewArguments& arguments, std::size_t runs) {
   const auto parsed = std::from_chars(arguments.every.data(), end, every);
   if (parsed.ec != std::errc() || parsed.ptr != end || every == 0)
     throw options::CommandError(
-        fmt::format("--every {}: a whole number of cycles, from 1", arguments.every));
+        fmt::format("--every {}: expected a whole number of cycles, at least 1", arguments.every));
   choice.every = every;
   return choice;
 }
@@ -117,7 +117,7 @@ const plan::Run& RunAt(const plan::Plan& plan, const std::vector<AxisSelection>&
   for (const plan::Run& run : plan.runs)
     if (run.at == cell.at && run.rep == cell.rep) return run;
   throw options::CommandError(
-      fmt::format("`skip` leaves out {}", view::CellName(plan.axes, plan.repeats, cell)));
+      fmt::format("`skip` skips {}", view::CellName(plan.axes, plan.repeats, cell)));
 }
 
 /// False after diagnostics were printed.
@@ -128,7 +128,7 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewe
   if (plans.size() > 1 && !arguments.benchmark) {
     std::string names;
     for (const plan::Plan& plan : plans) names += (names.empty() ? "" : ", ") + plan.benchmark;
-    terminal::Say(fmt::format("{} has the benchmarks {}: this is {}; -b names another\n", name,
+    terminal::Say(fmt::format("{} has the benchmarks {}: this is {}; choose another by -b\n", name,
                               names, plans[0].benchmark));
   }
   try {
@@ -150,20 +150,21 @@ bool ViewScenario(const std::string& name, const ViewArguments& arguments, Viewe
 
 void CheckOptions(const ViewArguments& arguments) {
   if (!arguments.gltf.empty() && (arguments.files.size() > 1 || !arguments.beside.empty()))
-    throw options::CommandError("--gltf writes one run: name one file, and no --beside");
+    throw options::CommandError("--gltf writes one run: name one file, without --beside");
   if (!arguments.gltf.empty() && !arguments.gltf.ends_with(".glb"))
-    throw options::CommandError(fmt::format(
-        "--gltf {}: binary glTF is written, whose files end with .glb", arguments.gltf));
+    throw options::CommandError(
+        fmt::format("--gltf {}: the name of a binary glTF file must end in .glb", arguments.gltf));
   if (arguments.files.size() > 2)
     throw options::CommandError("a page shows one run, or two side by side: name one or two files");
   if (arguments.files.size() == 2 && !arguments.beside.empty())
     throw options::CommandError(
-        "--beside is for two runs of one file; two files are already side by side");
+        "--beside is for two runs of one file; two files are already shown side by side");
   const bool has_results = std::ranges::any_of(arguments.files, IsResults);
   if (!has_results && !(arguments.cycles.empty() && arguments.every.empty()))
-    throw options::CommandError("--cycles and --every are for results; a scenario shows its start");
+    throw options::CommandError(
+        "--cycles and --every are for results; of a scenario, only the start is shown");
   if (has_results && arguments.benchmark)
-    throw options::CommandError("-b is for a scenario; a results file has one benchmark");
+    throw options::CommandError("-b is for scenarios; a results file has only one benchmark");
 }
 
 void Write(const std::string& file, const std::string& bytes, const char* use) {

@@ -47,7 +47,7 @@ class Watch {
     if (is_quiet_ || output.is_terminal) return;
     std::string text =
         fmt::format("{}: {} run{}", plan.benchmark, runs_.total(), runs_.total() == 1 ? "" : "s");
-    if (begin_ended_ > 0) text += fmt::format(", {} of them there already", begin_ended_);
+    if (begin_ended_ > 0) text += fmt::format(", {} of them already done", begin_ended_);
     bar_.Line(text + fmt::format("; job {}", submission.array));
   }
   ~Watch() { bar_.Clear(); }

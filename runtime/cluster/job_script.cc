@@ -24,7 +24,7 @@ std::string Quoted(const fs::path& path) {
   const std::string text = path.string();
   if (text.find_first_of("\n\r") != std::string::npos)
     throw std::invalid_argument(
-        fmt::format("'{}' has a line break in its name, which a job script cannot hold; name "
+        fmt::format("'{}' has a line break in its name, which a job script cannot contain; name "
                     "another file or folder",
                     text));
   return terminal::ShellWord(text);
@@ -114,7 +114,7 @@ Job ArrayJob(const Sweep& sweep, const JobOptions& options) {
     0 | 3) exit 0 ;;  # a run that failed is a result
     1 | 2 | 129 | 130 | 143) exit $status ;;  # another try would not help, or it was asked to stop
   esac
-  echo "cdb ended with status $status; what it finished is kept" >&2
+  echo "cdb ended with status $status; finished runs are kept" >&2
 done
 exit 75  # RequeueExit of slurm.conf may name it
 )",

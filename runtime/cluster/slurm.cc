@@ -23,9 +23,8 @@ std::string LastLine(std::string_view text) {
 
 [[noreturn]] void FailMissing(const std::string& program) {
   throw SlurmError(
-      fmt::format("there is no {} in PATH: sweeps are submitted where Slurm is, on a login node of "
-                  "the cluster; "
-                  "without Slurm, `cdb doc cluster` shows GNU parallel and ssh",
+      fmt::format("{} is not in PATH: submit sweeps on a login node of the cluster, which has "
+                  "Slurm; without Slurm, use GNU parallel or ssh (`cdb doc cluster`)",
                   program));
 }
 

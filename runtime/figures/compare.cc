@@ -86,8 +86,8 @@ class Matcher {
   void IgnoreAxis(const ComparedFile& of, const plan::Axis& axis) {
     if (axis.values.size() > 1)
       throw files::StoreError(fmt::format(
-          "only {} has the axis '{}' ({}): choose one of its values, as in --select {}={}", of.name,
-          axis.name, ValuesText(axis), axis.name, terminal::CoordinateText(axis, 0)));
+          "only {} has the axis '{}' ({}): choose one of its values, such as --select {}={}",
+          of.name, axis.name, ValuesText(axis), axis.name, terminal::CoordinateText(axis, 0)));
     match_.notes.push_back(fmt::format("only {} has the axis {}, with the value {}", of.name,
                                        axis.name, ValuesText(axis)));
   }
@@ -268,8 +268,8 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
   for (const ComparedFile* of : {&a, &b})
     if (!of->plan)
       notes.push_back(
-          fmt::format("{} was written by a version of cdb with other plans, so that its scenes "
-                      "cannot be compared: make sure that they are those of the other file",
+          fmt::format("{} was written by a version of cdb with other plans, so its scenes cannot "
+                      "be compared: make sure that they are the same as those of the other file",
                       of->name));
   if (!a.plan || !b.plan) return {};
   const auto scenes_a = ScenesOf(*a.plan), scenes_b = ScenesOf(*b.plan);
@@ -285,8 +285,8 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
                           a.name, of.b, b.name);
   if (!unlike.empty())
     throw files::StoreError(
-        fmt::format("{} and {} are of unlike scenes: {}; a difference between them would be that "
-                    "of the scenes. Run the same scenario with both, or sweep the parameter in one "
+        fmt::format("{} and {} have different scenes: {}; a difference between them could be due "
+                    "to the scenes. Run the same scenario for both, or sweep the parameter in one "
                     "file and use `cdb show`",
                     a.name, b.name, unlike));
   return differences.List(false);
@@ -315,14 +315,14 @@ void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupCompari
   if (setup.is_interleaved) return;
   const bool a_first = of_a[0] < of_b[0];
   const double gap = a_first ? of_b[0] - of_a.back() : of_a[0] - of_b.back();
-  setup.notes.push_back(fmt::format(
-      "{} ran after {}, {} later: a change of the machine in between is in every ratio. Interleave "
-      "the runs (cdb doc compare)",
-      a_first ? b.name : a.name, a_first ? a.name : b.name,
-      gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
-      : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)
-      : gap < 2e5  ? fmt::format("{:.0f} h", gap / 3600)
-                   : fmt::format("{:.0f} days", gap / 86400)));
+  setup.notes.push_back(
+      fmt::format("{} ran after {}, {} later: a change of the machine in between affects every "
+                  "ratio. Interleave the runs (cdb doc compare)",
+                  a_first ? b.name : a.name, a_first ? a.name : b.name,
+                  gap < 120    ? fmt::format("{:.0f} s", std::fmax(0, gap))
+                  : gap < 7200 ? fmt::format("{:.0f} min", gap / 60)
+                  : gap < 2e5  ? fmt::format("{:.0f} h", gap / 3600)
+                               : fmt::format("{:.0f} days", gap / 86400)));
 }
 
 /// Throws StoreError as MatchPoints does; for different benchmarks, the message begins with that.
@@ -331,7 +331,7 @@ PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b) {
     return MatchPoints(a, b);
   } catch (const files::StoreError& error) {
     if (a.file.benchmark() == b.file.benchmark()) throw;
-    throw files::StoreError(fmt::format("{} is of the benchmark '{}', {} of '{}': {}", a.name,
+    throw files::StoreError(fmt::format("{} has the benchmark '{}', but {} has '{}': {}", a.name,
                                         a.file.benchmark(), b.name, b.file.benchmark(),
                                         error.what()));
   }
@@ -372,8 +372,8 @@ SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
   for (const ComparedFile* of : {&a, &b})
     if (const std::string build = of->file.ReadProvenance("build_type"); build != "Release")
       setup.notes.push_back(
-          fmt::format("{} was timed with a {} build of cdb: these are not timings to quote",
-                      of->name, build.empty() ? "unknown" : build));
+          fmt::format("{} was timed with a {} build of cdb: do not quote its timings", of->name,
+                      build.empty() ? "unknown" : build));
   CompareOccasions(a, b, setup);
   return setup;
 }
@@ -387,8 +387,8 @@ FileComparison CompareFiles(const ComparedFile& a, const ComparedFile& b,
   made.times = CompareTimes(a, b, made.match, options.phase);
   if (options.is_relative && !made.times.common)
     throw files::StoreError(
-        fmt::format("--relative takes {} detectors or more, whose median shows what all have in "
-                    "common; {} and {} have {}",
+        fmt::format("--relative needs {} detectors or more, whose median shows the common change; "
+                    "{} and {} have {}",
                     TimeComparison::kLeastGroups, a.name, b.name, made.times.groups.size()));
   return made;
 }

@@ -67,7 +67,7 @@ class TimeComparer {
     }
     if (const auto unlike = a->UnlikeComponents(*b); !unlike.empty())
       return fmt::format(
-          "one of the files omitted {}, so that it did less work: run both with omit none",
+          "one of the files omitted {}, so it did less work: run both with omit none",
           fmt::join(unlike, ", "));
     const std::uint64_t cycles_a = a_.file.ReadCycleCount(a->cells[0]),
                         cycles_b = b_.file.ReadCycleCount(b->cells[0]);

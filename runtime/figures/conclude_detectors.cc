@@ -41,9 +41,8 @@ class DetectorConclusions {
     if (!model_.HasTimes() || comparison_.is_void) return std::move(all_);
     if (comparison_.MatchedCount() == 0)
       Add({"Which detector is the fastest?",
-           "The file does not say: no cell has a sound run of every detector without omissions "
-           "that others lack.",
-           "fastest", Certainty::kUnknown});
+           "Unknown: no cell has a sound run of every detector with the same omissions.", "fastest",
+           Certainty::kUnknown});
     AddTimes();
     AddGrowth();
     return std::move(all_);
@@ -165,8 +164,9 @@ class DetectorConclusions {
       places.push_back(fmt::format("{} at {}", Name(ranking.exceptions[i].value),
                                    PlaceText(file_, others, ranking.exceptions[i].at)));
     if (count > kMaxExceptions)
-      return text + fmt::format(" It is not the best everywhere: {} of {} cells have another.",
-                                count, ranking.cells);
+      return text +
+             fmt::format(" It is not the best everywhere: another is the best in {} of {} cells.",
+                         count, ranking.cells);
     return text + fmt::format(" It is not the best everywhere: {}.", JoinWords(places));
   }
 

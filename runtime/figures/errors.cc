@@ -58,15 +58,15 @@ class Collector {
       if (file_.Has(fmt::format("accuracy/{}", error.name))) names.push_back(error.name);
     if (names.empty())
       throw files::StoreError(
-          "this file holds no errors: its scenario has no accuracy { metrics … }, see `cdb doc "
+          "this file has no errors: its scenario has no accuracy { metrics … }, see `cdb doc "
           "accuracy`");
     if (std::ranges::find(names, name_) == names.end())
       throw files::StoreError(fmt::format("there is no error '{}' in this file; there are {}",
                                           name_, fmt::join(names, ", ")));
     if (!model_.HasTimes())
       throw files::StoreError(
-          "this file holds no timings to set errors against; add timing to what the scenario "
-          "records");
+          "this file has no timings to plot errors against; add timing to `record` in the "
+          "scenario");
   }
 
   /// All axes make rows, unless some are requested; seeds only on request.

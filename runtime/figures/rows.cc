@@ -45,7 +45,7 @@ std::vector<std::string> Rows::MatchNotes() const {
     notes.emplace_back("A row pools only the cells that all rows of its kind have: k of its n.");
   if (is_unmatched)
     notes.emplace_back(
-        "No cell is in all rows of a kind, so that each row has its own: do not compare them.");
+        "No cell is in all rows of a kind, so each row has different cells: do not compare them.");
   return notes;
 }
 

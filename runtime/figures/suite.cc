@@ -58,8 +58,8 @@ class SceneCollector {
   SceneCollector(const StandardScene& scene, const Model& model)
       : scene_(scene), file_(model.file()), model_(model) {
     if (!model_.HasTimes())
-      throw files::StoreError(
-          fmt::format("the results of {} hold no times: they are not of the suite", scene.Id()));
+      throw files::StoreError(fmt::format(
+          "the results of {} have no times, so they are not results of the suite", scene.Id()));
   }
 
   SceneFigures All() {
@@ -191,8 +191,7 @@ class SceneCollector {
     const MeasuredPoint* point = model_.Find(Point(file_.axes().size(), 0));
     const bool is_timed =
         std::isfinite(baseline.ms_per_s.value) && point != nullptr && point->IsSound();
-    const std::string untimed =
-        fmt::format("the baseline {} has no time that counts", baseline.name);
+    const std::string untimed = fmt::format("the baseline {} has no valid time", baseline.name);
     for (ConfigurationFigures& of : all) {
       if (!is_timed)
         SetFault(of, untimed);
@@ -244,8 +243,8 @@ KindScore ScoreOf(const std::string& name, const std::vector<const SceneFigures*
   for (const Estimate& speedup : speedups)
     if (speedup.drawn.size() != speedups[0].drawn.size())
       throw files::StoreError(
-          fmt::format("the scenes of {} were not repeated equally often: their results are not of "
-                      "one run of the suite",
+          fmt::format("the scenes of {} have different numbers of repeats: their results are not "
+                      "of one run of the suite",
                       scenes[0]->scene->kind));
   const Estimate score = GeometricMeanOf(speedups);
   of.score = score.value;

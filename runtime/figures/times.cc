@@ -337,7 +337,7 @@ std::string CycleTimes::IntervalNote(bool lacks_repeats) const {
     case IntervalKind::kAbsent:
       return "No interval: one repeat.";
     case IntervalKind::kRange:
-      return fmt::format("Over all draws of {} repeats; an interval of 95 % takes {} repeats.{}",
+      return fmt::format("Range over all draws of {} repeats; a 95 % interval needs {} repeats.{}",
                          bootstrap_.size(), Bootstrap::kLeastForInterval, lack);
     case IntervalKind::kInterval:
       break;

@@ -52,7 +52,7 @@ std::vector<Edit> EditsOf(const Analysis& analysis, std::size_t definition,
   for (const text::Span& span : analysis.symbols.FamilyOf(definition)) {
     const std::string& path = span.source->name();
     if (!library.empty() && path.starts_with(library + "/"))
-      throw RenameError(fmt::format("{} comes with cdb and is not changed", path));
+      throw RenameError(fmt::format("{} comes with cdb and cannot be changed", path));
     edits.push_back({span, path});
   }
   std::ranges::sort(edits, {},
@@ -75,8 +75,7 @@ void CheckMeaning(const compiler::Compilation& before, const compiler::Compilati
   const bool is_same = before.diagnostics.error_count() == after.diagnostics.error_count() &&
                        RunIds(before) == RunIds(after);
   if (!is_same)
-    throw RenameError(
-        fmt::format("'{}' means something else here: the runs would not be the same", name));
+    throw RenameError(fmt::format("'{}' has another meaning here: the runs would change", name));
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ void Server::Handle(const std::string& message) {
 
 void Server::Request(const Json& id, const std::string& method, const Json& params) {
   try {
-    if (is_shut_down_) throw Failure{kInvalidRequest, "the server is shut down"};
+    if (is_shut_down_) throw Failure{kInvalidRequest, "the server has been shut down"};
     if (!is_initialized_ && method != "initialize")
-      throw Failure{kNotInitialized, "`initialize` comes first"};
+      throw Failure{kNotInitialized, "`initialize` must come first"};
     Send({{"jsonrpc", "2.0"}, {"id", id}, {"result", Answer(method, params)}});
   } catch (const Failure& failure) {
     SendError(id, failure);
@@ -116,7 +116,7 @@ void Server::PublishDiagnostics() {
 
 Json Server::Answer(const std::string& method, const Json& params) {
   if (method == "initialize") {
-    if (is_initialized_) throw Failure{kInvalidRequest, "`initialize` comes once"};
+    if (is_initialized_) throw Failure{kInvalidRequest, "`initialize` must come only once"};
     is_initialized_ = true;
     return Initialize();
   }
@@ -170,7 +170,7 @@ Json Server::Format(const Document& document) {
   dsl::Diagnostics diagnostics;
   dsl::Parse(source, diagnostics);
   if (diagnostics.has_errors())
-    throw Failure{kRequestFailed, "a text with errors of syntax cannot be formatted"};
+    throw Failure{kRequestFailed, "a text with syntax errors cannot be formatted"};
   const std::string formatted = dsl::Format(*source);
   if (formatted == source->text()) return Json::array();
   const text::Span whole{source.get(), 0, static_cast<std::uint32_t>(source->text().size())};

@@ -61,8 +61,8 @@ class Examination {
     Add("processors", fmt::format("{}{}{}", processors_, model.empty() ? "" : " of ", model), true,
         "");
     Add("virtual machine", is_guest ? "yes" : "no", !is_guest,
-        "other guests share its processors and caches; measure on a machine of your own, or judge "
-        "by the stolen time of each run");
+        "other guests share its processors and caches; measure on physical hardware, or check the "
+        "stolen time of each run");
   }
 
   void LookAtGovernors() {
@@ -104,7 +104,7 @@ class Examination {
     const bool is_quick =
         *source == "tsc" || *source == "kvm-clock" || *source == "arch_sys_counter";
     Add("clock source", *source, is_quick,
-        "each reading of the clock is a system call, which short phases cannot bear; boot with "
+        "each reading of the clock is a system call, which is too slow for short phases; boot with "
         "clocksource=tsc if the processor's is stable");
   }
 
@@ -114,7 +114,7 @@ class Examination {
     if (!(in >> load) || processors_ == 0) return;
     Add("load", fmt::format("{:.2f} of {} processors in the last minute", load, processors_),
         load <= kMostLoad * static_cast<double>(processors_),
-        "other programs are at work; end them, or wait: `top` lists them");
+        "other programs are running; end them, or wait: `top` lists them");
   }
 
   void LookAtWorkers() {
@@ -128,7 +128,7 @@ class Examination {
     }
     Add("other runs of cdb",
         workers == 0 ? "none" : fmt::format("{} worker{}", workers, workers == 1 ? "" : "s"),
-        workers == 0, "runs side by side disturb one another; wait for them");
+        workers == 0, "parallel runs disturb one another; wait for them");
   }
 
   const fs::path root_, cpus_;

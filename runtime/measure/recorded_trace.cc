@@ -28,7 +28,7 @@ std::vector<std::size_t> BodiesOf(const Recording& recording) {
 TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
   const std::vector<std::size_t> bodies = BodiesOf(recording);
   if (bodies.empty())
-    throw std::runtime_error("there is no body in it, so there is nothing to trace");
+    throw std::runtime_error("the scene has no bodies, so there is nothing to trace");
   const std::uint64_t cycles = scene.world.Count("cycles");
   const bool is_double = scene.world.WordOr("precision") == "double";
   const auto filters = recording.Reals("box_filters"), boxes = recording.Reals("boxes");
@@ -45,10 +45,10 @@ TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const auto box = boxes.subspan((cycle * all + bodies[i]) * kBoxSize, kBoxSize);
       if (std::ranges::any_of(box, [](double side) { return std::isnan(side); }))
-        throw std::runtime_error(fmt::format(
-            "body {} has no box that is a number in cycle {}: the scene exploded; `cdb run` says "
-            "how",
-            bodies[i], cycle));
+        throw std::runtime_error(
+            fmt::format("the box of body {} is not finite in cycle {}: the scene exploded; run it "
+                        "by `cdb run` to see how",
+                        bodies[i], cycle));
       std::ranges::copy(box, &sides[i * kBoxSize]);
     }
     trace.SetBoxes(cycle, sides);

@@ -38,7 +38,7 @@ void ReadAt(int fd, std::size_t offset, std::span<std::byte> to) {
   while (!to.empty()) {
     const ssize_t got = pread(fd, to.data(), to.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw std::runtime_error("the trace that this run is given is not whole");
+    if (got <= 0) throw std::runtime_error("the trace of this run is incomplete");
     to = to.subspan(static_cast<std::size_t>(got));
     offset += static_cast<std::size_t>(got);
   }
@@ -114,7 +114,7 @@ TraceReader::TraceReader(int fd) : fd_(fd) {
   Header header = {};
   ReadAt(fd_, 0, std::as_writable_bytes(std::span(&header, 1)));
   if (header.magic != Header::kMagic)
-    throw std::runtime_error("what this run is given as a trace is none");
+    throw std::runtime_error("the trace of this run is not a trace");
   shape_ = {header.bodies, header.cycles, header.item_bytes == 8};
   filters_.resize(shape_.bodies);
   ReadAt(fd_, sizeof header, std::as_writable_bytes(std::span(filters_)));

@@ -130,7 +130,8 @@ Document HistoryDocument(const std::vector<figures::BenchmarkHistory>& benchmark
   const std::string margin = fmt::format("{:g} %", 100 * options.margin);
   table.notes.push_back(
       worse.empty()
-          ? "Nothing is surely worse in the last file than in the first, by more than " + margin
+          ? "Nothing is significantly worse in the last file than in the first, by more than " +
+                margin
           : fmt::format(
                 "WORSE: the last file relative to the first, by more than {}, exit status 4: {}",
                 margin, PlacesText(worse)));

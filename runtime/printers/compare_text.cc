@@ -40,9 +40,10 @@ class ResultText {
     for (const figures::FactComparison& fact : of_.facts) AddFact(lines, fact);
     AddUnchanged(lines);
     const std::vector<std::string> worse = figures::WorseThings(of_, options_);
-    lines.push_back(worse.empty() ? fmt::format("Nothing is surely worse by more than {}", Margin())
-                                  : fmt::format("WORSE by more than {}, exit status 4: {}",
-                                                Margin(), PlacesText(worse)));
+    lines.push_back(
+        worse.empty()
+            ? fmt::format("Nothing is significantly worse by more than {}", Margin())
+            : fmt::format("WORSE by more than {}, exit status 4: {}", Margin(), PlacesText(worse)));
     return lines;
   }
 
@@ -108,7 +109,7 @@ class ResultText {
     if (bound == 0) why = "repeats are missing or void";
     if (!of_.times.has_intervals)
       why = fmt::format(
-          "there {} {} repeat{}, and an interval takes {} in each file (facts below are exact)",
+          "there {} {} repeat{}, but an interval needs {} in each file (facts below are exact)",
           least == 1 ? "is" : "are", least, least == 1 ? "" : "s",
           figures::Bootstrap::kLeastForInterval);
     lines.push_back(fmt::format("Cannot tell, as {}: {}", why, PlacesText(groups)));
@@ -120,8 +121,8 @@ class ResultText {
     const figures::TestedChange& common = *times.common;
     const std::string phase = figures::PhaseName(times.common_phase);
     std::string line = fmt::format(
-        "EVERYTHING is {}: the median {} over all groups is {} ({}). That is the machine, or code "
-        "that all have in common",
+        "EVERYTHING is {}: the median {} over all groups is {} ({}). The cause is the machine, or "
+        "shared code",
         common.ratio > 1 ? "slower" : "faster", phase, PercentText(common.ratio),
         PercentRange(common.interval.low, common.interval.high));
     if (times.harness && times.harness->IsTested())
@@ -173,12 +174,12 @@ class ResultText {
     const std::size_t known = of_.match.points.size() - states.unknown;
     if (known == 0) return;
     if (states.same == known) {
-      lines.push_back(
-          fmt::format("{} at {} of {}{}",
-                      states.of_pairs ? "Pairs: the same in the last cycle"
-                                      : "Physics: the same last state to the bit",
-                      states.same, Counted(of_.match.points.size(), "point"),
-                      states.unknown > 0 ? "; at the others, a run did not get to its end" : ""));
+      lines.push_back(fmt::format(
+          "{} at {} of {}{}{}",
+          states.of_pairs ? "Pairs: the same in the last cycle" : "Physics: the same last state",
+          states.same, Counted(of_.match.points.size(), "point"),
+          states.of_pairs ? "" : ", to the last bit",
+          states.unknown > 0 ? "; at the others, a run did not reach its end" : ""));
       return;
     }
     std::vector<std::string> other, unsettled;
@@ -186,13 +187,13 @@ class ResultText {
     for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceOf(of_, point));
     if (!other.empty())
       lines.push_back(fmt::format("{} at {} of {}, whose times are of {}: {}",
-                                  states.of_pairs ? "PAIRS DIFFER: others in the last cycle"
+                                  states.of_pairs ? "PAIRS DIFFER: other pairs in the last cycle"
                                                   : "PHYSICS DIFFERS: another last state",
                                   other.size(), Counted(known, "point"),
                                   states.of_pairs ? "other pairs" : "another motion",
                                   PlacesText(other)));
     if (!unsettled.empty())
-      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in other states: {}",
+      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in different states: {}",
                                   PlacesText(unsettled)));
   }
 
@@ -345,7 +346,7 @@ class ComparisonText {
     std::string statistic = "Mean";
     if (const std::size_t m = figures::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
       statistic = fmt::format(
-          "Fastest of {} repeats per cycle, the mean over all choices of so many (of {} and {}), "
+          "Fastest of {} repeats per cycle, averaged over all choices of that many (of {} and {}), "
           "then mean",
           m, n_a, n_b);
     std::vector<std::string> notes = {

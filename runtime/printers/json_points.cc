@@ -22,15 +22,15 @@ struct PhaseWords {
 };
 /// In the order of measure::Phase.
 constexpr std::array<PhaseWords, measure::kPhaseCount> kPhaseWords = {{
-    {"broad phase", "Boxes are moved; overlapping pairs of boxes are found and lost."},
+    {"broad phase", "Boxes are updated; overlapping pairs of boxes are added and removed."},
     {"narrow phase", "Contacts of the pairs are computed, and manifolds refreshed."},
     {"collision detection", "Broad and narrow phase."},
     {"solver",
      "Islands are built from the manifolds; contacts are set up and solved; gravity and applied "
      "forces become velocity."},
-    {"integration", "Positions and orientations are moved, with the sweeps of ccd."},
+    {"integration", "Positions and orientations are updated, with the sweeps of ccd."},
     {"whole step",
-     "All of a cycle: also what is in none of the other phases, such as predicted poses and "
+     "The whole cycle, including parts outside of the other phases, such as predicted poses and "
      "sleeping."},
 }};
 

@@ -30,8 +30,8 @@ class WarningList {
     AddMissing();
     AddRepeats();
     if (IsLarge(model_))
-      Add("pooled", fmt::format("There are {} points: the page has the mean of step and detect of "
-                                "each, and no single cycles.",
+      Add("pooled", fmt::format("There are {} points: the page has only the mean of step and "
+                                "detect of each, without single cycles.",
                                 model_.grid().size()));
     return std::move(all_);
   }
@@ -49,7 +49,7 @@ class WarningList {
     for (const figures::DetectorFindings& of : model_.findings())
       if (of.missed > 0)
         Add("missed_pairs", fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are "
-                                        "of less work than there was.",
+                                        "of less work than necessary.",
                                         of.detector, of.missed, of.exact, of.wrong_runs, of.runs,
                                         of.runs == 1 ? "run" : "runs"));
   }
@@ -61,8 +61,8 @@ class WarningList {
     std::vector<std::string> texts;
     for (const auto& [fault, count] : faults) texts.push_back(fmt::format("{} {}", count, fault));
     if (!texts.empty())
-      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and in no "
-                                "mean or ratio with others.",
+      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and not "
+                                "pooled with others in means and ratios.",
                                 groups_.bad.size(), groups_.NotSkipped(), fmt::join(texts, ", ")));
     for (const std::string& trouble : model_.reference_troubles())
       Add("failed", fmt::format("A reference is missing: {}", trouble));
@@ -99,14 +99,14 @@ class WarningList {
     for (const figures::MeasuredPoint& point : model_.points())
       components.insert(point.unlike.begin(), point.unlike.end());
     if (!components.empty())
-      Add("unlike", fmt::format("Some points ran without {} and others with; they are marked.",
+      Add("unlike", fmt::format("Some points ran without {} and others with it; they are marked.",
                                 fmt::join(components, ", ")));
   }
 
   void AddMissing() {
     if (groups_.missing > 0)
       Add("partial",
-          fmt::format("{} of {} runs are not there yet.", groups_.missing, groups_.NotSkipped()));
+          fmt::format("{} of {} runs are missing.", groups_.missing, groups_.NotSkipped()));
   }
 
   void AddRepeats() {
@@ -114,7 +114,7 @@ class WarningList {
     if (file_.begun_repeats() == 1) {
       Add("repeats", "One repeat: there are no intervals.");
     } else if (file_.begun_repeats() < figures::Bootstrap::kLeastForInterval) {
-      Add("repeats", fmt::format("{} repeats: ranges stand in place of intervals, which take {}.",
+      Add("repeats", fmt::format("{} repeats: ranges instead of intervals, which need {}.",
                                  file_.begun_repeats(), figures::Bootstrap::kLeastForInterval));
     }
   }

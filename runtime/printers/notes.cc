@@ -48,7 +48,7 @@ std::vector<std::string> ProcessorNotes(const store::ResultFile& file,
   }
   if (runs.size() < 2) return {};
   std::vector<std::string> notes = {
-      "Made on unlike processors, whose times do not compare (cdb doc cluster):"};
+      "Run on different processors, whose times are not comparable (cdb doc cluster):"};
   for (const auto& [kind, count] : runs)
     notes.push_back(fmt::format("  {} run{} on {}", count, count == 1 ? "" : "s", kind));
   const auto mixed = static_cast<std::size_t>(
@@ -62,26 +62,26 @@ std::vector<std::string> ProcessorNotes(const store::ResultFile& file,
 std::string HarnessNote(const figures::Model& model) {
   const auto cost = figures::HarnessCostOf(model);
   if (!cost) return {};
-  std::string text = fmt::format("Harness: {} ns a cycle", terminal::ShortNumber(cost->median));
+  std::string text =
+      fmt::format("Measurement overhead: {} ns per cycle", terminal::ShortNumber(cost->median));
   if (const auto& fastest = cost->fastest)
-    text += fmt::format(", {} % of the detect of {}{}",
+    text += fmt::format(", {} % of the detection of {}{}",
                         terminal::ShortNumber(100 * cost->median / fastest->time),
                         fastest->detector.empty() ? "the detector" : fastest->detector,
                         fastest->is_only ? "" : ", the fastest");
-  return text + "; nothing is subtracted.";
+  return text + "; not subtracted.";
 }
 
 std::string BuildNote(const store::ResultFile& file) {
   const std::string build = file.ReadProvenance("build_type");
   if (build == "Release") return {};
-  return fmt::format("Timed with a {} build of cdb: these are not timings to quote.", build);
+  return fmt::format("Timed with a {} build of cdb: do not quote these timings.", build);
 }
 
 std::string JobsNote(const store::ResultFile& file) {
   const std::string jobs = file.ReadProvenance("jobs");
   if (jobs.empty() || jobs == "1") return {};
-  return fmt::format("Timed with several runs at a time (jobs {}), which disturb each other.",
-                     jobs);
+  return fmt::format("Timed with parallel runs (jobs {}), which disturb each other.", jobs);
 }
 
 }  // namespace cdb::printers

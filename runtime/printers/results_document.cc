@@ -45,8 +45,8 @@ Json DocumentConclusions(const figures::Model& model) {
 void CheckSize(const figures::Model& model) {
   if (model.grid().size() > kMaxDocumentPoints)
     throw files::StoreError(
-        fmt::format("{} points are more than a document holds ({}): take a part of them, by `cdb "
-                    "show --json --select AXIS=VALUE`",
+        fmt::format("{} points are more than a document can have ({}): select a part, by `cdb show "
+                    "--json --select AXIS=VALUE`",
                     model.grid().size(), kMaxDocumentPoints));
 }
 

@@ -92,13 +92,14 @@ std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
 std::vector<std::string> GrowthNotes(const DetectorGrowth& growth) {
   std::vector<std::string> notes;
   if (!growth.is_matched)
-    notes.emplace_back("Rows are of unlike numbers of objects: do not compare them.");
+    notes.emplace_back("The rows have different numbers of objects: do not compare them.");
   if (growth.dropped > 0)
     notes.push_back(fmt::format("Over the numbers of objects that all rows have, {}.",
                                 ObjectsText(growth.exponents.begin()->second)));
   if (!growth.unlike.empty())
     notes.push_back(fmt::format(
-        "Some points ran without {} and others with: growth is not of the objects alone.",
+        "Some points ran without {} and others with it: the growth is not due to the number of "
+        "objects alone.",
         fmt::join(growth.unlike, ", ")));
   return notes;
 }
@@ -147,7 +148,7 @@ void AddOtherFaults(const Model& model, Document& document) {
   };
   add("Pairs listed that do not overlap", &Findings::false_positives, true);
   add("Pairs listed again", &Findings::duplicate, true);
-  add("Overlaps left without a contact", &Findings::missed_contacts, false);
+  add("Overlaps without a contact", &Findings::missed_contacts, false);
 }
 
 }  // namespace cdb::printers

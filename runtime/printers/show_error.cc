@@ -41,8 +41,9 @@ class ErrorSummary {
       has_below_floor = has_below_floor || std::ranges::any_of(table.rows, &ErrorRow::IsBelowFloor);
     }
     if (has_below_floor)
-      document.push_back({.title = "Below its floor an error says nothing: the reference and its "
-                                   "perturbed run differ as much."});
+      document.push_back({.title =
+                              "An error below its floor is not significant: the reference and its "
+                              "perturbed run differ by as much."});
     return document;
   }
 
@@ -63,8 +64,8 @@ class ErrorSummary {
           std::ranges::find(figures_.each, axis) == figures_.each.end())
         pooled.push_back(file_.axes()[axis].name);
     if (!pooled.empty()) add(fmt::format("the mean over {}", fmt::join(pooled, ", ")));
-    AddListed(figures_.left_out, "without a place in it", head.lines);
-    AddListed(figures_.marked, "did not end well, marked and not on the front", head.lines);
+    AddListed(figures_.left_out, "not on the plot, as the error is not known", head.lines);
+    AddListed(figures_.marked, "did not end well; marked, and not on the front", head.lines);
     return head;
   }
 
@@ -117,14 +118,14 @@ class ErrorSummary {
   std::vector<std::string> Legend(const ErrorRows& rows) const {
     std::vector<std::string> notes = {model_.times().StatisticAndIntervalNote(rows.matched.pools)};
     if (HasErrorIntervals())
-      notes.push_back(
-          fmt::format("Errors: the mean over {} seeds, their {}.", figures_.seed_count,
-                      ErrorIntervalName() == "range"
-                          ? "range the least and the greatest from any draw of the seeds"
-                          : "interval by bootstrap over the seeds"));
+      notes.push_back(fmt::format("Errors: the mean over {} seeds, their {}.", figures_.seed_count,
+                                  ErrorIntervalName() == "range"
+                                      ? "range over all draws of the seeds"
+                                      : "interval by bootstrap over the seeds"));
     if (std::ranges::any_of(rows.rows, &ErrorRow::is_tie))
       notes.push_back(fmt::format(
-          "tie: what is as fast and as accurate is so only within the {} and the floor.",
+          "tie: every configuration that is as fast and as accurate lies within the {} and the "
+          "floor.",
           model_.times().IntervalName()));
     for (std::string& note : rows.matched.MatchNotes()) notes.push_back(std::move(note));
     return notes;

@@ -83,7 +83,7 @@ class Head {
     const std::size_t cells = groups_.NotSkipped();
     std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
                                    grid.empty() ? "" : " (" + grid + ")", file_.cycles());
-    if (groups_.skipped > 0) text += fmt::format(", {} left out by skip", groups_.skipped);
+    if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
     return text;
   }
 
@@ -100,9 +100,8 @@ class Head {
     const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
     if (share < kNoticeablePadding) return {};
     return fmt::format(
-        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycle is padding without "
-        "values.",
-        least, file_.cycles(), 100 * share);
+        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles is padding.", least,
+        file_.cycles(), 100 * share);
   }
 
   /// The command that shows the errors, if the file has any.
@@ -171,7 +170,7 @@ class Head {
                                     ? fmt::format(" in {} of {} runs", count, measured_.size())
                                 : count > 1 ? fmt::format(" in all {} runs", count)
                                             : std::string();
-      lines.push_back(fmt::format("Left out{}: {}.", where, names));
+      lines.push_back(fmt::format("Omitted{}: {}.", where, names));
     }
     if (!lines.empty()) lines.back() += " omit none times everything.";
     return lines;
@@ -192,15 +191,15 @@ class Head {
   Lines BadRuns() const {
     const auto& bad = groups_.bad;
     if (bad.empty()) return {};
-    Lines lines = {fmt::format("{} did not end well ({}), {}:", bad.size(), Faults(),
-                               model_.only_sound()
-                                   ? "left out by --sound"
-                                   : "marked below and in no mean or ratio with others")};
+    Lines lines = {fmt::format(
+        "{} did not end well ({}), {}:", bad.size(), Faults(),
+        model_.only_sound() ? "excluded by --sound"
+                            : "marked below, and not pooled with others in means and ratios")};
     for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
       lines.push_back(fmt::format("  {}: {}", figures::PlaceText(file_, bad[i].cell), bad[i].why));
     if (bad.size() > kMaxBadListed)
       lines.push_back(fmt::format("  and {} more", bad.size() - kMaxBadListed));
-    lines.push_back(fmt::format("To run the first of them by itself: {}",
+    lines.push_back(fmt::format("To repeat only the first of them: {}",
                                 figures::OnlyCommand(file_, bad[0].cell)));
     return lines;
   }
@@ -224,7 +223,7 @@ std::vector<std::string> WrongDetectors(const figures::Model& model) {
         of.missed, of.exact, of.wrong_runs, of.runs, of.runs == 1 ? "run" : "runs",
         of.first_missed->cycle, figures::PlaceText(model.file(), of.first_missed->cell)));
     lines.push_back(
-        fmt::format("  Its times are of less work than there was. That run by itself: {}",
+        fmt::format("  Its times are of less work than necessary. To repeat that run: {}",
                     figures::OnlyCommand(model.file(), of.first_missed->cell)));
   }
   Lines names;
@@ -232,8 +231,9 @@ std::vector<std::string> WrongDetectors(const figures::Model& model) {
     if (of.missed == 0 && of.unwatched_runs > 0 && MayMissPairs(of.detector))
       names.push_back(of.detector);
   if (!names.empty())
-    lines.push_back(fmt::format("Known to miss pairs, and nobody looked: {}. record pairs does.",
-                                fmt::join(names, ", ")));
+    lines.push_back(
+        fmt::format("Known to miss pairs, but not checked: {}. `record pairs` checks them.",
+                    fmt::join(names, ", ")));
   return lines;
 }
 

@@ -56,11 +56,11 @@ Section OverCycles(const figures::Model& model, measure::Phase phase) {
                            figures::TimeText(figures::Largest(cycles))});
     table.rows.push_back(std::move(row));
   }
-  Section section = {.title = fmt::format(
-                         "Time of {} over the cycles{}; each line has a scale of its own",
-                         figures::PhaseName(phase),
-                         model.times().bootstrap().size() > 1 ? ", medians over the repeats" : ""),
-                     .table = std::move(table)};
+  Section section = {
+      .title = fmt::format(
+          "Time of {} over the cycles{}; each line has its own scale", figures::PhaseName(phase),
+          model.times().bootstrap().size() > 1 ? ", medians over the repeats" : ""),
+      .table = std::move(table)};
   if (points.size() > kMaxSparklines)
     section.notes.push_back(fmt::format("The first {} of {} points; --select chooses others.",
                                         kMaxSparklines, points.size()));

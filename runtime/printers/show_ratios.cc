@@ -27,8 +27,8 @@ std::string UnlikeText(const Comparison& comparison) {
   }
   if (unlike == 0) return {};
   return fmt::format(
-      "At {} of {} points some detectors ran without {} and others with: their ratios there are "
-      "not of the detectors alone. omit none makes them alike.",
+      "At {} of {} points, some detectors ran without {} and others with it: these ratios are "
+      "not due to the detectors alone. omit none makes them alike.",
       unlike, comparison.points.size(), fmt::join(components, ", "));
 }
 

@@ -167,8 +167,7 @@ std::string DefaultsText(const std::vector<figures::SceneFigures>& scenes) {
     else if (const figures::ConfigurationFigures* faster = FindFaster(scene))
       slow.push_back(fmt::format("{} ({} {:.2f})", id, faster->name, faster->speedup.value));
   }
-  if (known == 0)
-    return "Whether Bullet's defaults are right is not known: the machine was disturbed.";
+  if (known == 0) return "Unknown whether Bullet's defaults are right: the machine was disturbed.";
   std::string text = slow.empty()
                          ? fmt::format(
                                "In none of {} scenes is another of Bullet's configurations at "
@@ -222,7 +221,7 @@ std::string AnswerText(const figures::SceneFigures& scene) {
   if (best.empty())
     return std::ranges::any_of(scene.configurations, &figures::ConfigurationFigures::is_disturbed)
                ? "Not known: the machine was disturbed."
-               : "No configuration is right.";
+               : "No configuration is correct.";
   std::string text =
       fmt::format("{}: {} a step, {}.{}", best[0]->name, figures::TimeText(best[0]->step_ns),
                   SpeedOver(*best[0], baseline), TiesText(best));

@@ -27,7 +27,7 @@ bool MissesOnlyContacts(const figures::DetectorFindings& of) {
 
 /// Boxes of objects in contact overlap.
 constexpr const char* kOnlyContacts =
-    "Where no pair is missed, the narrow phase misses the contacts, not the detector.";
+    "If no pair is missed, the narrow phase misses the contacts, not the detector.";
 
 std::string Verdict(const figures::DetectorFindings& of) {
   switch (FaultOf(of)) {
@@ -80,7 +80,7 @@ class Verified {
     }
     if (std::ranges::any_of(all_, MissesOnlyContacts)) below.lines.emplace_back(kOnlyContacts);
     std::vector<std::string>& last = below.lines.empty() ? section.notes : below.lines;
-    for (const std::string& line : left_out) last.push_back(fmt::format("Left out: {}.", line));
+    for (const std::string& line : left_out) last.push_back(fmt::format("Omitted: {}.", line));
     return below.lines.empty() ? Document{section} : Document{section, below};
   }
 

@@ -130,7 +130,7 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
   } else if (HasMemoryLimit(run) && !end.is_timed_out && EndedOutOfMemory(header, outcome)) {
     result.status = store::Status::kFailed;
     result.message = fmt::format(
-        "ended at its memory limit of {} after {} of {} cycles{}{}; raise `memory`, or take fewer "
+        "ended at its memory limit of {} after {} of {} cycles{}{}; raise `memory`, or use fewer "
         "objects",
         measure::BytesText(run.scene.world.Real("memory")), result.n_cycles, cycles,
         where.empty() ? "" : ", in ", where);
@@ -138,7 +138,7 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
     result.status = store::Status::kFailed;
     result.message = text::Printable(header.message.str());
     std::ranges::replace(result.message, '\n', ' ');
-    if (result.message.empty()) result.message = "the worker failed without a reason";
+    if (result.message.empty()) result.message = "the worker failed without a message";
   } else if (end.is_timed_out && (!has_exited || outcome == measure::WorkerOutcome::kAgain)) {
     result.status = store::Status::kTimedOut;
     const std::string settling = measure::SettlingText(header.settling);
@@ -147,8 +147,8 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const measure::Recor
                                  result.n_cycles, cycles, where.empty() ? "" : ", in ", where);
     if (!settling.empty())
       result.message += fmt::format(
-          ", while its pile settled ({}); a longer timeout leaves time for that, once for all runs "
-          "with this pile",
+          ", while its pile settled ({}); use a longer timeout: a pile settles once for all its "
+          "runs",
           settling);
   } else {
     result.status = store::Status::kCrashed;

@@ -131,7 +131,7 @@ std::string EndText(int wait_status) {
   const char* words = sigdescr_np(signal);
   std::string text = fmt::format("was ended by signal {}", signal);
   if (name != nullptr && words != nullptr) text += fmt::format(" (SIG{}, {})", name, words);
-  if (signal == SIGKILL) text += ", often for want of memory";
+  if (signal == SIGKILL) text += ", often because of a lack of memory";
   return text;
 }
 

@@ -59,7 +59,7 @@ constexpr const char* kSingleWorker = "cdb-worker-f32";
 fs::path OwnFolder() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) FailToStart("cannot tell where this program is (/proc/self/exe)", error.value());
+  if (error) FailToStart("cannot find the path of this program (/proc/self/exe)", error.value());
   return self.parent_path();
 }
 
@@ -70,8 +70,8 @@ fs::path FindWorker(const fs::path& folder, const char* name) {
     if (fs::is_regular_file(place, error) && access(place.c_str(), X_OK) == 0) return place;
   }
   throw ScheduleError(
-      fmt::format("cannot find the worker program {0}: there is neither {1} nor {2}. Build or "
-                  "install it beside cdb (the target is {0})",
+      fmt::format("cannot find the worker program {0}: neither {1} nor {2} exists. Build or "
+                  "install it beside cdb (target {0})",
                   name, places[0].string(), places[1].string()));
 }
 
@@ -105,8 +105,8 @@ std::uint64_t MemoryLimitOf(const plan::Scene& scene) {
   if (!scene.world.WordOr("memory").empty()) return 0;
   if (kAddressSanitizer)
     throw ScheduleError(
-        "`memory` cannot limit the runs of a build with AddressSanitizer, whose shadow memory "
-        "exceeds any limit; leave it out, or use another build");
+        "`memory` cannot limit runs of a build with AddressSanitizer, whose shadow memory exceeds "
+        "any limit; remove it, or use another build");
   constexpr double kMost = 9e18;
   return static_cast<std::uint64_t>(std::clamp(scene.world.Real("memory"), 1.0, kMost));
 }

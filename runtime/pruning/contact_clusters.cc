@@ -88,8 +88,8 @@ std::optional<std::string> ContactClusters::Process(const Event& event) {
     Merge(cluster, Join(event.other));
   }
   if (!Redirect(clusters_[cluster], event.time))
-    return fmt::format("object {} may get too far for the forecast's numbers", event.object + 1);
-  if (has_given_up_) return "too many objects may meet to follow them all";
+    return fmt::format("object {} may get too far for the forecast", event.object + 1);
+  if (has_given_up_) return "too many objects may meet to predict their contacts";
   return std::nullopt;
 }
 

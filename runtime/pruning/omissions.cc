@@ -54,7 +54,7 @@ class Settlement {
         return Walls();
       case Component::kDetection:
         if (forecast_.largest_box >= kSafeBox)
-          return decide(false, fmt::format("a box grows to {:.4g} m, which detection has to see",
+          return decide(false, fmt::format("a box grows to {:.4g} m, which detection must check",
                                            forecast_.largest_box));
         [[fallthrough]];
       case Component::kSolver:
@@ -69,13 +69,12 @@ class Settlement {
         return decide(forecast_.nothing_touches, forecast_.closest);
       case Component::kPools:
         if (pool_size_ >= kBulletsPool)
-          return decide(false,
-                        fmt::format("more than {} pairs can be there at once", kBulletsPool));
+          return decide(false, fmt::format("more than {} pairs may exist at once", kBulletsPool));
         return decide(
             true, fmt::format("room for {} pairs at once instead of {}", pool_size_, kBulletsPool));
       case Component::kWallPairs:
         if (in_pieces_ > 0)
-          return decide(false, fmt::format("object {} has several convex pieces, and its contacts "
+          return decide(false, fmt::format("object {} has several convex pieces, whose contacts "
                                            "are solved in an order that depends on all pairs",
                                            in_pieces_));
         return decide(true, "a pair without a contact has no effect in sorted order");
@@ -104,7 +103,7 @@ class Settlement {
     if (LeavesWallsOut())
       return decide(Decision::kLeftOut, fmt::format("for {} of {} pairs of object and wall; {}",
                                                     all_ - kept_, all_, forecast_.closest));
-    if (all_ == 0) return decide(Decision::kKept, "nothing moves that could reach one");
+    if (all_ == 0) return decide(Decision::kKept, "no moving object could reach one");
     if (kept_ == all_)
       return decide(Decision::kKept,
                     fmt::format("every object may reach every wall; {}", forecast_.closest));

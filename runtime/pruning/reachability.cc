@@ -94,25 +94,24 @@ std::string EscapeText(const Encounter& escape) {
                        kWallNames[escape.wall]);
   if (escape.HasHappened())
     return fmt::format("{} stay {:.4g} m apart", Names(escape), escape.rank);
-  return "no wall stands, and no two objects come near one another";
+  return "there are no walls, and no two objects come close to one another";
 }
 
 /// The reason why the objects' motion cannot be known in advance, if there is one.
 std::optional<std::string> WhatChanges(const plan::Scene& scene) {
   if (schema::AsCall(scene.world.Get("acceleration")) != nullptr)
-    return "the acceleration changes while it runs";
+    return "the acceleration changes during the run";
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
     for (const auto velocity :
          {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
       if (schema::AsCall(group.settings.Get(velocity)) != nullptr)
-        return fmt::format("the {} of {} is set again while it runs", velocity.name(), group.name);
+        return fmt::format("the {} of {} is changed during the run", velocity.name(), group.name);
     if (analysis::HasKinematic(group))
-      return fmt::format("{} are kinematic and push what they meet", group.name);
+      return fmt::format("{} are kinematic and push other objects", group.name);
     if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
-    if (group.HasLinks()) return fmt::format("{} are linked and pull at one another", group.name);
-    if (group.settings.On("overlap"))
-      return fmt::format("{} may begin inside one another", group.name);
+    if (group.HasLinks()) return fmt::format("{} are linked and pull on one another", group.name);
+    if (group.settings.On("overlap")) return fmt::format("{} may overlap initially", group.name);
   }
   return std::nullopt;
 }
@@ -158,15 +157,14 @@ class Forecaster {
     if (what_changes_) return what_changes_;
     for (std::size_t i = 0; i < trajectories_.size(); ++i) {
       if (trajectories_[i].motion != Motion::kFixed && state_.objects[i].numbers.On("ccd"))
-        return fmt::format("object {} has ccd, which looks for contacts ahead of it", i + 1);
-      if (!IsFinite(i))
-        return fmt::format("object {} gets too far for the forecast's numbers", i + 1);
+        return fmt::format("object {} has ccd, which finds contacts along its path", i + 1);
+      if (!IsFinite(i)) return fmt::format("object {} gets too far for the forecast", i + 1);
     }
     // Before the walls, because this detects dense scenes.
     const bool are_few = MeetObjects(kFalling) && MeetObjects(kWorld);
     if (first_clusters_.largest() > kLargestCluster)
-      return "too many objects may meet one another to follow them all";
-    if (!are_few) return "too many objects come near one another to follow them all";
+      return "too many objects may meet to predict their contacts";
+    if (!are_few) return "too many objects come close to one another to predict their contacts";
     const Encounter meeting = std::exchange(meeting_, {}), escape = std::exchange(escape_, {});
     for (std::size_t i = 0; i < trajectories_.size(); ++i)
       if (trajectories_[i].motion != Motion::kFixed) MeetWalls(i);

@@ -134,18 +134,18 @@ Capacity FreeNow(const fs::path& folder) {
 std::string WhyTooLarge(const Demand& demand, const Capacity& capacity) {
   if (demand.recorded + demand.scene > capacity.memory)
     return fmt::format(
-        "one run records up to {}, its {:.4g} objects take {} or more, and there are {} of memory; "
-        "take fewer cycles or objects, or record less",
+        "one run records up to {} and its {:.4g} objects need {} or more, but only {} of memory "
+        "are available; use fewer cycles or objects, or record less",
         measure::BytesText(demand.recorded), demand.objects, measure::BytesText(demand.scene),
         measure::BytesText(capacity.memory));
   if (demand.disk > capacity.disk)
     return fmt::format(
-        "its results take {} of disk or more, and there are {}; record less, take fewer runs or "
-        "cycles, or another disk by -o",
+        "its results need {} of disk or more, but only {} are available; record less, use fewer "
+        "runs or cycles, or another disk (-o)",
         measure::BytesText(demand.disk), measure::BytesText(capacity.disk));
   if (demand.time > kMostSeconds)
     return fmt::format(
-        "its runs take {:.3g} years or more, at {:g} ns for an object and cycle; take fewer runs, "
+        "its runs take {:.3g} years or more, at {:g} ns per object and cycle; use fewer runs, "
         "objects or cycles, or set a timeout",
         demand.time / kMostSeconds, kSecondsOfObject * 1e9);
   return {};

@@ -88,9 +88,9 @@ measure::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
         Append(trouble,
                fmt::format("{}: {}: {}", name, store::StatusName(there.status), there.message));
       } else if (!found.IsFinite()) {
-        Append(trouble, fmt::format("{}: a state is not a number", name));
+        Append(trouble, fmt::format("{}: a state is not finite", name));
       } else if (found.shape != samples.shape) {
-        Append(trouble, fmt::format("{}: has other samples than the run", name));
+        Append(trouble, fmt::format("{}: its samples differ from those of the run", name));
       } else {
         return found;
       }

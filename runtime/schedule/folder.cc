@@ -139,7 +139,7 @@ void SweepFolder::RefuseOthers() {
     if (plan.empty() || plan == plan_sha256_) continue;
     throw process::ScheduleError(fmt::format(
         "{} is of another plan; two plans are never mixed in one folder. Name another result "
-        "with -o, or forget what {} holds with --fresh",
+        "by -o, or discard the runs in {} by --fresh",
         file.string(), folder_.string()));
   }
 }
@@ -225,7 +225,7 @@ journal::Record SweepFolder::Read(const std::string& run_id) {
       First(warnings, [&](journal::Journal& from) { return ReadFrom(from, run_id, warnings); });
   if (!record)
     throw files::StoreError(
-        fmt::format("{}: holds no intact record of the run {}{}", folder_.string(), run_id,
+        fmt::format("{}: has no intact record of the run {}{}", folder_.string(), run_id,
                     warnings.empty() ? std::string() : ": " + warnings.front()));
   return *std::move(record);
 }

@@ -48,7 +48,7 @@ void Progress::Begin(const plan::Plan& plan, const std::vector<const plan::Run*>
   if (output().is_terminal && part_.empty()) return Draw(true);
   std::string text =
       fmt::format("{}{}: {} run{}", plan.benchmark, part_, total_, total_ == 1 ? "" : "s");
-  if (ended_ > 0) text += fmt::format(", {} of them there already", ended_);
+  if (ended_ > 0) text += fmt::format(", {} of them already done", ended_);
   if (jobs > 1) text += fmt::format(", {} at a time", jobs);
   bar_.Line(text);
 }
@@ -98,7 +98,7 @@ void Progress::RunEnded(const plan::Run& run, const store::RunResult& result, do
 
 void Progress::Repeat(const plan::Plan&, const std::vector<const plan::Run*>& runs,
                       const std::string& components) {
-  bar_.Line(fmt::format("{} run{} once more, now with {}: runs that they are compared with keep it",
+  bar_.Line(fmt::format("{} run{} again, now with {}: runs that they are compared with keep it",
                         runs.size(), runs.size() == 1 ? "" : "s", components));
   estimate_.emplace(runs);
   total_ += runs.size();

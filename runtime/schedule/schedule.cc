@@ -139,8 +139,8 @@ class Execution {
       stall.ticks = is_stuck ? stall.ticks + 1 : 0;
       if (!is_stuck || stall.ticks < kPatience || std::exchange(stall.is_reported, true)) continue;
       listener_.Warn(fmt::format(
-          "{}: no cycle has ended for {:g} s, and the run is in {}; with `timeout {:g}` in its "
-          "scenario it would be ended and marked",
+          "{}: no cycle has ended for {:g} s, and the run is in {}; `timeout {:g}` in the scenario "
+          "would end it",
           Describe(plan_, *run), kPatience * kTick, pulse.plugin_call, 2 * kPatience * kTick));
     }
   }
@@ -271,8 +271,7 @@ class Execution {
     } catch (const files::StoreError&) {
     }
     return fmt::format("{} of {} runs are safe in {}; the same command {}", safe, all_.size(),
-                       folder_->path().string(),
-                       safe > 0 ? "goes on from there" : "runs all of them");
+                       folder_->path().string(), safe > 0 ? "resumes" : "executes all of them");
   }
 
   /// A merge would take a run whose journal has been removed for one that was never started.
@@ -289,10 +288,10 @@ class Execution {
     slots_[ending.slot] = nullptr;
     omissions_.Forget(run);
     listener_.RunEnded(run, ending.result, ending.wall_s);
-    listener_.Warn(fmt::format(
-        "{}: could not be measured once more with what the runs that it is compared with keep; its "
-        "first times stand, and are of less work",
-        Describe(plan_, run)));
+    listener_.Warn(
+        fmt::format("{}: could not be measured again with the parts that the runs that it is "
+                    "compared with keep; its first times are kept, and are of less work",
+                    Describe(plan_, run)));
   }
 
   void WriteSafely(const plan::Run& run, process::Ending& ending) {
@@ -376,7 +375,7 @@ void Summary::Count(const store::Outcome& outcome) {
     case store::Status::kSkipped:
       break;
   }
-  CDB_CHECK(!"a run that was carried out has a status of its own");
+  CDB_CHECK(!"a run that was executed has a status");
 }
 
 std::string Describe(const Summary& summary) {
@@ -385,7 +384,7 @@ std::string Describe(const Summary& summary) {
   const auto add = [&text](std::size_t count, std::string_view what) {
     if (count > 0) text += fmt::format(", {} {}", count, what);
   };
-  add(summary.spoiled, "of them without a timing that counts");
+  add(summary.spoiled, "of them without valid timings");
   add(summary.failed, "failed");
   add(summary.crashed, "crashed");
   add(summary.timed_out, "timed out");

@@ -126,8 +126,8 @@ std::string Editor::Set(const std::string& text, const std::string& group, const
 std::string Editor::SaveFile(const std::string& text) {
   if (ReadWhole(scenario_.file) != scenario_.text)
     return fmt::format(
-        "{} was changed by another program and is not saved: copy your text, then "
-        "open the page again",
+        "{} was changed by another program, so it was not saved: copy your text, then open the "
+        "page again",
         scenario_.file.string());
   files::WriteWhole(text, scenario_.file);
   scenario_.text = text;
@@ -140,7 +140,7 @@ std::string Editor::Save(const std::string& text) {
 }
 
 std::string Editor::Run(const std::string& text) {
-  if (run_ != 0) return Dump(Message("it is running already"));
+  if (run_ != 0) return Dump(Message("it is already running"));
   if (const std::string why = SaveFile(text); !why.empty()) return Dump(Message(why));
   log_ = process::MemoryFile("cdb run");
   process::SpawnPlan spawn;

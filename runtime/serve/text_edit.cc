@@ -23,7 +23,7 @@ class ParsedBenchmark {
           found != nullptr && found->name.text == name)
         benchmark_ = found;
     if (benchmark_ == nullptr)
-      throw EditError(fmt::format("the text has no benchmark '{}' any more", name));
+      throw EditError(fmt::format("the text no longer has a benchmark '{}'", name));
     Visit(benchmark_->block, "", "");
   }
 
@@ -127,8 +127,9 @@ std::string WithValue(const std::string& text, const std::string& benchmark, con
   if (place.group.empty()) return Inserted(parsed.text(), parsed.block(), statement);
   const auto group = std::ranges::find(parsed.groups(), place.group, &ParsedBenchmark::Group::name);
   if (group == parsed.groups().end())
-    throw EditError(fmt::format("benchmark '{}' has no group '{}' of its own: write {}.{} {} in it",
-                                benchmark, place.group, place.group, place.name, value));
+    throw EditError(
+        fmt::format("benchmark '{}' does not define the group '{}': write {}.{} {} in it",
+                    benchmark, place.group, place.group, place.name, value));
   return Inserted(parsed.text(), *group->block, statement);
 }
 

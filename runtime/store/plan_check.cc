@@ -78,7 +78,7 @@ void CheckRuns(const hdf5::File& file, const FileExtents& extents, const plan::P
     if (statuses.at(cell) == static_cast<double>(Status::kSkipped))
       throw hdf5::Error(fmt::format("the run {} of its plan is marked as skipped", id));
     if (ids.at(cell) != id)
-      throw hdf5::Error(fmt::format("it holds the run {} where its plan has {}", ids[cell], id));
+      throw hdf5::Error(fmt::format("it contains the run {} where its plan has {}", ids[cell], id));
   });
 }
 
@@ -86,9 +86,9 @@ void CheckRuns(const hdf5::File& file, const FileExtents& extents, const plan::P
 
 void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents, const plan::Plan& plan) {
   if (plan.Sha256() != file.Text("plan_sha256"))
-    throw hdf5::Error("its plan is not the one that its plan_sha256 names");
+    throw hdf5::Error("its plan differs from its plan_sha256");
   if (extents.grid.size() != plan.axes.size() + 1 || extents.grid.back() != plan.repeats)
-    throw hdf5::Error("its axes are not those of its plan");
+    throw hdf5::Error("its axes differ from those of its plan");
   if (extents.version == kSchemaVersion) CheckLayout(file, extents, plan);
   for (const plan::Axis& axis : plan.axes) CheckCoordinates(file, axis);
   CheckRuns(file, extents, plan);
@@ -98,7 +98,7 @@ void CheckAgainstPlan(const hdf5::File& file, const FileExtents& extents,
                       const std::string& plan_text) {
   // Earlier versions, which wrote no digest, had files without a plan.
   if (plan_text.empty() && !file.Text(kDigestAttribute).empty())
-    throw hdf5::Error("it holds no plan");
+    throw hdf5::Error("it contains no plan");
   if (extents.version != kSchemaVersion) return;
   if (const auto plan = ReadListedPlan(plan_text)) CheckAgainstPlan(file, extents, *plan);
 }

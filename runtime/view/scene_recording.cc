@@ -102,7 +102,7 @@ class FrameReader {
     std::vector<double> values = file_.ReadCycle(series, cell_, cycle);
     if (values.size() < objects_ * width)
       throw StoreError(
-          fmt::format("its {} are of fewer objects than its plan has: run it again", series));
+          fmt::format("its {} have fewer objects than its plan: run it again", series));
     return values;
   }
 
@@ -118,7 +118,7 @@ void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const Fram
                 SceneRecording& recording) {
   if (choice.first >= recording.n_cycles || choice.last.value_or(choice.first) < choice.first ||
       choice.last.value_or(0) >= recording.n_cycles)
-    throw StoreError(fmt::format("--cycles {}..{}: the run has the cycles 0 to {}", choice.first,
+    throw StoreError(fmt::format("--cycles {}..{}: the cycles of the run are 0 to {}", choice.first,
                                  choice.last ? fmt::format("{}", *choice.last) : "",
                                  recording.n_cycles - 1));
   const std::uint64_t last = choice.last.value_or(recording.n_cycles - 1);
@@ -181,7 +181,7 @@ void ReadErrors(const ResultFile& file, const ResultFile::Cell& cell, SceneRecor
 const plan::Run& FindRun(const plan::Plan& plan, const ResultFile::Cell& cell) {
   for (const plan::Run& run : plan.runs)
     if (run.at == cell.at && run.rep == cell.rep) return run;
-  throw StoreError(fmt::format("{}: `skip` left this run out; --select names another",
+  throw StoreError(fmt::format("{}: this run was skipped by `skip`; choose another by --select",
                                CellName(plan.axes, plan.repeats, cell)));
 }
 
@@ -222,7 +222,7 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   const auto plan = figures::ReadPlan(file);
   if (!plan)
     throw StoreError(
-        "its plan is of another version of cdb, and bodies cannot be drawn: run it again, or use "
+        "its plan is from another version of cdb, and bodies cannot be drawn: run it again, or use "
         "the cdb that wrote it");
   const plan::Run& run = FindRun(*plan, cell);
   RequireBodies(run.scene);
@@ -246,8 +246,8 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   }
   if (choice.first != 0 || choice.last || choice.every)
     throw StoreError(
-        "it has no poses, and --cycles and --every choose among them: run it again with `record "
-        "timing, counts, poses`");
+        "--cycles and --every need poses, but it has none: run it again with `record timing, "
+        "counts, poses`");
   recording.notices.push_back(
       recording.n_cycles == 0
           ? fmt::format("This run is {} and has no cycles: the start of its scene is shown.",

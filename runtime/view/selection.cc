@@ -26,7 +26,7 @@ std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
   const figures::NamedValues values = figures::FindValues(axis, text);
   if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
   throw StoreError(fmt::format("{}={}: {}the axis has the values {}", axis.name, text,
-                               values.indices.empty() ? "" : "that is more than one; ",
+                               values.indices.empty() ? "" : "there are several; ",
                                figures::ValuesText(axis)));
 }
 

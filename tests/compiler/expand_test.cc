@@ -361,7 +361,7 @@ TEST(Zip, MovesSweepsTogether) {
   const compiler::Compilation uneven =
       CompileText("let n, s = zip(sweep(1, 2, 3), sweep(100, 200))\n" + uses);
   ASSERT_EQ(uneven.diagnostics.error_count(), 1);
-  EXPECT_EQ(uneven.diagnostics.all()[0].message, "the sweeps of zip( ) have 3 and 2 values");
+  EXPECT_EQ(uneven.diagnostics.all()[0].message, "the sweeps of zip() have 3 and 2 values");
 }
 
 TEST(Sweep, LogarithmicRangesOfCountsAreWhole) {

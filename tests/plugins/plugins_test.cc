@@ -102,7 +102,7 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
       {"throws_in_find_pairs", "FindPairs of cycle 1: out of luck"},
       {"throws_escapes", "FindPairs of cycle 1: all ?[32mwell ???? of it"},
       {"rounds_up", "FindPairs of cycle 1: it changes the floating-point environment"},
-      {"throws_a_number", "FindPairs of cycle 1: it throws what is no std::exception"},
+      {"throws_a_number", "FindPairs of cycle 1: it throws something other than a std::exception"},
       {"aborts", "FindPairs of detector `aborts`"},
       {"segfaults", "FindPairs of detector `segfaults`"},
       {"hangs", "FindPairs of detector `hangs`"},
@@ -130,8 +130,8 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
 TEST(Plugins, ContactsThatAreNoneFailTheRun) {
   const std::map<std::string, std::string> causes = {
       {"throws_in_find_contacts", "out of luck"},
-      {"place_is_nan", "has a number that is none"},
-      {"distance_is_nan", "has a number that is none"},
+      {"place_is_nan", "has a number that is not finite"},
+      {"distance_is_nan", "has a number that is not finite"},
 #ifdef __x86_64__
       {"flushes_denormals", "FindContacts of cycle 1: it changes the floating-point environment"},
 #endif
@@ -159,13 +159,13 @@ TEST(Plugins, AreRefusedWhereTheyAreNamed) {
   };
   const Case cases[] = {
       {"nowhere.so", "cannot read 'nowhere.so'"},
-      {"text.so", "'text.so' is no shared library of this machine"},
+      {"text.so", "'text.so' is not a shared library of this machine"},
       {PluginFile("other_abi"),
-       fmt::format("was built for detector interface 1000000, this cdb has {}", kDetectorAbi)},
+       fmt::format("was built for detector interface 1000000, but this cdb has {}", kDetectorAbi)},
       {PluginFile("other_build"), "was built with another library"},
       {PluginFile("no_symbol"), "has no list of detectors"},
-      {PluginFile("bad_name"), "'half-open', which no .cdb file can write"},
-      {PluginFile("taken_name"), "has a detector 'dbvt', and so has cdb"},
+      {PluginFile("bad_name"), "'half-open', which is not a name in .cdb files"},
+      {PluginFile("taken_name"), "has a detector 'dbvt', which is also the name of one of cdb's"},
   };
   for (const Case& one : cases) {
     program.Write("b.cdb",
@@ -193,7 +193,7 @@ TEST(Plugins, HoldToTheirPhasesAndLimits) {
   refused("detector long_normal", "write narrow_phase long_normal");
   refused("narrow_phase sound", "write detector sound");
   refused("detector sonud", "did you mean 'sound'?");
-  refused("detector sweep(few, dbvt)", "'few' holds at most 10 bodies");
+  refused("detector sweep(few, dbvt)", "'few' handles at most 10 bodies");
   refused("let sound = 3", "'sound' is a word of the language");
   program.Write("b.cdb", ContactCluster(Use("faulty"),
                                         "detector sweep(few, dbvt); skip when detector == few"));
@@ -209,11 +209,11 @@ TEST(Plugins, ThatWereChangedSinceThePlanAreRefused) {
   program.Write("mine.so", program.Read("mine.so") + "changed");
   EXPECT_EQ(program.Run({"run", "plan.yaml", "-q", "-o", "old.h5"}).status, 3);
   EXPECT_TRUE(Has(Ends(program.folder() / "old.h5").at("sound").message,
-                  "'mine.so' is another file than the one that was planned with"));
+                  "'mine.so' differs from the file that the plan was made with"));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "-o", "new.h5"}).status, 0);
   const Finished mixed = program.Run({"run", "plan.yaml", "--plugin", "mine.so"});
   EXPECT_EQ(mixed.status, 2);
-  EXPECT_TRUE(Has(mixed.err, "names its own")) << mixed.err;
+  EXPECT_TRUE(Has(mixed.err, "which names its plug-ins")) << mixed.err;
 }
 
 /// Compiling a scenario does not execute its libraries, so these faults appear only when it runs.

@@ -28,7 +28,7 @@ inline scenario::DescribePlugin DescribeText() {
            std::getline(lines >> std::ws, detector.phases))
       detectors.push_back(detector);
     if (!detectors.empty()) return detectors;
-    why = "'" + path + "' offers no detector";
+    why = "'" + path + "' has no detectors";
     return std::nullopt;
   };
 }

@@ -157,8 +157,7 @@ std::string Scenarios() {
     for (const auto& entry : fs::recursive_directory_iterator(library, error))
       if (entry.path().extension() == ".cdb")
         folders[fs::relative(entry.path().parent_path(), library, error)].push_back(entry.path());
-  if (folders.empty())
-    return "scenarios: none lie beside this program; installing cdb brings them\n";
+  if (folders.empty()) return "scenarios: none are installed beside this program; install cdb\n";
   std::string text;
   for (auto& [folder, files] : folders) {
     terminal::Table table;

@@ -46,8 +46,9 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
         std::ranges::find(names, diagnostic.kind->id) == names.end())
       names.push_back(diagnostic.kind->id);
   if (names.empty()) return {};
-  return fmt::format("{}: Bullet may not simulate this accurately: {}; `cdb check {}` says why\n",
-                     file, fmt::join(names, ", "), file);
+  return fmt::format(
+      "{}: Bullet may not simulate this accurately: {}; `cdb check {}` explains why\n", file,
+      fmt::join(names, ", "), file);
 }
 
 /// The path is removed from the message, because the compiler names the file itself.
@@ -91,7 +92,8 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why) 
 std::string FindScenario(const std::string& file) {
   if (file == kStandardInput) return file;
   if (file == "-")
-    throw CommandError("`-`, standard input, is for check, fmt and plan; others need a file");
+    throw CommandError(
+        "only check, fmt and plan read standard input (`-`); other commands need a file");
   std::error_code error;
   if (fs::exists(file, error)) return file;
   const fs::path library = ScenarioLibrary();
@@ -101,7 +103,7 @@ std::string FindScenario(const std::string& file) {
   std::string why;
   compiler::ReadFromDisk(file, why);
   throw CommandError(fmt::format(
-      "cannot read '{}': {}; `cdb list scenarios` shows those that come with cdb", file, why));
+      "cannot read '{}': {}; `cdb list scenarios` lists those that come with cdb", file, why));
 }
 
 dsl::RenderOptions RenderOptionsForTerminal() {
@@ -157,7 +159,7 @@ void CheckPlanFile(const std::string& file, const std::optional<std::string>& be
                    const std::vector<std::string>& plugins, const std::string& planned) {
   if (!plugins.empty())
     throw CommandError(
-        fmt::format("--plugin {} goes with a scenario file; {} is a plan, which names its own",
+        fmt::format("--plugin {} is for scenario files, but {} is a plan, which names its plug-ins",
                     plugins[0], file));
   if (benchmark) CheckBenchmarkName(*benchmark, {planned}, file);
 }
@@ -224,7 +226,7 @@ double ParsePercent(const std::string& option, const std::string& text) {
   const auto [end, error] = std::from_chars(number.data(), last, percent);
   if (error != std::errc() || end != last || !(percent >= 0))
     throw CommandError(
-        fmt::format("{} {}: is not a percentage of 0 or more, as in 5%", option, text));
+        fmt::format("{} {}: not a percentage of 0 or more, such as 5%", option, text));
   return percent / 100;
 }
 
@@ -232,8 +234,7 @@ void CheckOneForm(std::initializer_list<std::pair<const char*, bool>> forms) {
   const char* first = nullptr;
   for (const auto& [name, is_asked] : forms) {
     if (is_asked && first != nullptr)
-      throw CommandError(
-          fmt::format("{} and {} are two forms of the same: choose one", first, name));
+      throw CommandError(fmt::format("choose either {} or {}", first, name));
     if (is_asked) first = name;
   }
 }

@@ -71,7 +71,7 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
       open += fmt::format("{}{}=…", open.empty() ? "" : ", ", axis.name);
   if (file.repeats() > 1 && !is_named("rep")) open += open.empty() ? "rep=0" : ", rep=0";
   if (!open.empty())
-    Refuse(from, "it has several runs", fmt::format("say which: run: \"{}\"", open));
+    Refuse(from, "it has several runs", fmt::format("name one: run: \"{}\"", open));
   view::Select(file.axes(), file.repeats(), selections, cell);
   return cell;
 }
@@ -80,11 +80,11 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
 std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const ResultFile::Cell& cell,
                                               const Arguments& from) {
   const auto plan = figures::ReadPlan(file);
-  if (!plan) Refuse(from, "its plan is of another version of cdb", "run it again with this one");
+  if (!plan) Refuse(from, "its plan is from another version of cdb", "run it again with this one");
   const auto run = std::ranges::find_if(plan->runs, [&](const plan::Run& candidate) {
     return candidate.at == cell.at && candidate.rep == cell.rep;
   });
-  if (run == plan->runs.end()) Refuse(from, "`skip` left this run out", "name another run");
+  if (run == plan->runs.end()) Refuse(from, "this run was skipped by `skip`", "name another run");
   std::size_t first = 0;
   std::string names;
   for (const plan::Group& group : run->scene.groups) {
@@ -117,7 +117,7 @@ PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
   const auto [first, end] = ObjectsOf(file, cell, from);
   const std::vector<double> poses = file.ReadCycle("poses", cell, cycle);
   if (first == end || poses.size() < end * measure::kPoseSize)
-    Refuse(from, "it has the poses of no such objects", "name another run or group");
+    Refuse(from, "it has no poses of such objects", "name another run or group");
   PoseTable table;
   table.has_orientation = table.of_body = true;
   for (std::size_t i = first; i < end; ++i) {
@@ -154,7 +154,7 @@ PoseTable TableOf(const store::PoseArrays& arrays, const Arguments& from) {
     const double* q = &arrays.orientation[4 * i];
     const auto turn = layouts::UnitQuaternion(q[0], q[1], q[2], q[3]);
     if (!turn)
-      Refuse(from, fmt::format("row {} of `orientation` is no unit quaternion", i),
+      Refuse(from, fmt::format("row {} of `orientation` is not a unit quaternion", i),
              "write w, x, y, z, whose squares add up to 1");
     row.orientation = *turn;
   }
@@ -168,8 +168,8 @@ PoseTable ReadHdf5Poses(const schema::Call& poses) {
   try {
     if (const auto arrays = store::ReadPoseArrays(from.file)) {
       if (from.cycle || from.run || from.group)
-        Refuse(from, "it has `position`, and no cycles, runs or groups",
-               "leave cycle, run and group out");
+        Refuse(from, "it has `position`, but no cycles, runs or groups",
+               "remove cycle, run and group");
       return TableOf(*arrays, from);
     }
     return RecordedPoses(ResultFile(from.file), from);

@@ -43,10 +43,10 @@ void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
   if (options_.is_quiet || isatty(STDERR_FILENO) == 0 || !plan.Records("timing") ||
       !(load > processors))
     return;
-  fmt::print(stderr,
-             "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the times "
-             "that are measured now\n",
-             load, processors, processors == 1 ? "" : "s");
+  fmt::print(
+      stderr,
+      "cdb: warning: load {:.1f} on {:.0f} processor{}: other programs disturb the timings\n", load,
+      processors, processors == 1 ? "" : "s");
 }
 
 PlanRunner::PlanRunner(PlanRunnerOptions options)
@@ -83,7 +83,7 @@ schedule::Summary PlanRunner::ExecuteRuns(const SizedPlan& plan,
 }
 
 void PlanRunner::SayStopped(const SizedPlan& plan, const ExecutedPlan& end) const {
-  terminal::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command goes on\n",
+  terminal::Say(fmt::format("stopped: {} of {} runs are kept in '{}'; the same command resumes\n",
                             end.summary.ended(),
                             plan.grid != nullptr ? plan.plan.RunCount() / options_.shard.count
                                                  : end.summary.ended() + end.summary.left,
@@ -98,8 +98,8 @@ std::optional<std::uint64_t> PlanRunner::RepeatsAfter(const plan::Plan& plan,
   const std::uint64_t next = NextRepeats(reached, *options_.until, plan.repeats);
   if (!options_.is_quiet)
     terminal::Say(fmt::format("{}{}\n", Describe(reached, *options_.until),
-                              next > reached.repeats ? fmt::format("; goes on to {}", next)
-                              : next == plan.repeats ? "; that is the most that `repeats` allows"
+                              next > reached.repeats ? fmt::format("; continuing to {}", next)
+                              : next == plan.repeats ? "; `repeats` is reached"
                                                      : ""));
   return next > reached.repeats ? std::optional(next) : std::nullopt;
 }
@@ -126,7 +126,8 @@ std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, co
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
   const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
-  if (reached.IsWholeRound() && !HasRuns(RunsFolderOf(out))) return RepeatsAfter(plan, reached);
+  if (reached.IsWholeRound() && !HasRuns(RunsFolderOf(out)))
+    return RepeatsAfter(plan, reached, reached.repeats);
   return std::max(least, reached.repeats);
 }
 
@@ -153,7 +154,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
   if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
     if (options_.retry.is_empty() && !options_.is_quiet)
-      terminal::Say(fmt::format("goes on with what `--retry` began in '{}'\n", out.string()));
+      terminal::Say(fmt::format("resuming the interrupted `--retry` in '{}'\n", out.string()));
     return Retry(sized, out, retry);
   }
   const bool is_part = options_.shard.count > 1;
@@ -161,8 +162,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const bool is_anew = options_.fresh || goes_on_anew;
   if (!is_anew && IsComplete(plan, out)) return {{}, folder, true};
   if (!options_.retry.is_empty() && !options_.is_quiet && !fs::exists(folder, error))
-    terminal::Say(
-        fmt::format("'{}' is not there: nothing to retry, and every run is done\n", out.string()));
+    terminal::Say(fmt::format(
+        "'{}' does not exist, so there is nothing to retry: executing every run\n", out.string()));
   const bool has_results = !is_anew && !is_part && fs::exists(out, error);
   std::optional<std::uint64_t> repeats = FirstRepeats(plan, out, has_results);
   if (!repeats) {
@@ -186,11 +187,12 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     if (end.summary.signal != 0) SayStopped(sized, end);
     if (end.summary.signal != 0 || is_part) return end;
     MergeRound(plan, out, is_anew);
-    repeats =
-        options_.until
-            ? RepeatsAfter(plan, PrecisionOf(store::ResultFile(out, store::ProofOf::kStructure),
-                                             *options_.until))
-            : std::nullopt;
+    repeats = options_.until
+                  ? RepeatsAfter(plan,
+                                 PrecisionOf(store::ResultFile(out, store::ProofOf::kStructure),
+                                             *options_.until),
+                                 *repeats)
+                  : std::nullopt;
   }
   RemoveMergedRuns(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
@@ -218,12 +220,11 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   const bool is_started = !FindStartedRetry(folder).is_empty();
   if (options_.shard.count > 1 && !is_started)
     throw options::CommandError(
-        "--retry runs a few runs again, all of them here; leave out --shard, or let a cluster run "
-        "them (cdb submit --retry)");
+        "--retry cannot be combined with --shard; to retry on a cluster, use `cdb submit --retry`");
   const bool is_complete =  // refuses another plan
       IsThereAlready(out, plan,
-                     ". --retry runs the runs of that plan: a changed `timeout` or `memory` makes "
-                     "another one, as any setting does");
+                     ". --retry repeats runs of that plan; any changed setting, such as `timeout` "
+                     "or `memory`, makes another plan");
   if (!is_started) {
     const std::string why = PrepareRetry(plan, folder, out, retry, is_complete);
     if (!why.empty()) {

@@ -42,13 +42,14 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
         out));
   if (fs::is_directory(out, error)) return RequireOwnFolder(fs::path(out) / (name + ".h5"));
   if (plan_count > 1)
-    throw options::CommandError(fmt::format(
-        "{} has {} benchmarks and '{}' holds one: name a folder, or choose a benchmark by -b", file,
-        plan_count, out));
+    throw options::CommandError(
+        fmt::format("{} has {} benchmarks, but '{}' can hold only one: name a folder, or choose a "
+                    "benchmark by -b",
+                    file, plan_count, out));
   const fs::path folder = fs::path(out).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw options::CommandError(
-        fmt::format("there is no folder '{}' for '{}'; make it first", folder.string(), out));
+        fmt::format("the folder '{}' of '{}' does not exist; make it first", folder.string(), out));
   return RequireOwnFolder(out);
 }
 
@@ -58,7 +59,7 @@ options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   if (!is_quiet) {
     terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
   } else if (shown.bad_count > 0) {
-    terminal::Say(fmt::format("not every run ended well: `cdb show {}` names those that did not\n",
+    terminal::Say(fmt::format("some runs did not end well: `cdb show {}` names them\n",
                               terminal::ShellWord(out.string())));
   }
   return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;

@@ -29,12 +29,11 @@ void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_com
   FolderLock lock(folder);
   if (!lock.TryLockAlone())
     throw options::CommandError(
-        fmt::format("another cdb is at work in '{}'; retry when it has ended", folder.string()));
+        fmt::format("another cdb is running in '{}'; retry when it has ended", folder.string()));
   if ((!is_complete || IsMadeAnew(plan, folder)) && HasRuns(folder))
-    throw options::CommandError(
-        fmt::format("'{}' holds finished runs that are not in the results yet; let the command end "
-                    "without --retry first",
-                    folder.string()));
+    throw options::CommandError(fmt::format(
+        "'{}' has finished runs that are not merged yet; run the command without --retry first",
+        folder.string()));
   RemoveMergedRuns(plan, folder);
 }
 
@@ -122,7 +121,7 @@ std::string PrepareRetry(const plan::Plan& plan, const fs::path& folder, const f
                          const RetryChoice& retry, bool is_complete) {
   RemoveLeftovers(plan, folder, is_complete);
   if (KeptRuns(out, retry).CountOthers(plan) > 0) return {};
-  return fmt::format("no run of '{}' is {}; nothing is run again\n", out.string(),
+  return fmt::format("no run of '{}' is {}; nothing to repeat\n", out.string(),
                      fmt::join(retry.Words(), " or "));
 }
 

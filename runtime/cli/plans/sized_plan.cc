@@ -45,8 +45,8 @@ SizedPlan MakeLong(grid::Grid made, const yaml::ShortPlan& form) {
   if (std::ranges::any_of(whole->bounds,
                           [](const plan::Run& run) { return analysis::NeedsReference(run.scene); }))
     throw options::CommandError(
-        fmt::format("{}: {} runs are too many to be compared with reference runs, which takes a "
-                    "list of at most {}; split the benchmark, or leave `accuracy` out",
+        fmt::format("{}: {} runs are too many for reference runs, which need a plan of at most {}; "
+                    "split the benchmark, or remove `accuracy`",
                     sized.grid->head.benchmark, whole->run_count, compiler::kMostListed));
   whole->short_text = ShortText(form, sized.grid->head, whole->sha256, whole->run_count);
   sized.short_text = whole->short_text;
@@ -78,8 +78,8 @@ SizedPlan Expand(const yaml::ShortPlan& form, const std::string& name) {
     if (sized.plan.Sha256() == form.sha256) return sized;
   }
   throw options::CommandError(
-      fmt::format("{}: this cdb, or the plug-ins that are here, make another plan of it; use the "
-                  "cdb that wrote it, or plan again from '{}'",
+      fmt::format("{}: this cdb, or its plug-ins, make another plan of it; use the cdb that wrote "
+                  "it, or plan again from '{}'",
                   name, form.source));
 }
 

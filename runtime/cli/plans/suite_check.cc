@@ -41,8 +41,8 @@ std::string FindForeign(plan::Plan of, const plan::Plan& standard) {
   for (const std::string& id : wanted) absent += !ids.contains(id);
   if (foreign == 0 && absent == 0) return {};
   return fmt::format(
-      "it is not of version {} of the suite: {} runs of the suite are not in its plan, and {} of "
-      "its own are not of the suite",
+      "it is not of version {} of the suite: its plan lacks {} runs of the suite, and has {} "
+      "others",
       figures::kSuiteVersion, absent, foreign);
 }
 
@@ -58,7 +58,7 @@ class Checker {
          {"cdb_version", "commit", "build_type", "bullet_version", "compiler", "cpu", "host"})
       CheckSame(fact);
     if (read_.files[0]->file.ReadProvenance("commit").ends_with("-dirty"))
-      Fault("cdb was built from sources that are in no commit");
+      Fault("cdb was built from uncommitted sources");
     CheckNoise();
     CheckSummary(folder);
     return std::move(made_);
@@ -72,8 +72,8 @@ class Checker {
 
   void CheckFile(const figures::SceneFigures& scene, const ComparedFile& of) {
     const std::string id = scene.scene->Id();
-    if (!of.file.has_digest()) Fault("{}: it has no digest that would show changed bytes", id);
-    if (!of.plan) return Fault("{}: its plan is of another version of cdb", id);
+    if (!of.file.has_digest()) Fault("{}: it has no digest that would reveal changed bytes", id);
+    if (!of.plan) return Fault("{}: its plan is from another version of cdb", id);
     const plan::Plan standard =
         StandardPlan(*scene.scene, {.is_long = read_.facts.is_long, .seed = read_.facts.seed});
     if (const std::string why = FindForeign(*of.plan, standard); !why.empty())
@@ -85,7 +85,7 @@ class Checker {
     if (const std::string build = of.file.ReadProvenance("build_type"); build != "Release")
       Fault("{}: timed with a {} build", id, build.empty() ? "unknown" : build);
     if (const std::string jobs = of.file.ReadProvenance("jobs"); !jobs.empty() && jobs != "1")
-      Fault("{}: {} runs ran side by side", id, jobs);
+      Fault("{}: {} runs were executed in parallel", id, jobs);
   }
 
   /// A fact of the provenance must be the same in all files.

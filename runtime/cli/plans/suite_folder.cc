@@ -50,7 +50,7 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
   }
   if (read.files.empty())
     throw options::CommandError(
-        fmt::format("'{}' holds no results of the standard suite; `cdb suite -o {}` makes them",
+        fmt::format("'{}' has no results of the standard suite; `cdb suite -o {}` makes them",
                     folder.string(), folder.string()));
   const figures::ComparedFile& first = *read.files[0];
   read.facts.is_long = IsLong(first.file);

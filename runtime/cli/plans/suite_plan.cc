@@ -71,7 +71,7 @@ void AddDetectors(const std::vector<std::string>& names,
   const auto place = static_cast<std::size_t>(axis - plan.axes.begin());
   for (const std::string& name : names) {
     if (std::ranges::find(axis->values, plan::Coordinate(name)) != axis->values.end())
-      throw options::CommandError(fmt::format("--detector {}: the suite has it already", name));
+      throw options::CommandError(fmt::format("--detector {}: it is already in the suite", name));
     const std::vector<plan::Run> before = plan.runs;
     for (plan::Run run : before) {
       if (run.at[place] != 0) continue;
@@ -95,8 +95,7 @@ Plan StandardPlan(const figures::StandardScene& scene, const SuiteChoice& choice
   std::error_code error;
   if (library.empty() || !std::filesystem::is_regular_file(file, error))
     throw options::CommandError(fmt::format(
-        "the scene {} of the standard suite does not lie beside this program; installing cdb "
-        "brings it",
+        "the scene {} of the standard suite is not installed beside this program; install cdb",
         scene.Id()));
   std::vector<schema::PluginDetector> named;
   // No lints: the suite measures these weaknesses of Bullet on purpose.

@@ -232,7 +232,7 @@ std::string PilesText(const SweepEstimate& estimate) {
     return text + fmt::format(", the other{} take{} {}, within the time above\n",
                               left == 1 ? "" : "s", left == 1 ? "s" : "",
                               Duration(*time * static_cast<double>(left)));
-  return text + ", and how long the others take is not known\n";
+  return text + "; the time of the others is not known\n";
 }
 
 }  // namespace
@@ -242,8 +242,9 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
   std::string text =
       fmt::format("{}: {} {}\n", benchmark, estimate.runs, estimate.runs == 1 ? "run" : "runs");
   for (const std::string& failure : estimate.failures)
-    text += fmt::format("  a sampled run failed, and does not count: {}\n", failure);
-  if (estimate.samples.empty()) return text + "  no sampled run ended: nothing is known\n";
+    text += fmt::format("  a sampled run failed and was not counted: {}\n", failure);
+  if (estimate.samples.empty())
+    return text + "  no sampled run finished, so there is no estimate\n";
   std::vector<double> seconds, bytes;
   for (const SampledRun& sample : estimate.samples) {
     seconds.push_back(sample.seconds);

@@ -59,8 +59,8 @@ bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_vie
   const bool is_earlier = IsOfEarlierFormat(file, plan);
   if (is_earlier && hint.empty() && CountMissing(file, plan) == 0) return true;
   throw options::CommandError(fmt::format(
-      "'{}' holds the results of {} and is left as it is; name another file by -o, or say --fresh "
-      "to write over it{}",
+      "'{}' has the results of {} and was not changed; name another file by -o, or use --fresh "
+      "to overwrite it{}",
       out.string(),
       is_earlier ? "an earlier cdb, which named its runs differently, so that none can be added,"
                  : "another plan",
@@ -74,11 +74,11 @@ void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
   if (sha256 == plan.Sha256()) return;
   if (sha256.empty())
     throw options::CommandError(
-        fmt::format("'{}' is there, and is no results file or a damaged one; it is left as it is: "
+        fmt::format("'{}' exists but is not a results file, or is damaged; it was not changed: "
                     "remove it, or name another file (-o)",
                     out));
   throw options::CommandError(fmt::format(
-      "'{}' holds the results of another plan and is left as it is; name another file", out));
+      "'{}' has the results of another plan and was not changed; name another file", out));
 }
 
 std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {

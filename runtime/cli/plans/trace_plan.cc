@@ -40,7 +40,7 @@ plan::Plan MakeTracePlan(plan::Plan plan) {
   for (plan::Run& run : plan.runs) {
     if (analysis::TraceOf(run.scene))
       throw options::CommandError(
-          fmt::format("{}: {} runs on a trace already; trace a benchmark of a live world",
+          fmt::format("{}: {} already runs on a trace; trace a benchmark of a live world",
                       plan.benchmark, plan::Describe(plan, run)));
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));
@@ -67,7 +67,7 @@ std::vector<fs::path> TraceFiles(const plan::Plan& plan, const std::string& out,
     throw options::CommandError(
         fmt::format("cannot make the folder '{}' for the traces: {}; choose another "
                     "place by -o",
-                    folder.string(), error ? error.message() : "a file is there"));
+                    folder.string(), error ? error.message() : "a file of this name exists"));
   std::vector<fs::path> files;
   std::set<std::string> taken;
   for (const plan::Run& run : plan.runs) {

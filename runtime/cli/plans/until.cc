@@ -59,8 +59,8 @@ void CheckUntil(const plan::Plan& plan) {
         fmt::format("--until: '{}' records no times; add timing to `record`", plan.benchmark));
   if (plan.repeats <= figures::Bootstrap::kLeastForInterval)
     throw options::CommandError(
-        fmt::format("--until: '{}' has repeats {}, which is the most that are run, and an interval "
-                    "takes {}; write more, such as repeats 50",
+        fmt::format("--until: '{}' has repeats {}, the upper limit, but an interval needs {}; "
+                    "write more, such as repeats 50",
                     plan.benchmark, plan.repeats, figures::Bootstrap::kLeastForInterval));
 }
 

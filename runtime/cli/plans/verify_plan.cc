@@ -51,7 +51,7 @@ Plan WithDetectors(const Plan& plan, const std::vector<std::string>& detectors,
 
 /// The reason why `all` excludes a detector, independent of the scene; empty if it does not.
 std::string Absence(const schema::DetectorInfo& info) {
-  if (info.family == "none") return "finds nothing, by design; name it to see that";
+  if (info.family == "none") return "finds nothing, by design; name it to run it anyway";
   const schema::DetectorPart* part = schema::FindDetectorPart(info.part);
   if (part != nullptr && !part->is_built)
     return fmt::format("is not built; install {} and build again", part->package);
@@ -91,7 +91,7 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
     });
     if (held < std::ssize(plan.runs))
       every.left_out.push_back(
-          fmt::format("{}, where there are more than {} bodies", info.name, info.max_bodies));
+          fmt::format("{}, if there are more than {} bodies", info.name, info.max_bodies));
     if (held > 0) names.emplace_back(info.name);
   }
   if (names.empty()) return every;
@@ -132,7 +132,7 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   if (made.plan.runs.empty())
     throw options::CommandError(
         fmt::format("{}: there is nothing to verify: {}", plan.benchmark,
-                    made.left_out.empty() ? "every point is left out"
+                    made.left_out.empty() ? "every point is skipped"
                                           : fmt::format("{}", fmt::join(made.left_out, "; "))));
   return made;
 }

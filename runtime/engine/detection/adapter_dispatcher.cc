@@ -180,7 +180,7 @@ std::size_t AdapterDispatcher::PlaceOf(const Contact& contact,
     }
   }
   throw std::invalid_argument(
-      fmt::format("it finds a contact of the bodies {} and {}, a pair that it was not asked for",
+      fmt::format("it returns a contact of the bodies {} and {}, a pair that it was not given",
                   contact.a, contact.b));
 }
 
@@ -193,9 +193,9 @@ void AdapterDispatcher::Check(const Contact& contact) const {
   const auto normal = AsEigen(contact.normal);
   if (!on_a.allFinite() || !on_b.allFinite() || !normal.allFinite() ||
       !std::isfinite(contact.distance))
-    refuse("has a number that is none");
+    refuse("has a number that is not finite");
   if (std::fabs(normal.norm() - 1) > kUnit)
-    refuse(fmt::format("has a normal of length {:.6g}; it has to be 1", normal.norm()));
+    refuse(fmt::format("has a normal of length {:.6g}; it must be 1", normal.norm()));
   const double size = std::min(sizes_[contact.a], sizes_[contact.b]);
   const double apart = (on_a - on_b - contact.distance * normal).norm();
   const double tolerance =

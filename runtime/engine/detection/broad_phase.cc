@@ -26,7 +26,7 @@ std::unique_ptr<btBroadphaseInterface> MakeBroadPhase(const BroadPhaseOptions& o
     return std::make_unique<bt32BitAxisSweep3>(options.lower, options.upper, capacity, nullptr,
                                                !options.raycast_tree);
   throw library::SceneError(
-      fmt::format("detector `{}` is not part of this version", options.detector));
+      fmt::format("detector `{}` does not exist in this version", options.detector));
 }
 
 }  // namespace cdb::detection

@@ -43,8 +43,8 @@ const DetectorEntry* FindInPart(std::string_view name, std::string_view part_nam
   const std::string file = FileOf(*part);
   if (file.empty())
     throw SceneError(fmt::format(
-        "detector `{}` is in the part `{}`, which this cdb {}; {}", name, part->name,
-        part->is_built ? "was built with but does not find" : "was built without",
+        "detector `{}` is in the module `{}`, which this cdb {}; {}", name, part->name,
+        part->is_built ? "was built with but cannot find" : "was built without",
         part->is_built ? fmt::format("put cdb-detectors-{}.so into the folder detectors beside "
                                      "cdb-worker-f64, or install cdb again",
                                      part->name)
@@ -72,7 +72,7 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
   const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
   const DetectorEntry* entry = is_plugin ? &LoadPluginDetector(scene, index) : FindAnywhere(name);
   if (entry == nullptr)
-    throw SceneError(fmt::format("detector `{}` is not part of this version", name));
+    throw SceneError(fmt::format("detector `{}` does not exist in this version", name));
   NamedDetector made{.name = std::string(name),
                      .phases = entry->phases,
                      .max_bodies = entry->max_bodies,
@@ -86,7 +86,7 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
   } catch (const std::exception& error) {
     throw failed(error.what());
   } catch (...) {
-    throw failed("it throws what is no std::exception");
+    throw failed("it throws something other than a std::exception");
   }
   if (made.detector == nullptr) throw failed("its function returns nothing");
   return made;
@@ -129,15 +129,15 @@ void Blame(const NamedDetector& detector, std::string_view in, std::uint64_t cyc
   } catch (const std::exception& error) {
     throw blamed(error.what());
   } catch (...) {
-    throw blamed("it throws what is no std::exception");
+    throw blamed("it throws something other than a std::exception");
   }
 }
 
 void CheckHolds(std::string_view detector, std::uint64_t max_bodies, std::size_t bodies) {
   if (max_bodies == 0 || bodies <= max_bodies) return;
   throw SceneError(
-      fmt::format("detector `{}` takes at most {} bodies, objects and walls together; this scene "
-                  "has {}; choose another detector or fewer objects",
+      fmt::format("detector `{}` handles at most {} bodies, walls included, but this scene has {}; "
+                  "choose another detector or fewer objects",
                   detector, max_bodies, bodies));
 }
 

@@ -19,7 +19,7 @@ constexpr std::size_t kWindow = 8;
 Pair InShape(const Scene& scene, const Pair& pair) {
   if (pair.a >= scene.size || pair.b >= scene.size)
     throw std::invalid_argument(
-        fmt::format("it lists the pair ({}, {}), and the scene's {} bodies are counted from 0",
+        fmt::format("it lists the pair ({}, {}), but the scene has {} bodies, counted from 0",
                     pair.a, pair.b, scene.size));
   if (pair.a == pair.b)
     throw std::invalid_argument(fmt::format("it lists body {} with itself", pair.a));

@@ -109,8 +109,8 @@ const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t in
   const PluginDetector& plugin = scene.plugins[index];
   if (HashOf(plugin) != plugin.sha256)
     throw SceneError(
-        fmt::format("detector `{}`: '{}' is another file than the one that was planned with; plan "
-                    "again, or put the old one back",
+        fmt::format("detector `{}`: '{}' differs from the file that the plan was made with; plan "
+                    "again, or restore the old file",
                     plugin.name, plugin.path));
   const WatchedCall call(measure::PluginCall::kLoad, index);
   try {

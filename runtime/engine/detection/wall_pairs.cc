@@ -32,13 +32,13 @@ double ReachBefore(const btRigidBody& plane, Bodies objects) {
 
 std::string WhyAllWallPairs(const plan::Scene& scene, Bodies objects) {
   if (scene.world.WordOr("pair_order") != "sorted")
-    return "with pair_order listed, contacts are solved in an order that depends on all pairs; "
-           "pair_order sorted does without";
+    return "with pair_order listed, contacts are solved in an order that depends on all pairs; use "
+           "pair_order sorted";
   for (const auto& object : objects) {
     if (object->getCollisionShape()->isCompound())
       return fmt::format(
-          "object {} has several convex pieces, and its contacts are solved in an order that "
-          "depends on all pairs",
+          "object {} has several convex pieces, whose contacts are solved in an order that depends "
+          "on all pairs",
           object->getUserIndex() + 1);
     if (object->getCcdMotionThreshold() > 0)
       return fmt::format("object {} has ccd, which looks for planes along its path",

@@ -106,8 +106,8 @@ bool ComeToRest(world::Engine& engine, const Falling& falling,
   }
   if (checks >= kRestChecks) return is_clear();
   throw library::SceneError(
-      fmt::format("the pile does not come to rest: after {:.4g} s {} of {} objects still move; "
-                  "more friction or rolling_friction, or fewer objects, would help",
+      fmt::format("the pile does not come to rest: after {:.4g} s, {} of {} objects still move; "
+                  "use more friction or rolling_friction, or fewer objects",
                   seconds, restless, count));
 }
 

@@ -62,7 +62,7 @@ detection::NamedDetector MakeFor(const plan::Scene& scene, const TracedScene& tr
   detection::CheckHolds(name, detector.max_bodies, traced.shape().bodies);
   if (!HasAny(detector.phases, cdb::kBroad) || HasAny(detector.phases, cdb::kNeedsPoses))
     throw library::SceneError(
-        fmt::format("detector `{}` {}, and a trace has boxes alone; run it in a live world", name,
+        fmt::format("detector `{}` {}, but a trace has only boxes; run it in a live world", name,
                     !HasAny(detector.phases, cdb::kBroad) ? "lists no pairs" : "needs poses"));
   return detector;
 }
@@ -73,8 +73,8 @@ void CheckPairs(const TracedScene& traced, std::string_view name, std::span<cons
   for (const Pair& pair : pairs)
     if (!(pair.a < pair.b && pair.b < bodies))
       throw library::SceneError(
-          fmt::format("detector `{}` lists the pair {}, {}; a pair is two of the bodies 0 to {}, "
-                      "the lower one first",
+          fmt::format("detector `{}` lists the pair {}, {}; a pair must be two of the bodies 0 to "
+                      "{}, the lower one first",
                       name, pair.a, pair.b, bodies - 1));
 }
 
@@ -98,7 +98,7 @@ class Replay {
         warmup_(run.scene.world.Count("warmup")),
         cycles_(run.scene.world.Count("cycles")) {
     if (warmup_ + cycles_ > traced_.shape().cycles)
-      throw library::SceneError(fmt::format("the trace has {} cycles, and this run has {}",
+      throw library::SceneError(fmt::format("the trace has {} cycles, but this run has {}",
                                             traced_.shape().cycles, warmup_ + cycles_));
   }
 
@@ -207,7 +207,7 @@ void ReplayTrace(const plan::Run& run, measure::Recording& recording, int trace_
   } catch (const std::exception& error) {
     ReportFailure(recording, error.what());
   } catch (...) {
-    ReportFailure(recording, "the detector throws what is no std::exception");
+    ReportFailure(recording, "the detector throws something other than a std::exception");
   }
 }
 

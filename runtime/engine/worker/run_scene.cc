@@ -110,8 +110,8 @@ void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Rec
   const std::string hash = probes::StateHash(engine), timed = recording.header().state_hash.str();
   if (hash != timed)
     throw std::runtime_error(
-        fmt::format("the pass that looks for errors ended in the state {} and the timed one in {}: "
-                    "this run does not repeat itself, and neither pass can be trusted",
+        fmt::format("the pass that measures errors ended in the state {}, the timed pass in {}: "
+                    "this run is not repeatable, and neither pass can be trusted",
                     hash, timed));
 }
 

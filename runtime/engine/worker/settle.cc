@@ -85,8 +85,7 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
   const Vector3d& g = dropped.acceleration;
   if (!(g.y() < 0) || std::hypot(g.x(), g.z()) > 0.1 * -g.y())
     throw SceneError(
-        "a pile settles under an acceleration that points down to the floor, as (0, "
-        "-9.8, 0) does");
+        "a pile needs an acceleration that points down to the floor, such as (0, -9.8, 0)");
   falling.gravity = -g.y();
   return settling;
 }
@@ -325,7 +324,7 @@ InitialState Rested(const Settling& settling, const InitialState& start,
                    tell, is_clear))
       return rested;
   }
-  throw SceneError(fmt::format("the pile pressed its objects into one another: {}", overlap));
+  throw SceneError(fmt::format("the objects of the pile penetrate one another: {}", overlap));
 }
 
 InitialState Settled(const Settling& settling) {
@@ -398,7 +397,7 @@ void SettlePiles(const plan::Scene& scene, InitialState& state, const SettlingLi
     const std::string answer = AskDoubleWorker(scene, listener);
     if (!answer.starts_with(kSettled)) throw SceneError(answer);
     if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
-      throw std::runtime_error("the settled pile is not whole");
+      throw std::runtime_error("the settled pile is incomplete");
     return;
   }
   state = FoundOrSettled(settling, folder, key);

@@ -81,7 +81,7 @@ void RunWorker(const Kept& kept) {
     ReportFailure(recording, mismatch);
   } else if (run.scene.world.WordOr("precision") != world::EnginePrecision()) {
     ReportFailure(recording,
-                  fmt::format("the run asks for {} precision, this worker has {}",
+                  fmt::format("the run needs {} precision, but this worker has {}",
                               run.scene.world.WordOr("precision"), world::EnginePrecision()));
   } else {
     try {
@@ -106,8 +106,8 @@ int Execute(const std::vector<std::string>& arguments) {
   const bool keeps = arguments.size() == 3 && option == measure::kKeepOption;
   if (!settles && ((!arguments.empty() && !keeps) || !HasDescriptors())) {
     fmt::print(stderr,
-               "{}: this program runs one run of a plan for `cdb run` and is not started by hand; "
-               "use `cdb run FILE.cdb`\n",
+               "{}: this program executes one run of a plan for `cdb run`; do not start it by "
+               "hand: use `cdb run FILE.cdb`\n",
                g_program);
     return kCannotReport;
   }

@@ -311,7 +311,8 @@ void Engine::SettleRotation() {
   });
   if (turning == objects_.end()) return;
   const std::string why =
-      fmt::format("object {} turns by rounding, without any spin", turning - objects_.begin() + 1);
+      fmt::format("object {} rotates because of rounding, without an angular velocity",
+                  turning - objects_.begin() + 1);
   if (analysis::RequestFor(scene_, Component::kRotation) == analysis::PruningRequest::kByName)
     throw SceneError(fmt::format("omit rotation: this scene needs it: {}", why));
   omissions_.Keep(Component::kRotation, why);

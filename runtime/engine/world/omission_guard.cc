@@ -85,8 +85,8 @@ void OmissionGuard::CheckOutside(std::size_t object) const {
     outward[wall / 2] = static_cast<btScalar>(wall % 2 == 0 ? -1 : 1);
     if (!(FarthestAlong(body, outward) < limit))
       throw OmissionGuardTripped(
-          fmt::format("object {} came to the wall {}, which it was proven not to reach", object + 1,
-                      pruning::kWallNames[wall]));
+          fmt::format("object {} came close to the wall {}, which it was proven not to reach",
+                      object + 1, pruning::kWallNames[wall]));
   }
 }
 

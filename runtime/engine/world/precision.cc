@@ -12,7 +12,7 @@ constexpr std::size_t kScalarBytes = 8;
 #else
 constexpr std::size_t kScalarBytes = 4;
 #endif
-static_assert(sizeof(btScalar) == kScalarBytes, "Bullet's headers have another precision");
+static_assert(sizeof(btScalar) == kScalarBytes, "Bullet's headers have a different precision");
 
 }  // namespace
 
@@ -37,7 +37,7 @@ std::string PrecisionMismatch() {
                       upper->y() == 6 && upper->z() == 7;
   if (agrees) return "";
   return std::string("this worker was built for Bullet in ") + EnginePrecision() +
-         " precision and runs with a library of another; install libbullet-dev as packaged";
+         " precision, but the library has another; install libbullet-dev as packaged";
 }
 
 }  // namespace cdb::world

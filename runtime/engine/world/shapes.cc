@@ -84,7 +84,7 @@ double EffectiveMargin(const Solid& solid, double margin) {
   if (margin == kBulletMargin) return std::min(margin, least / 10);
   if (margin >= least)
     throw library::SceneError(
-        fmt::format("margin {:.6g} m leaves nothing of an object whose least half extent is {:.6g} "
+        fmt::format("margin {:.6g} m is too large for an object whose least half extent is {:.6g} "
                     "m; make it smaller",
                     margin, least));
   return margin;

@@ -25,8 +25,8 @@ MergeBase::MergeBase(const std::filesystem::path& path, const store::PlanFacts& 
   if (const int version = store::ReadVersion(file_, path.string());
       version != store::kSchemaVersion)
     throw files::StoreError(
-        fmt::format("{}: is of schema version {}, and runs can be replaced in version {} alone; "
-                    "nothing was changed: --fresh runs all of them",
+        fmt::format("{}: is of schema version {}, but runs can be replaced only in version {}; "
+                    "nothing was changed: use --fresh to execute every run",
                     path.string(), version, store::kSchemaVersion));
   for (const store::RunNumber& number : facts.numbers) {
     if (file_.Has(number.name)) {

@@ -53,8 +53,9 @@ struct Row {
 };
 
 const Row kRows[] = {
-    {schema::Component::kWalls, "", analysis::Decision::kOpen, "all are placed"},
-    {schema::Component::kWalls, "world.walls floor", analysis::Decision::kOpen, "all are placed"},
+    {schema::Component::kWalls, "", analysis::Decision::kOpen, "all objects are placed"},
+    {schema::Component::kWalls, "world.walls floor", analysis::Decision::kOpen,
+     "all objects are placed"},
     {schema::Component::kWalls, "world.walls none", analysis::Decision::kAbsent, "none stand"},
     {schema::Component::kWalls, "world.walls none; objects.ccd on", analysis::Decision::kAbsent,
      "none stand"},
@@ -62,12 +63,12 @@ const Row kRows[] = {
     {schema::Component::kWalls, "objects stones { ccd any(on, off) }", analysis::Decision::kKept,
      "stones have ccd"},
     {schema::Component::kWalls, "objects a { quantity 3 }\nobjects b { quantity 0; ccd on }",
-     analysis::Decision::kOpen, "all are placed"},
+     analysis::Decision::kOpen, "all objects are placed"},
 
     {schema::Component::kWalls, "objects.links.type ball", analysis::Decision::kKept,
      "objects are linked"},
     {schema::Component::kWalls, "objects a { quantity 0; links.type ball } objects b { }",
-     analysis::Decision::kOpen, "all are placed"},
+     analysis::Decision::kOpen, "all objects are placed"},
 
     {schema::Component::kRaycastTree, "detector sap", analysis::Decision::kLeftOut,
      "no object has ccd"},
@@ -123,7 +124,7 @@ const Row kRows[] = {
     {schema::Component::kDamping, "objects.quantity 0; objects.angular_damping 1",
      analysis::Decision::kLeftOut, "no object is damped"},
 
-    {schema::Component::kRotation, "", analysis::Decision::kOpen, "set an object spinning"},
+    {schema::Component::kRotation, "", analysis::Decision::kOpen, "make an object spin"},
     {schema::Component::kRotation, "objects.links.type ball", analysis::Decision::kKept,
      "objects are linked"},
     {schema::Component::kRotation, "objects.angular_velocity (0, 1, 0)", analysis::Decision::kKept,
@@ -133,23 +134,23 @@ const Row kRows[] = {
     {schema::Component::kRotation, "objects.angular_velocity every(60, 0)",
      analysis::Decision::kKept, "objects have angular_velocity"},
 
-    {schema::Component::kMotionStates, "", analysis::Decision::kLeftOut, "draws the scene"},
+    {schema::Component::kMotionStates, "", analysis::Decision::kLeftOut, "is not drawn"},
     {schema::Component::kMotionStates, "objects.ccd on", analysis::Decision::kLeftOut,
-     "draws the scene"},
+     "is not drawn"},
 
     {schema::Component::kStaticBoxes, "detector sap; sleeping off", analysis::Decision::kLeftOut,
-     "stay where they are"},
+     "do not move"},
     {schema::Component::kStaticBoxes, "detector sap; sleeping on", analysis::Decision::kOpen,
      "falls asleep"},
     {schema::Component::kStaticBoxes, "detector dbvt; sleeping off", analysis::Decision::kKept,
      "dbvt finds other pairs"},
 
-    {schema::Component::kPools, "", analysis::Decision::kOpen, "how many contacts"},
+    {schema::Component::kPools, "", analysis::Decision::kOpen, "number of contacts"},
 
     {schema::Component::kWallPairs, "pair_order sorted", analysis::Decision::kKept,
      "if omit names it"},
     {schema::Component::kWallPairs, "omit auto, wall_pairs; pair_order sorted",
-     analysis::Decision::kOpen, "several pieces"},
+     analysis::Decision::kOpen, "number of pieces"},
     {schema::Component::kWallPairs, "omit wall_pairs; world.wall_shape box",
      analysis::Decision::kAbsent, "walls are boxes"},
     {schema::Component::kWallPairs, "omit wall_pairs; world.walls none",

@@ -53,15 +53,15 @@ TEST(Distributions, TablesAreReadFromFiles) {
 TEST(Distributions, DamagedTablesAreRefusedByLine) {
   const std::pair<const char*, const char*> faults[] = {
       {"1\n2\nx\n", "a.csv:3: 'x' is not a finite number"},
-      {"1\n2,3\n", "a.csv:2: 2 columns, and 1 in the lines before"},
-      {"1,0\n", "a.csv:1: '0' is not a weight, more than 0"},
+      {"1\n2,3\n", "a.csv:2: 2 columns, but 1 in the lines before"},
+      {"1,0\n", "a.csv:1: '0' is not a weight greater than 0"},
       {"1,2,3\n", "a.csv:1: 3 columns"},
       {"size\nmass\n", "a.csv:2: 'mass' is not a finite number"},
       {"1\nnan\n", "a.csv:2: 'nan' is not a finite number"},
       {"1e999\n", "a.csv:1: '1e999' is not a finite number"},
       {"1\n,\n", "a.csv:2:"},
-      {"size\n\n", "'a.csv' holds no value"},
-      {"1\n-2\n", "'size' must be more than 0; 'a.csv' has -2"}};
+      {"size\n\n", "'a.csv' contains no value"},
+      {"1\n-2\n", "'size' must be more than 0, but 'a.csv' has -2"}};
   for (const auto& [text, message] : faults)
     EXPECT_NE(SizeOf("empirical(\"a.csv\")", {{"a.csv", text}}).find(message), std::string::npos)
         << SizeOf("empirical(\"a.csv\")", {{"a.csv", text}});

@@ -76,10 +76,10 @@ TEST(DrawnSettings, HaveUnits) {
   };
   EXPECT_EQ(mass("2.7 g/cm^3 * size ^ 3"), "2700 * size ^ 3");
   EXPECT_EQ(mass("pi / 6 * size ^ 3 * (2 kg/m^3)"), "0.5235987755982988 * size ^ 3 * 2");
-  EXPECT_NE(mass("2 kg * size").find("'mass' is a mass; this is in kg m"), std::string::npos);
-  EXPECT_NE(mass("size + 1 kg").find("this is a length; the value beside it is a mass"),
+  EXPECT_NE(mass("2 kg * size").find("'mass' is a mass, but this is in kg m"), std::string::npos);
+  EXPECT_NE(mass("size + 1 kg").find("this is a length, but the value beside it is a mass"),
             std::string::npos);
-  EXPECT_NE(mass("(2 * size) kg").find("this has a unit already: it is a length"),
+  EXPECT_NE(mass("(2 * size) kg").find("this already has a unit: it is a length"),
             std::string::npos);
 }
 
@@ -114,11 +114,10 @@ TEST(DrawnSettings, FormulaeOfPlansAreChecked) {
     return "";
   };
   EXPECT_NE(refusal("[\"%\", 2, size]").find("an operator or a function"), std::string::npos);
-  EXPECT_NE(refusal("[\"*\", 2, type]").find("`type` is no number that is drawn"),
-            std::string::npos);
+  EXPECT_NE(refusal("[\"*\", 2, type]").find("`type` is not a drawn number"), std::string::npos);
   EXPECT_NE(refusal("[\"*\", 2, nothing]").find("`nothing` is not a finite number"),
             std::string::npos);
-  EXPECT_NE(refusal("[\"*\", 2, 3]").find("a formula names a setting"), std::string::npos);
+  EXPECT_NE(refusal("[\"*\", 2, 3]").find("a formula must name"), std::string::npos);
   EXPECT_NE(refusal("[\"*\", 3, size]").find("was changed by hand"), std::string::npos);
 }
 

@@ -141,7 +141,7 @@ TEST(Units, WhatDoesNotFitIsOneError) {
     EXPECT_EQ(result.diagnostics.error_count(), 1) << text << "\n"
                                                    << dsl::Render(result.diagnostics);
   }
-  EXPECT_NE(FaultsOf("objects.size 5 kg").find("'size' is a length; this is a mass"),
+  EXPECT_NE(FaultsOf("objects.size 5 kg").find("'size' is a length, but this is a mass"),
             std::string::npos);
 }
 

@@ -246,14 +246,14 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
       {"stack", "`location` takes one of uniform"},
       {"{stack: {height: 0, gap: fit, spacing: 3}}", "`height` takes a whole number, 1 or more"},
       {"{stack: {height: 4, gap: fitt, spacing: 3}}", "`fitt` is not a finite number"},
-      {"{stack: {height: 4, gap: fit, spacing: {uniform: [1, 2]}}}", "takes no distribution"},
+      {"{stack: {height: 4, gap: fit, spacing: {uniform: [1, 2]}}}", "cannot be drawn"},
       {"{stack: {height: 4, gap: fit, spacing: 4}}", "changed by hand"},
       {"{mesh: {file: \"a.obj\", sha256: any}}", "`location` takes one of uniform"},
-      {"{stakc: {height: 4}}", "takes no distribution"},
+      {"{stakc: {height: 4}}", "cannot be drawn"},
       {"{at: []}", "`at` needs a point"},
-      {"{at: [[0, 0, 0], [1, 2]]}", "three numbers should be here"},
+      {"{at: [[0, 0, 0], [1, 2]]}", "expected three numbers"},
       {"{at: [[0, 0, 0], [1, 2, 3]]}", "changed by hand"},
-      {"{}", "one distribution or word"},
+      {"{}", "expected a distribution or a word"},
   };
   for (const auto& [location, message] : rows)
     EXPECT_NE(error(location).find(message), std::string::npos) << error(location);
@@ -263,13 +263,13 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
                 .find("`about` takes a vector (x, y, z) other than 0"),
             std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, turning, "{any: [[" + turning + ", 1]]}"))
-                .find("goes on for the whole run"),
+                .find("cannot last for the whole run"),
             std::string::npos);
 }
 
 TEST(PlanYaml, SaysWhatIsWrongAndWhere) {
   const std::string yaml = yaml::ToYaml(Example());
-  EXPECT_NE(ErrorOf("").find("this is no cdb plan"), std::string::npos);
+  EXPECT_NE(ErrorOf("").find("this is not a plan of cdb"), std::string::npos);
   EXPECT_NE(ErrorOf("a: [1, 2").find("plan.yaml:"), std::string::npos);
   EXPECT_NE(ErrorOf(Replaced(yaml, "cdb_plan: 6", "cdb_plan: 99")).find("format 99"),
             std::string::npos);
@@ -302,10 +302,10 @@ TEST(PlanYaml, HoldsNamesToTheRuleOfTheLanguage) {
   for (const char* wrong :
        {"../../escaped", "/tmp/escaped", "..", "", "a b", "1st", "\u202eb", "a\\n", "caf\u00e9"})
     EXPECT_NE(ErrorOf(Replaced(yaml, name, std::string("benchmark: \"") + wrong + "\""))
-                  .find("a name is letters, digits and _"),
+                  .find("a name consists of letters, digits and _"),
               std::string::npos)
         << wrong;
-  EXPECT_NE(ErrorOf(Replaced(yaml, "name: cycles", "name: \"../cycles\"")).find("is no name"),
+  EXPECT_NE(ErrorOf(Replaced(yaml, "name: cycles", "name: \"../cycles\"")).find("is not a name"),
             std::string::npos);
   yaml::ShortPlan form;
   form.benchmark = "../../escaped";

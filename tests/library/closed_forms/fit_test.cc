@@ -80,7 +80,7 @@ TEST(Fit, FlightRefusesScenesWithoutFreeFlight) {
          SetGroup(scene, "linear_velocity", Vector3d(0, 0, 0),
                   AddGroup(scene, "other", 1, At(-1.2, 2, 0)));
        },
-       "object 2 of 2 (group `other`) comes so near to object 1 of 2 (group `objects`) that they "
+       "object 2 of 2 (group `other`) comes so close to object 1 of 2 (group `objects`) that they "
        "may touch"},
       {"flight", FlightScene(),
        [](plan::Scene& scene) {
@@ -98,12 +98,13 @@ TEST(Fit, BounceRefusesScenesWithoutASingleBallBetweenWalls) {
       {"bounce", BounceScene(), Group("angular_velocity", kX), "spins"},
       {"bounce", BounceScene(), Group("linear_velocity", kX), "not both along one axis"},
       {"bounce", BounceScene(), World("acceleration", kOblique), "not both along one axis"},
-      {"bounce", BounceScene(), World("world.walls", Word("none")), "no wall stands along"},
-      {"bounce", BounceScene(), World("acceleration", kUp), "falls to where no wall stands"},
+      {"bounce", BounceScene(), World("world.walls", Word("none")),
+       "there is no wall in the path of"},
+      {"bounce", BounceScene(), World("acceleration", kUp), "falls to a side without a wall"},
       {"bounce", BounceScene(), World("acceleration", kNone), "nothing moves"},
       {"bounce", BounceScene(),
        [](plan::Scene& scene) { AddGroup(scene, "other", 1, At(3, 0, 0)); },
-       "there are 2 objects; it is of one"},
+       "there are 2 objects; the closed form has one"},
   });
 }
 
@@ -116,8 +117,8 @@ TEST(Fit, SlideAndStickRefuseScenesWithoutACuboidOnASlope) {
       {"slide", SlopeScene(0.5, 0.4), Group("location", At(0, -4.7, 0)),
        "is 0.05 m above what it should stand on; a gap of at most 0.005 m"},
       {"slide", SlopeScene(0.5, 0.4), Group("linear_velocity", kX), "moves at the start"},
-      {"slide", SlopeScene(0.5, 0.4), Slope(0.1), "take `stick`"},
-      {"stick", SlopeScene(0.3, 1), Slope(0.6), "take `slide`"},
+      {"slide", SlopeScene(0.5, 0.4), Slope(0.1), "use `stick`"},
+      {"stick", SlopeScene(0.3, 1), Slope(0.6), "use `slide`"},
       {"stick", SlopeScene(0.3, 10),
        [](plan::Scene& scene) {
          Slope(0.6)(scene);
@@ -164,7 +165,8 @@ TEST(Fit, RollingRefusesScenesWithoutAPlateOnBalls) {
       {"rolling", RollingScene(0.1), Group("quantity", std::uint64_t{0}), "there are no balls"},
       {"rolling", RollingScene(0.1), Group("rolling_friction", 0.1), "has rolling friction"},
       {"rolling", RollingScene(0.1), Group("type", Word("cone")), "is not a ball"},
-      {"rolling", RollingScene(0.1), Group("mass", Uniform(1.0, 2.0)), "not like the other balls"},
+      {"rolling", RollingScene(0.1), Group("mass", Uniform(1.0, 2.0)),
+       "differs from the other balls"},
       {"rolling", RollingScene(0.1), Slope(0), "straight down; tilt it"},
       {"rolling", RollingScene(0.1), Group("friction", 0.0), "slip on the plate"},
       {"rolling", RollingScene(0.1), Group("friction", 0.01), "slip on the plate"},
@@ -243,7 +245,7 @@ TEST(Fit, RollAndBowlRefuseScenesWithoutABallOnTheFloor) {
       {"roll", RollScene(0.5, 1), Group("angular_velocity", kX), "spins"},
       {"bowl", BowlScene(), Slope(0.1), "not straight down"},
       {"bowl", BowlScene(), Group("angular_velocity", kUp), "spins about the vertical"},
-      {"bowl", BowlScene(), Group("friction", 0.0), "never comes to roll"},
+      {"bowl", BowlScene(), Group("friction", 0.0), "never begins to roll"},
       {"bowl", BowlScene(), [](plan::Scene& scene) { SetTime(scene, 0.1, 1); },
        "rolls after 1.02 s, and the run ends after 1 s"},
   });
@@ -252,7 +254,7 @@ TEST(Fit, RollAndBowlRefuseScenesWithoutABallOnTheFloor) {
 TEST(Fit, ObliqueAndFlipRefuseWhatNeverHappens) {
   ExpectRefusals({
       {"oblique", ObliqueScene(1), World("acceleration", kUp), "there is an acceleration"},
-      {"oblique", ObliqueScene(1), Group("linear_velocity", kX), "no wall stands on"},
+      {"oblique", ObliqueScene(1), Group("linear_velocity", kX), "there is no wall in the path of"},
       {"oblique", ObliqueScene(1), [](plan::Scene& scene) { SetTime(scene, 0.1, 0.4); },
        "meets a wall after 0.5 s, and the run ends after 0.4 s"},
       {"oblique", ObliqueScene(1),
@@ -262,7 +264,7 @@ TEST(Fit, ObliqueAndFlipRefuseWhatNeverHappens) {
        },
        "reaches the wall +x"},
       {"flip", FlipScene(), Group("angular_velocity", Vector3d(3, 0.1, 0)), "its middle axis"},
-      {"flip", FlipScene(), Group("angular_velocity", Vector3d(0, 3, 0)), "never over"},
+      {"flip", FlipScene(), Group("angular_velocity", Vector3d(0, 3, 0)), "never turns over"},
       {"flip", FlipScene(), Group("aspect", schema::Ratio{{1, 1, 2}}), "its middle axis"},
       {"flip", FlipScene(), [](plan::Scene& scene) { SetTime(scene, 0.1, 1); },
        "and the run ends after 1 s"},

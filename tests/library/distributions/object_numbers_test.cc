@@ -95,8 +95,8 @@ TEST(ObjectNumbers, AMassFromADensityMayBeNamed) {
 TEST(ObjectNumbers, WhatIsNoValueOfTheSettingIsRefused) {
   plan::Scene scene = DrawnScene(50);
   SetGroup(scene, "mass", Of("-", {1.0, Name("size")}));
-  EXPECT_NE(RefusalOf(scene).find("the mass of object 1 of `objects` must be more than 0; 1 - size "
-                                  "is -"),
+  EXPECT_NE(RefusalOf(scene).find(
+                "the mass of object 1 of `objects` must be more than 0, but 1 - size is -"),
             std::string::npos)
       << RefusalOf(scene);
   scene = DrawnScene(50);
@@ -105,7 +105,8 @@ TEST(ObjectNumbers, WhatIsNoValueOfTheSettingIsRefused) {
   scene = DrawnScene(50);
   SetGroup(scene, "mass", Word("fixed"));
   SetGroup(scene, "friction", Name("mass"));
-  EXPECT_NE(RefusalOf(scene).find("`objects.mass` is no number for object 1"), std::string::npos);
+  EXPECT_NE(RefusalOf(scene).find("`objects.mass` is not a number for object 1"),
+            std::string::npos);
 }
 
 // The plan is written by hand, because the compiler rejects such settings.
@@ -121,7 +122,7 @@ TEST(ObjectNumbers, CirclesEnd) {
   scene = DrawnScene(5);
   SetGroup(scene, "size", Uniform(1.0, 5.0));
   SetGroup(scene, "mass", Name("size"));
-  EXPECT_NE(RefusalOf(scene).find("draws each side by itself"), std::string::npos);
+  EXPECT_NE(RefusalOf(scene).find("draws each side separately"), std::string::npos);
 }
 
 }  // namespace

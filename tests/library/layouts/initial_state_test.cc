@@ -137,12 +137,11 @@ TEST(Touching, IsSeenOffTheCentres) {
 
 TEST(LayoutErrors, Quantities) {
   EXPECT_EQ(FailureOf(LayoutScene(3, 10, At(0, 0, 0))),
-            "group `objects` has 3 objects, but `at` gives one object its place; make the quantity "
-            "1, or list a point for each object");
+            "group `objects` has 3 objects, but `at` places one object; make the quantity 1, or "
+            "list a point for each object");
   EXPECT_EQ(
       FailureOf(LayoutScene(3, 10, Points({{0, 0, 0}, {2, 0, 0}}))),
-      "group `objects` has 3 objects, but `at` gives 2 objects a place; list a point for each "
-      "object");
+      "group `objects` has 3 objects, but `at` places 2 objects; list a point for each object");
   const schema::Value pair = Layout("pair", {{"distance", 1.0}});
   for (const std::uint64_t quantity : {1, 3})
     EXPECT_NE(FailureOf(LayoutScene(quantity, 10, pair)).find("`pair` takes two objects"),
@@ -191,7 +190,7 @@ TEST(LayoutErrors, ObjectsMayOverlapWhereBothSaySo) {
   plan::Scene scene = LayoutScene(2, 50, Layout("line", {{"gap", -0.25}}));
   EXPECT_EQ(FailureOf(scene),
             "object 2 of 2 (group `objects`) overlaps object 1 of 2 (group `objects`) by 0.25 m "
-            "along the line between their centres of mass; make gap larger, or say overlap on");
+            "along the line between their centres of mass; make gap larger, or write overlap on");
   SetGroup(scene, "overlap", true);
   EXPECT_EQ(FailureOf(scene), "");
   // They overlap each other; they may overlap another group only if it agrees.

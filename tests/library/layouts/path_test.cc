@@ -73,20 +73,20 @@ TEST(Path, RefusesByLineAndColumn) {
   const std::pair<const char*, const char*> rows[] = {
       {"", "lift.csv: it is empty; write a line of column names first: t,x,y,z"},
       {"t,x,y,z\n", "it has no poses; write a line for each time"},
-      {"x,y,z\n0,0,0\n", "lift.csv:1: the column t is missing; a path says when"},
+      {"x,y,z\n0,0,0\n", "lift.csv:1: the column t is missing; a path has times"},
       {"t,x,y\n0,0,0\n", "lift.csv:1: 1 of the columns x, y, z are missing"},
-      {"t,x,y,z,vx,vy,vz\n",
-       "lift.csv:1: `vx` is no column that is known here; the columns of a path are t"},
-      {"t,x,y,z\n0,0,0,0\n0,1,0,0\n", "lift.csv:3: t is 0, and 0 in the line before; write"},
-      {"t,x,y,z\n1,0,0,0\n0.5,1,0,0\n", "lift.csv:3: t is 0.5, and 1 in the line before"},
+      {"t,x,y,z,vx,vy,vz\n", "lift.csv:1: `vx` is not a known column; the columns of a path are t"},
+      {"t,x,y,z\n0,0,0,0\n0,1,0,0\n", "lift.csv:3: t is 0, but 0 in the line before; write"},
+      {"t,x,y,z\n1,0,0,0\n0.5,1,0,0\n", "lift.csv:3: t is 0.5, but 1 in the line before"},
       {"t,x,y,z\n0,0,nan,0\n", "lift.csv:2: y is `nan`"},
   };
   for (const auto& [csv, message] : rows)
     EXPECT_NE(PathFault(csv).find(message), std::string::npos) << csv << "\n" << PathFault(csv);
-  EXPECT_NE(PathFault("t,x,y,z\n0,0,0,0\n", "repeat").find("one pose is nothing to repeat"),
+  EXPECT_NE(PathFault("t,x,y,z\n0,0,0,0\n", "repeat").find("a path of one pose cannot repeat"),
             std::string::npos);
-  EXPECT_NE(PathFault("t,x,y,z\n0,0,0,0\n1,0,0,1\n", "repeat").find("its last pose is not its"),
-            std::string::npos);
+  EXPECT_NE(
+      PathFault("t,x,y,z\n0,0,0,0\n1,0,0,1\n", "repeat").find("its last pose differs from its"),
+      std::string::npos);
   // A table of poses must not have the columns of a path.
   EXPECT_THROW(layouts::ParsePoseCsv("t,x,y,z\n0,0,0,0\n", "start.csv"), library::SceneError);
 }

@@ -55,19 +55,18 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"x,y,z\n", "it has no objects; write a line for each object"},
       {"x,y\n1,2\n", "start.csv:1: 1 of the columns x, y, z are missing"},
       {"x,y,z,vx\n1,2,3,4\n", "start.csv:1: 2 of the columns vx, vy, vz are missing; give all"},
-      {"x,y,z,mass\n",
-       "start.csv:1: `mass` is no column that is known here; the columns are x, y, z"},
-      {"x;y;z\n", "`x;y;z` is no column that is known here"},
-      {"1,2,3\n", "start.csv:1: `1` is no column that is known here"},
-      {"x,y,z,x\n", "the column `x` is there twice"},
-      {"x,y,z\n1,2,3\n1,2\n", "start.csv:3: 2 values in this line, and 3 columns"},
+      {"x,y,z,mass\n", "start.csv:1: `mass` is not a known column; the columns are x, y, z"},
+      {"x;y;z\n", "`x;y;z` is not a known column"},
+      {"1,2,3\n", "start.csv:1: `1` is not a known column"},
+      {"x,y,z,x\n", "the column `x` occurs twice"},
+      {"x,y,z\n1,2,3\n1,2\n", "start.csv:3: 2 values in this line, but 3 columns"},
       {"x,y,z\n1,2,3,\n", "start.csv:2: 4 values in this line"},
-      {"x,y,z\n\n# no\n1,2,nan\n", "start.csv:4: z is `nan`, which is no finite number"},
+      {"x,y,z\n\n# no\n1,2,nan\n", "start.csv:4: z is `nan`, which is not a finite number"},
       {"x,y,z\n1,inf,2\n", "y is `inf`"},
       {"x,y,z\n1,,2\n", "y is ``"},
       {"x,y,z\n1,2 m,2\n", "y is `2 m`"},
       {"x,y,z\n1,1e300,2\n", "y is 1e300, beyond 1e+15"},
-      {"x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "start.csv:2: qw, qx, qy, qz are no unit"},
+      {"x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "start.csv:2: qw, qx, qy, qz are not a unit"},
   };
   for (const auto& [csv, message] : rows)
     EXPECT_NE(FaultOf(csv).find(message), std::string::npos) << csv << "\n" << FaultOf(csv);
@@ -104,10 +103,9 @@ TEST_F(PoseFiles, PlaceTurnAndMove) {
 TEST_F(PoseFiles, AreCheckedAsOtherLayouts) {
   const schema::Value close = Write("x,y,z\n0,0,0\n0.5,0,0\n");
   EXPECT_NE(FailureOf(LayoutScene(2, 40, close)).find("overlaps"), std::string::npos);
-  EXPECT_EQ(
-      FailureOf(LayoutScene(3, 40, close)),
-      "group `objects` has 3 objects, and its file the poses of 2; leave the quantity out, or "
-      "name another file");
+  EXPECT_EQ(FailureOf(LayoutScene(3, 40, close)),
+            "group `objects` has 3 objects, but its file has the poses of 2; remove the quantity, "
+            "or name another file");
   const schema::Value low = Write("x,y,z\n0,-19.6,0\n");
   plan::Scene scene = LayoutScene(1, 40, low);
   EXPECT_NE(FailureOf(scene).find("reaches 0.1 m through the cube's wall -y"), std::string::npos)
@@ -123,7 +121,8 @@ TEST_F(PoseFiles, RefuseAChangedFile) {
   const schema::Value poses = Write("x,y,z\n0,0,0\n");
   EXPECT_EQ(FailureOf(LayoutScene(1, 40, poses)), "");
   WriteFile(folder_.path() / "start.csv", "x,y,z\n0,0,1\n");
-  EXPECT_NE(FailureOf(LayoutScene(1, 40, poses)).find("not the file that was planned with"),
+  EXPECT_NE(FailureOf(LayoutScene(1, 40, poses))
+                .find("differs from the file that the plan was made with"),
             std::string::npos);
 }
 

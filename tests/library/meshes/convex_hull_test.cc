@@ -78,7 +78,7 @@ TEST(ConvexHull, FlatSetsHaveNone) {
   EXPECT_EQ(Refusal([&] {
               meshes::ConvexHull({flat, {}}, "m");
             }),
-            "m: is flat, and so is its convex hull; a solid needs a volume");
+            "m: is flat, so its convex hull has no volume; a solid needs one");
 }
 
 TEST(ConvexHull, FewerVerticesKeepMostOfTheVolume) {

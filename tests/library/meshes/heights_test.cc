@@ -40,13 +40,13 @@ TEST(Heights, AreRowsAlongZ) {
 
 TEST(Heights, AreRefusedByLine) {
   const std::pair<const char*, const char*> rows[] = {
-      {"", "hill.csv: it has 0 by 0 heights; a height field has 2 by 2 or more"},
+      {"", "hill.csv: it has 0 by 0 heights; a height field needs at least 2 by 2"},
       {"1,2\n", "hill.csv: it has 1 by 2 heights"},
       {"1\n2\n", "hill.csv: it has 2 by 1 heights"},
-      {"1,2\n# no\n3\n", "hill.csv:3: 1 heights in this row, and 2 in the first; write as many"},
-      {"1,2\n3,4,\n", "hill.csv:2: `` is no height; write numbers, separated by commas"},
-      {"1,x\n", "hill.csv:1: `x` is no height"},
-      {"1,nan\n", "hill.csv:1: `nan` is no height"},
+      {"1,2\n# no\n3\n", "hill.csv:3: 1 heights in this row, but 2 in the first; write as many"},
+      {"1,2\n3,4,\n", "hill.csv:2: `` is not a height; write numbers, separated by commas"},
+      {"1,x\n", "hill.csv:1: `x` is not a height"},
+      {"1,nan\n", "hill.csv:1: `nan` is not a height"},
   };
   for (const auto& [csv, message] : rows)
     EXPECT_NE(HeightsFault(csv).find(message), std::string::npos) << csv << "\n"

@@ -76,7 +76,7 @@ class EveryBrokenText : public ::testing::TestWithParam<Broken> {};
 INSTANTIATE_TEST_SUITE_P(
     Mesh, EveryBrokenText,
     ::testing::Values(
-        Broken{"a.doc", "", "a.doc: cannot tell the format"},
+        Broken{"a.doc", "", "a.doc: unknown format"},
         Broken{"a.obj", "v 0 0 0\n", "a.obj: has no faces"},
         Broken{"a.obj", "v 0 0\n", "a.obj:1: a vertex needs 3"},
         Broken{"a.obj", "v 0 0 nan\n", "a.obj:1: `nan` should be a number"},
@@ -94,20 +94,21 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"a.obj", "cstype bezier\n", "a.obj:1: cannot read `cstype`"},
         Broken{"a.off", "", "the file ends before its first word"},
         Broken{"a.off", "4OFF\n", "a.off:1: starts with `4OFF`"},
-        Broken{"a.off", "OFF BINARY\n", "a.off:1: binary OFF is not read"},
-        Broken{"a.off", "OFF\n-1 3 0\n", "a.off:2: says -1 vertices"},
-        Broken{"a.off", "OFF\n4000000000 3 0\n", "a.off:2: says 4000000000 vertices, which cannot"},
+        Broken{"a.off", "OFF BINARY\n", "a.off:1: binary OFF is not supported"},
+        Broken{"a.off", "OFF\n-1 3 0\n", "a.off:2: declares -1 vertices"},
+        Broken{"a.off", "OFF\n4000000000 3 0\n",
+               "a.off:2: declares 4000000000 vertices, which do not fit"},
         Broken{"a.off", "OFF\n1 8 0\n0 0 0\n", "a.off:3: the file ends before face 1 of 8"},
         Broken{"a.off", "OFF\n1 1 0\n0 0\n", "a.off:3: should be a line with the 3 coordinates"},
-        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n", "a.off:4: says 3 corners and has 2"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n", "a.off:4: declares 3 corners but has 2"},
         Broken{"a.off", "OFF\n1 1 0\n0 0 0\n2 0 0\n", "a.off:4: a face needs 3 corners"},
         Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", "a.off:4: a face has vertex 1"},
-        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 0\n3 0 0 0\n", "a.off:5: goes on after"},
+        Broken{"a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 0\n3 0 0 0\n", "a.off:5: continues after"},
         Broken{"a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n",
-               "a.stl:4: the file ends where a coordinate should be"},
+               "a.stl:4: the file ends before a coordinate"},
         Broken{"a.stl", "solid x\nfacet normal 0 0 1\nouter vertex\n",
-               "a.stl:3: `vertex` where `loop` should be"},
-        Broken{"a.stl", "solid x\n", "a.stl:1: the file ends where `endsolid` should be"},
+               "a.stl:3: `vertex` instead of `loop`"},
+        Broken{"a.stl", "solid x\n", "a.stl:1: the file ends before `endsolid`"},
         Broken{"a.stl", "x", "a.stl: byte 1: the file ends before the number of triangles"},
         Broken{"a.ply", "PLY\n", "a.ply:1: should start with a line `ply`"},
         Broken{"a.ply", "ply\nformat ascii 1.0\n", "the header has no `end_header`"},
@@ -130,12 +131,12 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"a.ply",
                "ply\nformat ascii 1.0\nelement vertex 9223372036854775807\nproperty int x\n"
                "property int y\nproperty int z\nend_header\n0 0 0\n",
-               "a.ply:3: says 9223372036854775807 of `vertex`, which cannot"},
+               "a.ply:3: declares 9223372036854775807 of `vertex`, which do not fit"},
         Broken{"a.ply",
                "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
                "property int z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
                "0 0 0\n1000000 0 0 0\n",
-               "a.ply:11: a list of 1000000 values cannot be"},
+               "a.ply:11: a list of 1000000 values does not fit"},
         Broken{"a.ply",
                "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\n"
                "property int z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
@@ -143,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(
                "a.ply:11: a face has vertex 0.5"},
         Broken{"a.ply",
                "ply\nformat ascii 1.0\nelement vertex 0\nelement tristrips 1\nend_header\n",
-               "a.ply:4: triangle strips are not read"}));
+               "a.ply:4: triangle strips are not supported"}));
 TEST_P(EveryBrokenText, IsRefusedByLine) {
   const std::string message = RefusedFile(GetParam().text, GetParam().name);
   EXPECT_TRUE(Has(message, GetParam().says)) << message;
@@ -154,14 +155,15 @@ TEST(Mesh, CutOffFilesAreRefused) {
     const std::string ply = ToBinaryPly(Sample(), big);
     for (std::size_t cut = 1; cut < ply.size(); ++cut)
       EXPECT_TRUE(RefusedFile(ply.substr(0, ply.size() - cut), "a.ply").starts_with("a.ply:"));
-    EXPECT_TRUE(Has(RefusedFile(ply + "x", "a.ply"), "goes on after all"));
+    EXPECT_TRUE(Has(RefusedFile(ply + "x", "a.ply"), "continues after the data"));
   }
   const std::string stl = ToBinaryStl(Sample());
-  EXPECT_TRUE(Has(RefusedFile(stl.substr(5, stl.size() - 6), "a.stl"), "cut off"));
+  EXPECT_TRUE(Has(RefusedFile(stl.substr(5, stl.size() - 6), "a.stl"), "truncated"));
   std::string lies = stl;
   lies[0] = 'S' + 1;
   lies[83] = '\x7f';
-  EXPECT_TRUE(Has(RefusedFile(lies, "a.stl"), "byte 80: says 21307")) << RefusedFile(lies, "a.stl");
+  EXPECT_TRUE(Has(RefusedFile(lies, "a.stl"), "byte 80: declares 21307"))
+      << RefusedFile(lies, "a.stl");
 }
 
 TEST(Mesh, BinaryNumbersAreFinite) {

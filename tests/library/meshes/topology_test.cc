@@ -37,7 +37,7 @@ TEST(Topology, OpenEdgesAreCountedAndPlaced) {
 TEST(Topology, FacesMustAgree) {
   meshes::Mesh mesh = Cube();
   std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
-  EXPECT_EQ(RefusedMesh(mesh).substr(0, 47), "m: 3 edges where the two faces disagree which s");
+  EXPECT_EQ(RefusedMesh(mesh).substr(0, 47), "m: 3 edges where the two faces are oriented inc");
   // Two cubes that share an edge with the same vertices.
   const meshes::Mesh crowded = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
   EXPECT_EQ(RefusedMesh(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
@@ -56,15 +56,15 @@ TEST(Topology, APartInsideOutIsACavityOrAnError) {
   const meshes::Mesh hollow = Joined(Cube(2), InsideOut(Cube(1)));
   EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::Watertight(hollow, "m")), 64 - 8);
   EXPECT_EQ(RefusedMesh(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0})))),
-            "m: the part from (4, -1, -1) to (6, 1, 1) is inside out, and in no other part as a "
-            "cavity would be; turn its faces round");
+            "m: the part from (4, -1, -1) to (6, 1, 1) is inside out, but not a cavity of another "
+            "part; flip its faces");
 }
 
 TEST(Topology, NoVolumeIsRefused) {
   meshes::Mesh flat;
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
-  EXPECT_EQ(RefusedMesh(flat), "m: has no volume; a flat or folded surface is no solid");
+  EXPECT_EQ(RefusedMesh(flat), "m: has no volume; a flat or folded surface is not a solid");
   EXPECT_EQ(RefusedMesh({}), "m: has no faces; a model needs a closed surface");
 }
 

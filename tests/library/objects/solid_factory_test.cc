@@ -123,7 +123,7 @@ TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
   };
   EXPECT_EQ(make(plan::Sha256Hex(ToOff(AngleMesh()))).sides, Vector3d(1, 1, 0.5));
   EXPECT_EQ(Refusal([&] { make("0123"); }),
-            file() + ": it is not the file that was planned with; plan again");
+            file() + ": it differs from the file that the plan was made with; plan again");
 }
 
 TEST(SolidFactory, ModelsAreTheirMeshes) {

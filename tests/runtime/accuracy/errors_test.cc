@@ -218,7 +218,7 @@ TEST(CollectErrors, HasNoValueOfWhatIsNotANumber) {
   run.Set(2, 0, 0, {NAN, 0, 0});
   const measure::RunErrors errors =
       accuracy::CollectErrors(Asking({"penetration"}), run.samples(), nullptr, nullptr, nullptr);
-  EXPECT_EQ(errors.message, "a state of the run is not a number");
+  EXPECT_EQ(errors.message, "a state of the run is not finite");
   EXPECT_EQ(errors.values.at("penetration").at(0), 0);
   EXPECT_FALSE(errors.values.contains("penetration_floor"));
 }

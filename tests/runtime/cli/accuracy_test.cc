@@ -124,7 +124,8 @@ TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   EXPECT_NE(file.ReadText("accuracy/message", {{}, 0}).find("out of reach of single precision"),
             std::string::npos);
   const Finished shown = program.Run({"show", "far.h5", "--error", "position"});
-  EXPECT_NE(shown.out.find("without a place in it"), std::string::npos) << shown.out;
+  EXPECT_NE(shown.out.find("not on the plot, as the error is not known"), std::string::npos)
+      << shown.out;
 }
 
 TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
@@ -134,8 +135,8 @@ TEST(Accuracy, OfAFormThatDoesNotFitSaysWhy) {
   for (const std::string command : {"check", "run"}) {
     const Finished refused = program.Run({command, "no.cdb"});
     EXPECT_EQ(refused.status, 1);
-    EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` is not of this scene: there "
-                               "are 10 objects [E0222 wrong-form]"),
+    EXPECT_NE(refused.err.find("no.cdb:1:68: error: closed form `spin` does not apply to this "
+                               "scene: there are 10 objects [E0222 wrong-form]"),
               std::string::npos)
         << refused.err;
   }

@@ -124,8 +124,7 @@ TEST(Check, AResultsFileOfAnotherPlanThanItHoldsIsDamaged) {
   for (const char* command : {"check", "show"}) {
     const Finished other = program.Run({command, "a.h5"});
     EXPECT_EQ(other.status, 2);
-    EXPECT_NE(other.err.find("its plan is not the one that its plan_sha256 names"),
-              std::string::npos)
+    EXPECT_NE(other.err.find("its plan differs from its plan_sha256"), std::string::npos)
         << other.err;
   }
 }

@@ -50,7 +50,7 @@ TEST(CompareCommand, PrintsAllOfIt) {
 Result
   SLOWER: sap: step +8.1 % (+7.8 .. +8.3 %)
   Same within 0.2 %: simple
-  Physics: the same last state to the bit at 2 of 2 points
+  Physics: the same last state at 2 of 2 points, to the last bit
   Unchanged: verdicts, position error, missed pairs, false positive pairs, duplicate pairs, peak
       memory
   WORSE by more than 5 %, exit status 4: sap step
@@ -60,7 +60,7 @@ Mean of a cycle
   ------------------------------------------------------------------------------
   simple    step   998.2 ns  999.2 ns  1.001  0.9998 .. 1.002  same within 0.2 %
   sap       step   998.2 ns   1079 ns  1.081   1.078 .. 1.083  SLOWER
-  Fastest of 4 repeats per cycle, the mean over all choices of so many (of 5 and 5), then mean over
+  Fastest of 4 repeats per cycle, averaged over all choices of that many (of 5 and 5), then mean over
       cycles. Below 1: b.h5 is faster.
   Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more than 1 %,
       with Holm's correction for all groups and phases (5 %): cdb doc compare.
@@ -76,7 +76,7 @@ TEST(CompareCommand, ComparesFoldersFileByFile) {
   WriteFactor(program, "after/three.h5", 1, 3);
   const Finished compared = program.Run({"compare", "before", "after", "--phase", "step"});
   EXPECT_EQ(compared.status, 4) << compared.err;
-  EXPECT_NE(compared.out.find("Not in all folders, and not compared\n  after/three.h5\n"),
+  EXPECT_NE(compared.out.find("Not compared, because not in all folders\n  after/three.h5\n"),
             std::string::npos)
       << compared.out;
   EXPECT_NE(compared.out.find("A comparison: from before/one.h5 to after/one.h5\n"),
@@ -106,18 +106,18 @@ TEST(CompareCommand, RefusesByName) {
     std::vector<std::string> arguments;
     const char* why;
   } kRefusals[] = {
-      {{"a.h5"}, "compare takes two results files or more, or two folders of them or more"},
+      {{"a.h5"}, "compare takes two or more results files, or two or more folders of them"},
       {{"a.h5", "b.h5"}, "b.h5: there is no such file; `cdb run` makes one"},
       {{"a.h5", "text.h5"}, "text.h5: is not a whole result of cdb"},
       {{"a.h5", "empty"}, "compare takes files or folders, not both: name the file in each folder"},
       {{"empty", "empty"}, "no .h5 file is in all of the folders empty, empty"},
-      {{"a.h5", "other.h5"}, "unlike scenes: warmup (0 in a.h5, 3 in other.h5)"},
+      {{"a.h5", "other.h5"}, "different scenes: warmup (0 in a.h5, 3 in other.h5)"},
       {{"a.h5", "a.h5", "--phase", "brod"},
        "--phase brod: there is no such phase; there are broad"},
-      {{"a.h5", "a.h5", "--fail-above", "-1"}, "--fail-above -1: is not a percentage"},
-      {{"a.h5", "a.h5", "--fail-above", "some"}, "--fail-above some: is not a percentage"},
-      {{"a.h5", "a.h5", "--json", "--markdown"}, "--markdown and --json are two forms of the same"},
-      {{"a.h5", "a.h5", "--relative"}, "--relative takes 3 detectors or more"},
+      {{"a.h5", "a.h5", "--fail-above", "-1"}, "--fail-above -1: not a percentage"},
+      {{"a.h5", "a.h5", "--fail-above", "some"}, "--fail-above some: not a percentage"},
+      {{"a.h5", "a.h5", "--json", "--markdown"}, "choose either --markdown or --json"},
+      {{"a.h5", "a.h5", "--relative"}, "--relative needs 3 detectors or more"},
   };
   for (const auto& [arguments, why] : kRefusals) {
     std::vector<std::string> command = {"compare"};

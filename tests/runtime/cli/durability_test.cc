@@ -117,7 +117,7 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
-  EXPECT_NE(program.Read("stderr.txt").find("the same command goes on"), std::string::npos);
+  EXPECT_NE(program.Read("stderr.txt").find("the same command resumes"), std::string::npos);
   EXPECT_FALSE(RunsIn(program.folder() / "long.runs").empty());
   EXPECT_EQ(program.Run({"merge", "-o", "part.h5", "long.runs"}).status, 0);
   EXPECT_EQ(store::ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}),

@@ -45,7 +45,7 @@ TEST(Scenarios, AreNamedWhereAFileIsMissing) {
     EXPECT_EQ(missing.status, 2);
     EXPECT_EQ(missing.err,
               "cdb: cannot read 'paper/experiment9': No such file or directory; `cdb list "
-              "scenarios` shows those that come with cdb\n");
+              "scenarios` lists those that come with cdb\n");
   }
 }
 

@@ -25,8 +25,8 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
       << run.err;
   const Finished shown = program.Run({"show", "far.h5"});
   EXPECT_EQ(shown.status, 3);
-  EXPECT_NE(shown.out.find("1 did not end well (1 frozen), marked below and in no mean or ratio "
-                           "with others:\n"),
+  EXPECT_NE(shown.out.find("1 did not end well (1 frozen), marked below, and not pooled with "
+                           "others in means and ratios:\n"),
             std::string::npos)
       << shown.out;
   EXPECT_NE(shown.out.find("precision single, rep 0: frozen from cycle 0 on"), std::string::npos);

@@ -70,8 +70,7 @@ TEST_F(Submit, TheSameCommandSubmitsOnlyWhatIsMissing) {
   program_.Write("lost.2", "");
   const Finished first = Run("s.cdb --tasks 3");
   EXPECT_EQ(first.status, 2) << first.err;
-  EXPECT_THAT(first.err,
-              HasSubstr("runs are still to be done; the same command submits them again"));
+  EXPECT_THAT(first.err, HasSubstr("runs are missing; the same command submits them again"));
   EXPECT_THAT(first.err, HasSubstr("slurm-*.log"));
   fs::remove(program_.folder() / "lost.2");
   const Finished second = Run("s.cdb");
@@ -100,7 +99,7 @@ TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
   EXPECT_EQ(lost.status, 2) << lost.err;
   EXPECT_THAT(lost.err, HasSubstr("1 of 4 tasks"));
   EXPECT_THAT(program_.Read("said"), HasSubstr("--array=3 "));
-  EXPECT_THAT(lost.err, HasSubstr("1 of 4 runs are still to be done"));
+  EXPECT_THAT(lost.err, HasSubstr("1 of 4 runs are missing"));
   EXPECT_EQ(starts(), before);
 
   // It continues, with or without these options.
@@ -120,7 +119,7 @@ TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
   EXPECT_EQ(starts(), before);
   EXPECT_FALSE(program_.Exists("s.runs"));
   EXPECT_THAT(Run("s.cdb --retry crashed").err,
-              HasSubstr("no run of 's.h5' is crashed; nothing is run again"));
+              HasSubstr("no run of 's.h5' is crashed; nothing to repeat"));
   EXPECT_EQ(starts(), before);
 }
 
@@ -131,10 +130,10 @@ TEST_F(Submit, RefusesARetryThatItCannotCarryOut) {
     EXPECT_THAT(finished.err, HasSubstr(message)) << words;
   };
   refused("s.cdb --retry fialed", "did you mean 'failed'?");
-  refused("s.cdb --retry failed --dry-run", "leave out --retry");
+  refused("s.cdb --retry failed --dry-run", "remove --retry");
   program_.Write("lost.1", "");
   EXPECT_EQ(Run("s.cdb --tasks 2").status, 2);
-  refused("s.cdb --retry failed", "holds finished runs that are not in the results yet");
+  refused("s.cdb --retry failed", "has finished runs that are not merged yet");
   fs::remove(program_.folder() / "lost.1");
   program_.Write("lost.merge", "");
   EXPECT_EQ(Run("s.cdb --tasks 2 --no-follow").status, 0);
@@ -157,13 +156,13 @@ TEST_F(Submit, AJobAtWorkIsFollowedAndNotSubmittedAgain) {
   program_.Write("active", "RUNNING|None\nPENDING|Dependency\n");
   const Finished again = Run("s.cdb --no-follow");
   EXPECT_EQ(again.status, 0) << again.err;
-  EXPECT_THAT(again.err, HasSubstr("job 41 is at work on 's.h5'"));
+  EXPECT_THAT(again.err, HasSubstr("job 41 is working on 's.h5'"));
   EXPECT_THAT(again.err, HasSubstr("`scancel 41 42` ends it"));
   EXPECT_THAT(again.err, Not(HasSubstr("submitted job")));
   Stub("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
   const Finished silent = Run("s.cdb --no-follow");
   EXPECT_EQ(silent.status, 2);
-  EXPECT_THAT(silent.err, HasSubstr("cannot tell whether job 41 still runs"));
+  EXPECT_THAT(silent.err, HasSubstr("cannot tell whether job 41 is still running"));
 }
 
 TEST_F(Submit, TheJobIsOfThePlanAsItWas) {
@@ -206,7 +205,7 @@ TEST_F(Submit, ADryRunChangesNothing) {
 TEST_F(Submit, ErrorsNameCauseAndRemedy) {
   const Finished none = program_.Shell("PATH=/nowhere \"$CDB\" submit s.cdb");
   EXPECT_EQ(none.status, 2);
-  EXPECT_THAT(none.err, HasSubstr("there is no sbatch in PATH"));
+  EXPECT_THAT(none.err, HasSubstr("sbatch is not in PATH"));
   EXPECT_THAT(none.err, HasSubstr("cdb doc cluster"));
   EXPECT_FALSE(program_.Exists("s.runs"));
   Stub("sbatch", "echo 'sbatch: error: invalid partition specified: x' >&2; exit 1");
@@ -215,7 +214,7 @@ TEST_F(Submit, ErrorsNameCauseAndRemedy) {
   EXPECT_THAT(refused.err, HasSubstr("invalid partition specified: x"));
   const Finished folder = Run("s.cdb -o nowhere/s.h5");
   EXPECT_EQ(folder.status, 2);
-  EXPECT_THAT(folder.err, HasSubstr("there is no folder 'nowhere'"));
+  EXPECT_THAT(folder.err, HasSubstr("the folder 'nowhere' of 'nowhere/s.h5' does not exist"));
 }
 
 }  // namespace

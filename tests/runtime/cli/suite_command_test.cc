@@ -155,7 +155,7 @@ TEST_F(SuiteResults, ThatAreIncompleteAreRefusedByName) {
   EXPECT_EQ(check.out.find("stiff/bounce: there are no results"), std::string::npos) << check.out;
   const Finished none = program_->Run({"suite", "--check", "nowhere"});
   EXPECT_EQ(none.status, 2);
-  ExpectSays(none.err, "'nowhere' holds no results of the standard suite");
+  ExpectSays(none.err, "'nowhere' has no results of the standard suite");
 }
 
 TEST_F(SuiteResults, ThatAreTamperedWithAreRefusedByName) {
@@ -200,7 +200,7 @@ TEST_F(SuiteResults, AreVerifiedByThoseOfAnotherRun) {
   const Finished against = program_->Run({"suite", "--against", "out", "-o", "mine"});
   ExpectSays(against.out, "6 of 6");
   ExpectSays(against.out, "stiff/bounce");
-  ExpectSays(against.out, "Not verified, as 'mine' does not have them");
+  ExpectSays(against.out, "Not verified, because not in 'mine'");
 }
 
 TEST_F(SuiteResults, RefusesWhatItHasNot) {
@@ -211,9 +211,10 @@ TEST_F(SuiteResults, RefusesWhatItHasNot) {
   };
   ExpectSays(error({"suite", "--only", "game"}), "did you mean 'games'?");
   ExpectSays(error({"suite", "--detector", "kd_tre"}), "kd_tree");
-  ExpectSays(error({"suite", "--detector", "dbvt"}), "the suite has it already");
-  ExpectSays(error({"suite", "--long", "--seed", "7"}), "one of them");
-  ExpectSays(error({"suite", "--check", "out", "--against", "out"}), "one of them");
+  ExpectSays(error({"suite", "--detector", "dbvt"}), "it is already in the suite");
+  ExpectSays(error({"suite", "--long", "--seed", "7"}), "cannot be combined with --seed");
+  ExpectSays(error({"suite", "--check", "out", "--against", "out"}),
+             "cannot be combined with --against");
   EXPECT_FALSE(program_->Exists("suite"));
 }
 

@@ -81,7 +81,7 @@ TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
   std::filesystem::remove(file);
   const Finished again = program.Run({"trace", "grid.cdb"});
   EXPECT_NE(again.out.find("grid_n-3.trace.h5: "), std::string::npos);
-  EXPECT_NE(again.out.find("grid_n-4.trace.h5: is there already"), std::string::npos) << again.out;
+  EXPECT_NE(again.out.find("grid_n-4.trace.h5: exists already"), std::string::npos) << again.out;
   EXPECT_EQ(store::ReadTraceFacts(file).sha256, facts.sha256);
 }
 
@@ -91,7 +91,7 @@ TEST(Trace, WritesOverNothingOfAnother) {
   program.Write("mine.h5", "mine");
   const Finished refused = program.Run({"trace", "b.cdb", "-o", "mine.h5"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("is no trace of this run"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("is not a trace of this run"), std::string::npos) << refused.err;
   EXPECT_EQ(program.Run({"trace", "-q", "--fresh", "b.cdb", "-o", "mine.h5"}).status, 0);
   EXPECT_EQ(store::ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
 }

@@ -195,7 +195,7 @@ TEST(OmissionGuard, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
   for (int wall = 0; wall < pruning::kWallCount; ++wall) {
     const PairedRun paired = RunPaired(scene, TowardsWall(scene, wall, -1), WrongAboutWalls(scene));
     ASSERT_TRUE(paired.tripped);
-    EXPECT_NE(paired.tripped->find("object 1 came to the wall"), std::string::npos);
+    EXPECT_NE(paired.tripped->find("object 1 came close to the wall"), std::string::npos);
     EXPECT_GE(paired.tripped_in, 58u);
     EXPECT_FALSE(RunPaired(scene, TowardsWall(scene, wall, 5), WrongAboutWalls(scene)).tripped);
   }

@@ -119,11 +119,11 @@ TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
   ExpectSays(text, "SLOWER: sap: broad +");
   ExpectSaysNot(text, "FASTER");
   ExpectSaysNot(text, "EVERYTHING");
-  ExpectSays(text, "Physics: the same last state to the bit at 8 of 8 points");
+  ExpectSays(text, "Physics: the same last state at 8 of 8 points, to the last bit");
   ExpectSays(text, "Unchanged: verdicts, position error, missed pairs, ");
   // The interval includes changes below 5 %.
   EXPECT_FALSE(compared.IsWorse());
-  ExpectSays(text, "Nothing is surely worse by more than 5 %");
+  ExpectSays(text, "Nothing is significantly worse by more than 5 %");
 }
 
 TEST(Compare, FailsWhereTheWholeIntervalIsAbove) {
@@ -147,13 +147,13 @@ TEST(Compare, NamesWhatAllHaveInCommon) {
   EXPECT_EQ(compared.Group("grid").relative.verdict, ChangeVerdict::kSlower);
   const std::string text = compared.Text();
   ExpectSays(text, "EVERYTHING is slower: the median step over all groups is +5.");
-  ExpectSays(text, "the machine, or code that all have in common; cdb's own overhead");
+  ExpectSays(text, "the machine, or shared code; cdb's own overhead");
   const std::string relative = Compared(files, {.is_relative = true}).Text();
   ExpectSays(relative, "SLOWER: grid: broad +");
   ExpectSaysNot(relative, "SLOWER: simple");
   EXPECT_NE(RefusalOf({{ComparedPlan(6, {"10"}, {"sap"})}, {ComparedPlan(6, {"10"}, {"sap"})}},
                       {.is_relative = true})
-                .find("--relative takes 3 detectors or more"),
+                .find("--relative needs 3 detectors or more"),
             std::string::npos);
 }
 
@@ -163,7 +163,7 @@ TEST(Compare, CannotTellFromOneRepeat) {
   EXPECT_EQ(compared.Group("sap").absolute.verdict, ChangeVerdict::kCannotTell);
   EXPECT_FALSE(compared.IsWorse());
   ExpectSays(compared.Text(),
-             "Cannot tell, as there is 1 repeat, and an interval takes 5 in each file (facts below "
+             "Cannot tell, as there is 1 repeat, but an interval needs 5 in each file (facts below "
              "are exact): simple; dbvt; sap; grid");
 }
 
@@ -225,7 +225,7 @@ TEST(Compare, SaysThatRepeatsOfAFileDiffer) {
     if (run.rep == 1) made.state = "another";
   };
   ExpectSays(Compared({{ComparedPlan(2)}, {.plan = ComparedPlan(2), .change = unsettled}}).Text(),
-             "NOT REPEATABLE: repeats in one file end in other states: detector simple");
+             "NOT REPEATABLE: repeats in one file end in different states: detector simple");
 }
 
 TEST(Compare, LeavesTimesOfUnlikeWorkOut) {
@@ -236,10 +236,9 @@ TEST(Compare, LeavesTimesOfUnlikeWorkOut) {
   const Compared compared({{ComparedPlan(5)}, {.plan = ComparedPlan(5), .change = omit}});
   ASSERT_EQ(compared.comparison().times.groups.size(), 2u);
   const std::string text = compared.Text();
-  ExpectSays(
-      text,
-      "Times not compared: detector simple, quantity 10 (one of the files omitted solver, so "
-      "that it did less work: run both with omit none); ");
+  ExpectSays(text,
+             "Times not compared: detector simple, quantity 10 (one of the files omitted solver, "
+             "so it did less work: run both with omit none); ");
   ExpectSays(text, "detector dbvt, quantity 10 (frozen in b.h5)");
 }
 
@@ -271,7 +270,7 @@ TEST(Compare, IgnoresAnAxisOfOneValueAndRefusesOneOfSeveral) {
              "Axis ignored: only b.h5 has the axis detector, with the value sap");
   EXPECT_EQ(RefusalOf({{one}, {ComparedPlan(1)}}),
             "only b.h5 has the axis 'detector' (simple, dbvt, sap, grid): choose one of its "
-            "values, as in --select detector=simple");
+            "values, such as --select detector=simple");
   ExpectSays(Compared({{ComparedPlan(1, {"10", "20"}, {"grid"})},
                        {ComparedPlan(1, {"10", "20"}, {"sap"})}})
                  .Text(),
@@ -294,16 +293,16 @@ TEST(Compare, ComparesThePairsOfDetectorsOnTraces) {
     if (run.at[0] == 1) made.state = "another";
   };
   ExpectSays(Compared({{plan}, {.plan = plan, .change = other}}).Text(),
-             "PAIRS DIFFER: others in the last cycle at 1 of 2 points, whose times are of other "
-             "pairs: detector grid");
+             "PAIRS DIFFER: other pairs in the last cycle at 1 of 2 points, whose times are of "
+             "other pairs: detector grid");
 }
 
 TEST(Compare, SaysThatBenchmarksDiffer) {
   plan::Plan other = ComparedPlan(1, {"30"});
   other.benchmark = "another";
   EXPECT_EQ(RefusalOf({{ComparedPlan(1, {"10", "20"})}, {other}})
-                .find("a.h5 is of the benchmark 'fixture', b.h5 of 'another': a.h5 and b.h5 have "
-                      "no point in common"),
+                .find("a.h5 has the benchmark 'fixture', but b.h5 has 'another': a.h5 and b.h5 "
+                      "have no point in common"),
             0u);
 }
 
@@ -311,9 +310,9 @@ TEST(Compare, RefusesUnlikeScenes) {
   const plan::Plan other =
       ComparedPlan(1, {"10", "20"}, {"simple", "dbvt", "sap", "grid"}, "warmup 7");
   EXPECT_EQ(RefusalOf({{ComparedPlan(1)}, {other}}),
-            "a.h5 and b.h5 are of unlike scenes: warmup (0 in a.h5, 7 in b.h5); a difference "
-            "between them would be that of the scenes. Run the same scenario with both, or sweep "
-            "the parameter in one file and use `cdb show`");
+            "a.h5 and b.h5 have different scenes: warmup (0 in a.h5, 7 in b.h5); a difference "
+            "between them could be due to the scenes. Run the same scenario for both, or sweep the "
+            "parameter in one file and use `cdb show`");
 }
 
 TEST(Compare, SaysFirstWhatDiffers) {
@@ -329,7 +328,7 @@ TEST(Compare, SaysFirstWhatDiffers) {
   ExpectSays(text, "\n  build      Release        Debug\n");
   ExpectSays(text, "\n  CPU        a µ-processor  another\n");
   ExpectSays(text, "\n  precision  single         double\n");
-  ExpectSays(text, "b.h5 was timed with a Debug build of cdb: these are not timings to quote");
+  ExpectSays(text, "b.h5 was timed with a Debug build of cdb: do not quote its timings");
   ExpectSays(text, "b.h5 ran after a.h5, 60 min later: a change of the machine in between");
   EXPECT_LT(text.find("Debug"), text.find("Result"));
 }

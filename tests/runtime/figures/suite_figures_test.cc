@@ -179,7 +179,7 @@ TEST(SuiteScore, ADisturbedBaselineDisturbsAllAndAWrongOneStaysTheMeasure) {
   EXPECT_NEAR(drifting.figures.Find("skin")->speedup.value, 8, 1e-9);
 
   const Scene frozen(kFirst, with_baseline({.ns = 8e5, .verdict = measure::Verdict::kFrozen}));
-  EXPECT_EQ(frozen.figures.Find("skin")->fault, "the baseline dbvt has no time that counts");
+  EXPECT_EQ(frozen.figures.Find("skin")->fault, "the baseline dbvt has no valid time");
 }
 
 TEST(SuiteScore, VerdictsThatAViewerAcceptsAreAllowedByTheScene) {

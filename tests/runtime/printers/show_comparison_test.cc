@@ -90,8 +90,8 @@ TEST(ShowComparison, PrintsWhatAVerdictVoidsWithItsMark) {
   };
   const std::string text = Shown(Grid(), freeze_dbvt_20);
   ExpectHas(text,
-            "\n  1 did not end well (1 frozen), marked below and in no mean or ratio with others:\n"
-            "    detector dbvt, quantity 20, rep 0: frozen from cycle 3 on\n");
+            "\n  1 did not end well (1 frozen), marked below, and not pooled with others in means "
+            "and ratios:\n    detector dbvt, quantity 20, rep 0: frozen from cycle 3 on\n");
   ExpectHas(text,
             "\n  dbvt            20   2.40    2.40    2.40   2.40       2.40  2.40  frozen\n");
   ExpectHas(text, "\n        20          (1.00)          (1.20)       (2.00)\n");
@@ -100,7 +100,7 @@ TEST(ShowComparison, PrintsWhatAVerdictVoidsWithItsMark) {
   ExpectHas(pooled, "\n  dbvt           2   3.00 ");
   ExpectHas(pooled, "\n  dbvt           1   2.40 ");
   const std::string sound = Shown(Grid(), freeze_dbvt_20, {.only_sound = true});
-  ExpectHas(sound, "1 did not end well (1 frozen), left out by --sound:");
+  ExpectHas(sound, "1 did not end well (1 frozen), excluded by --sound:");
   ExpectLacks(sound, "2.40");
 }
 
@@ -148,7 +148,7 @@ TEST(ShowComparison, KeepsRatiosOfUnlikeOmissionsOutOfTheMean) {
     return made;
   });
   ExpectHas(text, "\n        10          (1.00)          (1.20)       (2.00)\n");
-  ExpectHas(text, "\nAt 1 of 3 points some detectors ran without solver and others with: ");
+  ExpectHas(text, "\nAt 1 of 3 points, some detectors ran without solver and others with it: ");
   ExpectHas(text, "\n  Mean and range over 2 of 3 cells: those that all detectors have.\n");
 }
 
@@ -162,7 +162,7 @@ TEST(ShowComparison, SaysHowItsIntervalsWereMade) {
   ExpectHas(one, "\n  Mean over cycles; no interval: one repeat.\n");
   const std::string three = Shown(Grid(3), vary);
   ExpectHas(three, "\nMean of a cycle, its range, us\n");
-  ExpectHas(three, "\n  Over all draws of 3 repeats; an interval of 95 % takes 5 repeats.\n");
+  ExpectHas(three, "\n  Range over all draws of 3 repeats; a 95 % interval needs 5 repeats.\n");
   ExpectHas(three, "1.00 .. 1.02");
   const std::string five = Shown(Grid(5), vary);
   ExpectHas(five, "\nMean of a cycle, its 95 % interval, us\n");

@@ -151,7 +151,7 @@ TEST(Verify, TellsTheWrongFirst) {
           "\n"
           "  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on\n"
           "    cdb run fixture.cdb -b fixture --only " +
-          IdOf(plan, 4) + "\n  Left out: sap is not built.\n");
+          IdOf(plan, 4) + "\n  Omitted: sap is not built.\n");
 }
 
 TEST(Verify, IsGoodWhereNothingIsMissed) {
@@ -227,7 +227,7 @@ TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
       "\n  9 runs (3 quantity x 3 detector), 3 cycles\n"
       "  WRONG: null missed 70 of 90 pairs, in 3 of 3 runs; first in cycle 1 of quantity 10, "
       "detector null, rep 0.\n"
-      "    Its times are of less work than there was. That run by itself: cdb run fixture.cdb -b "
+      "    Its times are of less work than necessary. To repeat that run: cdb run fixture.cdb -b "
       "fixture --only ";
   EXPECT_TRUE(text.starts_with(line)) << text;
 }
@@ -236,13 +236,12 @@ TEST(ShowDetectors, NamesThoseThatNobodyLookedAt) {
   if (!schema::FindDetectorPart("fcl")->is_built)
     GTEST_SKIP() << "needs libfcl-dev (./setup --third-party)";
   const std::string blind = Shown({"timing", "counts"}, {"sap", "fcl_spatialhash", "dbvt"});
-  EXPECT_NE(
-      blind.find(
-          "\n  Known to miss pairs, and nobody looked: fcl_spatialhash. record pairs does.\n"),
-      std::string::npos)
+  EXPECT_NE(blind.find("\n  Known to miss pairs, but not checked: fcl_spatialhash. `record pairs` "
+                       "checks them.\n"),
+            std::string::npos)
       << blind;
   const std::string seen = Shown({"timing", "pairs"}, {"sap", "fcl_spatialhash", "dbvt"});
-  EXPECT_EQ(seen.find("nobody looked"), std::string::npos) << seen;
+  EXPECT_EQ(seen.find("but not checked"), std::string::npos) << seen;
 }
 
 TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
@@ -252,11 +251,12 @@ TEST(ShowDetectors, SaysWhatTheHarnessCosts) {
   const std::string text = Shown({"timing"}, {"sap", "dbvt", "null"}, {}, set);
   // Detect takes 680 ns with sap at the middle point; null would take 34 ns, all of which is
   // overhead of the harness.
-  EXPECT_NE(text.find("\n  Harness: 68.0 ns a cycle, 10.0 % of the detect of sap, the fastest; "
-                      "nothing is subtracted.\n"),
+  EXPECT_NE(text.find("\n  Measurement overhead: 68.0 ns per cycle, 10.0 % of the detection of "
+                      "sap, the fastest; not subtracted.\n"),
             std::string::npos)
       << text;
-  EXPECT_EQ(Shown({"timing"}, {"sap", "dbvt", "null"}).find("Harness"), std::string::npos);
+  EXPECT_EQ(Shown({"timing"}, {"sap", "dbvt", "null"}).find("Measurement overhead"),
+            std::string::npos);
 }
 
 TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
@@ -291,8 +291,9 @@ TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
       << matched.out << matched.err;
   // Two quantities are too few for a fit.
   const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
-  EXPECT_NE(unlike.out.find("\n  Rows are of unlike numbers of objects: do not compare them.\n"),
-            std::string::npos)
+  EXPECT_NE(
+      unlike.out.find("\n  The rows have different numbers of objects: do not compare them.\n"),
+      std::string::npos)
       << unlike.out << unlike.err;
 }
 
@@ -306,7 +307,8 @@ TEST(ShowDetectors, SaysWhereGrowthMixesOmissions) {
     });
   };
   const std::string note =
-      "\n  Some points ran without solver and others with: growth is not of the objects alone.\n";
+      "\n  Some points ran without solver and others with it: the growth is not due to the number "
+      "of objects alone.\n";
   EXPECT_NE(shown(false).find(note), std::string::npos) << shown(false);
   EXPECT_EQ(shown(true).find(note), std::string::npos) << shown(true);
 }

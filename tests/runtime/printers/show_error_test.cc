@@ -47,9 +47,9 @@ std::string ShownError(const figures::ErrorOptions& options) {
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   EXPECT_EQ(ShownError({"position", {}, {}}), R"(A plan for tests – µ
   position: distance from the true position, in sizes of the object; root mean square over objects and samples
-  1 without a place in it:
+  1 not on the plot, as the error is not known:
     hz 240, precision double: a test
-  1 did not end well, marked and not on the front:
+  1 did not end well; marked, and not on the front:
     hz 60, precision double: crashed: of old age
 
    hz  precision  x real time  ms per s           range  position     floor  horizon, s
@@ -60,7 +60,7 @@ TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  tie, below floor
    60  double            6667     0.150    0.120..0.180  1.67e-02  1.00e-03        1.50  crashed
   Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
-  tie: what is as fast and as accurate is so only within the range and the floor.
+  tie: every configuration that is as fast and as accurate lies within the range and the floor.
 
 position, * front, = tie, x void
  2.50e-02 |                                                           *
@@ -80,7 +80,7 @@ position, * front, = tie, x void
           +------------------------------------------------------------
            3333                    x real time                    13330
 
-Below its floor an error says nothing: the reference and its perturbed run differ as much.
+An error below its floor is not significant: the reference and its perturbed run differ by as much.
 )");
 }
 

@@ -188,14 +188,13 @@ TEST(ShowCommand, RefusesWhatDoesNotGoTogether) {
     EXPECT_EQ(shown.status, 2);
     return shown.err;
   };
-  EXPECT_EQ(error_of({"--csv", "--json"}),
-            "cdb: --json and --csv are two forms of the same: choose one\n");
+  EXPECT_EQ(error_of({"--csv", "--json"}), "cdb: choose either --json or --csv\n");
   EXPECT_EQ(error_of({"--json", "--stat", "p95"}),
             "cdb: --json has all statistics; --stat is for tables and --csv\n");
-  EXPECT_EQ(error_of({"--csv", "--plot"}), "cdb: --csv has no plots; leave --plot out\n");
+  EXPECT_EQ(error_of({"--csv", "--plot"}), "cdb: --csv has no plots; remove --plot\n");
   EXPECT_EQ(error_of({"--error", "position", "--stat", "max"}),
-            "cdb: --stat is for a summary; --error is against the mean, as a simulated second "
-            "takes all of its cycles\n");
+            "cdb: --stat is for a summary; --error uses the mean, as a simulated second consists "
+            "of all of its cycles\n");
 }
 
 }  // namespace

@@ -169,8 +169,7 @@ TEST(WorkerTest, ATimeoutWhileAPileSettlesSaysSo) {
   };
   EXPECT_EQ(message(),
             "ended at its timeout of 2 s after 0 of 10 cycles, while its pile settled (340 of 1000 "
-            "objects at rest); a longer timeout leaves time for that, once for all runs with "
-            "this pile");
+            "objects at rest); use a longer timeout: a pile settles once for all its runs");
   settling.phase = measure::SettlingPhase::kWaiting;
   EXPECT_TRUE(Has(message(), "(another run settles the same pile)")) << message();
   settling.phase = measure::SettlingPhase::kNone;
@@ -187,7 +186,7 @@ TEST(WorkerTest, AMemoryLimitEndsItsRunAlone) {
   const process::Ending over = RunOne(MakeBehaviourPlan({kTakesMemory}, shape));
   EXPECT_EQ(over.result.status, store::Status::kFailed);
   EXPECT_EQ(over.result.message,
-            "ended at its memory limit of 3 GB after 3 of 10 cycles; raise `memory`, or take fewer "
+            "ended at its memory limit of 3 GB after 3 of 10 cycles; raise `memory`, or use fewer "
             "objects");
   const process::Ending crashed = RunOne(MakeBehaviourPlan({kNeedsMemory}, shape));
   EXPECT_EQ(crashed.result.status, store::Status::kCrashed);

@@ -111,7 +111,8 @@ TEST(ReachabilityOfWalls, OnlyThoseThatStand) {
   const pruning::Reachability reachability = scene.Make();
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0, 0}));
   EXPECT_TRUE(reachability.nothing_touches);
-  EXPECT_EQ(reachability.closest, "no wall stands, and no two objects come near one another");
+  EXPECT_EQ(reachability.closest,
+            "there are no walls, and no two objects come close to one another");
 }
 
 TEST(ReachabilityOfWalls, WithoutSpinAnObjectIsAsTallAsItIsTurned) {
@@ -314,7 +315,7 @@ TEST(ReachabilityGivesUp, Ccd) {
   const pruning::Reachability reachability = scene.Make();
   EXPECT_FALSE(reachability.nothing_touches);
   EXPECT_EQ(reachability.walls, (std::vector<std::uint8_t>{0x3f, 0}));
-  EXPECT_EQ(reachability.closest, "object 1 has ccd, which looks for contacts ahead of it");
+  EXPECT_EQ(reachability.closest, "object 1 has ccd, which finds contacts along its path");
 }
 
 TEST(ReachabilityGivesUp, SoftContacts) {
@@ -359,7 +360,7 @@ TEST(ReachabilityGivesUp, DenseGas) {
   EXPECT_EQ(reachability.largest_cluster, 3000u);
   EXPECT_EQ(reachability.walls, std::vector<std::uint8_t>(3000, 0x3f));
   // It does not search for everything that may meet first.
-  EXPECT_TRUE(Contains(reachability.closest, "too many objects may meet one another"))
+  EXPECT_TRUE(Contains(reachability.closest, "too many objects may meet to predict their contacts"))
       << reachability.closest;
 }
 

@@ -36,18 +36,17 @@ TEST(Bounds, GrowWithThePlan) {
 TEST(Bounds, AreRefusedWithTheNumbers) {
   schedule::Demand demand = {.objects = 5e6, .recorded = 1e9, .scene = 5e9};
   EXPECT_EQ(WhyTooLarge(demand, {.memory = 7e9}), "");
-  EXPECT_EQ(
-      WhyTooLarge(demand, {.memory = 5e9}),
-      "one run records up to 1 GB, its 5e+06 objects take 5 GB or more, and there are 5 GB of "
-      "memory; take fewer cycles or objects, or record less");
+  EXPECT_EQ(WhyTooLarge(demand, {.memory = 5e9}),
+            "one run records up to 1 GB and its 5e+06 objects need 5 GB or more, but only 5 GB of "
+            "memory are available; use fewer cycles or objects, or record less");
   demand.disk = 3e12;
   EXPECT_EQ(WhyTooLarge(demand, {.disk = 4e12}), "");
   EXPECT_EQ(WhyTooLarge(demand, {.disk = 1e12}),
-            "its results take 3 TB of disk or more, and there are 1 TB; record less, take "
-            "fewer runs or cycles, or another disk by -o");
+            "its results need 3 TB of disk or more, but only 1 TB are available; record less, use "
+            "fewer runs or cycles, or another disk (-o)");
   demand.time = 3.15576e9;
   EXPECT_EQ(WhyTooLarge(demand, {}),
-            "its runs take 100 years or more, at 10 ns for an object and cycle; take fewer runs, "
+            "its runs take 100 years or more, at 10 ns per object and cycle; use fewer runs, "
             "objects or cycles, or set a timeout");
 }
 

@@ -220,12 +220,10 @@ TEST(ProgressLogTest, HasALineForEachRunOfASmallPlan) {
   progress.RunEnded(*to_do[2], Result(store::Status::kFailed, "the cube is full"), 0);
   progress.End();
   EXPECT_EQ(screen.Take(),
-            "cdb: study: 4 runs, 1 of them there already, 2 at a time\n"
-            "cdb: 2/4  50 %  quantity 100, detector sap: done in 1.2 s\n"
-            "cdb: 3/4  75 %  quantity 200, detector dbvt: timed out: ended after its timeout of "
-            "3 s\n"
-            "cdb: warning: odd\n"
-            "cdb: 4/4 100 %  quantity 200, detector sap: failed: the cube is full\n");
+            "cdb: study: 4 runs, 1 of them already done, 2 at a time\ncdb: 2/4  50 %  quantity "
+            "100, detector sap: done in 1.2 s\ncdb: 3/4  75 %  quantity 200, detector dbvt: timed "
+            "out: ended after its timeout of 3 s\ncdb: warning: odd\ncdb: 4/4 100 %  quantity 200, "
+            "detector sap: failed: the cube is full\n");
 }
 
 TEST(ProgressBarTest, TellsHowFarAPileHasSettled) {

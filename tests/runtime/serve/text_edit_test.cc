@@ -79,8 +79,9 @@ TEST(TextEdit, RefusesByName) {
   EXPECT_THAT(error(kEditedScenario, {"", "cycles"}, "3\n} benchmark x {"),
               HasSubstr("on one line"));
   EXPECT_THAT(error("benchmark one { }", {"", "cycles"}, "3"),
-              HasSubstr("no benchmark 'two' any more"));
-  EXPECT_THAT(error(kEditedScenario, {"rocks", "size"}, "3"), HasSubstr("no group 'rocks'"));
+              HasSubstr("no longer has a benchmark 'two'"));
+  EXPECT_THAT(error(kEditedScenario, {"rocks", "size"}, "3"),
+              HasSubstr("does not define the group 'rocks'"));
   EXPECT_THAT(error("benchmark two {", {"", "cycles"}, "3"), HasSubstr("error"));
 }
 

@@ -44,7 +44,7 @@ TEST(Selection, RefusesByName) {
             "'detector' selects nothing; write AXIS=VALUE, such as detector=dbvt");
   EXPECT_EQ(select("detector=sap"), "detector=sap: the axis has the values simple, dbvt");
   EXPECT_EQ(select("detector=simple,dbvt"),
-            "detector=simple,dbvt: that is more than one; the axis has the values simple, dbvt");
+            "detector=simple,dbvt: there are several; the axis has the values simple, dbvt");
   EXPECT_EQ(select("size=1"), "there is no axis 'size'; there are detector, rep");
   EXPECT_EQ(select("rep=2"), "rep=2: the repeats are 0 to 1");
 }

@@ -66,7 +66,7 @@ TEST(ViewCommand, SaysThatPosesAreMissingAndShowsTheStart) {
   EXPECT_THAT(view.err, HasSubstr("`record timing, counts, poses`"));
   const Finished cycles = program.Run({"view", "start.h5", "--cycles", "1..2"});
   EXPECT_EQ(cycles.status, 2);
-  EXPECT_THAT(cycles.err, HasSubstr("start.h5: it has no poses"));
+  EXPECT_THAT(cycles.err, HasSubstr("start.h5: --cycles and --every need poses"));
 }
 
 TEST(ViewCommand, WritesGltfWithoutAPage) {
@@ -95,11 +95,12 @@ TEST(ViewCommand, RefusesByName) {
   EXPECT_THAT(error({"drop.h5", "--beside", "size=1"}), HasSubstr("there is no axis 'size'"));
   EXPECT_THAT(error({"drop.h5", "drop.h5", "--select", "size=1"}),
               HasSubstr("no file has the axis 'size'"));
-  EXPECT_THAT(error({"drop.h5", "--cycles", "3..9"}), HasSubstr("the run has the cycles 0 to 4"));
-  EXPECT_THAT(error({"drop.h5", "--every", "0"}), HasSubstr("--every 0: a whole number"));
-  EXPECT_THAT(error({"drop.cdb", "--every", "2"}), HasSubstr("a scenario shows its start"));
-  EXPECT_THAT(error({"drop.h5", "-b", "drop"}), HasSubstr("-b is for a scenario"));
-  EXPECT_THAT(error({"drop.h5", "--gltf", "a.gltf"}), HasSubstr("whose files end with .glb"));
+  EXPECT_THAT(error({"drop.h5", "--cycles", "3..9"}),
+              HasSubstr("the cycles of the run are 0 to 4"));
+  EXPECT_THAT(error({"drop.h5", "--every", "0"}), HasSubstr("--every 0: expected a whole number"));
+  EXPECT_THAT(error({"drop.cdb", "--every", "2"}), HasSubstr("only the start is shown"));
+  EXPECT_THAT(error({"drop.h5", "-b", "drop"}), HasSubstr("-b is for scenarios"));
+  EXPECT_THAT(error({"drop.h5", "--gltf", "a.gltf"}), HasSubstr("must end in .glb"));
   EXPECT_THAT(error({"drop.h5", "drop.h5", "drop.h5"}), HasSubstr("name one or two files"));
   EXPECT_THAT(error({"drop.h5", "--serve"}), HasSubstr("--serve edits one scenario file"));
   EXPECT_THAT(error({"drop.cdb", "--serve", "-o", "a.html"}), HasSubstr("-o is for a page in a"));

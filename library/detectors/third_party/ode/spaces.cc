@@ -31,7 +31,8 @@ void GetBox(dGeomID geom, dReal bounds[6]) {
 int BoxClass() {
   static const int box_class = [] {
     if (!dCheckConfiguration("ODE_double_precision"))
-      throw std::runtime_error("this ODE counts in float, its header in double; install one");
+      throw std::runtime_error(
+          "this ODE is built for float, but its header for double; install a matching pair");
     if (!dInitODE2(0)) throw std::runtime_error("ODE does not start");
     const dGeomClass box = {sizeof(Place), [](int) -> dColliderFn* { return nullptr; }, GetBox,
                             nullptr, nullptr};

@@ -90,7 +90,8 @@ TEST(PoseFile, RefusesAFileThatChangedAfterThePlan) {
   const Finished run = program.Run({"run", "-q", "--fresh", "b.yaml"});
   EXPECT_NE(run.status, 0);
   const store::ResultFile results(program.folder() / "b.h5");
-  EXPECT_NE(results.ReadText("message", {{}, 0}).find("not the file that was planned with"),
+  EXPECT_NE(results.ReadText("message", {{}, 0})
+                .find("differs from the file that the plan was made with"),
             std::string::npos)
       << results.ReadText("message", {{}, 0});
 }

@@ -107,7 +107,7 @@ TEST_F(Retry, LeavesFinishedRunsThatTheResultsLack) {
   const auto runs = RunsIn(folder_);
   const Finished retry = program_.Run({"run", "s.cdb", "--retry", "failed"});
   EXPECT_EQ(retry.status, 2);
-  EXPECT_NE(retry.err.find("holds finished runs that are not in the results"), std::string::npos)
+  EXPECT_NE(retry.err.find("has finished runs that are not merged yet"), std::string::npos)
       << retry.err;
   EXPECT_EQ(RunsIn(folder_), runs);
 }
@@ -132,7 +132,7 @@ TEST_F(Retry, SaysThatAChangedTimeoutMakesAnotherPlan) {
   program_.Write("s.cdb", std::string(kFails).insert(14, "timeout 60; "));
   const Finished finished = program_.Run({"run", "s.cdb", "--retry", "failed"});
   EXPECT_EQ(finished.status, 2);
-  EXPECT_NE(finished.err.find("a changed `timeout`"), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("such as `timeout`"), std::string::npos) << finished.err;
   EXPECT_EQ(StatusOf(1), Status::kFailed);
 }
 
@@ -144,8 +144,8 @@ TEST_F(Retry, RefusesWhatDoesNotGoTogether) {
     EXPECT_NE(finished.err.find(part), std::string::npos) << finished.err;
   };
   refused({"--retry", "fialed"}, "did you mean 'failed'?");
-  refused({"--retry", "failed", "--fresh"}, "--fresh forgets all");
-  refused({"--retry", "failed", "--shard", "1/2"}, "leave out --shard");
+  refused({"--retry", "failed", "--fresh"}, "--fresh discards all");
+  refused({"--retry", "failed", "--shard", "1/2"}, "cannot be combined with --shard");
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ TEST(SuiteCheck, AcceptsACompleteSubmissionAndNamesWhatSpoilsIt) {
                              std::filesystem::copy_options::overwrite_existing);
   const std::vector<std::string> faults = of.Faults();
   for (const char* part :
-       {"stiff/stack: timed with a Debug build", "stiff/stack: 2 runs ran side by side",
+       {"stiff/stack: timed with a Debug build", "stiff/stack: 2 runs were executed in parallel",
         "the scenes are not of one run of the suite: commit is ", "stiff/bounce: 1 run",
         "stiff/pendulum iterations_50", "granular/drum: it is not of version",
         "robotics/warehouse: it is not of version",

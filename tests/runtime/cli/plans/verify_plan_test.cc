@@ -49,7 +49,7 @@ TEST(VerifyPlan, LeavesOutWhatANamedDetectorDoesNotHold) {
                 "objects { quantity sweep(10, 16384) } }");
   const Finished some = program.Run({"verify", "s.cdb", "-q", "--detector", "sap,dbvt"});
   EXPECT_EQ(some.status, 0) << some.err;
-  EXPECT_NE(some.out.find("  Left out: sap, where there are more than 16384 bodies.\n"),
+  EXPECT_NE(some.out.find("  Omitted: sap, if there are more than 16384 bodies.\n"),
             std::string::npos)
       << some.out;
   program.Write("t.cdb",
@@ -57,9 +57,9 @@ TEST(VerifyPlan, LeavesOutWhatANamedDetectorDoesNotHold) {
                 "objects { quantity 16384 } }");
   const Finished none = program.Run({"verify", "t.cdb", "-q", "--detector", "sap"});
   EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("t: there is nothing to verify: sap, where there are more than 16384 "
-                          "bodies"),
-            std::string::npos)
+  EXPECT_NE(
+      none.err.find("t: there is nothing to verify: sap, if there are more than 16384 bodies"),
+      std::string::npos)
       << none.err;
 }
 
@@ -79,7 +79,7 @@ TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
   const auto index = static_cast<std::size_t>(sap - detectors.values.begin());
   EXPECT_EQ(every.plan.skipped, (std::vector<std::vector<std::size_t>>{{index, 1}}));
   EXPECT_EQ(every.plan.runs.size() + 1, 2 * detectors.values.size());
-  EXPECT_NE(std::ranges::find(every.left_out, "sap, where there are more than 16384 bodies"),
+  EXPECT_NE(std::ranges::find(every.left_out, "sap, if there are more than 16384 bodies"),
             every.left_out.end());
   for (const plan::Run& run : every.plan.runs) {
     EXPECT_EQ(run.scene.world.Count("cycles"), 7u);

@@ -307,7 +307,8 @@ TEST(Adapter, PairsThatMakeNoSenseFailWithTheirMessage) {
                    if (++cycle == 7) throw std::runtime_error("out of ideas");
                  }),
                  {"`tested`", "FindPairs of cycle 7", "out of ideas"});
-  ExpectMentions(MessageOfPairs([](auto&) { throw 5; }), {"`tested`", "no std::exception"});
+  ExpectMentions(MessageOfPairs([](auto&) { throw 5; }),
+                 {"`tested`", "other than a std::exception"});
 }
 
 /// Bullet's contacts, changed by a function of the test.
@@ -340,9 +341,9 @@ TEST(Adapter, ContactsThatMakeNoSenseFailWithTheirMessage) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(MessageOfContacts([](auto, auto&) {}), "no error");
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) { contacts[0].on_b.y = kNan; }),
-                 {"`tested`", "FindContacts of cycle ", "a number that is none"});
+                 {"`tested`", "FindContacts of cycle ", "a number that is not finite"});
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) { contacts[0].distance = kNan; }),
-                 {"`tested`", "a number that is none"});
+                 {"`tested`", "a number that is not finite"});
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) { contacts[0].normal.x += 2; }),
                  {"`tested`", "a normal of length"});
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) {
@@ -352,9 +353,9 @@ TEST(Adapter, ContactsThatMakeNoSenseFailWithTheirMessage) {
                  }),
                  {"`tested`", "contradicts itself"});
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) { contacts[0].a = 64; }),
-                 {"`tested`", "a pair that it was not asked for"});
+                 {"`tested`", "a pair that it was not given"});
   ExpectMentions(MessageOfContacts([](auto, auto& contacts) { contacts[0].b = 4000000000; }),
-                 {"`tested`", "a pair that it was not asked for"});
+                 {"`tested`", "a pair that it was not given"});
   ExpectMentions(MessageOfContacts([](auto, auto&) { throw std::runtime_error("no luck"); }),
                  {"`tested`", "FindContacts of cycle ", "no luck"});
 }
@@ -389,7 +390,7 @@ TEST(Adapter, ASceneSaysWhatItCannotHave) {
     return "no error";
   };
   EXPECT_EQ(message("null", "bullet"), "no error");
-  ExpectMentions(message("nonesuch", "own"), {"`nonesuch`", "not part of this version"});
+  ExpectMentions(message("nonesuch", "own"), {"`nonesuch`", "does not exist in this version"});
   ExpectMentions(message("dbvt", "null"), {"`null`", "finds pairs but no contacts"});
   plan::Scene scene = Gas(10);
   NamedDetector small = Named(std::make_shared<Exact>());

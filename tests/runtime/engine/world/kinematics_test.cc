@@ -159,7 +159,7 @@ TEST(Kinematics, NothingIsLeftOutThatTheyReach) {
     SetWorld(scene, "omit", schema::WordList{"auto"});
     const Recorded pruned = RunHere(scene);
     ASSERT_TRUE(pruned.done()) << pruned.message();
-    EXPECT_NE(pruned.header().decisions.str().find("mover are kinematic and push what they meet"),
+    EXPECT_NE(pruned.header().decisions.str().find("mover are kinematic and push other objects"),
               std::string::npos)
         << pruned.header().decisions.str();
     SetWorld(scene, "omit", schema::WordList{"none"});

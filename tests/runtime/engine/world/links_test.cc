@@ -268,7 +268,7 @@ TEST(Links, KeepWhatTheyPullAt) {
     for (const Component component : {Component::kWalls, Component::kDetection, Component::kSolver,
                                       Component::kSleeping, Component::kRotation})
       EXPECT_FALSE(paired.Omits(component)) << schema::InfoOf(component).name;
-    EXPECT_EQ(paired.why(Component::kSolver), "objects are linked and pull at one another");
+    EXPECT_EQ(paired.why(Component::kSolver), "objects are linked and pull on one another");
   }
 }
 

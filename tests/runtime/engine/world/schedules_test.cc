@@ -107,7 +107,7 @@ TEST(Schedules, NothingIsLeftOutThatAChangeCouldNeed) {
   SeedStreams(scene);
   const Recorded pruned = RunHere(scene);
   ASSERT_TRUE(pruned.done()) << pruned.message();
-  EXPECT_NE(pruned.header().decisions.str().find("the acceleration changes while it runs"),
+  EXPECT_NE(pruned.header().decisions.str().find("the acceleration changes during the run"),
             std::string::npos);
   SetWorld(scene, "omit", schema::WordList{"none"});
   EXPECT_EQ(RunHere(scene).hash(), pruned.hash());
