@@ -20,14 +20,14 @@ NAMESPACE = re.compile(r"^namespace (cdb[\w:]*) \{", re.M)
 MOST_SOURCES = 30  # in a folder
 FOLDERS = ("dsl", "compiler", "library", "runtime")  # from the bottom up
 
-WHOLE_COMPILER = ("runtime/cli/", "runtime/lsp/", "runtime/manual/")
+WHOLE_COMPILER = ("runtime/cli/", "runtime/editor/", "runtime/manual/")
 CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/yaml")
 
 # A pattern of headers, and the files or folders that may include them.
 EXTERNAL = [
-    (r"(hdf5|H5.*)\.h$", ("runtime/store/hdf5/",)),
-    (r"^zlib", ("runtime/store/hdf5/",)),
-    (r"^sqlite3", ("runtime/store/journal/journal.cc",)),
+    (r"(hdf5|H5.*)\.h$", ("runtime/results/hdf5/",)),
+    (r"^zlib", ("runtime/results/hdf5/",)),
+    (r"^sqlite3", ("runtime/results/journal/journal.cc",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
     (r"^fcl/", ("library/detectors/third_party/fcl/",)),
@@ -39,8 +39,8 @@ EXTERNAL = [
     (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/printers/", "runtime/lsp/", "runtime/serve/", "runtime/view/", "runtime/cli/")),
-    (r"^httplib", ("runtime/serve/server.cc",)),
+    (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/")),
+    (r"^httplib", ("runtime/pages/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
 

@@ -20,9 +20,9 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
 #include "library/walls.h"
-#include "runtime/measure/file_descriptor_io.h"
-#include "runtime/measure/fork_server.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/file_descriptor_io.h"
+#include "runtime/protocol/fork_server.h"
+#include "runtime/protocol/recording.h"
 
 namespace {
 
@@ -209,12 +209,13 @@ class World {
 /// States of all objects, which the runner compares with the closed form. Without a clock, in a
 /// pass of its own.
 void TakeSample(const World& world, const layouts::InitialState& state,
-                const measure::SampleShape& shape, std::size_t sample, std::span<double> values) {
+                const protocol::SampleShape& shape, std::size_t sample, std::span<double> values) {
   double kinetic = 0, potential = 0;
   for (std::size_t i = 0; i < state.objects.size(); ++i) {
     const layouts::ObjectState& object = state.objects[i];
     const auto [x, q, v, w] = world.MotionOf(i);
-    Eigen::Map<Eigen::Matrix<double, measure::kStateSize, 1>>(&values[shape.State(sample, i)]) << x,
+    Eigen::Map<Eigen::Matrix<double, protocol::kStateSize, 1>>(&values[shape.State(sample, i)])
+        << x,
         q.coeffs(), v, w;
     values[shape.Body(i)] = object.mass;
     values[shape.Body(i) + 1] = object.solid.sides.maxCoeff();
@@ -224,13 +225,13 @@ void TakeSample(const World& world, const layouts::InitialState& state,
     potential -= object.mass * state.acceleration.dot(x);
   }
   double* observables = &values[shape.Observables(sample)];
-  observables[measure::kKinetic] = kinetic;
-  observables[measure::kPotential] = potential;
-  Eigen::Map<Vector3d>{observables + measure::kAccelerationX} = state.acceleration;
+  observables[protocol::kKinetic] = kinetic;
+  observables[protocol::kPotential] = potential;
+  Eigen::Map<Vector3d>{observables + protocol::kAccelerationX} = state.acceleration;
 }
 
 void RunWithClock(const plan::Scene& scene, const layouts::InitialState& state,
-                  measure::Recording& recording) {
+                  protocol::Recording& recording) {
   World world(scene, state);
   const auto durations = recording.Reals("duration");
   const auto pairs = recording.Ints("pairs"), contacts = recording.Ints("contacts");
@@ -250,8 +251,8 @@ void RunWithClock(const plan::Scene& scene, const layouts::InitialState& state,
 }
 
 void RunForErrors(const plan::Scene& scene, const layouts::InitialState& state,
-                  measure::Recording& recording) {
-  const auto shape = measure::SampleShapeOf(scene);
+                  protocol::Recording& recording) {
+  const auto shape = protocol::SampleShapeOf(scene);
   if (!shape) return;
   World world(scene, state);
   const std::size_t cycles_per_sample = analysis::SamplingOf(scene)->cycles;
@@ -263,10 +264,10 @@ void RunForErrors(const plan::Scene& scene, const layouts::InitialState& state,
 
 /// The exit status: 0 where the recording says how the run ended.
 int Execute(const std::vector<std::string>&) {
-  measure::BindToRunner();
-  const plan::Run run = yaml::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
-  measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
-  measure::RecordingHeader& header = recording.header();
+  protocol::BindToRunner();
+  const plan::Run run = yaml::RunFromYaml(protocol::ReadAll(protocol::kRunFd), "run");
+  protocol::Recording recording = protocol::Recording::Open(protocol::kRecordingFd, run.scene);
+  protocol::RecordingHeader& header = recording.header();
   try {
     if (!dCheckConfiguration("ODE_double_precision"))
       throw std::runtime_error("this ODE counts in float");
@@ -281,10 +282,10 @@ int Execute(const std::vector<std::string>&) {
     getrusage(RUSAGE_SELF, &usage);
     header.scalars.peak_rss_bytes = 1024.0 * static_cast<double>(usage.ru_maxrss);
     RunForErrors(run.scene, state, recording);
-    header.outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
+    header.outcome.store(protocol::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const std::exception& error) {
     header.message = error.what();
-    header.outcome.store(measure::WorkerOutcome::kFailed, std::memory_order_release);
+    header.outcome.store(protocol::WorkerOutcome::kFailed, std::memory_order_release);
   }
   return 0;
 }
@@ -293,6 +294,7 @@ int Execute(const std::vector<std::string>&) {
 
 int main(int argc, char** argv) {
   // Workers are forked from one that is loaded.
-  if (argc == 2 && argv[1] == std::string_view(measure::kServeOption)) measure::ServeForks(Execute);
+  if (argc == 2 && argv[1] == std::string_view(protocol::kServeOption))
+    protocol::ServeForks(Execute);
   return Execute({});
 }

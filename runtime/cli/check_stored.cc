@@ -9,9 +9,9 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/figures/points.h"
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/store.h"
-#include "runtime/store/trace_file.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/store.h"
+#include "runtime/results/trace_file.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -27,7 +27,8 @@ const char* State(bool has_digest) { return has_digest ? "whole" : "readable"; }
 
 /// Nullopt for a file of an earlier version without a plan, or with a plan that this cdb cannot
 /// read.
-std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const std::string& file) {
+std::optional<plans::SizedPlan> PlanIn(const results::ResultFile& results,
+                                       const std::string& file) {
   const std::string text = results.ReadProvenance("plan_text");
   if (text.empty()) return std::nullopt;
   try {
@@ -41,37 +42,37 @@ std::optional<plans::SizedPlan> PlanIn(const store::ResultFile& results, const s
 
 /// The number of cells of each status.
 struct StatusCounts {
-  std::array<std::uint64_t, std::size(store::kStatusNames)> of = {};
+  std::array<std::uint64_t, std::size(results::kStatusNames)> of = {};
   std::uint64_t runs = 0;
 
-  std::uint64_t Of(store::Status status) const { return of[static_cast<std::size_t>(status)]; }
-  void Add(store::Status status) {
+  std::uint64_t Of(results::Status status) const { return of[static_cast<std::size_t>(status)]; }
+  void Add(results::Status status) {
     ++of[static_cast<std::size_t>(status)];
-    runs += status != store::Status::kSkipped;
+    runs += status != results::Status::kSkipped;
   }
 };
 
-StatusCounts CountCells(const store::ResultFile& results) {
+StatusCounts CountCells(const results::ResultFile& results) {
   StatusCounts counts;
-  for (const store::ResultFile::Cell& cell : figures::AllCells(results))
+  for (const results::ResultFile::Cell& cell : figures::AllCells(results))
     counts.Add(results.ReadStatus(cell));
   return counts;
 }
 
 options::ExitStatus CheckResults(const std::string& file) {
-  const store::ResultFile results(file, store::ProofOf::kEveryValue);
+  const results::ResultFile results(file, results::ProofOf::kEveryValue);
   const std::string plan_name = results.plan_sha256().substr(0, 12);
   const auto sized = PlanIn(results, file);
   if (sized) results.CheckIsOf(sized->plan);
   const StatusCounts counts = CountCells(results);
-  const std::uint64_t missing = counts.Of(store::Status::kMissing);
+  const std::uint64_t missing = counts.Of(results::Status::kMissing);
   std::string text = fmt::format("{}: {}: {} of {} runs", file,
                                  missing > 0 ? "incomplete" : State(results.has_digest()),
                                  counts.runs - missing, counts.runs);
-  for (const store::Status status :
-       {store::Status::kFailed, store::Status::kCrashed, store::Status::kTimedOut})
+  for (const results::Status status :
+       {results::Status::kFailed, results::Status::kCrashed, results::Status::kTimedOut})
     if (counts.Of(status) > 0)
-      text += fmt::format(", {} {}", counts.Of(status), store::StatusName(status));
+      text += fmt::format(", {} {}", counts.Of(status), results::StatusName(status));
   text += sized ? fmt::format(", of plan {}", plan_name)
                 : fmt::format(", of plan {}, which this cdb cannot read", plan_name);
   terminal::Print(fmt::format("{}; {}\n", text, Proof(results.has_digest())));
@@ -79,7 +80,7 @@ options::ExitStatus CheckResults(const std::string& file) {
 }
 
 options::ExitStatus CheckTraceFile(const std::string& file) {
-  const store::TraceCheck trace = store::CheckTrace(file);
+  const results::TraceCheck trace = results::CheckTrace(file);
   terminal::Print(fmt::format("{}: {}: a trace of {} cycles of {} bodies, run {}; {}\n", file,
                               State(trace.has_digest), trace.facts.cycles, trace.facts.bodies,
                               trace.run_id, Proof(trace.has_digest)));
@@ -110,7 +111,7 @@ void CheckJournal(const std::string& file) {
 }  // namespace
 
 bool IsStored(const std::string& file) {
-  return store::IsStored(file) || journal::IsJournal(file) || file.ends_with(".h5") ||
+  return results::IsStored(file) || journal::IsJournal(file) || file.ends_with(".h5") ||
          file.ends_with(journal::kEnding);
 }
 
@@ -120,8 +121,8 @@ options::ExitStatus CheckStored(const std::string& file) {
       CheckJournal(file);
       return options::ExitStatus::kGood;
     }
-    return store::ReadSchema(file) == store::kTraceSchema ? CheckTraceFile(file)
-                                                          : CheckResults(file);
+    return results::ReadSchema(file) == results::kTraceSchema ? CheckTraceFile(file)
+                                                              : CheckResults(file);
   } catch (const files::StoreError& error) {
     terminal::Say(fmt::format("cdb: {}\n", error.what()));
     return options::ExitStatus::kEnvironmentError;

@@ -11,8 +11,8 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/measure/series.h"
 #include "runtime/printers/compare.h"
+#include "runtime/protocol/series.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -29,14 +29,14 @@ struct CompareArguments {
        lists_all = false;
 };
 
-std::optional<measure::Phase> ParsePhase(const std::string& name) {
+std::optional<protocol::Phase> ParsePhase(const std::string& name) {
   if (name.empty()) return std::nullopt;
-  const auto names = measure::PhaseNames();
+  const auto names = protocol::PhaseNames();
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
     throw options::CommandError(fmt::format("--phase {}: there is no such phase; there are {}",
                                             name, fmt::join(names, ", ")));
-  return static_cast<measure::Phase>(found - names.begin());
+  return static_cast<protocol::Phase>(found - names.begin());
 }
 
 figures::CompareOptions OptionsOf(const CompareArguments& arguments) {

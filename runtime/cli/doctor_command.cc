@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/machine/machine.h"
-#include "runtime/machine/noise.h"
-#include "runtime/machine/noise_floor.h"
+#include "runtime/protocol/machine/machine.h"
+#include "runtime/protocol/machine/noise.h"
+#include "runtime/protocol/machine/noise_floor.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

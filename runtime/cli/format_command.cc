@@ -10,7 +10,7 @@
 #include "dsl/render.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/results/files/safe_file.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

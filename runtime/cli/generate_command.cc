@@ -13,7 +13,7 @@
 #include "runtime/cli/help/man_pages.h"
 #include "runtime/cli/help/shell_completion.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/lsp/syntax_files.h"
+#include "runtime/editor/syntax_files.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -32,9 +32,9 @@ constexpr GeneratedFile kFiles[] = {
     {"fish", help::FishCompletion},
     {"cdb.1", help::ProgramPage},
     {"cdb-language.5", [](Infos) { return help::LanguagePage(); }},
-    {"textmate", [](Infos) { return lsp::TextMateGrammar(); }},
-    {"vim", [](Infos) { return lsp::VimSyntax(); }},
-    {"vocabulary", [](Infos) { return lsp::VocabularyJson(); }},
+    {"textmate", [](Infos) { return editor::TextMateGrammar(); }},
+    {"vim", [](Infos) { return editor::VimSyntax(); }},
+    {"vocabulary", [](Infos) { return editor::VocabularyJson(); }},
 };
 
 std::vector<std::string> GeneratedKinds() {

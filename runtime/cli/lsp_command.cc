@@ -8,8 +8,8 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/lsp/message_stream.h"
-#include "runtime/lsp/server.h"
+#include "runtime/editor/message_stream.h"
+#include "runtime/editor/server.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -19,7 +19,7 @@ namespace {
 constexpr int kQuietTime = 150;
 
 /// False at the end of standard input.
-bool ReadMore(lsp::MessageReader& reader) {
+bool ReadMore(editor::MessageReader& reader) {
   char bytes[1 << 16];
   ssize_t count = 0;
   do count = read(STDIN_FILENO, bytes, sizeof bytes);
@@ -39,11 +39,11 @@ options::ExitStatus ServeLanguage() {
     return options::CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
   };
   const auto send = [](const std::string& message) {
-    terminal::PrintExact(lsp::Framed(message));
+    terminal::PrintExact(editor::Framed(message));
     terminal::Flush();
   };
-  lsp::Server server({compile, options::ScenarioLibrary(), CDB_VERSION, send});
-  lsp::MessageReader reader;
+  editor::Server server({compile, options::ScenarioLibrary(), CDB_VERSION, send});
+  editor::MessageReader reader;
   while (!server.has_ended()) {
     if (const auto message = reader.Next()) {
       server.Handle(*message);

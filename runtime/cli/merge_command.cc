@@ -21,10 +21,10 @@
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/points.h"
 #include "runtime/printers/notes.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/store/files/local_disk.h"
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/store.h"
+#include "runtime/results/files/local_disk.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/store.h"
+#include "runtime/sweep/schedule/folder.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -95,8 +95,8 @@ plans::SizedPlan ReadPlanOf(const MergeArguments& arguments) {
   if (!files.empty()) return ReadOnePlan(files);
   std::error_code error;
   if (arguments.removes && fs::is_directory(arguments.journals[0], error) &&
-      journal::JournalsIn(arguments.journals[0]).empty() && store::IsStored(arguments.out))
-    return plans::ReadSizedPlan(store::ResultFile(arguments.out).ReadProvenance("plan_text"),
+      journal::JournalsIn(arguments.journals[0]).empty() && results::IsStored(arguments.out))
+    return plans::ReadSizedPlan(results::ResultFile(arguments.out).ReadProvenance("plan_text"),
                                 arguments.out);
   throw options::CommandError(fmt::format(
       "there is no plan.yaml in or beside '{}'; merge takes folders with journals, as `cdb run` "
@@ -117,7 +117,7 @@ void WaitForRuns(const std::function<bool()>& is_there, double seconds) {
 }
 
 /// Prints the facts about the machines' processors that a reader of the results must know.
-void SayProcessors(const store::ResultFile& file) {
+void SayProcessors(const results::ResultFile& file) {
   for (const std::string& note : printers::ProcessorNotes(file, figures::AllCells(file)))
     terminal::Say("  " + note + "\n");
 }
@@ -144,7 +144,7 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
     WaitForRuns(is_there, static_cast<double>(arguments.wait_s));
   const std::size_t not_again = count_not_again();
   plans::MergeOnto(plan, places, arguments.out);
-  const store::ResultFile file(arguments.out);
+  const results::ResultFile file(arguments.out);
   const std::size_t missing = plans::CountMissing(file, plan);
   const bool removes = lock && missing == 0 && not_again == 0;
   terminal::Say(fmt::format(

@@ -16,9 +16,9 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/sweep_estimate.h"
-#include "runtime/process/stop.h"
-#include "runtime/pruning/omissions.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/omissions/omissions.h"
+#include "runtime/results/files/safe_file.h"
+#include "runtime/sweep/process/stop.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 
@@ -71,7 +71,7 @@ std::string InColumns(std::string_view decisions) {
 bool SayWhy(const plan::Scene& scene) {
   try {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
-    terminal::Print(InColumns(DecisionsText(pruning::DecideOmissions(scene, state).decisions)));
+    terminal::Print(InColumns(DecisionsText(omissions::DecideOmissions(scene, state).decisions)));
     return true;
   } catch (const library::SceneError& error) {
     terminal::Print(fmt::format("  this run fails: {}\n", error.what()));

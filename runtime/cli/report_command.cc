@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/measure/bytes_text.h"
-#include "runtime/page/page.h"
+#include "runtime/pages/page/page.h"
 #include "runtime/printers/results_document.h"
-#include "runtime/store/files/safe_file.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/bytes_text.h"
+#include "runtime/results/files/safe_file.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -44,7 +44,7 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
   std::string title, documents;
   std::size_t bad_cells = 0;
   for (const std::string& name : arguments.files) {
-    const store::ResultFile file(name);
+    const results::ResultFile file(name);
     const printers::Printed document =
         printers::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
                                          .baseline = arguments.baseline,
@@ -60,7 +60,7 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
                                           fmt::format("{{\"documents\":[{}]}}", documents));
   files::WriteWhole(page, PageName(arguments));
   terminal::Print(fmt::format("{}: {}; open it in a browser\n", PageName(arguments),
-                              measure::BytesText(static_cast<double>(page.size()))));
+                              protocol::BytesText(static_cast<double>(page.size()))));
   return bad_cells > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 

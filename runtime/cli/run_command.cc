@@ -20,7 +20,7 @@
 #include "runtime/cli/plans/result_path.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/until.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -119,7 +119,7 @@ std::vector<plans::SizedPlan> PlanOfExisting(const RunArguments& arguments) {
   if (arguments.only.empty() || arguments.out.empty() || arguments.fresh ||
       !fs::is_regular_file(arguments.out, error))
     return {};
-  const std::string there = store::ResultFile(arguments.out).plan_sha256();
+  const std::string there = results::ResultFile(arguments.out).plan_sha256();
   for (plans::SizedPlan& sized : plans::LoadSizedPlans(
            arguments.file, arguments.benchmark, options::LintText::kNone, arguments.plugins)) {
     bool has_run = false;

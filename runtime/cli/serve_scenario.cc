@@ -9,8 +9,8 @@
 
 #include "dsl/render.h"
 #include "runtime/cli/options/inputs.h"
-#include "runtime/process/stop.h"
-#include "runtime/serve/server.h"
+#include "runtime/pages/serve/server.h"
+#include "runtime/sweep/process/stop.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

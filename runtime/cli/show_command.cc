@@ -16,7 +16,7 @@
 #include "runtime/figures/selection.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/printers/show.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -90,10 +90,11 @@ std::size_t PlaceOf(std::string_view option, const std::string& name,
   return static_cast<std::size_t>(found - names.begin());
 }
 
-std::vector<measure::Phase> PhasesOf(const ShowArguments& arguments) {
-  std::vector<measure::Phase> phases;
+std::vector<protocol::Phase> PhasesOf(const ShowArguments& arguments) {
+  std::vector<protocol::Phase> phases;
   for (const std::string& name : arguments.phases)
-    phases.push_back(static_cast<measure::Phase>(PlaceOf("--phase", name, measure::PhaseNames())));
+    phases.push_back(
+        static_cast<protocol::Phase>(PlaceOf("--phase", name, protocol::PhaseNames())));
   return phases;
 }
 
@@ -109,7 +110,7 @@ printers::Format FormatOf(const ShowArguments& arguments) {
                                : printers::Format::kTerminal;
 }
 
-printers::Printed PrintedOf(const store::ResultFile& file, const ShowArguments& arguments) {
+printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments& arguments) {
   if (arguments.json) {
     printers::Printed document = printers::ResultsDocument(
         file, {.file = std::filesystem::path(arguments.file).filename().string(),
@@ -122,7 +123,7 @@ printers::Printed PrintedOf(const store::ResultFile& file, const ShowArguments& 
     return printers::ShowError(file, {{arguments.error, arguments.by, arguments.each},
                                       arguments.only_sound,
                                       FormatOf(arguments)});
-  const std::vector<measure::Phase> phases = PhasesOf(arguments);
+  const std::vector<protocol::Phase> phases = PhasesOf(arguments);
   const figures::CycleStatistic statistic = StatisticOf(arguments);
   if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
   return printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
@@ -131,7 +132,7 @@ printers::Printed PrintedOf(const store::ResultFile& file, const ShowArguments& 
 
 options::ExitStatus Show(const ShowArguments& arguments) {
   CheckOptions(arguments);
-  store::ResultFile file(arguments.file);
+  results::ResultFile file(arguments.file);
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);

@@ -80,7 +80,7 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    terminal::Print(printers::StabilityMap(store::ResultFile(out)) + "\n");
+    terminal::Print(printers::StabilityMap(results::ResultFile(out)) + "\n");
   }
   return options::ExitStatus::kGood;
 }

@@ -20,18 +20,18 @@
 #include "runtime/cli/plans/retry.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
-#include "runtime/cluster/follow.h"
-#include "runtime/cluster/job_script.h"
-#include "runtime/cluster/slurm.h"
-#include "runtime/cluster/submission.h"
-#include "runtime/process/stop.h"
-#include "runtime/schedule/bounds.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/schedule/order.h"
-#include "runtime/schedule/parts.h"
-#include "runtime/schedule/progress_bar.h"
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/store.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/store.h"
+#include "runtime/sweep/cluster/follow.h"
+#include "runtime/sweep/cluster/job_script.h"
+#include "runtime/sweep/cluster/slurm.h"
+#include "runtime/sweep/cluster/submission.h"
+#include "runtime/sweep/process/stop.h"
+#include "runtime/sweep/schedule/bounds.h"
+#include "runtime/sweep/schedule/folder.h"
+#include "runtime/sweep/schedule/order.h"
+#include "runtime/sweep/schedule/parts.h"
+#include "runtime/sweep/schedule/progress_bar.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -354,14 +354,14 @@ class Submitter {
       if (!plans::HasRuns(target.folder)) {
         SayMissing(target, submission,
                    has_result ? std::max(not_again,
-                                         plans::CountMissing(store::ResultFile(target.out), plan))
+                                         plans::CountMissing(results::ResultFile(target.out), plan))
                               : plan.RunCount());
         return options::ExitStatus::kEnvironmentError;
       }
       // Runs that the merge job has merged, if it ran, and any that came later.
       plans::MergeOnto(plan, {target.folder}, target.out);
       const std::size_t missing =
-          std::max(not_again, plans::CountMissing(store::ResultFile(target.out), plan));
+          std::max(not_again, plans::CountMissing(results::ResultFile(target.out), plan));
       if (missing > 0) {
         SayMissing(target, submission, missing);
         return std::max(plans::ShowResult(target.out, arguments_.quiet),

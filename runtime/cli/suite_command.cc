@@ -18,7 +18,7 @@
 #include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
 #include "runtime/figures/suite.h"
-#include "runtime/page/page.h"
+#include "runtime/pages/page/page.h"
 #include "runtime/printers/suite.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/wrap.h"
@@ -75,7 +75,7 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
 bool HasBadRuns(const plans::SuiteFolder& read) {
   for (const figures::SceneFigures& scene : read.scenes)
     for (const figures::ConfigurationFigures& of : scene.configurations)
-      if (of.verdict == measure::Verdict::kUnknown || measure::HasVoidTimings(of.verdict))
+      if (of.verdict == protocol::Verdict::kUnknown || protocol::HasVoidTimings(of.verdict))
         return true;
   return false;
 }

@@ -13,12 +13,12 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/trace_plan.h"
-#include "runtime/measure/recorded_trace.h"
-#include "runtime/process/stop.h"
-#include "runtime/process/worker.h"
-#include "runtime/schedule/bounds.h"
-#include "runtime/store/files/temporary_file.h"
-#include "runtime/store/trace_file.h"
+#include "runtime/protocol/recorded_trace.h"
+#include "runtime/results/files/temporary_file.h"
+#include "runtime/results/trace_file.h"
+#include "runtime/sweep/process/stop.h"
+#include "runtime/sweep/process/worker.h"
+#include "runtime/sweep/schedule/bounds.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -47,7 +47,7 @@ class Tracer {
   /// ExitStatus::kFailedRuns for a failed run; no file is written for it.
   options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     files::RemoveStaleTemporariesBeside(file);
-    if (!arguments_.fresh && store::TracedRun(file) == run.id) {
+    if (!arguments_.fresh && results::TracedRun(file) == run.id) {
       Tell(file, "exists already; --fresh records it again");
       return options::ExitStatus::kGood;
     }
@@ -58,21 +58,22 @@ class Tracer {
     if (!ending)
       return options::ExitStatus::kGood;  // the code that requested the stop sets the
                                           // status
-    if (ending->result.status != store::Status::kDone) {
+    if (ending->result.status != results::Status::kDone) {
       terminal::Say(fmt::format("{}: {}: {}\n", plan::Describe(plan_, run),
-                                store::StatusName(ending->result.status), ending->result.message));
+                                results::StatusName(ending->result.status),
+                                ending->result.message));
       return options::ExitStatus::kFailedRuns;
     }
-    const measure::TraceMemory trace = measure::TraceOf(run.scene, *ending->recording);
-    const store::TraceOrigin origin = {plan_.benchmark,
-                                       plan_.axes.empty() ? "" : plan::Describe(plan_, run),
-                                       run.id,
-                                       ending->result.state_hash,
-                                       run.scene.world.Real("timestep"),
-                                       plan_.scenario_text,
-                                       yaml::RunToYaml(run)};
-    store::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
-                      file);
+    const protocol::TraceMemory trace = protocol::TraceOf(run.scene, *ending->recording);
+    const results::TraceOrigin origin = {plan_.benchmark,
+                                         plan_.axes.empty() ? "" : plan::Describe(plan_, run),
+                                         run.id,
+                                         ending->result.state_hash,
+                                         run.scene.world.Real("timestep"),
+                                         plan_.scenario_text,
+                                         yaml::RunToYaml(run)};
+    results::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
+                        file);
     Tell(file, fmt::format("{} bodies, {} cycles; {:.1f} s", trace.shape().bodies,
                            trace.shape().cycles, ending->wall_s));
     return options::ExitStatus::kGood;

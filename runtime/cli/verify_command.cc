@@ -15,7 +15,7 @@
 #include "runtime/cli/plans/plan_runner.h"
 #include "runtime/cli/plans/verify_plan.h"
 #include "runtime/printers/show.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/results/files/safe_file.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -60,7 +60,7 @@ options::ExitStatus Verify(const VerifyArguments& arguments) {
     one.plan.source = plan_file;
     if (runner.Execute(one.plan, out).summary.signal != 0) return runner.StoppedStatus();
     WritePlan(one.plan, plan_file);
-    const printers::VerifyText text = printers::VerifyTable(store::ResultFile(out), one.left_out);
+    const printers::VerifyText text = printers::VerifyTable(results::ResultFile(out), one.left_out);
     terminal::Print(text.text + "\n");
     if (!text.is_good) status = options::ExitStatus::kFailedRuns;
   }

@@ -13,14 +13,14 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/serve_scenario.h"
-#include "runtime/measure/bytes_text.h"
-#include "runtime/page/page.h"
-#include "runtime/store/files/safe_file.h"
-#include "runtime/store/store.h"
+#include "runtime/pages/page/page.h"
+#include "runtime/pages/view/glb.h"
+#include "runtime/pages/view/scene_document.h"
+#include "runtime/pages/view/selection.h"
+#include "runtime/protocol/bytes_text.h"
+#include "runtime/results/files/safe_file.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
-#include "runtime/view/glb.h"
-#include "runtime/view/scene_document.h"
-#include "runtime/view/selection.h"
 
 namespace cdb::cli {
 namespace {
@@ -41,7 +41,7 @@ using view::SceneRecording;
 
 /// Decided by the contents of the file, or by its name if it is missing or empty.
 bool IsResults(const std::string& file) {
-  return file.ends_with(".h5") || file.ends_with(".nc") || store::IsStored(file);
+  return file.ends_with(".h5") || file.ends_with(".nc") || results::IsStored(file);
 }
 
 std::vector<AxisSelection> ParseAll(const std::vector<std::string>& words) {
@@ -95,8 +95,8 @@ void ViewResults(const std::string& name, const ViewArguments& arguments,
                  const view::FrameChoice& choice, Viewed& viewed) {
   std::vector<SceneRecording>& recordings = viewed.recordings;
   try {
-    const store::ResultFile file(name);
-    store::ResultFile::Cell cell = view::DefaultCell(file);
+    const results::ResultFile file(name);
+    results::ResultFile::Cell cell = view::DefaultCell(file);
     view::Select(file.axes(), file.repeats(),
                  ForSweep(file.axes(), ParseAll(arguments.select), arguments, viewed.axes), cell);
     recordings.push_back(view::ReadRecording(file, cell, choice));
@@ -112,7 +112,7 @@ void ViewResults(const std::string& name, const ViewArguments& arguments,
 }
 
 const plan::Run& RunAt(const plan::Plan& plan, const std::vector<AxisSelection>& selections) {
-  store::ResultFile::Cell cell{plan.runs.at(0).at, plan.runs[0].rep};
+  results::ResultFile::Cell cell{plan.runs.at(0).at, plan.runs[0].rep};
   view::Select(plan.axes, plan.repeats, selections, cell);
   for (const plan::Run& run : plan.runs)
     if (run.at == cell.at && run.rep == cell.rep) return run;
@@ -170,7 +170,7 @@ void CheckOptions(const ViewArguments& arguments) {
 void Write(const std::string& file, const std::string& bytes, const char* use) {
   files::WriteWhole(bytes, file);
   terminal::Say(fmt::format("{}: {}; {}\n", file,
-                            measure::BytesText(static_cast<double>(bytes.size())), use));
+                            protocol::BytesText(static_cast<double>(bytes.size())), use));
 }
 
 void WritePage(const ViewArguments& arguments, const std::vector<SceneRecording>& recordings) {

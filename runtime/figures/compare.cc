@@ -21,9 +21,9 @@ namespace {
 
 /// The selected part of a file. Axes that it does not have are ignored, values that it does not
 /// have too if it has others of the selection.
-store::ResultFile ReadSelected(const std::filesystem::path& path, const std::string& name,
-                               const std::vector<std::string>& selections) {
-  store::ResultFile file(path);
+results::ResultFile ReadSelected(const std::filesystem::path& path, const std::string& name,
+                                 const std::vector<std::string>& selections) {
+  results::ResultFile file(path);
   std::map<std::size_t, std::set<std::size_t>> selected;
   for (const std::string& word : selections) {
     const AxisSelection selection = ParseSelection(word);
@@ -296,7 +296,7 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
 std::vector<double> StartsOf(const ComparedFile& of) {
   std::vector<double> starts;
   if (!of.file.Has("started")) return starts;
-  for (const store::ResultFile::Cell& cell : AllCells(of.file))
+  for (const results::ResultFile::Cell& cell : AllCells(of.file))
     if (const double started = of.file.ReadReal("started", cell); started > 0)
       starts.push_back(started);
   std::ranges::sort(starts);
@@ -400,7 +400,7 @@ const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& 
 std::vector<std::string> WorseThings(const FileComparison& comparison,
                                      const CompareOptions& options) {
   std::vector<std::string> worse;
-  const auto add = [&](const std::string& place, measure::Phase phase) {
+  const auto add = [&](const std::string& place, protocol::Phase phase) {
     worse.push_back(fmt::format("{} {}", place, PhaseName(phase)));
   };
   for (const FactComparison& fact : comparison.facts)

@@ -12,8 +12,8 @@
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/selection.h"
-#include "runtime/measure/series.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/series.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
@@ -28,7 +28,7 @@ struct ComparedFile {
   ComparedFile& operator=(const ComparedFile&) = delete;
 
   const std::string name;
-  const store::ResultFile file;
+  const results::ResultFile file;
   const std::optional<plan::Plan> plan;  ///< nullopt for a plan of another version of cdb
   const Model model;
 };
@@ -132,7 +132,7 @@ struct JudgedChange {
 
 /// The times of one phase, at a point or of a group.
 struct TimeChange {
-  measure::Phase phase;
+  protocol::Phase phase;
   double a_ns, b_ns;  ///< for a group, geometric means over its points
   Change change;
   JudgedChange absolute;
@@ -162,7 +162,7 @@ struct TimeComparison {
   std::vector<TimedGroup> groups;
   /// The median of all groups in `common_phase`.
   std::optional<TestedChange> common;
-  measure::Phase common_phase = measure::Phase::kStep;
+  protocol::Phase common_phase = protocol::Phase::kStep;
   /// cdb's own overhead per cycle, which does not depend on the detector.
   std::optional<TestedChange> harness;
   /// Points whose times are not compared, with the reason.
@@ -174,15 +174,15 @@ struct TimeComparison {
 
 /// `phase`: only that phase; all by default. The changes are not judged yet.
 TimeComparison CompareTimes(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
-                            std::optional<measure::Phase> phase);
+                            std::optional<protocol::Phase> phase);
 
 /// Judges groups by Holm and points by Benjamini and Hochberg, corrected for all tests of
 /// `comparisons` together. `margin`: as for JudgeChange.
 void JudgeTimes(const std::vector<TimeComparison*>& comparisons, double margin);
 
 struct CompareOptions {
-  std::vector<std::string> select = {};      ///< `axis=value`
-  std::optional<measure::Phase> phase = {};  ///< only this phase
+  std::vector<std::string> select = {};       ///< `axis=value`
+  std::optional<protocol::Phase> phase = {};  ///< only this phase
   /// A value that is worse by more than this is a failure; values that differ by less are the same.
   double margin = 0.05;
   /// Groups are judged relative to the median of all groups.

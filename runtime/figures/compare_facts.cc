@@ -23,7 +23,7 @@ using Kind = FactComparison::Kind;
 constexpr double kSpreadOfFew = 0.05;
 
 /// Empty for a run that failed before its last cycle.
-std::set<std::string> StatesAt(const store::ResultFile& file, const Point& at) {
+std::set<std::string> StatesAt(const results::ResultFile& file, const Point& at) {
   std::set<std::string> states;
   for (const Cell& cell : CellsThatRan(file, at))
     if (std::string state = file.ReadText("state_hash", cell); !state.empty())

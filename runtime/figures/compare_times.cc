@@ -13,7 +13,7 @@
 namespace cdb::figures {
 namespace {
 
-using measure::Phase;
+using protocol::Phase;
 
 /// The number of fastest repeats that count: see runtime/figures/times.h.
 std::size_t FastestOf(const ComparedFile& a, const ComparedFile& b) {
@@ -137,7 +137,7 @@ class TimeComparer {
   Estimate HarnessOf(const ComparedFile& of, bool is_a) {
     std::vector<std::vector<double>> repeats(of.file.begun_repeats());
     for (const TimedPoint& point : made_.points)
-      for (const store::ResultFile::Cell& cell :
+      for (const results::ResultFile::Cell& cell :
            (is_a ? MeasuredA(point.point) : MeasuredB(point.point))->cells)
         repeats[cell.rep].push_back(of.file.ReadReal("harness", cell));
     return TimesOver(repeats, (is_a ? times_a_ : times_b_).bootstrap(), CycleStatistic::kMean,

@@ -16,7 +16,7 @@
 namespace cdb::figures {
 namespace {
 
-using measure::Phase;
+using protocol::Phase;
 
 std::string CellsNote(std::size_t cells, std::size_t of) {
   if (of < 2) return {};
@@ -124,7 +124,7 @@ void ConcludeStep(const Model& model, std::vector<Conclusion>& all) {
   all.push_back({"What does a step take?",
                  fmt::format("{}{}. Its largest phase is {}: {}, {:.0f} % of the step.",
                              TimeText(step.value), IntervalNote(model.times(), step, 1 / unit.ns),
-                             measure::PhaseNames()[measure::IndexOf(largest)],
+                             protocol::PhaseNames()[protocol::IndexOf(largest)],
                              TimeText(time_of(largest)), 100 * time_of(largest) / step.value),
                  "fastest",
                  model.times().bootstrap().kind() == IntervalKind::kInterval

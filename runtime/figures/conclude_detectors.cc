@@ -71,15 +71,16 @@ class DetectorConclusions {
 
   void AddTimes() {
     for (const auto& [phase, question, kind] :
-         {std::tuple(measure::Phase::kStep, "Which detector takes the least time for a step?",
+         {std::tuple(protocol::Phase::kStep, "Which detector takes the least time for a step?",
                      "fastest"),
-          std::tuple(measure::Phase::kDetect,
+          std::tuple(protocol::Phase::kDetect,
                      "Which detector takes the least time for collision detection alone?",
                      "detect")}) {
       const auto figure = [&, phase = phase](const MeasuredPoint& point) {
         return model_.times().Of(point, phase).mean;
       };
-      AddRanking(question, kind, figure, "time", phase == measure::Phase::kStep ? NotRanked() : "");
+      AddRanking(question, kind, figure, "time",
+                 phase == protocol::Phase::kStep ? NotRanked() : "");
     }
   }
 
@@ -89,7 +90,7 @@ class DetectorConclusions {
     AddRanking(
         "Which detector has the shortest worst cycle?", "worst_cycle",
         [&](const MeasuredPoint& point) {
-          return longest.FigureOf(point, measure::Phase::kDetect);
+          return longest.FigureOf(point, protocol::Phase::kDetect);
         },
         "time");
   }
@@ -225,7 +226,7 @@ class DetectorConclusions {
   }
 
   const Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const std::size_t axis_;
   const Comparison comparison_;
   std::set<std::size_t> left_out_;  ///< detectors that must not win

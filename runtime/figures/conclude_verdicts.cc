@@ -20,7 +20,7 @@ constexpr std::size_t kMaxLines = 4;
 
 class VerdictConclusion {
  public:
-  explicit VerdictConclusion(const store::ResultFile& file) : file_(file) {
+  explicit VerdictConclusion(const results::ResultFile& file) : file_(file) {
     for (const Point& at : AllPoints(file))
       if (const Ending ending = WorstEnding(file, at); ending.Rank() >= 0)
         verdicts_[at] = ending.Word();
@@ -140,7 +140,7 @@ class VerdictConclusion {
            (places.size() > 1 ? fmt::format(" ({} cases)", places.size()) : "");
   }
 
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   std::map<Point, std::string> verdicts_;
 };
 

@@ -30,7 +30,7 @@ struct Tally {
 };
 
 /// Cycles without a value are -1.
-void AddPairs(const store::ResultFile& file, const Cell& cell, Tally& tally) {
+void AddPairs(const results::ResultFile& file, const Cell& cell, Tally& tally) {
   DetectorFindings& findings = tally.findings;
   // A trace has no contacts.
   const auto series = [&](const char* name) {
@@ -78,7 +78,7 @@ double AddCounts(double sum, const std::vector<double>& counts) {
 bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size() >= kLeastPoints; }
 
 /// The number of objects at each point. Empty if it is not useful, or the plan cannot be read.
-std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
+std::map<Point, double> ObjectCounts(const results::ResultFile& file) {
   std::map<Point, double> objects;
   if (std::ranges::none_of(file.axes(), CanFit)) return objects;
   const auto runs = yaml::FindBriefRuns(file.ReadProvenance("plan_text"));
@@ -90,7 +90,7 @@ std::map<Point, double> ObjectCounts(const store::ResultFile& file) {
 
 /// The axis to fit over: the only one that changes the number of objects. Nullopt if there is none,
 /// or several.
-std::optional<std::size_t> CountAxis(const store::ResultFile& file,
+std::optional<std::size_t> CountAxis(const results::ResultFile& file,
                                      const std::map<Point, double>& objects) {
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < file.axes().size(); ++i) {
@@ -122,7 +122,7 @@ std::map<Point, TimesAtPoint> TimesByCount(const Model& model,
     TimesAtPoint& at = found[Without(point.at, growth.axis)];
     at.row = Project(point.at, growth.rows);
     at.by_count[count->second].push_back(
-        model.times().Of(point, measure::Phase::kDetect).mean.value);
+        model.times().Of(point, protocol::Phase::kDetect).mean.value);
   }
   return found;
 }
@@ -143,7 +143,7 @@ void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
 
 }  // namespace
 
-std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
+std::vector<DetectorFindings> FindingsOf(const results::ResultFile& file) {
   const bool has_pairs = file.Has("exact_pairs");
   const CellDetectors detectors(file);
   std::vector<Tally> tallies;
@@ -163,7 +163,7 @@ std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
     if (ending.Rank() < 0) continue;
     if (!seen.insert(file.ReadText("run_id", cell)).second) continue;
     Tally& tally = tally_of(detectors.Of(cell));
-    if (ending.status != store::Status::kDone) {
+    if (ending.status != results::Status::kDone) {
       ++tally.findings.failed_runs;
       if (!tally.findings.first_failed) tally.findings.first_failed = cell;
     }
@@ -183,11 +183,11 @@ std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file) {
 }
 
 DetectorCosts CostsOf(const Model& model, const Row& row) {
-  const store::ResultFile& file = model.file();
-  DetectorCosts costs = {.mean = model.TimeOf(row, measure::Phase::kDetect)};
+  const results::ResultFile& file = model.file();
+  DetectorCosts costs = {.mean = model.TimeOf(row, protocol::Phase::kDetect)};
   for (const MeasuredPoint* point : row.points) {
     costs.worst =
-        std::fmax(costs.worst, Largest(model.times().Of(*point, measure::Phase::kDetect).cycles));
+        std::fmax(costs.worst, Largest(model.times().Of(*point, protocol::Phase::kDetect).cycles));
     if (!file.Has("exact_pairs")) continue;
     for (const Cell& cell : point->cells) {
       costs.missed = AddCounts(costs.missed, file.ReadSeries("missed_pairs", cell));
@@ -249,7 +249,7 @@ double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
 }
 
 std::optional<HarnessCost> HarnessCostOf(const Model& model) {
-  const store::ResultFile& file = model.file();
+  const results::ResultFile& file = model.file();
   if (!model.HasTimes() || !file.Has("harness")) return std::nullopt;
   std::vector<double> harness;
   std::map<std::string, std::vector<double>> detect;
@@ -263,7 +263,7 @@ std::optional<HarnessCost> HarnessCostOf(const Model& model) {
     const schema::DetectorInfo* info = schema::FindDetector(detector);
     // For a detector that finds nothing, the whole time is harness.
     if (info == nullptr || info->family != "none")
-      detect[detector].push_back(model.times().Of(point, measure::Phase::kDetect).mean.value);
+      detect[detector].push_back(model.times().Of(point, protocol::Phase::kDetect).mean.value);
   }
   if (harness.empty()) return std::nullopt;
   HarnessCost cost = {Median(harness), std::nullopt};

@@ -14,7 +14,7 @@
 
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/rows.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
@@ -42,7 +42,7 @@ struct DetectorFindings {
 };
 
 /// In the order of the axis of detectors, or else of the cells. Throws StoreError.
-std::vector<DetectorFindings> FindingsOf(const store::ResultFile& file);
+std::vector<DetectorFindings> FindingsOf(const results::ResultFile& file);
 
 /// Over all points of a row.
 struct DetectorCosts {

@@ -91,7 +91,7 @@ class Collector {
   std::map<Point, std::vector<const MeasuredPoint*>> PlacedPoints() {
     std::map<Point, std::vector<const MeasuredPoint*>> placed;
     for (const Point& at : AllPoints(file_)) {
-      if (file_.ReadStatus({at, 0}) == store::Status::kSkipped) continue;
+      if (file_.ReadStatus({at, 0}) == results::Status::kSkipped) continue;
       const MeasuredPoint* point = model_.Find(at);
       if (point == nullptr) {
         figures_.left_out.push_back({at, TroubleAt(at).value_or("no value")});
@@ -139,7 +139,7 @@ class Collector {
   }
 
   const Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const std::string name_;
   ErrorFigures figures_;
 };
@@ -183,7 +183,7 @@ ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options) {
   return Collector(model, options).Figures();
 }
 
-std::vector<std::size_t> SceneAxes(const store::ResultFile& file) {
+std::vector<std::size_t> SceneAxes(const results::ResultFile& file) {
   std::vector<std::size_t> axes;
   for (std::size_t i = 0; i < file.axes().size(); ++i)
     if (IsOfScene(file.axes()[i])) axes.push_back(i);

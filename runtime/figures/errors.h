@@ -69,7 +69,7 @@ ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options);
 
 /// The axes whose values are different scenes, which must not share a front: parameters of objects
 /// and of the world, and named cases.
-std::vector<std::size_t> SceneAxes(const store::ResultFile& file);
+std::vector<std::size_t> SceneAxes(const results::ResultFile& file);
 /// The figures of each error of the file, with a table for each scene. None without times.
 std::vector<std::pair<const schema::ErrorInfo*, ErrorFigures>> CollectAllErrors(const Model& model);
 

@@ -8,7 +8,7 @@
 
 namespace cdb::figures {
 
-Model::Model(const store::ResultFile& file, const ModelOptions& options)
+Model::Model(const results::ResultFile& file, const ModelOptions& options)
     : file_(file),
       options_(options),
       points_(MeasuredPoints(file, options.only_sound)),
@@ -94,10 +94,10 @@ double Model::TimeStepOf(const MeasuredPoint& point) const {
 }
 
 Estimate Model::MsPerSecondOf(const MeasuredPoint& point) const {
-  return Scaled(times_.Of(point, measure::Phase::kStep).mean, 1e-6 / TimeStepOf(point));
+  return Scaled(times_.Of(point, protocol::Phase::kStep).mean, 1e-6 / TimeStepOf(point));
 }
 
-Estimate Model::TimeOf(const Row& row, measure::Phase phase) const {
+Estimate Model::TimeOf(const Row& row, protocol::Phase phase) const {
   std::vector<const Estimate*> times;
   for (const MeasuredPoint* point : row.points) times.push_back(&TimeOf(*point, phase));
   return MeanOf(times);

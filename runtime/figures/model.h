@@ -17,7 +17,7 @@
 #include "runtime/figures/points.h"
 #include "runtime/figures/rows.h"
 #include "runtime/figures/times.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
@@ -40,11 +40,11 @@ struct GridPoint {
 
 class Model {
  public:
-  explicit Model(const store::ResultFile& file, const ModelOptions& options = {});
+  explicit Model(const results::ResultFile& file, const ModelOptions& options = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  const store::ResultFile& file() const { return file_; }
+  const results::ResultFile& file() const { return file_; }
   const plan::Axis& axis(std::size_t index) const { return file_.axes()[index]; }
   bool only_sound() const { return options_.only_sound; }
   /// In grid order.
@@ -69,7 +69,7 @@ class Model {
   std::optional<std::size_t> ComparedDetectors() const;
 
   // Values of a point. Repeats have the same motion, and so the same counts and errors.
-  const Estimate& TimeOf(const MeasuredPoint& point, measure::Phase phase) const {
+  const Estimate& TimeOf(const MeasuredPoint& point, protocol::Phase phase) const {
     return times_.FigureOf(point, phase);
   }
   /// The mean of a series over the cycles.
@@ -84,14 +84,14 @@ class Model {
   Estimate MsPerSecondOf(const MeasuredPoint& point) const;
 
   // Values of a row: the mean over its points, and the largest of memory.
-  Estimate TimeOf(const Row& row, measure::Phase phase) const;
+  Estimate TimeOf(const Row& row, protocol::Phase phase) const;
   double CountOf(const Row& row, const std::string& series) const;
   double MemoryOf(const Row& row, const std::string& name) const;
 
  private:
   void ReadTimeSteps() const;
 
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const ModelOptions options_;
   const std::vector<MeasuredPoint> points_;
   std::map<Point, const MeasuredPoint*> by_place_;

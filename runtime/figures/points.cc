@@ -20,12 +20,12 @@
 namespace cdb::figures {
 namespace {
 
-bool HasRun(store::Status status) {
-  return status != store::Status::kSkipped && status != store::Status::kMissing;
+bool HasRun(results::Status status) {
+  return status != results::Status::kSkipped && status != results::Status::kMissing;
 }
 
 /// ` (5 objects, by up to 0.31 of their least side)`; empty if the file does not say.
-std::string FrozenText(const store::ResultFile& file, const Cell& cell) {
+std::string FrozenText(const results::ResultFile& file, const Cell& cell) {
   if (!file.Has("frozen") || !file.Has("lost_way")) return {};
   const auto most = [&](const char* series) {
     double largest = 0;
@@ -41,7 +41,7 @@ bool IsIn(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-void ReadOmissions(const store::ResultFile& file, MeasuredPoint& point) {
+void ReadOmissions(const results::ResultFile& file, MeasuredPoint& point) {
   if (!file.Has("omitted") || !file.Has("needs")) return;
   const std::string omitted = file.ReadText("omitted", point.cells[0]),
                     needs = file.ReadText("needs", point.cells[0]);
@@ -56,7 +56,7 @@ void ReadOmissions(const store::ResultFile& file, MeasuredPoint& point) {
 }
 
 /// The point without its repeats that have no cycles; nullopt if none has any.
-std::optional<MeasuredPoint> ReadPoint(const store::ResultFile& file, const Point& at) {
+std::optional<MeasuredPoint> ReadPoint(const results::ResultFile& file, const Point& at) {
   MeasuredPoint point{at, {}, "", {}, {}, {}};
   std::vector<Cell> faulty;
   Ending worst;
@@ -91,7 +91,7 @@ Point Without(Point at, std::size_t axis) {
   return at;
 }
 
-std::vector<Point> AllPoints(const store::ResultFile& file) {
+std::vector<Point> AllPoints(const results::ResultFile& file) {
   std::vector<Point> points;
   Point at(file.axes().size(), 0);
   for (;;) {
@@ -102,21 +102,21 @@ std::vector<Point> AllPoints(const store::ResultFile& file) {
   }
 }
 
-std::vector<Cell> AllCells(const store::ResultFile& file) {
+std::vector<Cell> AllCells(const results::ResultFile& file) {
   std::vector<Cell> cells;
   for (const Point& at : AllPoints(file))
     for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) cells.push_back({at, rep});
   return cells;
 }
 
-std::vector<Cell> CellsThatRan(const store::ResultFile& file, const Point& at) {
+std::vector<Cell> CellsThatRan(const results::ResultFile& file, const Point& at) {
   std::vector<Cell> cells;
   for (std::uint64_t rep = 0; rep < file.repeats(); ++rep)
     if (HasRun(file.ReadStatus({at, rep}))) cells.push_back({at, rep});
   return cells;
 }
 
-std::string PlaceText(const store::ResultFile& file, const std::vector<std::size_t>& axes,
+std::string PlaceText(const results::ResultFile& file, const std::vector<std::size_t>& axes,
                       const Point& at) {
   std::string text;
   for (std::size_t i = 0; i < axes.size(); ++i)
@@ -125,12 +125,12 @@ std::string PlaceText(const store::ResultFile& file, const std::vector<std::size
   return text;
 }
 
-std::string PlaceText(const store::ResultFile& file, const Cell& cell) {
+std::string PlaceText(const results::ResultFile& file, const Cell& cell) {
   const std::string point = PlaceText(file, AllAxes(file), cell.at);
   return fmt::format("{}{}rep {}", point, point.empty() ? "" : ", ", cell.rep);
 }
 
-std::string OnlyCommand(const store::ResultFile& file, const Cell& cell) {
+std::string OnlyCommand(const results::ResultFile& file, const Cell& cell) {
   std::string command =
       fmt::format("cdb run {} -b {} --only {}", terminal::ShellWord(file.source()),
                   file.benchmark(), file.ReadText("run_id", cell));
@@ -138,13 +138,13 @@ std::string OnlyCommand(const store::ResultFile& file, const Cell& cell) {
   return plugins.empty() ? command : command + " " + plugins;
 }
 
-std::optional<std::size_t> DetectorAxis(const store::ResultFile& file) {
+std::optional<std::size_t> DetectorAxis(const results::ResultFile& file) {
   const auto axis = std::ranges::find(file.axes(), "detector", &plan::Axis::parameter);
   if (axis == file.axes().end() || !axis->IsText()) return std::nullopt;
   return static_cast<std::size_t>(axis - file.axes().begin());
 }
 
-std::size_t FindAxis(const store::ResultFile& file, const std::string& name) {
+std::size_t FindAxis(const results::ResultFile& file, const std::string& name) {
   std::string names;
   for (std::size_t i = 0; i < file.axes().size(); ++i) {
     if (file.axes()[i].name == name) return i;
@@ -155,7 +155,7 @@ std::size_t FindAxis(const store::ResultFile& file, const std::string& name) {
                               : fmt::format("there is no axis '{}'; there are {}", name, names));
 }
 
-std::vector<std::size_t> AllAxes(const store::ResultFile& file) {
+std::vector<std::size_t> AllAxes(const results::ResultFile& file) {
   std::vector<std::size_t> axes(file.axes().size());
   std::iota(axes.begin(), axes.end(), std::size_t{0});
   return axes;
@@ -164,21 +164,21 @@ std::vector<std::size_t> AllAxes(const store::ResultFile& file) {
 int Ending::Rank() const {
   const int verdict = static_cast<int>(judgement.verdict);
   if (!HasRun(status)) return -1;
-  if (status == store::Status::kDone) return verdict;
+  if (status == results::Status::kDone) return verdict;
   // A run without a verdict ended before its first cycle.
-  if (judgement.verdict == measure::Verdict::kUnknown)
-    return static_cast<int>(measure::Verdict::kCrashed) + 1;
-  return std::max(verdict, static_cast<int>(measure::Verdict::kTimedOut));
+  if (judgement.verdict == protocol::Verdict::kUnknown)
+    return static_cast<int>(protocol::Verdict::kCrashed) + 1;
+  return std::max(verdict, static_cast<int>(protocol::Verdict::kTimedOut));
 }
 
 std::string Ending::Word() const {
-  return std::string(status == store::Status::kDone ? measure::VerdictName(judgement.verdict)
-                                                    : store::StatusName(status));
+  return std::string(status == results::Status::kDone ? protocol::VerdictName(judgement.verdict)
+                                                      : results::StatusName(status));
 }
 
 bool Ending::IsKnown() const {
   return HasRun(status) &&
-         (status != store::Status::kDone || judgement.verdict != measure::Verdict::kUnknown);
+         (status != results::Status::kDone || judgement.verdict != protocol::Verdict::kUnknown);
 }
 
 Ending WorseOf(const Ending& one, const Ending& other) {
@@ -188,29 +188,29 @@ Ending WorseOf(const Ending& one, const Ending& other) {
   return of_other >= 0 && (of_one < 0 || of_other < of_one) ? other : one;
 }
 
-Ending EndingOf(const store::ResultFile& file, const Cell& cell) {
+Ending EndingOf(const results::ResultFile& file, const Cell& cell) {
   return {file.ReadStatus(cell), file.ReadJudgement(cell)};
 }
 
-Ending WorstEnding(const store::ResultFile& file, const Point& at) {
+Ending WorstEnding(const results::ResultFile& file, const Point& at) {
   Ending worst = EndingOf(file, {at, 0});
   for (std::uint64_t rep = 1; rep < file.repeats(); ++rep)
     worst = WorseOf(worst, EndingOf(file, {at, rep}));
   return worst;
 }
 
-std::optional<std::string> Trouble(const store::ResultFile& file, const Cell& cell) {
-  const store::Status status = file.ReadStatus(cell);
-  if (status == store::Status::kMissing) return "not run yet";
-  if (status != store::Status::kDone) {
+std::optional<std::string> Trouble(const results::ResultFile& file, const Cell& cell) {
+  const results::Status status = file.ReadStatus(cell);
+  if (status == results::Status::kMissing) return "not run yet";
+  if (status != results::Status::kDone) {
     const std::string message = file.ReadText("message", cell);
-    return std::string(store::StatusName(status)) + (message.empty() ? "" : ": ") + message;
+    return std::string(results::StatusName(status)) + (message.empty() ? "" : ": ") + message;
   }
-  const measure::Judgement judgement = file.ReadJudgement(cell);
-  if (!measure::HasVoidTimings(judgement.verdict)) return std::nullopt;
-  return fmt::format("{} from cycle {} on{}", measure::VerdictName(judgement.verdict),
+  const protocol::Judgement judgement = file.ReadJudgement(cell);
+  if (!protocol::HasVoidTimings(judgement.verdict)) return std::nullopt;
+  return fmt::format("{} from cycle {} on{}", protocol::VerdictName(judgement.verdict),
                      judgement.first_bad_cycle,
-                     judgement.verdict == measure::Verdict::kFrozen ? FrozenText(file, cell) : "");
+                     judgement.verdict == protocol::Verdict::kFrozen ? FrozenText(file, cell) : "");
 }
 
 std::string MeasuredPoint::Mark() const {
@@ -228,7 +228,7 @@ std::vector<std::string> MeasuredPoint::UnlikeComponents(const MeasuredPoint& ot
   return components;
 }
 
-std::vector<MeasuredPoint> MeasuredPoints(const store::ResultFile& file, bool only_sound) {
+std::vector<MeasuredPoint> MeasuredPoints(const results::ResultFile& file, bool only_sound) {
   std::vector<MeasuredPoint> points;
   std::set<std::string> kept_somewhere;
   for (const Point& at : AllPoints(file)) {
@@ -243,18 +243,18 @@ std::vector<MeasuredPoint> MeasuredPoints(const store::ResultFile& file, bool on
   return points;
 }
 
-CellGroups GroupCells(const store::ResultFile& file) {
+CellGroups GroupCells(const results::ResultFile& file) {
   CellGroups groups;
   for (const Cell& cell : AllCells(file)) {
-    const store::Status status = file.ReadStatus(cell);
-    if (status == store::Status::kSkipped) {
+    const results::Status status = file.ReadStatus(cell);
+    if (status == results::Status::kSkipped) {
       ++groups.skipped;
-    } else if (status == store::Status::kMissing) {
+    } else if (status == results::Status::kMissing) {
       ++groups.missing;
     } else if (const auto trouble = Trouble(file, cell)) {
       groups.bad.push_back({cell, *trouble});
     } else {
-      const measure::Judgement judgement = file.ReadJudgement(cell);
+      const protocol::Judgement judgement = file.ReadJudgement(cell);
       groups.good.push_back(cell);
       groups.verdicts[judgement.verdict].push_back({cell, judgement.first_bad_cycle});
     }
@@ -262,7 +262,7 @@ CellGroups GroupCells(const store::ResultFile& file) {
   return groups;
 }
 
-std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
+std::optional<plan::Plan> ReadPlan(const results::ResultFile& file) {
   thread_local std::optional<plan::Plan> last;
   thread_local std::string last_sha256;
   if (!last || last_sha256 != file.plan_sha256()) {
@@ -282,7 +282,7 @@ std::optional<plan::Plan> ReadPlan(const store::ResultFile& file) {
   return plan;
 }
 
-CellDetectors::CellDetectors(const store::ResultFile& file)
+CellDetectors::CellDetectors(const results::ResultFile& file)
     : file_(file), axis_(DetectorAxis(file)) {
   if (axis_) return;
   const auto runs = yaml::FindBriefRuns(file.ReadProvenance("plan_text"));

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/measure/verdict.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/verdict.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
-using Cell = store::ResultFile::Cell;
+using Cell = results::ResultFile::Cell;
 /// Indices of values on the axes of a file, or on some of them.
 using Point = std::vector<std::size_t>;
 
@@ -23,30 +23,30 @@ Point Project(const Point& at, const std::vector<std::size_t>& axes);
 Point Without(Point at, std::size_t axis);
 
 /// In grid order, also those that were skipped.
-std::vector<Point> AllPoints(const store::ResultFile& file);
+std::vector<Point> AllPoints(const results::ResultFile& file);
 /// In grid order, repeats innermost.
-std::vector<Cell> AllCells(const store::ResultFile& file);
+std::vector<Cell> AllCells(const results::ResultFile& file);
 /// The cells of a point that were run; one that was skipped or is missing was not.
-std::vector<Cell> CellsThatRan(const store::ResultFile& file, const Point& at);
+std::vector<Cell> CellsThatRan(const results::ResultFile& file, const Point& at);
 
 /// `quantity 10, detector dbvt, rep 0`.
-std::string PlaceText(const store::ResultFile& file, const Cell& cell);
+std::string PlaceText(const results::ResultFile& file, const Cell& cell);
 /// `hz 240, iterations 20`: the values on the axes `axes`, at the point `at` on them.
-std::string PlaceText(const store::ResultFile& file, const std::vector<std::size_t>& axes,
+std::string PlaceText(const results::ResultFile& file, const std::vector<std::size_t>& axes,
                       const Point& at);
 /// A shell command that runs only this cell: `cdb run crowd.cdb -b crowd --only 0123…`.
-std::string OnlyCommand(const store::ResultFile& file, const Cell& cell);
+std::string OnlyCommand(const results::ResultFile& file, const Cell& cell);
 
 /// The axis of detectors; nullopt if the file does not sweep them.
-std::optional<std::size_t> DetectorAxis(const store::ResultFile& file);
+std::optional<std::size_t> DetectorAxis(const results::ResultFile& file);
 /// The index of an axis. Throws StoreError that names the axes of the file.
-std::size_t FindAxis(const store::ResultFile& file, const std::string& name);
-std::vector<std::size_t> AllAxes(const store::ResultFile& file);
+std::size_t FindAxis(const results::ResultFile& file, const std::string& name);
+std::vector<std::size_t> AllAxes(const results::ResultFile& file);
 
 /// How a run ended, or the worst ending of several.
 struct Ending {
-  store::Status status = store::Status::kMissing;
-  measure::Judgement judgement;
+  results::Status status = results::Status::kMissing;
+  protocol::Judgement judgement;
 
   /// A worse ending has a larger rank: -1 for no run, then the verdicts, then a run that did not
   /// end well and has none.
@@ -56,15 +56,15 @@ struct Ending {
   /// True if the run was judged, or did not end well.
   bool IsKnown() const;
 };
-Ending EndingOf(const store::ResultFile& file, const Cell& cell);
+Ending EndingOf(const results::ResultFile& file, const Cell& cell);
 /// The worst of the repeats that were run, with the earliest bad cycle of those that ended so. If
 /// none was run: missing or skipped. Throws StoreError.
-Ending WorstEnding(const store::ResultFile& file, const Point& at);
+Ending WorstEnding(const results::ResultFile& file, const Point& at);
 /// `one` or `other`, by the same rule.
 Ending WorseOf(const Ending& one, const Ending& other);
 
 /// The reason why the figures of a cell that was not skipped do not count; nullopt if they do.
-std::optional<std::string> Trouble(const store::ResultFile& file, const Cell& cell);
+std::optional<std::string> Trouble(const results::ResultFile& file, const Cell& cell);
 
 /// A point of the grid with the repeats that have cycles.
 struct MeasuredPoint {
@@ -87,7 +87,7 @@ struct MeasuredPoint {
 
 /// In grid order: each point with a repeat that has cycles. `only_sound`: without void points.
 /// Throws StoreError.
-std::vector<MeasuredPoint> MeasuredPoints(const store::ResultFile& file, bool only_sound);
+std::vector<MeasuredPoint> MeasuredPoints(const results::ResultFile& file, bool only_sound);
 
 /// Cells by the endings of their runs.
 struct CellGroups {
@@ -100,29 +100,29 @@ struct CellGroups {
     std::int64_t first_bad_cycle;
   };
   std::vector<Cell> good;
-  std::vector<Bad> bad;                                      ///< failed, or with void timings
-  std::map<measure::Verdict, std::vector<Judged>> verdicts;  ///< of the sound ones
+  std::vector<Bad> bad;                                       ///< failed, or with void timings
+  std::map<protocol::Verdict, std::vector<Judged>> verdicts;  ///< of the sound ones
   std::size_t skipped = 0, missing = 0;
 
   std::size_t NotSkipped() const { return good.size() + bad.size() + missing; }
 };
-CellGroups GroupCells(const store::ResultFile& file);
+CellGroups GroupCells(const results::ResultFile& file);
 
 /// The plan of the results, with the measured runs that are selected; nullopt if it belongs to
 /// another version of cdb, whose results are shown as far as possible. A large plan takes seconds
 /// to read, so each thread keeps the last one. Throws StoreError.
-std::optional<plan::Plan> ReadPlan(const store::ResultFile& file);
+std::optional<plan::Plan> ReadPlan(const results::ResultFile& file);
 
 /// The detector of each cell. Without an axis of detectors it is taken from the plan, which is read
 /// once; if the plan cannot be read, there are no names. Throws StoreError.
 class CellDetectors {
  public:
-  explicit CellDetectors(const store::ResultFile& file);
+  explicit CellDetectors(const results::ResultFile& file);
   /// Empty if it is unknown.
   std::string Of(const Cell& cell) const;
 
  private:
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const std::optional<std::size_t> axis_;
   std::map<std::string, std::string> by_run_;
 };

@@ -175,7 +175,7 @@ std::optional<Comparison> CompareDetectors(const Model& model, const std::string
 }
 
 std::optional<Estimate> Comparison::RatioAt(const ComparedPoint& point, std::size_t value,
-                                            measure::Phase phase) const {
+                                            protocol::Phase phase) const {
   const MeasuredPoint *above = point.values[value], *below = point.values[baseline];
   if (above == nullptr || below == nullptr) return std::nullopt;
   const Estimate ratio = RatioOf(model->TimeOf(*above, phase), model->TimeOf(*below, phase));
@@ -184,7 +184,7 @@ std::optional<Estimate> Comparison::RatioAt(const ComparedPoint& point, std::siz
 
 std::optional<MeanRatio> MeanRatioOf(const Comparison& comparison,
                                      const std::vector<const ComparedPoint*>& points,
-                                     std::size_t value, measure::Phase phase) {
+                                     std::size_t value, protocol::Phase phase) {
   // The best kind of points that there is: matched, sound, any.
   std::vector<Estimate> matched, sound, any;
   for (const ComparedPoint* point : points) {
@@ -214,7 +214,7 @@ std::optional<MeanRatio> MeanRatioOf(const Comparison& comparison,
 }
 
 std::optional<MeanRatio> MeanRatioOf(const Comparison& comparison, std::size_t value,
-                                     measure::Phase phase) {
+                                     protocol::Phase phase) {
   std::vector<const ComparedPoint*> points;
   for (const ComparedPoint& point : comparison.points) points.push_back(&point);
   return MeanRatioOf(comparison, points, value, phase);

@@ -33,7 +33,7 @@ struct Comparison {
   std::size_t MatchedCount() const;
   /// The time of a value over that of the baseline; nullopt for gaps.
   std::optional<Estimate> RatioAt(const ComparedPoint& point, std::size_t value,
-                                  measure::Phase phase) const;
+                                  protocol::Phase phase) const;
 };
 /// `baseline`: nullopt for the first value with the most sound points.
 Comparison CompareValues(const Model& model, std::size_t axis, std::optional<std::size_t> baseline);
@@ -54,10 +54,10 @@ struct MeanRatio {
 /// Nullopt if no point has a ratio.
 std::optional<MeanRatio> MeanRatioOf(const Comparison& comparison,
                                      const std::vector<const ComparedPoint*>& points,
-                                     std::size_t value, measure::Phase phase);
+                                     std::size_t value, protocol::Phase phase);
 /// Over all points.
 std::optional<MeanRatio> MeanRatioOf(const Comparison& comparison, std::size_t value,
-                                     measure::Phase phase);
+                                     protocol::Phase phase);
 
 /// A figure of a point; less is better.
 using FigureOfPoint = std::function<Estimate(const MeasuredPoint&)>;

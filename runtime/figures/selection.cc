@@ -94,7 +94,7 @@ std::string ValuesText(const plan::Axis& axis) {
   return fmt::format("{}", fmt::join(plan::CoordinateLabels(axis), ", "));
 }
 
-void SelectPart(store::ResultFile& file, const std::vector<std::string>& selections) {
+void SelectPart(results::ResultFile& file, const std::vector<std::string>& selections) {
   std::set<std::string> seen;
   for (const std::string& word : selections) {
     const auto [name, text] = ParseSelection(word);

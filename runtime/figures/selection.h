@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
@@ -34,6 +34,6 @@ std::string ValuesText(const plan::Axis& axis);
 
 /// Each of `selections` is `axis=value`, `axis=a,b` or `axis=a..b` (FindValues). Throws
 /// StoreError that names the axes of the file, or the values of the axis.
-void SelectPart(store::ResultFile& file, const std::vector<std::string>& selections);
+void SelectPart(results::ResultFile& file, const std::vector<std::string>& selections);
 
 }  // namespace cdb::figures

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "compiler/schema/catalogue.h"
-#include "runtime/machine/noise.h"
+#include "runtime/protocol/machine/noise.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {
@@ -32,7 +32,7 @@ constexpr SuiteKind kKinds[] = {
 // stack that slides by a fiftieth of a box, a ball that loses a tenth of its energy, a pendulum
 // that gains or loses a twentieth. If hundreds of bodies move, it is a matter of chance whether a
 // few overlap by a twentieth of their size: with another seed, the same work gets another verdict.
-constexpr auto kPenetrating = measure::Verdict::kPenetrating;
+constexpr auto kPenetrating = protocol::Verdict::kPenetrating;
 constexpr StandardScene kScenes[] = {
     {"games", "debris", "3000 pieces of debris in orbit", "pairs_missed", 0, kPenetrating},
     {"games", "rubble", "800 falling chunks of rubble", "pairs_missed", 0, kPenetrating},
@@ -134,27 +134,27 @@ class SceneCollector {
     for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep) {
       const Ending ending = EndingOf(file_, {at, rep});
       ++of.repeats;
-      if (ending.status != store::Status::kDone) {
+      if (ending.status != results::Status::kDone) {
         SetFault(of, ending.Word());
       } else if (!ending.IsKnown()) {
         SetFault(of, "no verdict");
       }
-      if (ending.status == store::Status::kDone && file_.Has("noise"))
+      if (ending.status == results::Status::kDone && file_.Has("noise"))
         of.noisy += static_cast<machine::Noise>(file_.ReadReal("noise", {at, rep})) ==
                     machine::Noise::kNoisy;
     }
-    const measure::Judgement worst = WorstEnding(file_, at).judgement;
+    const protocol::Judgement worst = WorstEnding(file_, at).judgement;
     of.verdict = std::max(of.verdict, worst.verdict);
     if (worst.verdict > scene_.worst_verdict)
       SetFault(of, worst.first_bad_cycle < 0
-                       ? std::string(measure::VerdictName(worst.verdict))
-                       : fmt::format("{} from cycle {}", measure::VerdictName(worst.verdict),
+                       ? std::string(protocol::VerdictName(worst.verdict))
+                       : fmt::format("{} from cycle {}", protocol::VerdictName(worst.verdict),
                                      worst.first_bad_cycle));
   }
 
   void AddFigures(const MeasuredPoint& point, ConfigurationFigures& of) {
     of.time_step_s = model_.TimeStepOf(point);
-    const PhaseTimes& steps = model_.times().Of(point, measure::Phase::kStep);
+    const PhaseTimes& steps = model_.times().Of(point, protocol::Phase::kStep);
     of.step_ns = std::fmax(of.step_ns, steps.mean.value);
     std::vector<double> sorted = steps.cycles;
     std::ranges::sort(sorted);
@@ -204,7 +204,7 @@ class SceneCollector {
   }
 
   const StandardScene& scene_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const Model& model_;
 };
 
@@ -270,7 +270,7 @@ std::string SpeedupText(const ConfigurationFigures& of) {
 /// Disturbances of a run on this machine do not make it wrong.
 bool IsWrong(const ConfigurationFigures& of, const StandardScene& scene) {
   return of.verdict > scene.worst_verdict || of.error > scene.bound ||
-         of.verdict == measure::Verdict::kUnknown;
+         of.verdict == protocol::Verdict::kUnknown;
 }
 
 bool HasOtherSpeedup(const ConfigurationFigures& claimed, const ConfigurationFigures& here,

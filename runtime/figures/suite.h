@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "runtime/figures/compare.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 
 namespace cdb::figures {
 
@@ -40,7 +40,7 @@ struct StandardScene {
   std::string_view error;  ///< name of its array in /accuracy
   double bound;            ///< a run with a larger error is wrong
   /// A run with a worse verdict is wrong too.
-  measure::Verdict worst_verdict = measure::Verdict::kStable;
+  protocol::Verdict worst_verdict = protocol::Verdict::kStable;
 
   /// `games/debris`
   std::string Id() const;
@@ -58,7 +58,7 @@ struct ConfigurationFigures {
   std::string fault;            ///< reason why it has no score; empty for most
   bool is_disturbed = false;  ///< the only fault is a disturbance by the machine; the same run may
                               ///< be right
-  measure::Verdict verdict = measure::Verdict::kUnknown;  ///< the worst of its repeats
+  protocol::Verdict verdict = protocol::Verdict::kUnknown;  ///< the worst of its repeats
   std::size_t repeats = 0, noisy = 0;
   double error = kNone;         ///< the largest over the seeds
   double memory_bytes = kNone;  ///< peak resident memory, the maximum of its repeats

@@ -222,14 +222,14 @@ Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstra
 
 }  // namespace
 
-std::string PhaseName(measure::Phase phase) {
-  return std::string(measure::PhaseNames()[measure::IndexOf(phase)]);
+std::string PhaseName(protocol::Phase phase) {
+  return std::string(protocol::PhaseNames()[protocol::IndexOf(phase)]);
 }
 
-std::vector<measure::Phase> AllPhases() {
-  std::vector<measure::Phase> phases;
-  for (std::size_t i = 0; i < measure::kPhaseCount; ++i)
-    phases.push_back(static_cast<measure::Phase>(i));
+std::vector<protocol::Phase> AllPhases() {
+  std::vector<protocol::Phase> phases;
+  for (std::size_t i = 0; i < protocol::kPhaseCount; ++i)
+    phases.push_back(static_cast<protocol::Phase>(i));
   return phases;
 }
 
@@ -274,27 +274,27 @@ std::size_t FastestOf(std::size_t repeats) {
   return std::min(repeats, static_cast<std::size_t>(few));
 }
 
-const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, measure::Phase phase) {
+const PhaseTimes& CycleTimes::Of(const MeasuredPoint& point, protocol::Phase phase) {
   const auto [found, is_new] = points_.try_emplace(point.at);
   if (is_new) {
     // All phases of a cell are in one block of the file, which is read once.
-    std::array<std::vector<std::vector<double>>, measure::kPhaseCount> repeats;
+    std::array<std::vector<std::vector<double>>, protocol::kPhaseCount> repeats;
     for (std::size_t i = 0; i < repeats.size(); ++i) repeats[i].resize(bootstrap_.size());
-    for (const store::ResultFile::Cell& cell : point.cells)
+    for (const results::ResultFile::Cell& cell : point.cells)
       for (std::size_t i = 0; i < repeats.size(); ++i)
-        repeats[i][cell.rep] = file_.ReadDuration(static_cast<measure::Phase>(i), cell);
+        repeats[i][cell.rep] = file_.ReadDuration(static_cast<protocol::Phase>(i), cell);
     for (std::size_t i = 0; i < repeats.size(); ++i)
       found->second[i] = TimesOver(repeats[i], bootstrap_, statistic_, fastest_of_);
   }
-  return found->second[measure::IndexOf(phase)];
+  return found->second[protocol::IndexOf(phase)];
 }
 
-const Estimate& CycleTimes::FigureOf(const MeasuredPoint& point, measure::Phase phase) {
+const Estimate& CycleTimes::FigureOf(const MeasuredPoint& point, protocol::Phase phase) {
   const PhaseTimes& times = Of(point, phase);
   return statistic_ == CycleStatistic::kMean ? times.mean : times.other;
 }
 
-double CycleTimes::StatisticOf(const MeasuredPoint& point, measure::Phase phase,
+double CycleTimes::StatisticOf(const MeasuredPoint& point, protocol::Phase phase,
                                CycleStatistic statistic) {
   return figures::StatisticOf(Of(point, phase).cycles, statistic);
 }
@@ -365,7 +365,7 @@ std::string TimeText(double ns) {
   return fmt::format("{} {}", terminal::ShortNumber(ns / unit.ns), unit.name);
 }
 
-std::vector<std::size_t> OtherAxes(const store::ResultFile& file, std::size_t axis) {
+std::vector<std::size_t> OtherAxes(const results::ResultFile& file, std::size_t axis) {
   std::vector<std::size_t> others = AllAxes(file);
   std::erase(others, axis);
   return others;

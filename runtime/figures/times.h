@@ -47,8 +47,8 @@
 
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/points.h"
-#include "runtime/measure/series.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/series.h"
+#include "runtime/results/store.h"
 
 namespace cdb::figures {
 
@@ -66,8 +66,8 @@ enum class CycleStatistic {
 std::span<const std::string_view> CycleStatisticNames();
 
 /// `step`.
-std::string PhaseName(measure::Phase phase);
-std::vector<measure::Phase> AllPhases();
+std::string PhaseName(protocol::Phase phase);
+std::vector<protocol::Phase> AllPhases();
 
 struct PhaseTimes {
   std::vector<double> cycles;  ///< the time of each cycle
@@ -87,7 +87,7 @@ std::size_t FastestOf(std::size_t repeats);
 /// The times of a file's points; each is computed once.
 class CycleTimes {
  public:
-  explicit CycleTimes(const store::ResultFile& file,
+  explicit CycleTimes(const results::ResultFile& file,
                       CycleStatistic statistic = CycleStatistic::kMean,
                       std::optional<std::size_t> fastest_of = {})
       : file_(file),
@@ -95,11 +95,11 @@ class CycleTimes {
         statistic_(statistic),
         fastest_of_(fastest_of) {}
 
-  const PhaseTimes& Of(const MeasuredPoint& point, measure::Phase phase);
+  const PhaseTimes& Of(const MeasuredPoint& point, protocol::Phase phase);
   /// The time of a point by the requested statistic.
-  const Estimate& FigureOf(const MeasuredPoint& point, measure::Phase phase);
+  const Estimate& FigureOf(const MeasuredPoint& point, protocol::Phase phase);
   /// Any statistic over the cycles of a point, except kWorst.
-  double StatisticOf(const MeasuredPoint& point, measure::Phase phase, CycleStatistic statistic);
+  double StatisticOf(const MeasuredPoint& point, protocol::Phase phase, CycleStatistic statistic);
   CycleStatistic statistic() const { return statistic_; }
   /// `mean`, `median`.
   std::string_view StatisticName() const;
@@ -120,9 +120,9 @@ class CycleTimes {
  private:
   std::string Statistic(bool pools) const;
 
-  using AllPhases = std::array<PhaseTimes, measure::kPhaseCount>;
+  using AllPhases = std::array<PhaseTimes, protocol::kPhaseCount>;
 
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const Bootstrap bootstrap_;
   const CycleStatistic statistic_;
   const std::optional<std::size_t> fastest_of_;
@@ -136,7 +136,7 @@ std::string IntervalNote(const CycleTimes& times, const Estimate& estimate, doub
 /// `1.23 ms`.
 std::string TimeText(double ns);
 /// All axes of a file except one.
-std::vector<std::size_t> OtherAxes(const store::ResultFile& file, std::size_t axis);
+std::vector<std::size_t> OtherAxes(const results::ResultFile& file, std::size_t axis);
 /// `the number of objects`, `hz`: an axis in a sentence.
 std::string AxisWords(const plan::Axis& axis);
 

@@ -14,8 +14,8 @@
 #include "compiler/schema/schema.h"
 #include "runtime/manual/explanation.h"
 #include "runtime/manual/word.h"
-#include "runtime/measure/series.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/series.h"
+#include "runtime/protocol/verdict.h"
 #include "runtime/terminal/wrap.h"
 
 namespace cdb::manual {
@@ -51,8 +51,8 @@ const std::vector<CatalogueWord>& CatalogueWords() {
     add("closed form", schema::ClosedForms());
     add("component, for omit", schema::Components());
     add("error, of the results", schema::Errors());
-    add("verdict", measure::Verdicts());
-    add("series, of the results", measure::AllSeries());
+    add("verdict", protocol::Verdicts());
+    add("series, of the results", protocol::AllSeries());
     return words;
   }();
   return all;

@@ -121,7 +121,7 @@ Document HistoryDocument(const std::vector<figures::BenchmarkHistory>& benchmark
       worse.push_back(benchmark.files[0]->file.benchmark() + " " + thing);
   }
   if (setups.lines.empty()) setups.lines = {"The same machine, versions and facts"};
-  const measure::Phase phase = benchmarks[0].steps[0].times.common_phase;
+  const protocol::Phase phase = benchmarks[0].steps[0].times.common_phase;
   table.notes = {fmt::format("Mean {} of a cycle over that of the first file, geometric mean over "
                              "the points that both have.",
                              figures::PhaseName(phase)),

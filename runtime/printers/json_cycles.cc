@@ -14,7 +14,7 @@
 namespace cdb::printers {
 namespace {
 
-using measure::Phase;
+using protocol::Phase;
 
 constexpr std::size_t kMaxBins = 200, kMaxTimelines = 60;
 constexpr std::size_t kMaxDistributions = 500, kMaxStepDistributions = 2000;
@@ -70,7 +70,8 @@ Json QuantilesOf(std::vector<double> cycles) {
 }
 
 /// The mean over the cycles, for each repeat of a point.
-Json RepeatMeans(const store::ResultFile& file, const figures::MeasuredPoint& point, Phase phase) {
+Json RepeatMeans(const results::ResultFile& file, const figures::MeasuredPoint& point,
+                 Phase phase) {
   Json means = Json::array();
   for (const figures::Cell& cell : point.cells)
     means.push_back(JsonNumber(figures::Mean(file.ReadDuration(phase, cell)), kDigits));

@@ -22,7 +22,7 @@ using figures::Cell;
 /// The names of a fact in the document and in /provenance.
 using Fact = std::pair<const char*, const char*>;
 
-Json FactsOf(const store::ResultFile& file, std::initializer_list<Fact> facts) {
+Json FactsOf(const results::ResultFile& file, std::initializer_list<Fact> facts) {
   Json all = Json::object();
   for (const auto& [name, stored] : facts)
     if (std::string text = file.ReadProvenance(stored); !text.empty()) all[name] = std::move(text);
@@ -60,7 +60,7 @@ Json DocumentRuns(const figures::Model& model) {
   const figures::CellGroups& groups = model.runs();
   std::size_t failed = 0;
   for (const figures::CellGroups::Bad& bad : groups.bad)
-    failed += model.file().ReadStatus(bad.cell) == store::Status::kDone ? 0 : 1;
+    failed += model.file().ReadStatus(bad.cell) == results::Status::kDone ? 0 : 1;
   return {{"all", groups.NotSkipped() + groups.skipped},
           {"good", groups.good.size()},
           {"void", groups.bad.size() - failed},
@@ -72,7 +72,7 @@ Json DocumentRuns(const figures::Model& model) {
 }
 
 Json DocumentOmissions(const figures::Model& model) {
-  const store::ResultFile& file = model.file();
+  const results::ResultFile& file = model.file();
   Json all = Json::array();
   if (!file.Has("omitted") || !file.Has("needs")) return all;
   for (const schema::ComponentInfo& info : schema::Components()) {
@@ -121,7 +121,7 @@ Json DocumentFailures(const figures::Model& model, std::size_t most) {
 }
 
 Json DocumentNoise(const figures::Model& model) {
-  const store::ResultFile& file = model.file();
+  const results::ResultFile& file = model.file();
   const std::vector<Cell>& cells = model.runs().good;
   std::size_t quiet = 0, noisy = 0;
   double least = figures::kNone, most = figures::kNone;
@@ -146,7 +146,7 @@ Json DocumentNoise(const figures::Model& model) {
           {"load", JsonNumbers({least, most})}};
 }
 
-Json DocumentMachine(const store::ResultFile& file) {
+Json DocumentMachine(const results::ResultFile& file) {
   return FactsOf(file, {{"host", "host"},
                         {"cpu", "cpu"},
                         {"cores", "cpus"},
@@ -156,7 +156,7 @@ Json DocumentMachine(const store::ResultFile& file) {
                         {"kernel", "kernel"}});
 }
 
-Json DocumentBuild(const store::ResultFile& file) {
+Json DocumentBuild(const results::ResultFile& file) {
   return FactsOf(file, {{"cdb", "cdb_version"},
                         {"commit", "commit"},
                         {"type", "build_type"},
@@ -165,7 +165,7 @@ Json DocumentBuild(const store::ResultFile& file) {
                         {"bullet", "bullet_version"}});
 }
 
-Json DocumentProvenance(const store::ResultFile& file) {
+Json DocumentProvenance(const results::ResultFile& file) {
   Json all = {{"source", file.source()},
               {"benchmark", file.benchmark()},
               {"plan_sha256", file.plan_sha256()}};

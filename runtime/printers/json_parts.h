@@ -45,7 +45,7 @@ inline constexpr std::pair<const char*, figures::CycleStatistic> kDocumentedStat
     {"p95", figures::CycleStatistic::kP95},
     {"min", figures::CycleStatistic::kMin},
     {"max", figures::CycleStatistic::kMax}};
-std::vector<measure::Phase> DocumentedPhases(const figures::Model& model);
+std::vector<protocol::Phase> DocumentedPhases(const figures::Model& model);
 std::vector<std::string> DocumentedCounts(const figures::Model& model);  ///< series
 std::vector<std::string> DocumentedMemory(const figures::Model& model);
 
@@ -91,8 +91,8 @@ Json DocumentFailures(const figures::Model& model, std::size_t most);
 /// `noise`.
 Json DocumentNoise(const figures::Model& model);
 // `machine`, `build` and `provenance`: facts by name. Facts that the file lacks are left out.
-Json DocumentMachine(const store::ResultFile& file);
-Json DocumentBuild(const store::ResultFile& file);
-Json DocumentProvenance(const store::ResultFile& file);
+Json DocumentMachine(const results::ResultFile& file);
+Json DocumentBuild(const results::ResultFile& file);
+Json DocumentProvenance(const results::ResultFile& file);
 
 }  // namespace cdb::printers

@@ -20,8 +20,8 @@ using figures::MeasuredPoint;
 struct PhaseWords {
   std::string_view label, definition;
 };
-/// In the order of measure::Phase.
-constexpr std::array<PhaseWords, measure::kPhaseCount> kPhaseWords = {{
+/// In the order of protocol::Phase.
+constexpr std::array<PhaseWords, protocol::kPhaseCount> kPhaseWords = {{
     {"broad phase", "Boxes are updated; overlapping pairs of boxes are added and removed."},
     {"narrow phase", "Contacts of the pairs are computed, and manifolds refreshed."},
     {"collision detection", "Broad and narrow phase."},
@@ -131,7 +131,7 @@ class PointColumns {
   }
 
   void AddTimes(Json& all) const {
-    for (const measure::Phase phase : DocumentedPhases(model_))
+    for (const protocol::Phase phase : DocumentedPhases(model_))
       all["times"][figures::PhaseName(phase)] = TimesOf(phase);
     if (IsLarge(model_)) return;
     all["time_step"] =
@@ -145,7 +145,7 @@ class PointColumns {
     add("ms_per_s_high", [&](const Estimate& ms) { return model_.times().IntervalOf(ms).high; });
   }
 
-  Json TimesOf(measure::Phase phase) const {
+  Json TimesOf(protocol::Phase phase) const {
     figures::CycleTimes& times = model_.times();
     Json columns = Json::object();
     const auto add = [&](const char* name, auto part_of) {
@@ -188,7 +188,7 @@ class PointColumns {
   }
 
   const figures::Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const std::vector<GridPoint>& points_;
 };
 
@@ -198,7 +198,7 @@ Json ValueJson(const plan::Axis& axis, std::size_t index) {
   return std::get<std::string>(value);
 }
 
-std::vector<std::string> Those(const store::ResultFile& file,
+std::vector<std::string> Those(const results::ResultFile& file,
                                std::initializer_list<const char*> names) {
   std::vector<std::string> those;
   for (const char* name : names)
@@ -219,9 +219,9 @@ Json CycleOrNull(const figures::Ending& ending) {
                                               : Json(ending.judgement.first_bad_cycle);
 }
 
-std::vector<measure::Phase> DocumentedPhases(const figures::Model& model) {
+std::vector<protocol::Phase> DocumentedPhases(const figures::Model& model) {
   if (!IsLarge(model)) return figures::AllPhases();
-  return {measure::Phase::kDetect, measure::Phase::kStep};
+  return {protocol::Phase::kDetect, protocol::Phase::kStep};
 }
 
 std::vector<std::string> DocumentedCounts(const figures::Model& model) {
@@ -258,8 +258,8 @@ Json DocumentAxes(const figures::Model& model) {
 }
 
 Json DocumentPhases() {
-  return JsonColumn(measure::kPhaseCount, [](std::size_t i) -> Json {
-    return {{"name", measure::PhaseNames()[i]},
+  return JsonColumn(protocol::kPhaseCount, [](std::size_t i) -> Json {
+    return {{"name", protocol::PhaseNames()[i]},
             {"label", kPhaseWords[i].label},
             {"definition", kPhaseWords[i].definition}};
   });

@@ -17,7 +17,7 @@ using figures::Estimate;
 using figures::Model;
 using figures::Point;
 using figures::Row;
-using measure::Phase;
+using protocol::Phase;
 
 constexpr std::size_t kMostRows = 20'000, kMostTables = 256;
 
@@ -174,7 +174,7 @@ class PooledTable {
 
 using figures::Comparison;
 using figures::Model;
-using measure::Phase;
+using protocol::Phase;
 
 Json ColumnsOf(const Comparison& comparison, Phase phase) {
   const Model& model = *comparison.model;

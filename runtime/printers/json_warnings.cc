@@ -71,8 +71,9 @@ class WarningList {
   void AddVerdicts() {
     std::vector<std::string> texts;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row)
-      if (row->first > measure::Verdict::kStable)
-        texts.push_back(fmt::format("{} {}", row->second.size(), measure::VerdictName(row->first)));
+      if (row->first > protocol::Verdict::kStable)
+        texts.push_back(
+            fmt::format("{} {}", row->second.size(), protocol::VerdictName(row->first)));
     if (!texts.empty())
       Add("unsound",
           fmt::format(
@@ -120,7 +121,7 @@ class WarningList {
   }
 
   const figures::Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const figures::CellGroups& groups_;
   Json all_ = Json::array();
 };

@@ -8,14 +8,14 @@
 #include <set>
 #include <utility>
 
-#include "runtime/machine/noise.h"
+#include "runtime/protocol/machine/noise.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
 
 using figures::Cell;
 
-std::string NoiseNote(const store::ResultFile& file, const std::vector<Cell>& cells) {
+std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& cells) {
   if (!file.Has("noise") || !file.Has("noise_cause") || !file.Has("cpu_time")) return {};
   std::size_t noisy = 0;
   const Cell* worst = nullptr;
@@ -34,7 +34,7 @@ std::string NoiseNote(const store::ResultFile& file, const std::vector<Cell>& ce
                      figures::PlaceText(file, *worst), file.ReadText("noise_cause", *worst));
 }
 
-std::vector<std::string> ProcessorNotes(const store::ResultFile& file,
+std::vector<std::string> ProcessorNotes(const results::ResultFile& file,
                                         const std::vector<Cell>& cells) {
   std::map<std::string, std::size_t> runs;
   std::map<figures::Point, std::set<std::string>> kinds;  // keyed by points without their detector
@@ -72,13 +72,13 @@ std::string HarnessNote(const figures::Model& model) {
   return text + "; not subtracted.";
 }
 
-std::string BuildNote(const store::ResultFile& file) {
+std::string BuildNote(const results::ResultFile& file) {
   const std::string build = file.ReadProvenance("build_type");
   if (build == "Release") return {};
   return fmt::format("Timed with a {} build of cdb: do not quote these timings.", build);
 }
 
-std::string JobsNote(const store::ResultFile& file) {
+std::string JobsNote(const results::ResultFile& file) {
   const std::string jobs = file.ReadProvenance("jobs");
   if (jobs.empty() || jobs == "1") return {};
   return fmt::format("Timed with parallel runs (jobs {}), which disturb each other.", jobs);

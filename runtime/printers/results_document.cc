@@ -20,7 +20,7 @@ constexpr int kVersion = 1;
 /// Limit of failures on a page.
 constexpr std::size_t kMaxFailures = 200;
 
-std::string GeneratorOf(const store::ResultFile& file) {
+std::string GeneratorOf(const results::ResultFile& file) {
   const std::string version = file.ReadProvenance("cdb_version");
   return version.empty() ? "cdb" : "cdb " + version;
 }
@@ -55,7 +55,7 @@ using figures::MeasuredPoint;
 
 class PointTable {
  public:
-  PointTable(const figures::Model& model, const std::vector<measure::Phase>& phases)
+  PointTable(const figures::Model& model, const std::vector<protocol::Phase>& phases)
       : model_(model), file_(model.file()) {
     table_.rows.resize(model.grid().size());
     AddAxes();
@@ -65,7 +65,7 @@ class PointTable {
       return std::to_string(point.measured == nullptr ? 0 : point.measured->cells.size());
     });
     if (model.HasTimes())
-      for (const measure::Phase phase : phases.empty() ? figures::AllPhases() : phases)
+      for (const protocol::Phase phase : phases.empty() ? figures::AllPhases() : phases)
         AddPhase(phase);
     for (const char* series : {"pairs", "manifolds", "contacts", "missed_pairs"})
       if (file_.Has(series))
@@ -103,7 +103,7 @@ class PointTable {
       });
   }
 
-  void AddPhase(measure::Phase phase) {
+  void AddPhase(protocol::Phase phase) {
     const figures::CycleTimes& times = model_.times();
     const std::string name = figures::PhaseName(phase);
     const auto add = [&](const std::string& head, auto part_of) {
@@ -129,13 +129,13 @@ class PointTable {
   }
 
   const figures::Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   Table table_;
 };
 
 }  // namespace
 
-Printed ResultsDocument(const store::ResultFile& file, const DocumentOptions& options) {
+Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& options) {
   const figures::Model model(file, {.only_sound = options.only_sound});
   CheckSize(model);
   const auto comparison = figures::CompareDetectors(model, options.baseline);
@@ -172,7 +172,7 @@ Printed ResultsDocument(const store::ResultFile& file, const DocumentOptions& op
   return {document.dump(-1, ' ', false, Json::error_handler_t::replace), model.bad_count()};
 }
 
-Printed CsvText(const store::ResultFile& file, const CsvOptions& options) {
+Printed CsvText(const results::ResultFile& file, const CsvOptions& options) {
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
   return {CsvOf(PointTable(model, options.phases).table()), model.runs().bad.size()};

@@ -9,7 +9,7 @@
 
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::printers {
 
@@ -26,10 +26,10 @@ inline constexpr std::size_t kMaxDocumentPoints = 100'000;
 
 /// UTF-8, without a newline. Throws StoreError, also for a detector that the file does not contain,
 /// and for more than kMaxDocumentPoints points.
-Printed ResultsDocument(const store::ResultFile& file, const DocumentOptions& options);
+Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& options);
 
 struct CsvOptions {
-  std::vector<measure::Phase> phases = {};  ///< empty: all
+  std::vector<protocol::Phase> phases = {};  ///< empty: all
   figures::CycleStatistic statistic = figures::CycleStatistic::kMean;
   bool only_sound = false;  ///< leave out runs whose timings are voided by their verdict
 };
@@ -37,6 +37,6 @@ struct CsvOptions {
 /// repeats; for each phase the statistic over the cycles and the ends of its interval, ns; means of
 /// counts, peak memory, errors. Six digits, independent of the locale; empty if there is no value.
 /// Throws StoreError.
-Printed CsvText(const store::ResultFile& file, const CsvOptions& options);
+Printed CsvText(const results::ResultFile& file, const CsvOptions& options);
 
 }  // namespace cdb::printers

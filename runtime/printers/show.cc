@@ -21,7 +21,7 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
 
 }  // namespace
 
-Printed Show(const store::ResultFile& file, const ShowOptions& options) {
+Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   std::vector<std::size_t> asked;
   for (const std::string& name : options.by) asked.push_back(figures::FindAxis(file, name));
   const figures::Model model(file,
@@ -35,7 +35,7 @@ Printed Show(const store::ResultFile& file, const ShowOptions& options) {
   return {TextOf(document, options.format), model.bad_count()};
 }
 
-RowTable::RowTable(const store::ResultFile& file, const figures::Rows& rows)
+RowTable::RowTable(const results::ResultFile& file, const figures::Rows& rows)
     : file_(file), rows_(rows) {
   AddAxes(file, rows.by, table_);
   if (rows.pools) table_.AddColumn("cells", true);
@@ -57,13 +57,13 @@ Table RowTable::Take() {
   return std::move(table_);
 }
 
-void AddAxes(const store::ResultFile& file, const std::vector<std::size_t>& axes, Table& table) {
+void AddAxes(const results::ResultFile& file, const std::vector<std::size_t>& axes, Table& table) {
   for (const std::size_t axis : axes)
     table.AddColumn(file.axes()[axis].name, !file.axes()[axis].IsText());
   table.keys = axes.size();
 }
 
-std::vector<std::string> Coordinates(const store::ResultFile& file,
+std::vector<std::string> Coordinates(const results::ResultFile& file,
                                      const std::vector<std::size_t>& axes,
                                      const figures::Point& at) {
   std::vector<std::string> cells;

@@ -8,7 +8,7 @@
 #include "runtime/figures/errors.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::printers {
 
@@ -21,7 +21,7 @@ struct ShowOptions {
   /// Leave out runs whose timings are voided by their verdict.
   bool only_sound = false;
   /// The phases of the tables. Empty: all; ratios of detect and step.
-  std::vector<measure::Phase> phases = {};
+  std::vector<protocol::Phase> phases = {};
   figures::CycleStatistic statistic = figures::CycleStatistic::kMean;
   /// Add plots of characters: times over the cycles, and over axes of numbers.
   bool plots = false;
@@ -35,7 +35,7 @@ inline constexpr std::size_t kMaxRows = 60;
 /// detectors, and the ratio between them. Void runs are in separate rows, marked, and in no mean or
 /// ratio with others. Throws StoreError, also for an axis or a detector that the file does not
 /// have.
-Printed Show(const store::ResultFile& file, const ShowOptions& options = {});
+Printed Show(const results::ResultFile& file, const ShowOptions& options = {});
 
 struct ShowErrorOptions {
   figures::ErrorOptions errors;
@@ -50,13 +50,13 @@ struct ShowErrorOptions {
 /// the file sweeps them. Void configurations are last, marked and not on the front; those without
 /// the error or without a time are listed separately. Throws StoreError, also for an error or an
 /// axis that the file does not have.
-Printed ShowError(const store::ResultFile& file, const ShowErrorOptions& options);
+Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options);
 
 /// The part of one benchmark: the verdicts along its graded axis, the last one of numbers, in a
 /// line for each combination of the other axes, with equal neighbours joined: `single  stable 1 ..
 /// 5 | penetrating 10 | collapsed 20 .. 1000` The worst verdict of the repeats counts. Throws
 /// StoreError.
-std::string StabilityMap(const store::ResultFile& file);
+std::string StabilityMap(const results::ResultFile& file);
 
 struct VerifyText {
   std::string text;
@@ -67,6 +67,6 @@ struct VerifyText {
 /// those that failed, otherwise in the file's order. Below: the first bad cycle of each, the
 /// command that replays it, and `left_out`. The file holds runs with `record pairs`. Throws
 /// StoreError.
-VerifyText VerifyTable(const store::ResultFile& file, const std::vector<std::string>& left_out);
+VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out);
 
 }  // namespace cdb::printers

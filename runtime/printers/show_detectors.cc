@@ -44,7 +44,7 @@ terminal::TimeUnit UnitOf(const std::vector<DetectorCosts>& costs) {
 }
 
 Section CostsOf(const Model& model, const std::vector<std::size_t>& by) {
-  const store::ResultFile& file = model.file();
+  const results::ResultFile& file = model.file();
   const figures::CycleTimes& times = model.times();
   const figures::Rows rows = figures::MatchRows(model.points(), by);
   std::vector<DetectorCosts> costs;

@@ -144,14 +144,14 @@ class ErrorSummary {
   }
 
   const figures::Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const std::string name_;
   const figures::ErrorFigures figures_;
 };
 
 }  // namespace
 
-Printed ShowError(const store::ResultFile& file, const ShowErrorOptions& options) {
+Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options) {
   const figures::Model model(file, {.only_sound = options.only_sound});
   return {TextOf(ErrorSummary(model, options.errors).Made(), options.format),
           model.runs().bad.size()};

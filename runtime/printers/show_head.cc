@@ -118,13 +118,13 @@ class Head {
     Lines doubts;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
-      if (verdict <= measure::Verdict::kStable) continue;
+      if (verdict <= protocol::Verdict::kStable) continue;
       doubts.push_back(fmt::format("  {} {}: {} from cycle {} on{}", runs.size(),
-                                   measure::VerdictName(verdict),
+                                   protocol::VerdictName(verdict),
                                    figures::PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
                                    runs.size() > 1 ? ", and others" : ""));
     }
-    const auto stable = groups_.verdicts.find(measure::Verdict::kStable);
+    const auto stable = groups_.verdicts.find(protocol::Verdict::kStable);
     const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
     if (doubts.empty()) {
       if (sound == 0) return {};
@@ -205,7 +205,7 @@ class Head {
   }
 
   const figures::Model& model_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const CellGroups& groups_;
   std::vector<Cell> measured_;  ///< the sound cells; if there are none, the others
 };

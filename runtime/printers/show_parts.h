@@ -21,7 +21,7 @@ std::vector<std::string> WrongDetectors(const figures::Model& model);
 /// percentile over the cycles; and the intervals of the means. None for a file without timings and
 /// pairs.
 void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
-               const std::vector<measure::Phase>& phases, Document& document);
+               const std::vector<protocol::Phase>& phases, Document& document);
 
 /// Two tables, if the file compares detectors. For detect: mean and worst cycle, pairs, faults and
 /// memory of each detector, in the order of their axis, at each point of the other axes, or of `by`
@@ -37,11 +37,11 @@ void AddOtherFaults(const figures::Model& model, Document& document);
 /// ratio, paired by repeat. The geometric mean is over the points that all detectors have, sound
 /// and with the same omissions; ratios of other points are in parentheses.
 void AddRatios(const figures::Model& model, const std::string& baseline,
-               const std::vector<measure::Phase>& phases, Document& document);
+               const std::vector<protocol::Phase>& phases, Document& document);
 
 /// The phases (only the step if `phases` is empty) over the cycles, a line for each of at most 24
 /// points; and over each axis of at least three numbers. None for a file without timings.
-void AddPlots(const figures::Model& model, const std::vector<measure::Phase>& phases,
+void AddPlots(const figures::Model& model, const std::vector<protocol::Phase>& phases,
               Document& document);
 
 /// Bars from the least to the greatest of `values`, which are averaged in at most `width` bins; a
@@ -53,7 +53,7 @@ std::string Sparkline(const std::vector<double>& values, std::size_t width, doub
 /// several, figures, and the mark.
 class RowTable {
  public:
-  RowTable(const store::ResultFile& file, const figures::Rows& rows);
+  RowTable(const results::ResultFile& file, const figures::Rows& rows);
   /// A column of figures.
   void AddColumn(std::string_view head) { table_.AddColumn(head, true); }
   /// A figure for each column. `note` precedes the row's mark.
@@ -62,16 +62,16 @@ class RowTable {
   Table Take();
 
  private:
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const figures::Rows& rows_;
   Table table_;
   bool has_notes_ = false;
 };
 
 /// Adds a column for each of the axes, which identify the rows.
-void AddAxes(const store::ResultFile& file, const std::vector<std::size_t>& axes, Table& table);
+void AddAxes(const results::ResultFile& file, const std::vector<std::size_t>& axes, Table& table);
 /// The first columns of a row: its coordinates.
-std::vector<std::string> Coordinates(const store::ResultFile& file,
+std::vector<std::string> Coordinates(const results::ResultFile& file,
                                      const std::vector<std::size_t>& axes,
                                      const figures::Point& at);
 

@@ -11,7 +11,7 @@ namespace cdb::printers {
 namespace {
 
 using figures::Row;
-using measure::Phase;
+using protocol::Phase;
 
 class PhaseTables {
  public:

@@ -39,7 +39,7 @@ std::vector<double> Bins(const std::vector<double>& values, std::size_t width) {
   return bins;
 }
 
-Section OverCycles(const figures::Model& model, measure::Phase phase) {
+Section OverCycles(const figures::Model& model, protocol::Phase phase) {
   const std::vector<figures::MeasuredPoint>& points = model.points();
   const std::vector<std::size_t> all = figures::AllAxes(model.file());
   Table table;
@@ -69,7 +69,7 @@ Section OverCycles(const figures::Model& model, measure::Phase phase) {
 
 /// The geometric mean over all other axes except that of detectors, with a letter for each
 /// detector.
-void AddOverAxis(const figures::Model& model, std::size_t axis, measure::Phase phase,
+void AddOverAxis(const figures::Model& model, std::size_t axis, protocol::Phase phase,
                  Document& document) {
   const auto detectors = model.detector_axis();
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> found;
@@ -121,10 +121,11 @@ std::string Sparkline(const std::vector<double>& values, std::size_t width, doub
   return text;
 }
 
-void AddPlots(const figures::Model& model, const std::vector<measure::Phase>& phases,
+void AddPlots(const figures::Model& model, const std::vector<protocol::Phase>& phases,
               Document& document) {
   if (!model.HasTimes() || model.points().empty()) return;
-  for (const measure::Phase phase : phases.empty() ? std::vector{measure::Phase::kStep} : phases) {
+  for (const protocol::Phase phase :
+       phases.empty() ? std::vector{protocol::Phase::kStep} : phases) {
     document.push_back(OverCycles(model, phase));
     for (const std::size_t i : figures::AllAxes(model.file()))
       if (!model.axis(i).IsText() && model.axis(i).values.size() >= kLeastOnAxis)

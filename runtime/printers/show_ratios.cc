@@ -41,7 +41,7 @@ class RatioTable {
         detector_(file_.axes()[comparison.axis]),
         others_(figures::OtherAxes(file_, comparison.axis)) {}
 
-  Section Made(measure::Phase phase) {
+  Section Made(protocol::Phase phase) {
     Table table;
     AddAxes(file_, others_, table);
     if (others_.empty()) table.AddColumn("", false);
@@ -62,7 +62,7 @@ class RatioTable {
  private:
   std::size_t HeadSize() const { return std::max<std::size_t>(1, others_.size()); }
 
-  void AddPoint(Table& table, const ComparedPoint& point, measure::Phase phase) {
+  void AddPoint(Table& table, const ComparedPoint& point, protocol::Phase phase) {
     std::vector<std::string> row = Coordinates(file_, others_, point.at), below;
     row.resize(HeadSize());
     below.resize(HeadSize());
@@ -81,7 +81,7 @@ class RatioTable {
     if (times_.HasIntervals() && !is_empty) table.rows.push_back(std::move(below));
   }
 
-  void AddMeans(Table& table, measure::Phase phase) {
+  void AddMeans(Table& table, protocol::Phase phase) {
     std::vector<std::string> mean(HeadSize()), interval(HeadSize()), range(HeadSize());
     mean[0] = "mean";
     range[0] = "range";
@@ -123,7 +123,7 @@ class RatioTable {
   }
 
   const Comparison& comparison_;
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   const figures::CycleTimes& times_;
   const plan::Axis& detector_;
   const std::vector<std::size_t> others_;  ///< indices of axes
@@ -133,14 +133,14 @@ class RatioTable {
 }  // namespace
 
 void AddRatios(const figures::Model& model, const std::string& baseline,
-               const std::vector<measure::Phase>& phases, Document& document) {
+               const std::vector<protocol::Phase>& phases, Document& document) {
   const auto comparison = figures::CompareDetectors(model, baseline);
   if (!comparison) return;
   RatioTable table(*comparison);
   if (std::string text = UnlikeText(*comparison); !text.empty())
     document.push_back({.title = std::move(text)});
-  for (const measure::Phase phase :
-       phases.empty() ? std::vector{measure::Phase::kDetect, measure::Phase::kStep} : phases)
+  for (const protocol::Phase phase :
+       phases.empty() ? std::vector{protocol::Phase::kDetect, protocol::Phase::kStep} : phases)
     document.push_back(table.Made(phase));
 }
 

@@ -30,7 +30,7 @@ std::string Range(const Axis& axis, std::size_t begin, std::size_t end) {
   return end - begin == 1 ? text(begin) : fmt::format("{} .. {}", text(begin), text(end - 1));
 }
 
-std::string AlongAxis(const store::ResultFile& file, figures::Point at, std::size_t own) {
+std::string AlongAxis(const results::ResultFile& file, figures::Point at, std::size_t own) {
   const Axis& axis = file.axes()[own];
   std::string line, before;
   std::size_t begin = 0;
@@ -51,7 +51,7 @@ std::string AlongAxis(const store::ResultFile& file, figures::Point at, std::siz
 
 }  // namespace
 
-std::string StabilityMap(const store::ResultFile& file) {
+std::string StabilityMap(const results::ResultFile& file) {
   const auto& axes = file.axes();
   const auto own = OwnAxis(axes);
   Section section = {.title = file.title()};

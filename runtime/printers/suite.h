@@ -39,6 +39,7 @@ struct SuiteFacts {
 
 /// UTF-8, with a newline. `files`: the results of `scenes`, in the same order. Throws StoreError.
 std::string SuiteJson(const std::vector<figures::SceneFigures>& scenes,
-                      const std::vector<const store::ResultFile*>& files, const SuiteFacts& facts);
+                      const std::vector<const results::ResultFile*>& files,
+                      const SuiteFacts& facts);
 
 }  // namespace cdb::printers

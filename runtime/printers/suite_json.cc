@@ -21,7 +21,7 @@ Json ConfigurationJson(const figures::SceneFigures& scene,
                {"slow_step_ns", JsonNumber(of.slow_step_ns)},
                {"time_step", JsonNumber(of.time_step_s)},
                {"error", JsonNumber(of.error)},
-               {"verdict", measure::VerdictName(of.verdict)},
+               {"verdict", protocol::VerdictName(of.verdict)},
                {"memory", JsonNumber(of.memory_bytes)},
                {"repeats", of.repeats},
                {"noisy", of.noisy},
@@ -41,7 +41,7 @@ std::string ErrorDoc(std::string_view name) {
   return {};
 }
 
-Json SceneJson(const figures::SceneFigures& scene, const store::ResultFile& file,
+Json SceneJson(const figures::SceneFigures& scene, const results::ResultFile& file,
                const SuiteFacts& facts) {
   Json json = {{"kind", scene.scene->kind},
                {"name", scene.scene->name},
@@ -90,7 +90,8 @@ Json KindJson(const figures::KindFigures& kind) {
 }  // namespace
 
 std::string SuiteJson(const std::vector<figures::SceneFigures>& scenes,
-                      const std::vector<const store::ResultFile*>& files, const SuiteFacts& facts) {
+                      const std::vector<const results::ResultFile*>& files,
+                      const SuiteFacts& facts) {
   Json json = {{"suite", figures::kSuiteVersion},
                {"variant", facts.is_long ? "long" : "short"},
                {"seed", facts.seed ? Json(*facts.seed) : Json(nullptr)},

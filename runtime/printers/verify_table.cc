@@ -51,7 +51,8 @@ std::string ErrorText(double value) {
 
 class Verified {
  public:
-  explicit Verified(const store::ResultFile& file) : file_(file), all_(figures::FindingsOf(file)) {
+  explicit Verified(const results::ResultFile& file)
+      : file_(file), all_(figures::FindingsOf(file)) {
     std::erase_if(all_, [](const figures::DetectorFindings& of) { return of.AllRuns() == 0; });
     std::ranges::stable_sort(all_, {}, FaultOf);
   }
@@ -102,19 +103,19 @@ class Verified {
     from("misses contacts", of.first_missed_contact);
     from("lists pairs twice", of.first_duplicate);
     if (of.first_failed)
-      add(fmt::format("{} at {}: {}", store::StatusName(file_.ReadStatus(*of.first_failed)),
+      add(fmt::format("{} at {}: {}", results::StatusName(file_.ReadStatus(*of.first_failed)),
                       figures::PlaceText(file_, *of.first_failed),
                       file_.ReadText("message", *of.first_failed)),
           *of.first_failed);
   }
 
-  const store::ResultFile& file_;
+  const results::ResultFile& file_;
   std::vector<figures::DetectorFindings> all_;
 };
 
 }  // namespace
 
-VerifyText VerifyTable(const store::ResultFile& file, const std::vector<std::string>& left_out) {
+VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out) {
   const Verified verified(file);
   return {TextOf(verified.Made(left_out), Format::kTerminal), verified.IsGood()};
 }

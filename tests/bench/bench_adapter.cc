@@ -22,7 +22,7 @@
 namespace cdb::bench {
 namespace {
 
-using Durations = std::array<double, measure::kPhaseCount>;
+using Durations = std::array<double, protocol::kPhaseCount>;
 
 plan::Scene MakeScene(bool is_pile, std::uint64_t quantity, const char* order) {
   plan::Scene scene = tests::DefaultScene(quantity, 2 * std::cbrt(static_cast<double>(quantity)));
@@ -46,7 +46,7 @@ struct Ratios {
 
 Ratios RunRound(const plan::Scene& scene, const layouts::InitialState& state, int warmup,
                 int cycles, int round) {
-  const auto omissions = pruning::KeepEverything(scene);
+  const auto omissions = omissions::KeepEverything(scene);
   detection::Detectors detectors{.broad = detection::MakeDetector("dbvt", scene), .narrow = {}};
   std::unique_ptr<world::Engine> alone, through;
   const auto make_alone = [&] {
@@ -64,9 +64,9 @@ Ratios RunRound(const plan::Scene& scene, const layouts::InitialState& state, in
       engine.Step();
       if (cycle < warmup) continue;
       const Durations durations = engine.timed_world()->Durations();
-      times[which][0].push_back(durations[measure::IndexOf(measure::Phase::kBroad)]);
-      times[which][1].push_back(durations[measure::IndexOf(measure::Phase::kDetect)]);
-      times[which][2].push_back(durations[measure::IndexOf(measure::Phase::kStep)]);
+      times[which][0].push_back(durations[protocol::IndexOf(protocol::Phase::kBroad)]);
+      times[which][1].push_back(durations[protocol::IndexOf(protocol::Phase::kDetect)]);
+      times[which][2].push_back(durations[protocol::IndexOf(protocol::Phase::kStep)]);
     }
     if (are_alike && probes::StateHash(*alone) != probes::StateHash(*through)) {
       fmt::print(stderr, "cycle {}: the two worlds went different ways\n", cycle);

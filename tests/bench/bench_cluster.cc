@@ -29,11 +29,11 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
 #include "library/closed_forms/scene_fault.h"
-#include "runtime/cluster/follow.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/schedule/order.h"
-#include "runtime/schedule/parts.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/sweep/cluster/follow.h"
+#include "runtime/sweep/schedule/folder.h"
+#include "runtime/sweep/schedule/order.h"
+#include "runtime/sweep/schedule/parts.h"
+#include "tests/runtime/results/store_fixture.h"
 
 namespace {
 
@@ -127,10 +127,10 @@ class SimulatedNode : public process::Launcher {
     std::mt19937_64 fate(std::hash<std::string>()(run_->id));
     const double draw = std::uniform_real_distribution(0.0, 1.0)(fate);
     seconds += slowness_ * kRunSeconds[fate() % std::size(kRunSeconds)];
-    const store::Status status = draw < kCrashes            ? store::Status::kCrashed
-                                 : draw < kCrashes + kFails ? store::Status::kFailed
-                                                            : store::Status::kDone;
-    fake_.emplace(*run_, status, status == store::Status::kDone ? 10 : 3);
+    const results::Status status = draw < kCrashes            ? results::Status::kCrashed
+                                   : draw < kCrashes + kFails ? results::Status::kFailed
+                                                              : results::Status::kDone;
+    fake_.emplace(*run_, status, status == results::Status::kDone ? 10 : 3);
     process::Ending ending;
     ending.result = fake_->result;
     ending.wall_s = 1;
@@ -306,11 +306,11 @@ void Measure(int digits, const fs::path& place) {
                     static_cast<double>(fs::file_size(out)) / 1e9));
   cost = CostOf<std::size_t>(
       [&] {
-        const store::ResultFile file(out);
+        const results::ResultFile file(out);
         std::size_t done = 0;
         const Made made(digits);
         made.plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
-          done += file.ReadStatus({at, rep}) == store::Status::kDone;
+          done += file.ReadStatus({at, rep}) == results::Status::kDone;
         });
         return done;
       },

@@ -46,7 +46,7 @@ plan::Scene SceneOf(const Case& c, std::uint64_t cycles, std::uint64_t seed) {
 /// All of Bullet, as the hand-written scene has it.
 std::unique_ptr<world::Engine> MakeEngine(const plan::Scene& scene,
                                           const layouts::InitialState& state) {
-  return std::make_unique<world::Engine>(scene, state, pruning::KeepEverything(scene));
+  return std::make_unique<world::Engine>(scene, state, omissions::KeepEverything(scene));
 }
 
 /// Medians of one round.
@@ -57,7 +57,7 @@ struct Round {
 Round RunRound(const Case& c, std::uint64_t cycles, std::uint64_t round) {
   const plan::Scene scene = SceneOf(c, cycles, round);
   const layouts::InitialState state = layouts::MakeInitialState(scene);
-  measure::Recording recording = measure::Recording::Create(scene);
+  protocol::Recording recording = protocol::Recording::Create(scene);
   std::unique_ptr<world::Engine> engine;
   std::unique_ptr<HandWritten> hand;
   // Whoever comes first gets the smoother memory.
@@ -82,8 +82,8 @@ Round RunRound(const Case& c, std::uint64_t cycles, std::uint64_t round) {
     fmt::print(stderr, "{}: the two worlds went different ways; the times mean nothing\n", c.name);
     std::exit(1);
   }
-  const auto steps =
-      recording.Reals("duration").subspan(measure::IndexOf(measure::Phase::kStep) * cycles, cycles);
+  const auto steps = recording.Reals("duration")
+                         .subspan(protocol::IndexOf(protocol::Phase::kStep) * cycles, cycles);
   return {Median({steps.begin(), steps.end()}), Median(by_hand), Median(between)};
 }
 

@@ -24,8 +24,8 @@
 #include "compiler/grid/part.h"
 #include "compiler/yaml/short_plan.h"
 #include "library/closed_forms/scene_fault.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/schedule/parts.h"
+#include "runtime/sweep/schedule/folder.h"
+#include "runtime/sweep/schedule/parts.h"
 #include "tests/support/files.h"
 
 extern "C" int fsync(int) { return 0; }

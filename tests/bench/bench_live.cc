@@ -105,7 +105,7 @@ struct World {
 World MakeWorld(const std::string& name, plan::Scene scene, const layouts::InitialState& state) {
   const bool is_through = name == kThrough;
   tests::SetWorld(scene, "detector", tests::Word(is_through ? "dbvt" : name));
-  const auto omissions = pruning::KeepEverything(scene);
+  const auto omissions = omissions::KeepEverything(scene);
   World world{name, nullptr, {}, {}};
   if (is_through) {
     const detection::Detectors detectors{.broad = detection::MakeDetector("dbvt", scene),
@@ -122,8 +122,8 @@ void RunBlock(World& world, int cycles, bool counts) {
     world.engine->Step();
     if (!counts) continue;
     const auto durations = world.engine->timed_world()->Durations();
-    world.broad.push_back(durations[measure::IndexOf(measure::Phase::kBroad)] / 1e3);
-    world.step.push_back(durations[measure::IndexOf(measure::Phase::kStep)] / 1e3);
+    world.broad.push_back(durations[protocol::IndexOf(protocol::Phase::kBroad)] / 1e3);
+    world.step.push_back(durations[protocol::IndexOf(protocol::Phase::kStep)] / 1e3);
   }
 }
 

@@ -71,7 +71,7 @@ Memory MemoryOf(const plan::Scene& scene) {
   const auto more = [&] { return HeapBytes() - std::exchange(before, HeapBytes()); };
   layouts::InitialState state = layouts::MakeInitialState(scene);
   memory[0] = more();
-  world::Engine engine(scene, std::move(state), pruning::KeepEverything(scene));
+  world::Engine engine(scene, std::move(state), omissions::KeepEverything(scene));
   memory[1] = more();
   engine.Step();
   memory[2] = more();
@@ -136,7 +136,7 @@ struct Start {
     tests::SetWorld(scene, "detector", tests::Word(detector));
     layouts::InitialState state;
     std::unique_ptr<world::Engine> engine;
-    pruning::Omissions omissions;
+    omissions::Omissions omissions;
     double sum = 0;
     const double before = HeapBytes();
     const auto measure = [&](Part part, auto work) {
@@ -147,7 +147,8 @@ struct Start {
     measure(kDraw, [&] { state = layouts::DrawObjects(scene); });
     measure(kPlace, [&] { layouts::Place(scene, state); });
     measure(kNeeds, [&] {
-      omissions = lean ? pruning::DecideOmissions(scene, state) : pruning::KeepEverything(scene);
+      omissions =
+          lean ? omissions::DecideOmissions(scene, state) : omissions::KeepEverything(scene);
     });
     measure(kBuild, [&] {
       engine = std::make_unique<world::Engine>(scene, std::move(state), std::move(omissions));

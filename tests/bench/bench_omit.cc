@@ -36,14 +36,15 @@ struct Side {
   void Build(const plan::Scene& scene, const layouts::InitialState& state, bool lean) {
     const double before = HeapBytes();
     const auto begin = world::Now();
-    auto omissions = lean ? pruning::DecideOmissions(scene, state) : pruning::KeepEverything(scene);
+    auto omissions =
+        lean ? omissions::DecideOmissions(scene, state) : omissions::KeepEverything(scene);
     engine = std::make_unique<world::Engine>(scene, state, std::move(omissions));
     build_ns = static_cast<double>(world::Now() - begin);
     heap = HeapBytes() - before;
   }
   void Step() {
     engine->Step();
-    steps.push_back(engine->timed_world()->Durations()[measure::IndexOf(measure::Phase::kStep)]);
+    steps.push_back(engine->timed_world()->Durations()[protocol::IndexOf(protocol::Phase::kStep)]);
   }
 };
 

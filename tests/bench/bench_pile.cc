@@ -30,7 +30,7 @@
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/manifolds.h"
 #include "runtime/engine/world/precision.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/support/cache.h"
 #include "tests/support/scene.h"
 
@@ -97,7 +97,7 @@ struct Stillness {
 
 Stillness FirstSecond(const plan::Scene& scene, const layouts::InitialState& state,
                       double diameter) {
-  world::Engine engine(scene, state, pruning::KeepEverything(scene));
+  world::Engine engine(scene, state, omissions::KeepEverything(scene));
   Stillness still;
   for (int step = 0; step < 60; ++step) {
     engine.Step();
@@ -121,13 +121,13 @@ Stillness FirstSecond(const plan::Scene& scene, const layouts::InitialState& sta
   return still;
 }
 
-measure::Verdict VerdictOf(plan::Scene scene) {
+protocol::Verdict VerdictOf(plan::Scene scene) {
   plan::Run run;
   run.scene = std::move(scene);
   tests::SetWorld(run.scene, "cycles", std::uint64_t{120});
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   worker::RunScene(run, recording, -1);
-  return measure::Judge(run.scene, recording, recording.header().cycles_done.load()).verdict;
+  return protocol::Judge(run.scene, recording, recording.header().cycles_done.load()).verdict;
 }
 
 void MeasurePile(const PileType& type, std::uint64_t quantity, std::uint64_t seed) {
@@ -144,7 +144,7 @@ void MeasurePile(const PileType& type, std::uint64_t quantity, std::uint64_t see
   fmt::print("  {:<7} {:>6} {:>4} {:>8.2f} {:>7.2f} {:>7.3f} {:>9.4f} {:>9.4f} {:>6} {:>9.4f} {}\n",
              type.name, quantity, seed, seconds, height.top / diameter, height.mean / diameter,
              still.fastest, still.farthest, still.moved, still.deepest,
-             measure::VerdictName(VerdictOf(scene)));
+             protocol::VerdictName(VerdictOf(scene)));
   std::fflush(stdout);
 }
 

@@ -32,8 +32,8 @@ class Side {
  public:
   Side(plan::Scene scene, const layouts::InitialState& state, schema::WordList record)
       : scene_(With(std::move(scene), std::move(record))),
-        recording_(measure::Recording::Create(scene_)),
-        engine_(scene_, state, pruning::KeepEverything(scene_)),
+        recording_(protocol::Recording::Create(scene_)),
+        engine_(scene_, state, omissions::KeepEverything(scene_)),
         probes_(scene_, engine_, recording_, -1) {
     probes_.Begin();
   }
@@ -42,7 +42,7 @@ class Side {
     const auto begin = world::Now();
     probes_.Record(cycle);
     probe_ns.push_back(static_cast<double>(world::Now() - begin));
-    steps.push_back(engine_.timed_world()->Durations()[measure::IndexOf(measure::Phase::kStep)]);
+    steps.push_back(engine_.timed_world()->Durations()[protocol::IndexOf(protocol::Phase::kStep)]);
   }
   std::string Hash() const { return probes::StateHash(engine_); }
 
@@ -54,7 +54,7 @@ class Side {
     return scene;
   }
   const plan::Scene scene_;
-  measure::Recording recording_;
+  protocol::Recording recording_;
   world::Engine engine_;
   probes::Probes probes_;
 };

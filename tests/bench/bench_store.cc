@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 
 namespace {
 
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   const cdb::plan::Plan plan = tests::MakePlan(
       {tests::NumberAxis("quantity", quantities), tests::TextAxis("detector", {"simple", "dbvt"})},
       5, {.cycles = static_cast<std::uint64_t>(cycles)});
-  const store::Provenance provenance = tests::TestProvenance();
+  const results::Provenance provenance = tests::TestProvenance();
   const tests::TemporaryFolder folder;
   const auto n = static_cast<double>(plan.runs.size());
   const tests::FakeResult fake(plan.runs.front());
@@ -62,10 +62,10 @@ int main(int argc, char** argv) {
     watch.Print(fmt::format("merge {} runs", plan.runs.size()), 1);
   }
   const Stopwatch watch;
-  const store::ResultFile result(folder / "out.h5");
+  const results::ResultFile result(folder / "out.h5");
   double sum_ns = 0;
   for (const auto& run : plan.runs)
-    for (const double ns : result.ReadDuration(measure::Phase::kStep, {run.at, run.rep}))
+    for (const double ns : result.ReadDuration(protocol::Phase::kStep, {run.at, run.rep}))
       sum_ns += ns;
   watch.Print("read the step times of a run", n);
   fmt::print("{} cycles a run, {} ns in all\n", cycles, sum_ns);

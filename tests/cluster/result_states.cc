@@ -4,14 +4,14 @@
 #include <fmt/format.h>
 
 #include "runtime/figures/points.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 int main(int argc, char** argv) {
   using namespace cdb;
   if (argc != 2) return 2;
-  const store::ResultFile file(argv[1]);
-  for (const store::ResultFile::Cell& cell : figures::AllCells(file))
+  const results::ResultFile file(argv[1]);
+  for (const results::ResultFile::Cell& cell : figures::AllCells(file))
     fmt::print("{} {} {}\n", file.ReadText("run_id", cell),
-               store::StatusName(file.ReadStatus(cell)), file.ReadText("state_hash", cell));
+               results::StatusName(file.ReadStatus(cell)), file.ReadText("state_hash", cell));
   return 0;
 }

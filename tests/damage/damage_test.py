@@ -88,7 +88,7 @@ COMMANDS = {
 
 
 def sealed(data):
-    """With a seal that fits (runtime/store/files/seal.h)."""
+    """With a seal that fits (runtime/results/files/seal.h)."""
     value = len(data) * PRIME & MASK
     padded = data + bytes(-len(data) % 8)
     for (word,) in struct.iter_unpack("<Q", padded):

@@ -8,8 +8,8 @@
 
 #include "compiler/compile.h"
 #include "dsl/text/check.h"
-#include "runtime/lsp/message_stream.h"
-#include "runtime/lsp/server.h"
+#include "runtime/editor/message_stream.h"
+#include "runtime/editor/server.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cdb;
@@ -28,13 +28,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const nlohmann::json json = nlohmann::json::parse(message);
     CDB_CHECK(json.contains("id") || json.contains("method"));
   };
-  lsp::Server server({compile, "", "1", send});
+  editor::Server server({compile, "", "1", send});
   server.Handle(R"({"jsonrpc":"2.0","id":0,"method":"initialize","params":{}})");
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) server.Handle(line);
   server.PublishDiagnostics();
 
-  lsp::MessageReader reader;
+  editor::MessageReader reader;
   reader.Add(text);
   while (reader.Next()) continue;
   return 0;

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "dsl/text/check.h"
-#include "runtime/measure/trace_memory.h"
-#include "runtime/store/files/safe_file.h"
-#include "runtime/store/files/seal.h"
-#include "runtime/store/store.h"
-#include "runtime/store/trace_file.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/protocol/trace_memory.h"
+#include "runtime/results/files/safe_file.h"
+#include "runtime/results/files/seal.h"
+#include "runtime/results/store.h"
+#include "runtime/results/trace_file.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/files.h"
 
 // HDF5 leaks some memory when it rejects a file; it closes objects that the caller forgets to
@@ -39,11 +39,11 @@ struct Bases {
     journal::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
     const plan::Run& run = contacts.runs[0];
     tests::WriteRun(contacts, run, tests::FakeResult(run).result, {}, with_contacts.path());
-    measure::TraceMemory trace = measure::TraceMemory::Create({3, 4, false});
+    protocol::TraceMemory trace = protocol::TraceMemory::Create({3, 4, false});
     for (std::uint64_t cycle = 0; cycle < 4; ++cycle)
-      trace.SetBoxes(cycle, std::vector<double>(3 * measure::kBoxSize, 1.5));
-    store::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""}, 0,
-                      {}, folder / "trace.h5");
+      trace.SetBoxes(cycle, std::vector<double>(3 * protocol::kBoxSize, 1.5));
+    results::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""},
+                        0, {}, folder / "trace.h5");
     for (const fs::path& file : {folder / "out.h5", folder / "runs.journal",
                                  with_contacts / "runs.journal", folder / "trace.h5"}) {
       const std::string bytes = tests::ReadFile(file);
@@ -70,13 +70,13 @@ void Change(std::string& image, std::span<const std::uint8_t> changes) {
 }
 
 void ReadResults(const fs::path& path) {
-  const store::ResultFile file(path);
+  const results::ResultFile file(path);
   for (std::size_t at = 0; !file.axes().empty() && at < file.axes()[0].values.size(); ++at) {
-    const store::ResultFile::Cell cell = {{at}, 0};
-    CDB_CHECK(store::StatusName(file.ReadStatus(cell)).size() > 0);
+    const results::ResultFile::Cell cell = {{at}, 0};
+    CDB_CHECK(results::StatusName(file.ReadStatus(cell)).size() > 0);
     file.ReadText("message", cell);
     if (file.Has("duration"))
-      for (const double ns : file.ReadDuration(measure::Phase::kStep, cell)) CDB_CHECK(!(ns < 0));
+      for (const double ns : file.ReadDuration(protocol::Phase::kStep, cell)) CDB_CHECK(!(ns < 0));
     if (file.Has("energy")) file.ReadSeries("energy", cell);
   }
   file.ReadProvenance("plan_text");
@@ -85,7 +85,7 @@ void ReadResults(const fs::path& path) {
 
 void MergeJournal(const plan::Plan& plan, const fs::path& file, const fs::path& out) {
   journal::Merge(plan, {}, {file}, out);
-  store::ResultFile merged(out, store::ProofOf::kEveryValue);
+  results::ResultFile merged(out, results::ProofOf::kEveryValue);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!is_journal) files::AppendSeal(file, file);
     if (which == 0) ReadResults(file);
     if (is_journal) MergeJournal(plan, file, folder / "merged.h5");
-    if (which == 3) store::LoadTrace(file, store::ReadTraceFacts(file).sha256);
+    if (which == 3) results::LoadTrace(file, results::ReadTraceFacts(file).sha256);
   } catch (const files::StoreError& error) {
     CDB_CHECK(std::string(error.what()).find(folder.path().string()) != std::string::npos);
   }

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "runtime/page/page.h"
+#include "runtime/pages/page/page.h"
 
 int main(int argc, char** argv) {
   const std::string_view name = argc > 1 ? argv[1] : "";

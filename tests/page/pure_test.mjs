@@ -1,10 +1,10 @@
 // The parts of the page that need no browser: pooling, state, formats.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { column, openDocument, pointText, quantities } from '../../runtime/page/report/document.js';
-import { count, csv, number, short } from '../../runtime/page/report/format.js';
-import { entriesOf, thin } from '../../runtime/page/report/pooled.js';
-import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/page/report/state.js';
+import { column, openDocument, pointText, quantities } from '../../runtime/pages/page/report/document.js';
+import { count, csv, number, short } from '../../runtime/pages/page/report/format.js';
+import { entriesOf, thin } from '../../runtime/pages/page/report/pooled.js';
+import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/pages/page/report/state.js';
 import { documentOf, first, large, mixed, numbers, texts } from './fixtures.mjs';
 
 test('numbers have three digits, and exponents where they are far from one', () => {

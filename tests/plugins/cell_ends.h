@@ -5,22 +5,22 @@
 #include <map>
 #include <string>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::tests {
 
 struct CellEnd {
-  store::Status status;
+  results::Status status;
   std::string message, state_hash;
 };
 
 /// The outcome of the run at each value of the only axis.
 inline std::map<std::string, CellEnd> Ends(const std::filesystem::path& file) {
-  const store::ResultFile result(file);
+  const results::ResultFile result(file);
   std::map<std::string, CellEnd> ends;
   const plan::Axis axis = result.axes().at(0);
   for (std::size_t i = 0; i < axis.values.size(); ++i) {
-    const store::ResultFile::Cell cell{{i}, 0};
+    const results::ResultFile::Cell cell{{i}, 0};
     ends[std::get<std::string>(axis.values[i])] = {result.ReadStatus(cell),
                                                    result.ReadText("message", cell),
                                                    result.ReadText("state_hash", cell)};

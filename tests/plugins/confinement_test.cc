@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/plugins/cell_ends.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
@@ -36,7 +36,7 @@ TEST(Confinement, RefusesWhatADetectorDoesNotNeed) {
                                                 fmt::join(kRefused, ", "))));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 0);
   for (const auto& [name, end] : Ends(program.folder() / "b.h5"))
-    EXPECT_EQ(end.status, store::Status::kDone) << name << ": " << end.message;
+    EXPECT_EQ(end.status, results::Status::kDone) << name << ": " << end.message;
   EXPECT_EQ(program.Read("victim"), "as it was\n");
   EXPECT_FALSE(program.Exists("escaped"));
 }
@@ -49,7 +49,7 @@ TEST(Confinement, CanBeTurnedOff) {
     program.Write("b.cdb", HostileRun("detector sweep(" + name + ")"));
     program.Shell("rm -rf escaped; CDB_UNCONFINED_PLUGINS=1 \"$CDB\" run b.cdb -q --fresh");
     const CellEnd end = Ends(program.folder() / "b.h5").at(name);
-    EXPECT_NE(end.status, store::Status::kDone) << name;
+    EXPECT_NE(end.status, results::Status::kDone) << name;
     EXPECT_EQ(Has(end.message, "allowed"), name != "executes") << name << end.message;
   }
 }
@@ -72,9 +72,9 @@ TEST(Confinement, DamageOfTheHeapIsFound) {
                                     "crashes_in_its_destructor)"));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 3);
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
-  EXPECT_EQ(ends.at("writes_past_its_pairs").status, store::Status::kCrashed);
-  EXPECT_EQ(ends.at("crashes_in_its_destructor").status, store::Status::kCrashed);
+  EXPECT_EQ(ends.at("dbvt").status, results::Status::kDone);
+  EXPECT_EQ(ends.at("writes_past_its_pairs").status, results::Status::kCrashed);
+  EXPECT_EQ(ends.at("crashes_in_its_destructor").status, results::Status::kCrashed);
   EXPECT_TRUE(Has(ends.at("crashes_in_its_destructor").message,
                   "destroying detector `crashes_in_its_destructor`"))
       << ends.at("crashes_in_its_destructor").message;
@@ -87,10 +87,10 @@ TEST(Confinement, ItsRecordingIsCheckedAndHasNoDescriptor) {
   for (const char* how : {"", "CDB_UNCONFINED_PLUGINS=1 "}) {
     EXPECT_EQ(program.Shell(std::string(how) + "\"$CDB\" run b.cdb -q --fresh").status, 3) << how;
     const auto ends = Ends(program.folder() / "b.h5");
-    EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
-    EXPECT_EQ(ends.at("holds_descriptors").status, store::Status::kDone)
+    EXPECT_EQ(ends.at("dbvt").status, results::Status::kDone);
+    EXPECT_EQ(ends.at("holds_descriptors").status, results::Status::kDone)
         << ends.at("holds_descriptors").message;
-    EXPECT_EQ(ends.at("overwrites_its_recording").status, store::Status::kFailed);
+    EXPECT_EQ(ends.at("overwrites_its_recording").status, results::Status::kFailed);
     EXPECT_TRUE(Has(ends.at("overwrites_its_recording").message, "has no value in cycle 0"))
         << ends.at("overwrites_its_recording").message;
   }
@@ -102,12 +102,12 @@ TEST(MemoryLimit, EndsTheRunThatExceedsItAndNoOther) {
   program.Write("b.cdb", HostileRun("memory 500 MB; detector sweep(dbvt, takes_memory)"));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 3);
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone) << ends.at("dbvt").message;
+  EXPECT_EQ(ends.at("dbvt").status, results::Status::kDone) << ends.at("dbvt").message;
   const CellEnd& over = ends.at("takes_memory");
-  EXPECT_EQ(over.status, store::Status::kFailed);
+  EXPECT_EQ(over.status, results::Status::kFailed);
   EXPECT_TRUE(Has(over.message, "ended at its memory limit of 500 MB after 0 of 3 cycles"))
       << over.message;
-  EXPECT_GT(store::ResultFile(program.folder() / "b.h5").ReadReal("peak_rss", {{1}, 0}), 1e6);
+  EXPECT_GT(results::ResultFile(program.folder() / "b.h5").ReadReal("peak_rss", {{1}, 0}), 1e6);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "library/detectors/detector.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 #include "tests/plugins/every_pair.h"
 
 namespace {
@@ -111,7 +111,7 @@ class OverwritesItsRecording : public EveryPair {
       char* end = nullptr;
       const auto from = std::strtoull(line.c_str(), &end, 16);
       const auto to = std::strtoull(end + 1, nullptr, 16);
-      constexpr std::size_t kHeader = sizeof(measure::RecordingHeader);
+      constexpr std::size_t kHeader = sizeof(protocol::RecordingHeader);
       std::memset(reinterpret_cast<char*>(from) + kHeader, 0xff, to - from - kHeader);
     }
   }

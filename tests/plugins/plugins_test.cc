@@ -11,7 +11,7 @@
 #include "library/detectors/detector.h"
 #include "library/detectors/manifest.h"
 #include "library/detectors/plugin.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/plugins/cell_ends.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
@@ -76,13 +76,13 @@ TEST(Plugins, TimeOffTheProcessorIsSaid) {
   const Program program;
   program.Write("b.cdb", ContactCluster(Use("faulty"), "detector naps"));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 0);
-  const store::ResultFile result(program.folder() / "b.h5");
+  const results::ResultFile result(program.folder() / "b.h5");
   EXPECT_TRUE(Has(result.ReadText("noise_cause", {{}, 0}), "% of the time not on a processor"));
   const Finished show = program.Run({"show", "b.h5"});
   EXPECT_TRUE(Has(show.out, "noisy")) << show.out;
   EXPECT_EQ(result.ReadReal("attempts", {{}, 0}), 1);
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "--fresh", "--retry-noisy", "2"}).status, 0);
-  EXPECT_EQ(store::ResultFile(program.folder() / "b.h5").ReadReal("attempts", {{}, 0}), 3);
+  EXPECT_EQ(results::ResultFile(program.folder() / "b.h5").ReadReal("attempts", {{}, 0}), 3);
 }
 
 TEST(Plugins, AreTracedToo) {
@@ -116,12 +116,12 @@ TEST(Plugins, CostTheirOwnCellsAlone) {
   const Finished run = program.Run({"run", "b.cdb"});
   EXPECT_EQ(run.status, 3) << run.err;
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
+  EXPECT_EQ(ends.at("dbvt").status, results::Status::kDone);
   for (const auto& [name, cause] : causes) {
     const CellEnd& end = ends.at(name);
-    EXPECT_EQ(end.status, name == "hangs"                           ? store::Status::kTimedOut
-                          : name == "aborts" || name == "segfaults" ? store::Status::kCrashed
-                                                                    : store::Status::kFailed);
+    EXPECT_EQ(end.status, name == "hangs"                           ? results::Status::kTimedOut
+                          : name == "aborts" || name == "segfaults" ? results::Status::kCrashed
+                                                                    : results::Status::kFailed);
     EXPECT_TRUE(Has(end.message, fmt::format("detector `{}`", name))) << end.message;
     EXPECT_TRUE(Has(end.message, cause)) << end.message;
   }
@@ -143,9 +143,9 @@ TEST(Plugins, ContactsThatAreNoneFailTheRun) {
                 ContactCluster(Use("faulty"), fmt::format("narrow_phase sweep({})", names)));
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 3);
   const auto ends = Ends(program.folder() / "b.h5");
-  EXPECT_EQ(ends.at("bullet").status, store::Status::kDone);
+  EXPECT_EQ(ends.at("bullet").status, results::Status::kDone);
   for (const auto& [name, cause] : causes) {
-    EXPECT_EQ(ends.at(name).status, store::Status::kFailed) << name;
+    EXPECT_EQ(ends.at(name).status, results::Status::kFailed) << name;
     EXPECT_TRUE(Has(ends.at(name).message, fmt::format("`{}`", name))) << ends.at(name).message;
     EXPECT_TRUE(Has(ends.at(name).message, cause)) << ends.at(name).message;
   }
@@ -228,9 +228,10 @@ TEST(Plugins, RunNoCodeBeforeTheRun) {
     EXPECT_EQ(program.Run({"plan", "b.cdb", "--why"}).status, 0);
     EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "--fresh"}).status, 3);
     const auto ends = Ends(program.folder() / "b.h5");
-    EXPECT_EQ(ends.at("dbvt").status, store::Status::kDone);
-    EXPECT_EQ(ends.at("lonely").status,
-              std::string(library) == "hangs" ? store::Status::kTimedOut : store::Status::kCrashed);
+    EXPECT_EQ(ends.at("dbvt").status, results::Status::kDone);
+    EXPECT_EQ(ends.at("lonely").status, std::string(library) == "hangs"
+                                            ? results::Status::kTimedOut
+                                            : results::Status::kCrashed);
     EXPECT_TRUE(Has(ends.at("lonely").message, "loading detector `lonely`"))
         << ends.at("lonely").message;
   }

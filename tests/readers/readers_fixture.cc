@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 
 namespace cdb::tests {
 namespace {
@@ -40,7 +40,7 @@ class Fixture {
     for (std::size_t i = 0; i < plan_.runs.size(); ++i) {
       if (i == 5) continue;  // is missing
       const plan::Run& run = plan_.runs[i];
-      const FakeResult fake(run, i == 2 ? store::Status::kCrashed : store::Status::kDone,
+      const FakeResult fake(run, i == 2 ? results::Status::kCrashed : results::Status::kDone,
                             i == 2 ? 2 : kCycles);
       WriteRun(plan_, run, fake.result, TestProvenance(), runs_.path());
       results_.emplace(CellOf(run.at, run.rep), std::pair(&run, fake.result));
@@ -50,8 +50,8 @@ class Fixture {
     Coordinates("");
     Coordinates("run/");
     Coordinates("accuracy/");
-    for (const measure::Series& series : measure::AllSeries())
-      if (measure::IsRecordedBy(series, plan_)) ExpectSeries(series);
+    for (const protocol::Series& series : protocol::AllSeries())
+      if (protocol::IsRecordedBy(series, plan_)) ExpectSeries(series);
     ExpectContacts();
     ExpectRuns();
     ExpectErrors();
@@ -76,10 +76,10 @@ class Fixture {
   void WriteReferences() const {
     for (std::size_t r = 0; r < plan_.references.size(); ++r) {
       const plan::Run& run = plan_.references[r];
-      std::vector<double> samples(measure::SampleShapeOf(run.scene)->Count());
+      std::vector<double> samples(protocol::SampleShapeOf(run.scene)->Count());
       for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = SampleOf(r, i);
-      store::RunResult result;
-      result.status = store::Status::kDone;
+      results::RunResult result;
+      result.status = results::Status::kDone;
       WriteReference(plan_, run, result, samples, TestProvenance(), runs_.path());
     }
   }
@@ -106,24 +106,24 @@ class Fixture {
     if (group == "accuracy/") numbers_["accuracy/sample"] = {{3}, {0, 2, 4}};
     if (!group.empty()) return;
     numbers_["cycle"] = {{kCycles}, {0, 1, 2, 3, 4}};
-    texts_["phase"] = {{measure::kPhaseCount},
-                       {measure::PhaseNames().begin(), measure::PhaseNames().end()}};
-    texts_["pose"] = {{measure::kPoseSize}, {"x", "y", "z", "qx", "qy", "qz", "qw"}};
+    texts_["phase"] = {{protocol::kPhaseCount},
+                       {protocol::PhaseNames().begin(), protocol::PhaseNames().end()}};
+    texts_["pose"] = {{protocol::kPoseSize}, {"x", "y", "z", "qx", "qy", "qz", "qw"}};
   }
 
-  void ExpectSeries(const measure::Series& series) {
+  void ExpectSeries(const protocol::Series& series) {
     Expected<double>& array = numbers_[std::string(series.name)];
     array.shape = grid_;
-    if (series.shape == measure::SeriesShape::kPhase) array.shape.push_back(measure::kPhaseCount);
+    if (series.shape == protocol::SeriesShape::kPhase) array.shape.push_back(protocol::kPhaseCount);
     array.shape.push_back(kCycles);
-    if (series.shape == measure::SeriesShape::kPose) {
+    if (series.shape == protocol::SeriesShape::kPose) {
       array.shape.push_back(kObjects);
-      array.shape.push_back(measure::kPoseSize);
+      array.shape.push_back(protocol::kPoseSize);
     }
     const std::size_t count = series.ValueCount({kCycles, kObjects, 0});
     const std::size_t per_cycle =
-        series.shape == measure::SeriesShape::kPose ? kObjects * measure::kPoseSize : 1;
-    const double fill = series.type == measure::SeriesType::kInt32 ? -1 : kNaN;
+        series.shape == protocol::SeriesShape::kPose ? kObjects * protocol::kPoseSize : 1;
+    const double fill = series.type == protocol::SeriesType::kInt32 ? -1 : kNaN;
     array.values.assign(cells_ * count, fill);
     for (const auto& [cell, result] : results_)
       for (std::size_t i = 0; i < count; ++i)
@@ -136,7 +136,7 @@ class Fixture {
     std::vector<double> bodies, points, normals, distances;
     for (const auto& [cell, result] : results_) {
       first.values[cell] = static_cast<double>(distances.size());
-      for (const measure::ContactRecord& contact : result.second.contacts) {
+      for (const protocol::ContactRecord& contact : result.second.contacts) {
         bodies.insert(bodies.end(), {contact.body_a, contact.body_b});
         points.insert(points.end(), std::begin(contact.point), std::end(contact.point));
         normals.insert(normals.end(), std::begin(contact.normal), std::end(contact.normal));
@@ -157,17 +157,17 @@ class Fixture {
       for (const auto& [cell, result] : results_) array.values[cell] = get(result.second);
       numbers_[name] = std::move(array);
     };
-    number("status", 0, [](const store::RunResult& r) { return static_cast<double>(r.status); });
+    number("status", 0, [](const results::RunResult& r) { return static_cast<double>(r.status); });
     for (const auto& point : plan_.skipped)
       for (std::uint64_t rep = 0; rep < kRepeats; ++rep)
         numbers_["status"].values[CellOf(point, rep)] =
-            static_cast<double>(store::Status::kSkipped);
+            static_cast<double>(results::Status::kSkipped);
     number("n_cycles", -1,
-           [](const store::RunResult& r) { return static_cast<double>(r.n_cycles); });
-    number("run/load_average", kNaN, [](const store::RunResult& r) { return r.load; });
+           [](const results::RunResult& r) { return static_cast<double>(r.n_cycles); });
+    number("run/load_average", kNaN, [](const results::RunResult& r) { return r.load; });
     number("run/peak_rss", kNaN,
-           [](const store::RunResult& r) { return r.scalars.peak_rss_bytes; });
-    number("run/build_time", kNaN, [](const store::RunResult& r) { return r.scalars.build_ns; });
+           [](const results::RunResult& r) { return r.scalars.peak_rss_bytes; });
+    number("run/build_time", kNaN, [](const results::RunResult& r) { return r.scalars.build_ns; });
     for (const char* name :
          {"run/state_hash", "run/host", "run/run_id", "run/message", "run/omitted"})
       texts_[name] = {grid_, std::vector<std::string>(cells_)};
@@ -206,7 +206,7 @@ class Fixture {
 
   void PrintMedians() const {
     std::ofstream out(folder_ / "medians.tsv");
-    const measure::Series& duration = *measure::FindSeries("duration");
+    const protocol::Series& duration = *protocol::FindSeries("duration");
     for (std::size_t point = 0; point < cells_ / kRepeats; ++point) {
       std::vector<double> values;
       for (std::uint64_t rep = 0; rep < kRepeats; ++rep) {
@@ -214,7 +214,7 @@ class Fixture {
         if (found == results_.end()) continue;
         for (std::size_t i = 0; i < found->second.second.n_cycles; ++i)
           values.push_back(ValueAt(*found->second.first, duration,
-                                   measure::IndexOf(measure::Phase::kStep) * kCycles + i));
+                                   protocol::IndexOf(protocol::Phase::kStep) * kCycles + i));
       }
       if (values.empty()) continue;
       std::ranges::sort(values);
@@ -254,10 +254,10 @@ class Fixture {
           << fmt::format("accuracy/position_series{}\tsample=4\t{}\n", at,
                          result.second.errors.values.at("position_series")[2])
           << fmt::format("duration{}\tphase=solve\tcycle=0\t{}\n", at,
-                         ValueAt(run, *measure::FindSeries("duration"),
-                                 measure::IndexOf(measure::Phase::kSolve) * kCycles));
+                         ValueAt(run, *protocol::FindSeries("duration"),
+                                 protocol::IndexOf(protocol::Phase::kSolve) * kCycles));
     }
-    const measure::SampleShape shape = *measure::SampleShapeOf(plan_.references[1].scene);
+    const protocol::SampleShape shape = *protocol::SampleShapeOf(plan_.references[1].scene);
     out << fmt::format("accuracy/reference/states\treference={}\tsample=2\tbody=1\tstate=vx\t{}\n",
                        plan_.references[1].id, SampleOf(1, shape.State(1, 1) + 7));
   }
@@ -275,7 +275,7 @@ class Fixture {
                {{1, 0, 1}});
   std::vector<std::uint64_t> grid_;
   std::size_t cells_ = 0;
-  std::map<std::size_t, std::pair<const plan::Run*, store::RunResult>> results_;
+  std::map<std::size_t, std::pair<const plan::Run*, results::RunResult>> results_;
   std::map<std::string, Expected<double>> numbers_;
   std::map<std::string, Expected<std::string>> texts_;
 };

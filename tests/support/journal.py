@@ -1,4 +1,4 @@
-"""Reads the journals of a sweep (runtime/store/journal/README.md) without cdb."""
+"""Reads the journals of a sweep (runtime/results/journal/README.md) without cdb."""
 import contextlib
 import pathlib
 import sqlite3

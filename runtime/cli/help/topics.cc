@@ -25,9 +25,9 @@
 #include "runtime/manual/markdown.h"
 #include "runtime/manual/page.h"
 #include "runtime/manual/word.h"
-#include "runtime/measure/series.h"
-#include "runtime/measure/verdict.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/series.h"
+#include "runtime/protocol/verdict.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 #include "runtime/terminal/wrap.h"
@@ -53,15 +53,15 @@ std::string AllParameters() {
 
 std::string StatusesAndSeries() {
   std::string statuses = "Values of status:";
-  for (std::size_t i = 0; i < std::size(store::kStatusNames); ++i)
-    statuses += fmt::format(" {} {}", i, store::kStatusNames[i]);
+  for (std::size_t i = 0; i < std::size(results::kStatusNames); ++i)
+    statuses += fmt::format(" {} {}", i, results::kStatusNames[i]);
   terminal::Table table;
   table.KeepWhole();
   table.AddColumn("dataset", false);
   table.AddColumn("recorded by", false);
   table.AddColumn("unit", false);
   table.AddColumn("", false);
-  for (const measure::Series& series : measure::AllSeries())
+  for (const protocol::Series& series : protocol::AllSeries())
     table.AddRow({std::string(series.name), std::string(series.records), std::string(series.unit),
                   std::string(series.doc)});
   return statuses + "\n\n" + table.Text();
@@ -85,7 +85,7 @@ std::string AllVerdicts() {
   table.AddColumn("", true);
   table.AddColumn("verdict", false);
   table.AddColumn("when", false);
-  const auto rows = measure::Verdicts();
+  const auto rows = protocol::Verdicts();
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
     table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
                   std::string(row->doc)});
@@ -128,7 +128,7 @@ std::string AllStandardScenes() {
   for (const figures::StandardScene& scene : figures::StandardScenes())
     table.AddRow({scene.Id(), std::string(scene.what), std::string(scene.error),
                   terminal::ShortNumber(scene.bound),
-                  std::string(measure::VerdictName(scene.worst_verdict))});
+                  std::string(protocol::VerdictName(scene.worst_verdict))});
   return fmt::format("Version {}\n\n{}", figures::kSuiteVersion, table.Text());
 }
 

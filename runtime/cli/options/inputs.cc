@@ -19,8 +19,8 @@
 #include "library/detectors/plugin.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/cli/options/exit_status.h"
-#include "runtime/process/worker.h"
-#include "runtime/store/trace_file.h"
+#include "runtime/results/trace_file.h"
+#include "runtime/sweep/process/worker.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::options {
@@ -54,7 +54,7 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
 /// The path is removed from the message, because the compiler names the file itself.
 std::optional<analysis::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
   try {
-    return store::ReadTraceFacts(path);
+    return results::ReadTraceFacts(path);
   } catch (const files::StoreError& error) {
     why = error.what();
     if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);

@@ -9,10 +9,10 @@
 #include "compiler/schema/parametrised_words.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
-#include "runtime/measure/series.h"
-#include "runtime/store/pose_arrays.h"
-#include "runtime/store/store.h"
-#include "runtime/view/selection.h"
+#include "runtime/pages/view/selection.h"
+#include "runtime/protocol/series.h"
+#include "runtime/results/pose_arrays.h"
+#include "runtime/results/store.h"
 
 namespace cdb::options {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 using layouts::PoseRow;
 using layouts::PoseTable;
 using library::SceneError;
-using store::ResultFile;
+using results::ResultFile;
 
 /// The arguments of a `poses` call; empty if they are a word.
 struct Arguments {
@@ -107,21 +107,22 @@ PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
         "run it again with `record timing, counts, poses`, or give the file a dataset `position`");
   const std::uint64_t cycles = file.ReadCycleCount(cell);
   if (cycles == 0)
-    Refuse(from,
-           fmt::format("its run is {} and has no cycles", store::StatusName(file.ReadStatus(cell))),
-           "name another run");
+    Refuse(
+        from,
+        fmt::format("its run is {} and has no cycles", results::StatusName(file.ReadStatus(cell))),
+        "name another run");
   const std::uint64_t cycle = from.cycle.value_or(cycles - 1);
   if (cycle >= cycles)
     Refuse(from, fmt::format("it has no cycle {}", cycle),
            fmt::format("its cycles are 0 to {}", cycles - 1));
   const auto [first, end] = ObjectsOf(file, cell, from);
   const std::vector<double> poses = file.ReadCycle("poses", cell, cycle);
-  if (first == end || poses.size() < end * measure::kPoseSize)
+  if (first == end || poses.size() < end * protocol::kPoseSize)
     Refuse(from, "it has no poses of such objects", "name another run or group");
   PoseTable table;
   table.has_orientation = table.of_body = true;
   for (std::size_t i = first; i < end; ++i) {
-    const double* pose = &poses[i * measure::kPoseSize];
+    const double* pose = &poses[i * protocol::kPoseSize];
     const auto turn = layouts::UnitQuaternion(pose[6], pose[3], pose[4], pose[5]);
     PoseRow& row = table.rows.emplace_back();
     row.position = {pose[0], pose[1], pose[2]};
@@ -133,7 +134,7 @@ PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
   return table;
 }
 
-PoseTable TableOf(const store::PoseArrays& arrays, const Arguments& from) {
+PoseTable TableOf(const results::PoseArrays& arrays, const Arguments& from) {
   PoseTable table;
   table.has_orientation = !arrays.orientation.empty();
   table.has_linear_velocity = !arrays.linear_velocity.empty();
@@ -166,7 +167,7 @@ PoseTable TableOf(const store::PoseArrays& arrays, const Arguments& from) {
 PoseTable ReadHdf5Poses(const schema::Call& poses) {
   const Arguments from(poses);
   try {
-    if (const auto arrays = store::ReadPoseArrays(from.file)) {
+    if (const auto arrays = results::ReadPoseArrays(from.file)) {
       if (from.cycle || from.run || from.group)
         Refuse(from, "it has `position`, but no cycles, runs or groups",
                "remove cycle, run and group");

@@ -44,8 +44,8 @@ std::string BuildType() {
   return type;
 }
 
-store::Provenance CollectProvenance() {
-  store::Provenance facts;
+results::Provenance CollectProvenance() {
+  results::Provenance facts;
   const auto add = [&](const char* name, std::string value) {
     if (!value.empty()) facts[name] = std::move(value);
   };

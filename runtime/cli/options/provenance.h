@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::options {
 
@@ -12,6 +12,6 @@ std::string BuildType();
 
 /// Version, commit, build, compiler, Bullet, processor, memory, kernel, system, frequency governor.
 /// Facts that the system does not provide are left out.
-store::Provenance CollectProvenance();
+results::Provenance CollectProvenance();
 
 }  // namespace cdb::options

@@ -15,14 +15,14 @@
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/plans/sweep_files.h"
-#include "runtime/cluster/submission.h"
 #include "runtime/figures/bootstrap.h"
-#include "runtime/machine/host.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/schedule/parts.h"
-#include "runtime/schedule/progress.h"
-#include "runtime/store/files/temporary_file.h"
-#include "runtime/store/journal/merge.h"
+#include "runtime/protocol/machine/host.h"
+#include "runtime/results/files/temporary_file.h"
+#include "runtime/results/journal/merge.h"
+#include "runtime/sweep/cluster/submission.h"
+#include "runtime/sweep/schedule/folder.h"
+#include "runtime/sweep/schedule/parts.h"
+#include "runtime/sweep/schedule/progress.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -125,7 +125,7 @@ std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, co
   if (!options_.until) return plan.repeats;
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
   if (!has_results) return least;
-  const Precision reached = PrecisionOf(store::ResultFile(out), *options_.until);
+  const Precision reached = PrecisionOf(results::ResultFile(out), *options_.until);
   if (reached.IsWholeRound() && !HasRuns(RunsFolderOf(out)))
     return RepeatsAfter(plan, reached, reached.repeats);
   return std::max(least, reached.repeats);
@@ -189,7 +189,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     MergeRound(plan, out, is_anew);
     repeats = options_.until
                   ? RepeatsAfter(plan,
-                                 PrecisionOf(store::ResultFile(out, store::ProofOf::kStructure),
+                                 PrecisionOf(results::ResultFile(out, results::ProofOf::kStructure),
                                              *options_.until),
                                  *repeats)
                   : std::nullopt;

@@ -13,9 +13,9 @@
 #include "runtime/cli/plans/retry.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/until.h"
-#include "runtime/process/stop.h"
-#include "runtime/schedule/schedule.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
+#include "runtime/sweep/process/stop.h"
+#include "runtime/sweep/schedule/schedule.h"
 
 namespace cdb::plans {
 
@@ -84,7 +84,7 @@ class PlanRunner {
   void WarnOfLoad(const plan::Plan& plan) const;
 
   PlanRunnerOptions options_;
-  store::Provenance provenance_;
+  results::Provenance provenance_;
   process::StopFlag stop_;
   process::StopOnSignals signals_;
 };

@@ -6,7 +6,7 @@
 
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/printers/show.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -23,7 +23,7 @@ fs::path RequireOwnFolder(fs::path out) {
     other.replace_extension();
   else
     other += ".h5";
-  if (RunsFolderOf(other) != RunsFolderOf(out) || !store::IsStored(other)) return out;
+  if (RunsFolderOf(other) != RunsFolderOf(out) || !results::IsStored(other)) return out;
   throw options::CommandError(fmt::format(
       "'{}' is there, and '{}' would keep its runs in the same folder '{}'; nothing was changed: "
       "name another file by -o",
@@ -55,7 +55,7 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   const printers::Printed shown =
-      printers::Show(store::ResultFile(out, store::ProofOf::kStructure));
+      printers::Show(results::ResultFile(out, results::ProofOf::kStructure));
   if (!is_quiet) {
     terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
   } else if (shown.bad_count > 0) {

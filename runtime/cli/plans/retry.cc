@@ -11,8 +11,8 @@
 #include "dsl/diagnostics.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/plans/sweep_files.h"
-#include "runtime/machine/noise.h"
-#include "runtime/schedule/folder.h"
+#include "runtime/protocol/machine/noise.h"
+#include "runtime/sweep/schedule/folder.h"
 
 namespace cdb::plans {
 namespace {
@@ -58,10 +58,10 @@ RetryChoice RetryChoice::Only(const std::string& run_id) {
   return choice;
 }
 
-bool RetryChoice::Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
+bool RetryChoice::Wants(const results::ResultFile& file, const results::ResultFile::Cell& cell,
                         const std::string& run_id) const {
   if (words_.contains(run_id) ||
-      words_.contains(std::string(store::StatusName(file.ReadStatus(cell)))))
+      words_.contains(std::string(results::StatusName(file.ReadStatus(cell)))))
     return true;
   return words_.contains(std::string(kNoisy)) && file.Has("noise") &&
          file.ReadReal("noise", cell) == static_cast<double>(machine::Noise::kNoisy);
@@ -69,7 +69,7 @@ bool RetryChoice::Wants(const store::ResultFile& file, const store::ResultFile::
 
 bool RetryChoice::Wants(const journal::RunInfo& run) const {
   return words_.contains(run.run_id) ||
-         words_.contains(std::string(store::StatusName(run.outcome.status))) ||
+         words_.contains(std::string(results::StatusName(run.outcome.status))) ||
          (words_.contains(std::string(kNoisy)) && run.is_noisy);
 }
 
@@ -95,8 +95,8 @@ RetryChoice FindStartedRetry(const fs::path& folder) {
 
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
                    std::uint64_t rep) const {
-  const store::ResultFile::Cell cell = {at, rep};
-  return file_.ReadStatus(cell) != store::Status::kMissing && !retry_.Wants(file_, cell, id);
+  const results::ResultFile::Cell cell = {at, rep};
+  return file_.ReadStatus(cell) != results::Status::kMissing && !retry_.Wants(file_, cell, id);
 }
 
 std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {
@@ -109,9 +109,9 @@ std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {
 
 std::optional<journal::RunInfo> KeptRuns::Find(const plan::Run& run) const {
   if (!Has(run.id, run.at, run.rep)) return std::nullopt;
-  const store::ResultFile::Cell cell = {run.at, run.rep};
+  const results::ResultFile::Cell cell = {run.at, run.rep};
   journal::RunInfo info = {
-      run.id, {file_.ReadStatus(cell), measure::Verdict::kUnknown}, {}, {}, false};
+      run.id, {file_.ReadStatus(cell), protocol::Verdict::kUnknown}, {}, {}, false};
   if (file_.Has("omitted")) info.omitted = file_.ReadText("omitted", cell);
   if (file_.Has("needs")) info.decisions = file_.ReadText("needs", cell);
   return info;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/store.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/store.h"
 
 namespace cdb::plans {
 
@@ -27,7 +27,7 @@ class RetryChoice {
 
   bool is_empty() const { return words_.empty(); }
   /// `run_id`: the id of the run in that cell.
-  bool Wants(const store::ResultFile& file, const store::ResultFile::Cell& cell,
+  bool Wants(const results::ResultFile& file, const results::ResultFile::Cell& cell,
              const std::string& run_id) const;
   bool Wants(const journal::RunInfo& run) const;
 
@@ -56,7 +56,7 @@ class KeptRuns {
   std::optional<journal::RunInfo> Find(const plan::Run& run) const;
 
  private:
-  const store::ResultFile file_;
+  const results::ResultFile file_;
   const RetryChoice retry_;
 };
 

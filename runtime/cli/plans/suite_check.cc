@@ -80,7 +80,7 @@ class Checker {
       Fault("{}: {}", id, why);
     std::size_t missing = 0;
     for (const auto& cell : figures::AllCells(of.file))
-      missing += of.file.ReadStatus(cell) == store::Status::kMissing;
+      missing += of.file.ReadStatus(cell) == results::Status::kMissing;
     if (missing > 0) Fault("{}: {} runs are missing", id, missing);
     if (const std::string build = of.file.ReadProvenance("build_type"); build != "Release")
       Fault("{}: timed with a {} build", id, build.empty() ? "unknown" : build);

@@ -12,9 +12,9 @@
 #include "compiler/plan/sha256.h"
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/plans/suite_plan.h"
-#include "runtime/page/page.h"
+#include "runtime/pages/page/page.h"
 #include "runtime/printers/results_document.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/results/files/safe_file.h"
 
 namespace cdb::plans {
 
@@ -27,7 +27,7 @@ std::string FileSha256(const fs::path& file) {
   return plan::Sha256Hex(std::string(std::istreambuf_iterator<char>(in), {}));
 }
 
-bool IsLong(const store::ResultFile& file) {
+bool IsLong(const results::ResultFile& file) {
   return std::ranges::any_of(file.axes(),
                              [](const plan::Axis& axis) { return axis.parameter == "seed"; });
 }
@@ -62,7 +62,7 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
 }
 
 std::string SuiteSummary(const SuiteFolder& read) {
-  std::vector<const store::ResultFile*> files;
+  std::vector<const results::ResultFile*> files;
   for (const auto& of : read.files) files.push_back(&of->file);
   return printers::SuiteJson(read.scenes, files, read.facts);
 }

@@ -17,12 +17,12 @@
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/pile.h"
 #include "library/content_cache.h"
-#include "runtime/measure/bytes_text.h"
-#include "runtime/measure/recording.h"
-#include "runtime/measure/series.h"
-#include "runtime/process/worker.h"
-#include "runtime/store/journal/run_writer.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/bytes_text.h"
+#include "runtime/protocol/recording.h"
+#include "runtime/protocol/series.h"
+#include "runtime/results/journal/run_writer.h"
+#include "runtime/results/store.h"
+#include "runtime/sweep/process/worker.h"
 
 namespace cdb::plans {
 namespace {
@@ -76,10 +76,10 @@ std::uint64_t CountPiles(const grid::Grid& grid, const std::vector<plan::Run>& s
 
 double SeriesBytes(const plan::Scene& scene) {
   double bytes = 0;
-  for (const measure::Series& series : measure::AllSeries())
-    if (measure::IsRecordedBy(series, scene))
+  for (const protocol::Series& series : protocol::AllSeries())
+    if (protocol::IsRecordedBy(series, scene))
       bytes +=
-          static_cast<double>(series.ItemBytes() * series.ValueCount(measure::ExtentsOf(scene)));
+          static_cast<double>(series.ItemBytes() * series.ValueCount(protocol::ExtentsOf(scene)));
   return bytes;
 }
 
@@ -104,7 +104,7 @@ double StepSeconds(const process::Ending& ending, const plan::Scene& scene) {
   const std::uint64_t cycles = scene.world.Count("cycles");
   double nanoseconds = 0;
   // The times are stored as a row of cycles for each phase.
-  const std::size_t row = measure::IndexOf(measure::Phase::kStep) * cycles;
+  const std::size_t row = protocol::IndexOf(protocol::Phase::kStep) * cycles;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) nanoseconds += durations[row + cycle];
   return nanoseconds * 1e-9 / static_cast<double>(cycles);
 }
@@ -126,7 +126,7 @@ class TrialJournal {
   TrialJournal& operator=(const TrialJournal&) = delete;
 
   /// Time to write the run, s; nullopt if the folder cannot be written to.
-  std::optional<double> TimeOf(const plan::Run& run, const store::RunResult& result) {
+  std::optional<double> TimeOf(const plan::Run& run, const results::RunResult& result) {
     try {
       if (!journal_) journal_.emplace(journal::Journal::OpenToWrite(folder_, plan_sha256_));
       const auto begin = std::chrono::steady_clock::now();
@@ -138,7 +138,7 @@ class TrialJournal {
   }
 
  private:
-  const store::Provenance provenance_;
+  const results::Provenance provenance_;
   journal::RunWriter writer_;
   const std::string plan_sha256_;
   std::optional<journal::Journal> journal_;
@@ -186,7 +186,7 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
     std::optional<process::Ending> ending;
     while (!ending && !stop.requested()) ending = launcher.Wait(1);
     if (!ending) break;
-    if (ending->result.status != store::Status::kDone) {
+    if (ending->result.status != results::Status::kDone) {
       estimate.failures.push_back(
           fmt::format("{}: {}", plan::Describe(plan, plan.runs[i]), ending->result.message));
       continue;
@@ -263,8 +263,8 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
                       jobs == 1 ? "one run" : fmt::format("{} runs", jobs));
   text += PilesText(estimate);
   text += fmt::format("  result  {} ({} .. {}) before compression\n",
-                      measure::BytesText(size.mean * runs), measure::BytesText(size.low * runs),
-                      std::isinf(size.high) ? "unknown" : measure::BytesText(size.high * runs));
+                      protocol::BytesText(size.mean * runs), protocol::BytesText(size.low * runs),
+                      std::isinf(size.high) ? "unknown" : protocol::BytesText(size.high * runs));
   text += fmt::format(
       "  Sampled: {} of {} points, spread over the grid, for {} cycles each; one run takes {} .. "
       "{}.\n"

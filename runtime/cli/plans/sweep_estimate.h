@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compiler/grid/grid.h"
-#include "runtime/process/stop.h"
+#include "runtime/sweep/process/stop.h"
 
 namespace cdb::plans {
 

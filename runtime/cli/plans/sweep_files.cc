@@ -13,12 +13,12 @@
 
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/options/provenance.h"
-#include "runtime/cluster/submission.h"
 #include "runtime/figures/points.h"
-#include "runtime/schedule/folder.h"
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/journal/merge.h"
-#include "runtime/store/store.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/journal/merge.h"
+#include "runtime/results/store.h"
+#include "runtime/sweep/cluster/submission.h"
+#include "runtime/sweep/schedule/folder.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -29,14 +29,14 @@ namespace fs = std::filesystem;
 /// Empty where it cannot be read.
 std::string PlanOf(const std::string& results) {
   try {
-    return store::ResultFile(results, store::ProofOf::kStructure).plan_sha256();
+    return results::ResultFile(results, results::ProofOf::kStructure).plan_sha256();
   } catch (const files::StoreError&) {
     return {};
   }
 }
 
 /// True if the results are those of the plan in an earlier format, with other ids of runs.
-bool IsOfEarlierFormat(const store::ResultFile& file, const plan::Plan& plan) {
+bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan) {
   std::optional<plan::Plan> there = figures::ReadPlan(file);
   if (!there || there->version == plan::kPlanVersion) return false;
   there->Renew();
@@ -54,7 +54,7 @@ fs::path RunsFolderOf(const fs::path& out) {
 bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_view hint) {
   std::error_code error;
   if (!fs::exists(out, error)) return false;
-  const store::ResultFile file(out);
+  const results::ResultFile file(out);
   if (file.plan_sha256() == plan.Sha256()) return CountMissing(file, plan) == 0;
   const bool is_earlier = IsOfEarlierFormat(file, plan);
   if (is_earlier && hint.empty() && CountMissing(file, plan) == 0) return true;
@@ -81,10 +81,10 @@ void CheckIsOfPlan(const std::string& out, const plan::Plan& plan) {
       "'{}' has the results of another plan and was not changed; name another file", out));
 }
 
-std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan) {
+std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan) {
   std::size_t missing = 0;
   plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
-    missing += file.ReadStatus({at, rep}) == store::Status::kMissing;
+    missing += file.ReadStatus({at, rep}) == results::Status::kMissing;
   });
   return missing;
 }

@@ -9,7 +9,7 @@
 
 #include "compiler/plan/descriptor.h"
 #include "compiler/plan/plan.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::plans {
 
@@ -24,7 +24,7 @@ bool IsThereAlready(const std::filesystem::path& out, const plan::Plan& plan,
 /// Throws CommandError if `out` exists and is not a results file of the plan.
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan);
 
-std::size_t CountMissing(const store::ResultFile& file, const plan::Plan& plan);
+std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan);
 
 /// Merges the journals into `out`. Runs in `out` that no journal holds are kept. Throws StoreError;
 /// `out` is then unchanged.

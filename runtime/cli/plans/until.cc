@@ -8,7 +8,7 @@
 
 #include "runtime/cli/options/exit_status.h"
 #include "runtime/figures/model.h"
-#include "runtime/measure/series.h"
+#include "runtime/protocol/series.h"
 
 namespace cdb::plans {
 
@@ -16,15 +16,15 @@ bool Precision::IsWholeRound() const {
   return repeats >= figures::Bootstrap::kLeastForInterval && missing == 0;
 }
 
-Precision PrecisionOf(const store::ResultFile& file, double wanted) {
+Precision PrecisionOf(const results::ResultFile& file, double wanted) {
   const figures::Model model(file, {.only_sound = true});
   Precision precision;
   precision.repeats = file.begun_repeats();
-  for (const store::ResultFile::Cell& cell : figures::AllCells(file))
+  for (const results::ResultFile::Cell& cell : figures::AllCells(file))
     precision.missing +=
-        cell.rep < precision.repeats && file.ReadStatus(cell) == store::Status::kMissing;
+        cell.rep < precision.repeats && file.ReadStatus(cell) == results::Status::kMissing;
   for (const figures::MeasuredPoint& point : model.points()) {
-    const figures::Estimate& step = model.TimeOf(point, measure::Phase::kStep);
+    const figures::Estimate& step = model.TimeOf(point, protocol::Phase::kStep);
     const figures::Interval interval = model.times().IntervalOf(step);
     const double half = std::max(interval.high - step.value, step.value - interval.low);
     if (!std::isfinite(half) || !(step.value > 0)) continue;

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "compiler/plan/plan.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 
 namespace cdb::plans {
 
@@ -31,7 +31,7 @@ struct Precision {
 };
 
 /// `wanted`: a fraction of the mean, above 0. Throws StoreError.
-Precision PrecisionOf(const store::ResultFile& file, double wanted);
+Precision PrecisionOf(const results::ResultFile& file, double wanted);
 
 /// The repeats of the next round, at most `most`; the present number, of whole rounds, if no more
 /// are needed.

@@ -11,7 +11,7 @@
 #include "library/detectors/floating_point.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
-#include "runtime/measure/plugin_call.h"
+#include "runtime/protocol/plugin_call.h"
 
 namespace cdb::detection {
 namespace {
@@ -25,8 +25,8 @@ std::atomic<std::uint32_t>* noted_in = nullptr;
 /// Notes the call, and restores the floating-point environment at its end.
 class WatchedCall {
  public:
-  WatchedCall(measure::PluginCall call, std::size_t index) {
-    Set(measure::PluginCallCode(call, index));
+  WatchedCall(protocol::PluginCall call, std::size_t index) {
+    Set(protocol::PluginCallCode(call, index));
   }
   ~WatchedCall() { Set(0); }
   WatchedCall(const WatchedCall&) = delete;
@@ -62,35 +62,35 @@ class WatchedDetector final : public Detector {
   WatchedDetector(std::size_t index, std::unique_ptr<Detector> detector)
       : index_(index), detector_(std::move(detector)) {}
   ~WatchedDetector() override {
-    const WatchedCall call(measure::PluginCall::kDestroy, index_);
+    const WatchedCall call(protocol::PluginCall::kDestroy, index_);
     detector_.reset();
   }
 
   void Prepare(const Scene& scene) override {
-    const WatchedCall call(measure::PluginCall::kPrepare, index_);
+    const WatchedCall call(protocol::PluginCall::kPrepare, index_);
     detector_->Prepare(scene);
     call.Check();
   }
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
-    const WatchedCall call(measure::PluginCall::kFindPairs, index_);
+    const WatchedCall call(protocol::PluginCall::kFindPairs, index_);
     detector_->FindPairs(scene, pairs);
     call.Check();
   }
   bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
-    const WatchedCall call(measure::PluginCall::kFindPairs, index_);
+    const WatchedCall call(protocol::PluginCall::kFindPairs, index_);
     const bool are_changes = detector_->FindChanges(scene, came, went);
     call.Check();
     return are_changes;
   }
   bool Handles(const Scene& scene, Id a, Id b) const override {
-    const WatchedCall call(measure::PluginCall::kHandles, index_);
+    const WatchedCall call(protocol::PluginCall::kHandles, index_);
     const bool handles = detector_->Handles(scene, a, b);
     call.Check();
     return handles;
   }
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
-    const WatchedCall call(measure::PluginCall::kFindContacts, index_);
+    const WatchedCall call(protocol::PluginCall::kFindContacts, index_);
     detector_->FindContacts(scene, pairs, contacts);
     call.Check();
   }
@@ -112,7 +112,7 @@ const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t in
         fmt::format("detector `{}`: '{}' differs from the file that the plan was made with; plan "
                     "again, or restore the old file",
                     plugin.name, plugin.path));
-  const WatchedCall call(measure::PluginCall::kLoad, index);
+  const WatchedCall call(protocol::PluginCall::kLoad, index);
   try {
     const DetectorEntry* entry =
         detectors::FindEntry(detectors::LoadPlugin(plugin.path), plugin.name);
@@ -127,7 +127,7 @@ std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEn
                                              const Options& options) {
   std::unique_ptr<Detector> detector;
   {
-    const WatchedCall call(measure::PluginCall::kMake, index);
+    const WatchedCall call(protocol::PluginCall::kMake, index);
     detector.reset(entry.make(options));
     call.Check();
   }

@@ -26,12 +26,12 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 
 }  // namespace
 
-PairReferee::PairReferee(world::Engine& engine, measure::Recording& recording)
+PairReferee::PairReferee(world::Engine& engine, protocol::Recording& recording)
     : engine_(engine),
       adapter_(dynamic_cast<detection::AdapterBroadPhase*>(engine.world().getBroadphase())),
       detects_(!engine.omissions().Omits(schema::Component::kDetection)),
       recording_(recording),
-      boxes_(engine.objects().size() + pruning::kWallCount,
+      boxes_(engine.objects().size() + omissions::kWallCount,
              {{kNone, kNone, kNone}, {kNone, kNone, kNone}}),
       filters_(boxes_.size()) {
   if (adapter_ != nullptr) adapter_->KeepList();

@@ -9,7 +9,7 @@
 #include "runtime/engine/detection/adapter_broad_phase.h"
 #include "runtime/engine/probes/exact_geometry.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
 
@@ -19,7 +19,7 @@ namespace cdb::probes {
 /// pairs. Engine and recording must outlive it. Not thread-safe.
 class PairReferee {
  public:
-  PairReferee(world::Engine& engine, measure::Recording& recording);
+  PairReferee(world::Engine& engine, protocol::Recording& recording);
 
   /// Call before and after each step that belongs to a recorded cycle.
   void BeforeStep();
@@ -34,7 +34,7 @@ class PairReferee {
   world::Engine& engine_;
   detection::AdapterBroadPhase* const adapter_;  ///< null if the broad phase is Bullet's own
   const bool detects_;                           ///< otherwise nothing is compared or stored
-  measure::Recording& recording_;
+  protocol::Recording& recording_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
   std::vector<ExactOverlap> overlaps_;  ///< in the poses before the step

@@ -10,7 +10,7 @@
 #include "runtime/engine/probes/memory.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
-#include "runtime/measure/file_descriptor_io.h"
+#include "runtime/protocol/file_descriptor_io.h"
 
 namespace cdb::probes {
 namespace {
@@ -59,7 +59,7 @@ bool IsFinite(const btRigidBody& body) {
 
 }  // namespace
 
-Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+Probes::Probes(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
                int contacts_fd)
     : engine_(engine),
       recording_(recording),
@@ -70,10 +70,10 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, measure::Recordi
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
       contacts_fd_(contacts_fd),
-      standing_walls_(pruning::StandingWalls(scene)) {
+      standing_walls_(omissions::StandingWalls(scene)) {
   if (recording_.Reals("motion_ratio").empty()) return;
   motion_watch_.emplace(engine, is_driven_);
-  touches_.resize(engine.objects().size() + pruning::kWallCount);
+  touches_.resize(engine.objects().size() + omissions::kWallCount);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
@@ -186,8 +186,8 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   recording_.Put("contacts", cycle, contacts);
   recording_.Put("max_penetration", cycle, deepest);
   recording_.Put("penetration_ratio", cycle, deepest_ratio);
-  measure::WriteAll(contacts_fd_, std::as_bytes(std::span(contact_records_)),
-                    "cannot write the contacts");
+  protocol::WriteAll(contacts_fd_, std::as_bytes(std::span(contact_records_)),
+                     "cannot write the contacts");
 }
 
 bool Probes::IsBeyondWall(const btVector3& centre) const {
@@ -258,7 +258,7 @@ void Probes::RecordEnergy(std::uint64_t cycle) {
 
 void Probes::RecordPoses(std::uint64_t cycle) {
   auto at = recording_.Reals("poses")
-                .subspan(cycle * engine_.objects().size() * measure::kPoseSize)
+                .subspan(cycle * engine_.objects().size() * protocol::kPoseSize)
                 .begin();
   for (const auto& body : engine_.objects()) {
     const btTransform& pose = body->getWorldTransform();
@@ -281,7 +281,7 @@ void Probes::RecordFilters() {
   const auto filters = recording_.Reals("box_filters");
   const auto record = [&](std::size_t place, const btRigidBody& body) {
     const btBroadphaseProxy& proxy = *body.getBroadphaseHandle();
-    double* filter = &filters[place * measure::kFilterSize];
+    double* filter = &filters[place * protocol::kFilterSize];
     filter[0] = static_cast<std::uint32_t>(proxy.m_collisionFilterGroup);
     filter[1] = static_cast<std::uint32_t>(proxy.m_collisionFilterMask);
     filter[2] = body.isStaticOrKinematicObject() ? 1 : 0;
@@ -293,7 +293,7 @@ void Probes::RecordFilters() {
 /// A broad phase keeps a box until it is given the next.
 void Probes::RecordBoxes(std::uint64_t cycle) {
   const auto boxes = recording_.Reals("boxes");
-  const std::size_t bodies = recording_.Reals("box_filters").size() / measure::kFilterSize;
+  const std::size_t bodies = recording_.Reals("box_filters").size() / protocol::kFilterSize;
   const auto record = [&](std::size_t place, const btRigidBody& body) {
     btVector3 lower, upper;
     engine_.world().getBroadphase()->getAabb(
@@ -303,7 +303,7 @@ void Probes::RecordBoxes(std::uint64_t cycle) {
       upper = btVector3(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
       lower = -upper;
     }
-    double* box = &boxes[(cycle * bodies + place) * measure::kBoxSize];
+    double* box = &boxes[(cycle * bodies + place) * protocol::kBoxSize];
     for (const btVector3* corner : {&lower, &upper})
       for (int axis = 0; axis < 3; ++axis) *box++ = WithInfinity((*corner)[axis]);
   };

@@ -9,7 +9,7 @@
 #include "runtime/engine/probes/motion_watch.h"
 #include "runtime/engine/probes/soundness.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
 
@@ -17,7 +17,7 @@ namespace cdb::probes {
 class Probes {
  public:
   /// `contacts_fd` receives the ContactRecords of `record contacts`; otherwise it is not used.
-  Probes(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+  Probes(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
          int contacts_fd);
 
   /// Call once before the first recorded cycle: displacements are relative to the positions then.
@@ -41,8 +41,8 @@ class Probes {
   double SmallerSide(int a, int b) const;
 
   world::Engine& engine_;
-  measure::Recording& recording_;
-  measure::RecordingHeader& header_;
+  protocol::Recording& recording_;
+  protocol::RecordingHeader& header_;
   const std::uint64_t cycles_;
   const bool is_driven_, streams_contacts_, all_walls_, floor_;
   const int contacts_fd_;
@@ -51,7 +51,7 @@ class Probes {
   std::optional<Soundness> soundness_;
   std::vector<char> touches_;        ///< by body, including walls: has a contact in this cycle
   std::vector<double> least_sides_;  ///< by body; infinite for walls
-  std::vector<measure::ContactRecord> contact_records_;
+  std::vector<protocol::ContactRecord> contact_records_;
 };
 
 }  // namespace cdb::probes

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "runtime/machine/host.h"
+#include "runtime/protocol/machine/host.h"
 
 namespace cdb::probes {
 namespace {

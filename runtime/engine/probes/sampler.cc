@@ -20,9 +20,9 @@ Eigen::Quaterniond TurnOf(const btRigidBody& body) {
 
 }  // namespace
 
-Sampler::Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording)
+Sampler::Sampler(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording)
     : engine_(engine),
-      shape_(*measure::SampleShapeOf(scene)),
+      shape_(*protocol::SampleShapeOf(scene)),
       values_(recording.SampleValues()),
       cycles_per_sample_(analysis::SamplingOf(scene)->cycles),
       wants_pairs_(scene.world.Lists("accuracy.metrics", "pairs")),
@@ -48,7 +48,7 @@ void Sampler::AfterStep() {
   if (++steps_ % cycles_per_sample_ == 0 && !IsComplete()) Take();
 }
 
-double& Sampler::Value(measure::Observable which) {
+double& Sampler::Value(protocol::Observable which) {
   return values_[shape_.Observables(taken_) + which];
 }
 
@@ -66,7 +66,7 @@ void Sampler::Take() {
 void Sampler::TakeStates() {
   for (std::size_t i = 0; i < shape_.objects; ++i) {
     const btRigidBody& body = *engine_.objects()[i];
-    Eigen::Map<Eigen::Matrix<double, measure::kStateSize, 1>> state(
+    Eigen::Map<Eigen::Matrix<double, protocol::kStateSize, 1>> state(
         &values_[shape_.State(taken_, i)]);
     state << world::ToEigen(body.getWorldTransform().getOrigin()), TurnOf(body).coeffs(),
         world::ToEigen(body.getLinearVelocity()), world::ToEigen(body.getAngularVelocity());
@@ -109,14 +109,14 @@ void Sampler::TakeMotion() {
     momentum_sum += motion.momentum.norm();
     angular_sum += own.norm();
   }
-  Value(measure::kKinetic) = kinetic;
+  Value(protocol::kKinetic) = kinetic;
   // Energies at one time: without the integrator's own term.
-  Value(measure::kPotential) = potential + engine_.links().SpringEnergy(0);
-  Eigen::Map<Vector3d>(&Value(measure::kAccelerationX)) = engine_.acceleration();
-  Eigen::Map<Vector3d>(&Value(measure::kMomentumX)) = momentum;
-  Eigen::Map<Vector3d>(&Value(measure::kAngularX)) = angular;
-  Value(measure::kMomentumSum) = momentum_sum;
-  Value(measure::kAngularSum) = angular_sum;
+  Value(protocol::kPotential) = potential + engine_.links().SpringEnergy(0);
+  Eigen::Map<Vector3d>(&Value(protocol::kAccelerationX)) = engine_.acceleration();
+  Eigen::Map<Vector3d>(&Value(protocol::kMomentumX)) = momentum;
+  Eigen::Map<Vector3d>(&Value(protocol::kAngularX)) = angular;
+  Value(protocol::kMomentumSum) = momentum_sum;
+  Value(protocol::kAngularSum) = angular_sum;
 }
 
 /// A wall's size is that of the object that touches it.
@@ -139,9 +139,9 @@ void Sampler::TakeContacts() {
       deepest = std::max(deepest, depth);
     }
   }
-  Value(measure::kContactCount) = contacts;
-  Value(measure::kDepthMean) = overlaps > 0 ? sum / overlaps : 0;
-  Value(measure::kDepthMax) = deepest;
+  Value(protocol::kContactCount) = contacts;
+  Value(protocol::kDepthMean) = overlaps > 0 ? sum / overlaps : 0;
+  Value(protocol::kDepthMax) = deepest;
 }
 
 void Sampler::TakePairs() {
@@ -161,18 +161,18 @@ void Sampler::TakePairs() {
   std::vector<BodyPair> missed, false_positives;
   std::ranges::set_difference(exact_, found, std::back_inserter(missed));
   std::ranges::set_difference(found, exact_, std::back_inserter(false_positives));
-  Value(measure::kPairsExact) = static_cast<double>(exact_.size());
-  Value(measure::kPairsMissed) = static_cast<double>(missed.size());
-  Value(measure::kPairsPhantom) = static_cast<double>(false_positives.size());
+  Value(protocol::kPairsExact) = static_cast<double>(exact_.size());
+  Value(protocol::kPairsMissed) = static_cast<double>(missed.size());
+  Value(protocol::kPairsPhantom) = static_cast<double>(false_positives.size());
 }
 
 void Sampler::TakeGeometry() {
   const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
-  Value(measure::kOverlapsExact) = static_cast<double>(overlaps_.size());
-  Value(measure::kOverlapsMissed) = errors.missed;
-  Value(measure::kDepthErrorSum) = errors.depth_sum;
-  Value(measure::kNormalErrorSum) = errors.normal_sum;
-  Value(measure::kNormalCount) = errors.normals;
+  Value(protocol::kOverlapsExact) = static_cast<double>(overlaps_.size());
+  Value(protocol::kOverlapsMissed) = errors.missed;
+  Value(protocol::kDepthErrorSum) = errors.depth_sum;
+  Value(protocol::kNormalErrorSum) = errors.normal_sum;
+  Value(protocol::kNormalCount) = errors.normals;
 }
 
 }  // namespace cdb::probes

@@ -6,14 +6,14 @@
 
 #include "runtime/engine/probes/exact_geometry.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
 
 /// Requires that the scene asks for samples. Engine and recording must outlive it. Not thread-safe.
 class Sampler {
  public:
-  Sampler(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording);
+  Sampler(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording);
 
   /// Call before the first step, then before and after each one.
   void Begin();
@@ -29,11 +29,11 @@ class Sampler {
   void TakeContacts();
   void TakePairs();
   void TakeGeometry();
-  double& Value(measure::Observable which);
+  double& Value(protocol::Observable which);
   double SizeOf(const btCollisionObject* body) const;
 
   world::Engine& engine_;
-  const measure::SampleShape shape_;
+  const protocol::SampleShape shape_;
   const std::span<double> values_;
   const std::uint64_t cycles_per_sample_;
   const bool wants_pairs_, wants_geometry_;

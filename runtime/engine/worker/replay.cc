@@ -22,7 +22,7 @@
 #include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
-#include "runtime/measure/trace_memory.h"
+#include "runtime/protocol/trace_memory.h"
 
 namespace cdb::worker {
 namespace {
@@ -31,26 +31,26 @@ namespace {
 class TracedScene {
  public:
   explicit TracedScene(int fd) : trace_(fd), boxes_(trace_.shape().bodies) {
-    for (const measure::TraceFilter& filter : trace_.filters())
+    for (const protocol::TraceFilter& filter : trace_.filters())
       filters_.push_back({filter.group, filter.mask, filter.is_fixed != 0});
     scene_.size = boxes_.size();
     scene_.boxes = boxes_;
     scene_.filters = filters_;
   }
 
-  const measure::TraceShape& shape() const { return trace_.shape(); }
+  const protocol::TraceShape& shape() const { return trace_.shape(); }
   const Scene& scene() const { return scene_; }
 
   void MoveTo(std::uint64_t cycle) {
     const double* side = trace_.Read(cycle).data();
     for (Box& box : boxes_) {
       box = {{side[0], side[1], side[2]}, {side[3], side[4], side[5]}};
-      side += measure::kBoxSize;
+      side += protocol::kBoxSize;
     }
   }
 
  private:
-  measure::TraceReader trace_;
+  protocol::TraceReader trace_;
   std::vector<Box> boxes_;
   std::vector<Filter> filters_;
   Scene scene_;
@@ -91,7 +91,7 @@ std::string HashOf(std::vector<Pair> pairs) {
 /// The cycles of a run on its trace.
 class Replay {
  public:
-  Replay(const plan::Run& run, measure::Recording& recording, int trace_fd)
+  Replay(const plan::Run& run, protocol::Recording& recording, int trace_fd)
       : run_(run),
         recording_(recording),
         traced_(trace_fd),
@@ -103,7 +103,7 @@ class Replay {
   }
 
   void Time() {
-    measure::RecordingHeader& header = recording_.header();
+    protocol::RecordingHeader& header = recording_.header();
     const auto duration = recording_.Reals("duration");
     const bool records_heap = !recording_.Reals("heap").empty();
     const std::int64_t build_begin = world::Now();
@@ -125,9 +125,9 @@ class Replay {
       const std::uint64_t cycle = i - warmup_;
       if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
       if (!duration.empty())
-        for (const measure::Phase phase :
-             {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
-          duration[measure::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
+        for (const protocol::Phase phase :
+             {protocol::Phase::kBroad, protocol::Phase::kDetect, protocol::Phase::kStep})
+          duration[protocol::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
       recording_.Put("pairs", cycle, Count(pairs_.size()));
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
@@ -187,7 +187,7 @@ class Replay {
   }
 
   const plan::Run& run_;
-  measure::Recording& recording_;
+  protocol::Recording& recording_;
   TracedScene traced_;
   const std::uint64_t warmup_, cycles_;
   std::vector<Pair> pairs_;
@@ -195,15 +195,15 @@ class Replay {
 
 }  // namespace
 
-void ReplayTrace(const plan::Run& run, measure::Recording& recording, int trace_fd) {
+void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd) {
   try {
     if (!run.scene.plugins.empty()) Confine();
     Replay replay(run, recording, trace_fd);
     replay.Time();
     replay.Judge();
-    recording.header().outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
+    recording.header().outcome.store(protocol::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const std::bad_alloc&) {
-    ReportFailure(recording, std::string(measure::kOutOfMemory) + "; a smaller trace needs less");
+    ReportFailure(recording, std::string(protocol::kOutOfMemory) + "; a smaller trace needs less");
   } catch (const std::exception& error) {
     ReportFailure(recording, error.what());
   } catch (...) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "compiler/plan/plan.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::worker {
 
@@ -13,6 +13,6 @@ namespace cdb::worker {
 /// detector that reports invalid pairs fails the run. The state hash is that of the sorted pairs of
 /// the last cycle, so that detectors with the same pairs have the same hash. Ends with the outcome
 /// kDone, or kFailed and a message; throws nothing. Threads: one.
-void ReplayTrace(const plan::Run& run, measure::Recording& recording, int trace_fd);
+void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd);
 
 }  // namespace cdb::worker

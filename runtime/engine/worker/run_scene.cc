@@ -59,7 +59,7 @@ bool WantsSecondPass(const plan::Scene& scene) {
           (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
 }
 
-void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recording& recording,
+void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
                int contacts_fd) {
   probes::Probes probes(scene, engine, recording, contacts_fd);
   std::optional<probes::PairReferee> referee;
@@ -82,7 +82,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, measure::Recordi
 
 /// Runs all cycles without a clock, for samples and for the pair referee.
 void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
-                     measure::Recording& recording) {
+                     protocol::Recording& recording) {
   std::optional<probes::Sampler> sampler;
   if (analysis::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
   std::optional<probes::PairReferee> referee;
@@ -102,7 +102,8 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
 
 /// Runs the same scene again from the start without a clock, for the measurements that are compared
 /// with the truth. Its motion must be the same.
-void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Recording& recording) {
+void RunAgain(const plan::Scene& scene, const world::Engine& first,
+              protocol::Recording& recording) {
   plan::Scene quiet = scene;
   quiet.world.Set("record", schema::WordList{});
   world::Engine engine(quiet, first.initial_state(), first.omissions());
@@ -117,28 +118,28 @@ void RunAgain(const plan::Scene& scene, const world::Engine& first, measure::Rec
 
 /// Reports progress to the runner, and keeps the time spent on settling.
 void SettleAndTell(const plan::Scene& scene, layouts::InitialState& state,
-                   measure::Settling& told) {
+                   protocol::Settling& told) {
   std::int64_t begin = -1;
   SettlePiles(scene, state, [&](const SettlingProgress& progress) {
-    if (progress.phase == measure::SettlingPhase::kSettling && begin < 0) begin = world::Now();
+    if (progress.phase == protocol::SettlingPhase::kSettling && begin < 0) begin = world::Now();
     told.at_rest.store(progress.at_rest, std::memory_order_relaxed);
     told.objects.store(progress.objects, std::memory_order_relaxed);
     told.phase.store(progress.phase, std::memory_order_relaxed);
   });
   if (begin >= 0) told.seconds.store(static_cast<double>(world::Now() - begin) * 1e-9);
-  told.phase.store(measure::SettlingPhase::kNone);
+  told.phase.store(protocol::SettlingPhase::kNone);
 }
 
 }  // namespace
 
-void ReportFailure(measure::Recording& recording, const std::string& message) {
+void ReportFailure(protocol::Recording& recording, const std::string& message) {
   recording.header().message = message;
-  recording.header().outcome.store(measure::WorkerOutcome::kFailed, std::memory_order_release);
+  recording.header().outcome.store(protocol::WorkerOutcome::kFailed, std::memory_order_release);
 }
 
-std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
+std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,
                                         int contacts_fd, const Kept& kept) {
-  measure::RecordingHeader& header = recording.header();
+  protocol::RecordingHeader& header = recording.header();
   std::unique_ptr<world::Engine> engine;
   try {
     const std::int64_t place_begin = world::Now();
@@ -150,7 +151,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     if (run.scene.role == plan::Role::kPerturbed) layouts::Perturb(run.scene, state);
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
-    pruning::Omissions omissions = pruning::DecideOmissions(run.scene, state);
+    omissions::Omissions omissions = omissions::DecideOmissions(run.scene, state);
     for (const schema::ComponentInfo& info : schema::Components())
       if (omissions.Omits(info.component) && schema::ListsWord(kept.names, info.name))
         omissions.Keep(info.component, kept.why);
@@ -172,7 +173,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
     header.scalars.peak_rss_bytes = probes::PeakRssBytes();
     if (run.scene.role == plan::Role::kMeasured && WantsSecondPass(run.scene))
       RunAgain(run.scene, *engine, recording);
-    header.outcome.store(measure::WorkerOutcome::kDone, std::memory_order_release);
+    header.outcome.store(protocol::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const world::OmissionGuardTripped& tripped) {
     if (analysis::RequestFor(run.scene, schema::Component::kWalls) ==
         analysis::PruningRequest::kAuto)
@@ -181,8 +182,8 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording
   } catch (const std::bad_alloc&) {
     header.is_out_of_memory.store(1, std::memory_order_relaxed);  // also if the settling worker ran
                                                                   // out of memory
-    ReportFailure(recording,
-                  std::string(measure::kOutOfMemory) + "; fewer objects or fewer cycles need less");
+    ReportFailure(recording, std::string(protocol::kOutOfMemory) +
+                                 "; fewer objects or fewer cycles need less");
   } catch (const std::exception& error) {
     ReportFailure(recording, error.what());
   }

@@ -7,7 +7,7 @@
 #include "compiler/plan/plan.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/omission_guard.h"
-#include "runtime/measure/recording.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::worker {
 
@@ -27,10 +27,10 @@ struct Kept {
 /// the recording cleared. Returns the final world, or null if it was never built; destroying it can
 /// take longer than many cycles, so a worker that exits leaves it to the system. If the run has
 /// plug-ins, the process is confined before their code runs (confinement.h).
-std::unique_ptr<world::Engine> RunScene(const plan::Run& run, measure::Recording& recording,
+std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,
                                         int contacts_fd, const Kept& kept = {});
 
 /// Sets kFailed and the message, truncated to the size of the field.
-void ReportFailure(measure::Recording& recording, const std::string& message);
+void ReportFailure(protocol::Recording& recording, const std::string& message);
 
 }  // namespace cdb::worker

@@ -36,7 +36,7 @@
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/precision.h"
-#include "runtime/measure/file_descriptor_io.h"
+#include "runtime/protocol/file_descriptor_io.h"
 
 namespace cdb::worker {
 namespace {
@@ -56,7 +56,7 @@ struct Settling {
   Falling falling = {};
   SettlingListener listener = {};  ///< may be empty
 
-  void Tell(measure::SettlingPhase phase, std::size_t at_rest) const {
+  void Tell(protocol::SettlingPhase phase, std::size_t at_rest) const {
     if (listener)
       listener({phase, static_cast<std::uint32_t>(at_rest),
                 static_cast<std::uint32_t>(falling.objects.size())});
@@ -240,7 +240,7 @@ void TakeProgress(std::string& answer, const SettlingListener& listener) {
     std::uint32_t phase = 0, at_rest = 0, objects = 0;
     if (std::sscanf(answer.c_str() + kProgress.size(), "%u %u %u", &phase, &at_rest, &objects) != 3)
       return;
-    if (listener) listener({static_cast<measure::SettlingPhase>(phase), at_rest, objects});
+    if (listener) listener({static_cast<protocol::SettlingPhase>(phase), at_rest, objects});
   }
 }
 
@@ -267,7 +267,7 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   const std::string yaml = yaml::RunToYaml(run);
   const int text = memfd_create("cdb-settle", MFD_CLOEXEC);
   if (text < 0) Fail("no memory to settle a pile");
-  measure::WriteAll(text, yaml);
+  protocol::WriteAll(text, yaml);
   if (lseek(text, 0, SEEK_SET) != 0) Fail("cannot settle a pile");
   int ends[2];
   if (pipe(ends) != 0) Fail("no pipe to settle a pile");
@@ -306,7 +306,8 @@ InitialState Rested(const Settling& settling, const InitialState& start,
   std::string overlap;
   for (const double growth : growths) {
     const plan::Scene quiet = QuietScene(settling, growth);
-    world::Engine engine(quiet, Enlarged(settling, start, growth), pruning::KeepEverything(quiet));
+    world::Engine engine(quiet, Enlarged(settling, start, growth),
+                         omissions::KeepEverything(quiet));
     const auto is_clear = [&] {
       rested = StateOf(settling, engine);
       try {
@@ -318,7 +319,7 @@ InitialState Rested(const Settling& settling, const InitialState& start,
       }
     };
     const auto tell = [&](std::size_t at_rest) {
-      settling.Tell(measure::SettlingPhase::kSettling, at_rest);
+      settling.Tell(protocol::SettlingPhase::kSettling, at_rest);
     };
     if (ComeToRest(engine, settling.falling, BodiesOf(settling.dropped, growth), clearing_time,
                    tell, is_clear))
@@ -373,11 +374,11 @@ std::string KeyOf(const Settling& settling) {
 InitialState FoundOrSettled(const Settling& settling, const std::filesystem::path& folder,
                             const std::string& key) {
   const library::CacheLock lock(folder, kKind, key,
-                                [&] { settling.Tell(measure::SettlingPhase::kWaiting, 0); });
+                                [&] { settling.Tell(protocol::SettlingPhase::kWaiting, 0); });
   InitialState state = settling.dropped;
   if (const auto kept = library::FindCached(folder, kKind, key))
     if (TakePoses(*kept, state)) return state;
-  settling.Tell(measure::SettlingPhase::kSettling, 0);
+  settling.Tell(protocol::SettlingPhase::kSettling, 0);
   state = Settled(settling);
   library::StoreCached(folder, kKind, key, PosesOf(state));
   return state;
@@ -408,7 +409,7 @@ void SettleForAnother(const plan::Run& run, int fd) {
   try {
     InitialState state = layouts::MakeInitialState(run.scene);
     SettlePiles(run.scene, state, [fd](const SettlingProgress& progress) {
-      measure::WriteAll(fd, ProgressLine(progress));
+      protocol::WriteAll(fd, ProgressLine(progress));
     });
     answer += PosesOf(state);
   } catch (const std::bad_alloc&) {
@@ -416,7 +417,7 @@ void SettleForAnother(const plan::Run& run, int fd) {
   } catch (const std::exception& error) {
     answer = error.what();
   }
-  measure::WriteAll(fd, answer);
+  protocol::WriteAll(fd, answer);
 }
 
 }  // namespace cdb::worker

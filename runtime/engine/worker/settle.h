@@ -9,7 +9,7 @@
 
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
-#include "runtime/measure/settling.h"
+#include "runtime/protocol/settling.h"
 
 namespace cdb::worker {
 
@@ -22,7 +22,7 @@ inline constexpr double kCloseGrowth[] = {1.002, 1.005};
 inline constexpr int kSettleClearingTime = 40, kCloseClearingTime = 10;
 
 struct SettlingProgress {
-  measure::SettlingPhase phase = measure::SettlingPhase::kNone;
+  protocol::SettlingPhase phase = protocol::SettlingPhase::kNone;
   std::uint32_t at_rest = 0, objects = 0;  ///< of the piles
 };
 /// Called while piles settle, or while another process settles the same piles.

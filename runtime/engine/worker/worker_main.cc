@@ -1,6 +1,6 @@
 // The worker: one process for one run. `cdb run` starts it with three descriptors
-// (runtime/measure/recording.h), or has it forked by a waiting fork server
-// (runtime/measure/fork_server.h). It reads the run, writes the recording and ends. Exit status: 0
+// (runtime/protocol/recording.h), or has it forked by a waiting fork server
+// (runtime/protocol/fork_server.h). It reads the run, writes the recording and ends. Exit status: 0
 // if the recording has the outcome of the run, 2 if it could not be written.
 
 #include <LinearMath/btScalar.h>
@@ -27,8 +27,8 @@
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/precision.h"
-#include "runtime/measure/file_descriptor_io.h"
-#include "runtime/measure/fork_server.h"
+#include "runtime/protocol/file_descriptor_io.h"
+#include "runtime/protocol/fork_server.h"
 
 namespace cdb::worker {
 namespace {
@@ -45,7 +45,7 @@ std::string ReadPackedPoses() {
   char buffer[65536];
   for (;;) {
     const ssize_t count =
-        pread(measure::kPosesFd, buffer, sizeof buffer, static_cast<off_t>(packed.size()));
+        pread(protocol::kPosesFd, buffer, sizeof buffer, static_cast<off_t>(packed.size()));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) return packed;
     packed.append(buffer, static_cast<std::size_t>(count));
@@ -53,27 +53,27 @@ std::string ReadPackedPoses() {
 }
 
 bool HasDescriptors() {
-  for (const int fd : {measure::kRunFd, measure::kRecordingFd, measure::kContactsFd})
+  for (const int fd : {protocol::kRunFd, protocol::kRecordingFd, protocol::kContactsFd})
     if (fcntl(fd, F_GETFD) < 0) return false;
   return true;
 }
 
 /// Makes the runner start the same run again, with all walls, in a new process.
-void AskToStartAgain(measure::Recording& recording, const world::OmissionGuardTripped& tripped) {
+void AskToStartAgain(protocol::Recording& recording, const world::OmissionGuardTripped& tripped) {
   recording.header().message = tripped.what();
-  recording.header().outcome.store(measure::WorkerOutcome::kAgain, std::memory_order_release);
+  recording.header().outcome.store(protocol::WorkerOutcome::kAgain, std::memory_order_release);
 }
 
-void RunScenario(const plan::Run& run, measure::Recording& recording, const Kept& kept) {
-  auto engine = RunScene(run, recording, measure::kContactsFd, kept);
+void RunScenario(const plan::Run& run, protocol::Recording& recording, const Kept& kept) {
+  auto engine = RunScene(run, recording, protocol::kContactsFd, kept);
   // The C library detects writes beyond a plug-in's memory when that memory is freed.
   if (!run.scene.plugins.empty()) return;
   static_cast<void>(engine.release());  // the system frees it
 }
 
 void RunWorker(const Kept& kept) {
-  const plan::Run run = yaml::RunFromYaml(measure::ReadAll(measure::kRunFd), "run");
-  measure::Recording recording = measure::Recording::Open(measure::kRecordingFd, run.scene);
+  const plan::Run run = yaml::RunFromYaml(protocol::ReadAll(protocol::kRunFd), "run");
+  protocol::Recording recording = protocol::Recording::Open(protocol::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
   const NotesMemoryShortage shortage(recording.header().is_out_of_memory);
   const std::string mismatch = world::PrecisionMismatch();
@@ -86,7 +86,7 @@ void RunWorker(const Kept& kept) {
   } else {
     try {
       if (analysis::TraceOf(run.scene)) {
-        ReplayTrace(run, recording, measure::kTraceFd);
+        ReplayTrace(run, recording, protocol::kTraceFd);
       } else {
         RunScenario(run, recording, kept);
       }
@@ -103,7 +103,7 @@ void RunWorker(const Kept& kept) {
 int Execute(const std::vector<std::string>& arguments) {
   const std::string option = arguments.empty() ? "" : arguments[0];
   const bool settles = arguments.size() == 1 && option == kSettleOption;
-  const bool keeps = arguments.size() == 3 && option == measure::kKeepOption;
+  const bool keeps = arguments.size() == 3 && option == protocol::kKeepOption;
   if (!settles && ((!arguments.empty() && !keeps) || !HasDescriptors())) {
     fmt::print(stderr,
                "{}: this program executes one run of a plan for `cdb run`; do not start it by "
@@ -112,11 +112,11 @@ int Execute(const std::vector<std::string>& arguments) {
     return kCannotReport;
   }
   try {
-    measure::BindToRunner();
+    protocol::BindToRunner();
     layouts::SetPoseReader(
         [](const schema::Call& poses) { return layouts::UnpackPoses(ReadPackedPoses(), poses); });
     if (settles) {
-      SettleForAnother(yaml::RunFromYaml(measure::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
+      SettleForAnother(yaml::RunFromYaml(protocol::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
       RunWorker(keeps ? Kept{arguments[1], arguments[2]} : Kept{});
     }
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
                btGetVersion() % 100, world::EnginePrecision());
     return 0;
   }
-  const bool serves = arguments == std::vector<std::string>{measure::kServeOption};
-  if (serves && fcntl(measure::kServerFd, F_GETFD) >= 0) measure::ServeForks(worker::Execute);
+  const bool serves = arguments == std::vector<std::string>{protocol::kServeOption};
+  if (serves && fcntl(protocol::kServerFd, F_GETFD) >= 0) protocol::ServeForks(worker::Execute);
   return worker::Execute(arguments);
 }

@@ -104,7 +104,7 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   return std::min(half + flight, std::max(half, analysis::kLargestBox));
 }
 
-btDefaultCollisionConstructionInfo PoolSizes(const pruning::Omissions& omissions) {
+btDefaultCollisionConstructionInfo PoolSizes(const omissions::Omissions& omissions) {
   btDefaultCollisionConstructionInfo info;
   if (omissions.Omits(Component::kPools))
     info.m_defaultMaxPersistentManifoldPoolSize = info.m_defaultMaxCollisionAlgorithmPoolSize =
@@ -123,25 +123,26 @@ class NoSolver : public btConstraintSolver {
   btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
 };
 
-std::unique_ptr<btConstraintSolver> MakeSolver(const pruning::Omissions& omissions) {
+std::unique_ptr<btConstraintSolver> MakeSolver(const omissions::Omissions& omissions) {
   if (omissions.Omits(Component::kSolver)) return std::make_unique<NoSolver>();
   return std::make_unique<btSequentialImpulseConstraintSolver>();
 }
 
 }  // namespace
 
-Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions)
+Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
+               omissions::Omissions omissions)
     : Engine(scene, std::move(state), omissions,
              omissions.Omits(Component::kDetection) ? detection::Detectors{}
                                                     : detection::MakeDetectors(scene)) {}
 
-Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
-               const detection::Detectors& detectors)
+Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
+               omissions::Omissions omissions, const detection::Detectors& detectors)
     : scene_(scene),
       state_(std::move(state)),
       collisions_(scene_),
       omissions_(std::move(omissions)),
-      standing_(pruning::StandingWalls(scene)),
+      standing_(omissions::StandingWalls(scene)),
       side_(scene.world.Real("world.side")),
       timestep_(TimestepOf(scene)),
       faithful_(scene.world.WordOr("contact") == "faithful"),
@@ -155,7 +156,7 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state, pruning::O
         fmt::format("the acceleration is out of reach of {} precision", EnginePrecision()));
   objects_.reserve(state_.objects.size());
   for (const ObjectState& object : state_.objects) MakeObject(object);
-  for (int wall = 0; wall < pruning::kWallCount; ++wall)
+  for (int wall = 0; wall < omissions::kWallCount; ++wall)
     if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
   SettleRotation();
   CutPlanes();
@@ -289,7 +290,7 @@ void Engine::MakeWall(int wall) {
       wall_shapes_.push_back(std::make_unique<btStaticPlaneShape>(normal, btScalar(0)));
     }
   } else {
-    const double thickness = pruning::kWallThickness * side_;
+    const double thickness = omissions::kWallThickness * side_;
     Eigen::Vector3d half = Eigen::Vector3d::Constant(side_ / 2 + thickness);
     half[axis] = thickness / 2;
     centre[axis] = sign * (side_ + thickness) / 2;
@@ -356,7 +357,7 @@ void Engine::AddBodies() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     btRigidBody& body = *objects_[i];
     int without = 0;
-    for (int wall = 0; wall < pruning::kWallCount; ++wall)
+    for (int wall = 0; wall < omissions::kWallCount; ++wall)
       if (IsWithoutWall(i, wall)) without |= WallGroup(wall);
     if (without == 0) {
       world_->addRigidBody(&body);
@@ -394,7 +395,7 @@ void Engine::AddFilteredBodies() {
     int mask = mask_of(group, is_fixed);
     if (!is_fixed && collisions_.MayTouchWalls(group)) {
       movers |= own;
-      for (int wall = 0; wall < pruning::kWallCount; ++wall)
+      for (int wall = 0; wall < omissions::kWallCount; ++wall)
         if (!IsWithoutWall(i, wall)) mask |= WallGroup(wall);
     }
     world_->addRigidBody(objects_[i].get(), own, mask);

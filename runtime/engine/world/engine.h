@@ -15,7 +15,7 @@
 #include "runtime/engine/world/links.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/engine/world/timed_world.h"
-#include "runtime/pruning/omissions.h"
+#include "runtime/omissions/omissions.h"
 
 namespace cdb::world {
 
@@ -32,9 +32,9 @@ class Engine {
   /// order, then the standing walls that some object keeps, in the order -x, +x, -y, +y, -z, +z.
   /// Throws library::SceneError for values that the detector or the precision cannot represent, and
   /// if `omit` names a component that turns out to be needed once the world is built.
-  Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions);
+  Engine(const plan::Scene& scene, layouts::InitialState state, omissions::Omissions omissions);
   /// The same with the given detectors instead of those of the scene.
-  Engine(const plan::Scene& scene, layouts::InitialState state, pruning::Omissions omissions,
+  Engine(const plan::Scene& scene, layouts::InitialState state, omissions::Omissions omissions,
          const detection::Detectors& detectors);
   ~Engine();
   Engine(const Engine&) = delete;
@@ -50,7 +50,7 @@ class Engine {
   }
 
   /// The omissions; may be fewer than those it was built with.
-  const pruning::Omissions& omissions() const { return omissions_; }
+  const omissions::Omissions& omissions() const { return omissions_; }
   /// True if `wall` (0 to 5: -x, +x, -y, +y, -z, +z) is in the scene, but omitted for this object.
   bool IsWithoutWall(std::size_t object, int wall) const {
     return !omissions_.walls.empty() && (standing_ & ~omissions_.walls[object] & 1 << wall) != 0;
@@ -98,7 +98,7 @@ class Engine {
   const plan::Scene scene_;
   const layouts::InitialState state_;
   const analysis::Collisions collisions_;
-  pruning::Omissions omissions_;
+  omissions::Omissions omissions_;
   const std::uint8_t standing_;  ///< walls of the scene, one bit each
   const double side_;
   const btScalar timestep_;

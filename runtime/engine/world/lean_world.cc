@@ -33,7 +33,7 @@ bool SameBits(const btVector3& a, const btVector3& b) {
 
 LeanWorld::LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
                      btConstraintSolver* solver, btCollisionConfiguration* configuration,
-                     const pruning::Omissions& omissions)
+                     const omissions::Omissions& omissions)
     : btDiscreteDynamicsWorld(dispatcher, broad_phase, solver, configuration) {
   for (const analysis::PruningDecision& part : omissions.decisions)
     if (omissions.Omits(part.component)) omitted_ |= 1u << static_cast<int>(part.component);

@@ -18,7 +18,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include "runtime/engine/detection/scene_view.h"
-#include "runtime/pruning/omissions.h"
+#include "runtime/omissions/omissions.h"
 
 namespace cdb::world {
 
@@ -28,7 +28,7 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   /// The objects behind the arguments must outlive it. `solver` is never called if it is omitted.
   LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
             btConstraintSolver* solver, btCollisionConfiguration* configuration,
-            const pruning::Omissions& omissions);
+            const omissions::Omissions& omissions);
 
   /// From the next step on, boxes are computed by `view`, which must outlive it and contain all
   /// bodies of the world.

@@ -79,14 +79,14 @@ void OmissionGuard::CheckOutside(std::size_t object) const {
   const btRigidBody& body = *engine_.objects()[object];
   const auto half = static_cast<btScalar>(engine_.side() / 2);
   const btScalar limit = half - TouchingDistance(body) - Rounding(half);
-  for (int wall = 0; wall < pruning::kWallCount; ++wall) {
+  for (int wall = 0; wall < omissions::kWallCount; ++wall) {
     if (!engine_.IsWithoutWall(object, wall)) continue;
     btVector3 outward(0, 0, 0);
     outward[wall / 2] = static_cast<btScalar>(wall % 2 == 0 ? -1 : 1);
     if (!(FarthestAlong(body, outward) < limit))
       throw OmissionGuardTripped(
           fmt::format("object {} came close to the wall {}, which it was proven not to reach",
-                      object + 1, pruning::kWallNames[wall]));
+                      object + 1, omissions::kWallNames[wall]));
   }
 }
 

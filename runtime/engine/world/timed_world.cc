@@ -41,17 +41,17 @@ void TimedWorld::integrateTransforms(btScalar timestep) {
   stamps_.integrate_end = Now();
 }
 
-std::array<double, measure::kPhaseCount> TimedWorld::Durations() const {
-  std::array<double, measure::kPhaseCount> durations = {};
-  const auto set = [&](measure::Phase phase, std::int64_t begin, std::int64_t end) {
-    durations[measure::IndexOf(phase)] = static_cast<double>(end - begin);
+std::array<double, protocol::kPhaseCount> TimedWorld::Durations() const {
+  std::array<double, protocol::kPhaseCount> durations = {};
+  const auto set = [&](protocol::Phase phase, std::int64_t begin, std::int64_t end) {
+    durations[protocol::IndexOf(phase)] = static_cast<double>(end - begin);
   };
-  set(measure::Phase::kBroad, stamps_.detect_begin, stamps_.broad_end);
-  set(measure::Phase::kNarrow, stamps_.broad_end, stamps_.detect_end);
-  set(measure::Phase::kDetect, stamps_.detect_begin, stamps_.detect_end);
-  set(measure::Phase::kSolve, stamps_.solve_begin, stamps_.solve_end);
-  set(measure::Phase::kIntegrate, stamps_.integrate_begin, stamps_.integrate_end);
-  set(measure::Phase::kStep, stamps_.step_begin, stamps_.step_end);
+  set(protocol::Phase::kBroad, stamps_.detect_begin, stamps_.broad_end);
+  set(protocol::Phase::kNarrow, stamps_.broad_end, stamps_.detect_end);
+  set(protocol::Phase::kDetect, stamps_.detect_begin, stamps_.detect_end);
+  set(protocol::Phase::kSolve, stamps_.solve_begin, stamps_.solve_end);
+  set(protocol::Phase::kIntegrate, stamps_.integrate_begin, stamps_.integrate_end);
+  set(protocol::Phase::kStep, stamps_.step_begin, stamps_.step_end);
   return durations;
 }
 

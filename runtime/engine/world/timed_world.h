@@ -19,7 +19,7 @@
 #include <cstdint>
 
 #include "runtime/engine/world/lean_world.h"
-#include "runtime/measure/series.h"
+#include "runtime/protocol/series.h"
 
 namespace cdb::world {
 
@@ -35,7 +35,7 @@ class TimedWorld final : public LeanWorld {
   /// One internal step of `timestep` s, with time stamps.
   void TimedStep(btScalar timestep);
   /// Nanoseconds of each phase of the last TimedStep, each the difference of its two stamps.
-  std::array<double, measure::kPhaseCount> Durations() const;
+  std::array<double, protocol::kPhaseCount> Durations() const;
 
   void performDiscreteCollisionDetection() override;
   void solveConstraints(btContactSolverInfo& info) override;

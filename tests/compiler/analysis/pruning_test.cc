@@ -240,7 +240,7 @@ TEST(OmittedNames, AreThoseLeftOut) {
             "raycast_tree gravity");
 }
 
-// Names are passed through shared memory of a fixed size (runtime/measure/recording.h).
+// Names are passed through shared memory of a fixed size (runtime/protocol/recording.h).
 TEST(OmittedNames, OfAllComponentsFitTheRecording) {
   std::vector<analysis::PruningDecision> decisions;
   for (const schema::ComponentInfo& info : schema::Components())

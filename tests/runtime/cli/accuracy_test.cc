@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "compiler/compile.h"
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -35,10 +35,10 @@ TEST(Accuracy, OfAFlightIsOfOrderOne) {
     program.Write("flight.cdb", std::string(kFlight) + truth);
     const Finished run = program.Run({"run", "flight.cdb", "-q"});
     ASSERT_EQ(run.status, 0) << run.err;
-    const store::ResultFile file(program.folder() / "flight.h5");
+    const results::ResultFile file(program.folder() / "flight.h5");
     std::vector<double> timesteps, errors;
     for (std::size_t i = 0; i < 4; ++i) {
-      const store::ResultFile::Cell cell{{i}, 0};
+      const results::ResultFile::Cell cell{{i}, 0};
       timesteps.push_back(file.ReadReal("accuracy/timestep", cell));
       errors.push_back(file.ReadReal("accuracy/position", cell));
       EXPECT_DOUBLE_EQ(file.ReadReal("accuracy/horizon", cell), 2) << "nothing is chaotic here";
@@ -66,9 +66,9 @@ TEST(Accuracy, OfAGasHasAFloor) {
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
   EXPECT_FALSE(program.Exists("gas.runs"));
-  const store::ResultFile file(program.folder() / "gas.h5");
+  const results::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) {
-    const store::ResultFile::Cell cell{{i}, 0};
+    const results::ResultFile::Cell cell{{i}, 0};
     for (const std::string error : {"position", "height", "height_w1"}) {
       EXPECT_GT(file.ReadReal("accuracy/" + error + "_floor", cell), 0) << error;
       EXPECT_GT(file.ReadReal("accuracy/" + error, cell),
@@ -103,7 +103,7 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   const Finished all = program.Run({"run", "gas.cdb"});
   EXPECT_EQ(all.status, 0) << all.err;
   EXPECT_FALSE(program.Exists("gas.runs"));
-  const store::ResultFile file(program.folder() / "gas.h5");
+  const results::ResultFile file(program.folder() / "gas.h5");
   for (std::size_t i = 0; i < 2; ++i) EXPECT_GT(file.ReadReal("accuracy/position", {{i}, 0}), 0);
 }
 
@@ -118,7 +118,7 @@ TEST(Accuracy, HasNoValueWhereTheReferenceFails) {
   const Finished run = program.Run({"run", "far.cdb"});
   EXPECT_EQ(run.status, 3) << run.err;
   EXPECT_NE(run.err.find("errors without a value: reference"), std::string::npos) << run.err;
-  const store::ResultFile file(program.folder() / "far.h5");
+  const results::ResultFile file(program.folder() / "far.h5");
   EXPECT_TRUE(std::isnan(file.ReadReal("accuracy/position", {{}, 0})));
   EXPECT_EQ(file.ReadReal("accuracy/penetration", {{}, 0}), 0);
   EXPECT_NE(file.ReadText("accuracy/message", {{}, 0}).find("out of reach of single precision"),
@@ -150,7 +150,7 @@ TEST(Accuracy, OfOneRunBringsItsReference) {
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   const std::string id = plans.at(0).runs[1].id;
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--only", id}).status, 0);
-  const store::ResultFile file(program.folder() / (id + ".h5"));
+  const results::ResultFile file(program.folder() / (id + ".h5"));
   EXPECT_GT(file.ReadReal("accuracy/position", {{0}, 0}), 0);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/files/seal.h"
+#include "runtime/results/files/seal.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 

@@ -10,7 +10,7 @@
 #include "compiler/analysis/pruning.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/options/provenance.h"
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"
@@ -25,15 +25,15 @@ const char kSmall[] =
 
 /// The state hash of every run, by its id; fails if a run is missing or did not succeed.
 std::map<std::string, std::string> Hashes(const std::filesystem::path& file) {
-  const store::ResultFile result(file);
+  const results::ResultFile result(file);
   std::map<std::string, std::string> hashes;
-  store::ResultFile::Cell cell;
+  results::ResultFile::Cell cell;
   cell.at.assign(result.axes().size(), 0);
   for (;;) {
     for (cell.rep = 0; cell.rep < result.repeats(); ++cell.rep) {
-      const store::Status status = result.ReadStatus(cell);
-      if (status == store::Status::kSkipped) continue;
-      EXPECT_EQ(status, store::Status::kDone);
+      const results::Status status = result.ReadStatus(cell);
+      if (status == results::Status::kSkipped) continue;
+      EXPECT_EQ(status, results::Status::kDone);
       const std::string hash = result.ReadText("state_hash", cell);
       EXPECT_EQ(hash.size(), 16u);
       hashes[result.ReadText("run_id", cell)] = hash;
@@ -88,7 +88,7 @@ TEST(Run, LeavesOutTheSamePartsForEverySeed) {
   // Separately, two of the seeds would omit walls and solver, and three the walls.
   EXPECT_NE(run.err.find("again, now with walls, detection, solver, sleeping"), std::string::npos)
       << run.err;
-  const store::ResultFile file(program.folder() / "auto.h5");
+  const results::ResultFile file(program.folder() / "auto.h5");
   for (std::size_t seed = 0; seed < 6; ++seed)
     for (const schema::ComponentInfo& info : schema::Components())
       if (info.IsVisible()) {
@@ -96,7 +96,7 @@ TEST(Run, LeavesOutTheSamePartsForEverySeed) {
       }
   program.Write("lone.cdb", lone("none"));
   EXPECT_EQ(program.Run({"run", "lone.cdb", "-q", "-o", "none.h5"}).status, 0);
-  const store::ResultFile whole(program.folder() / "none.h5");
+  const results::ResultFile whole(program.folder() / "none.h5");
   for (std::size_t seed = 0; seed < 6; ++seed)
     EXPECT_EQ(file.ReadText("state_hash", {{seed}, 0}), whole.ReadText("state_hash", {{seed}, 0}));
 }
@@ -113,7 +113,7 @@ TEST(Run, MarksTimingsThatAreNotToBeQuoted) {
   const Finished two =
       program.Run({"run", "small.cdb", "-j", "2", "--shared-timings", "-o", "two.h5"});
   EXPECT_TRUE(has(two, "parallel runs (jobs 2)")) << two.out;
-  EXPECT_EQ(store::ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"),
+  EXPECT_EQ(results::ResultFile(program.folder() / "two.h5").ReadProvenance("build_type"),
             options::BuildType());
 }
 
@@ -286,9 +286,9 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   EXPECT_EQ(run.status, 3) << run.err;
   EXPECT_NE(run.out.find("did not end well"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("quantity 40"), std::string::npos) << run.out;
-  const store::ResultFile file(program.folder() / "full.h5");
-  EXPECT_EQ(file.ReadStatus({{0}, 0}), store::Status::kDone);
-  EXPECT_EQ(file.ReadStatus({{1}, 0}), store::Status::kFailed);
+  const results::ResultFile file(program.folder() / "full.h5");
+  EXPECT_EQ(file.ReadStatus({{0}, 0}), results::Status::kDone);
+  EXPECT_EQ(file.ReadStatus({{1}, 0}), results::Status::kFailed);
   EXPECT_FALSE(file.ReadText("message", {{1}, 0}).empty());
   EXPECT_EQ(program.Run({"show", "full.h5"}).status, 3);
 
@@ -298,8 +298,8 @@ TEST(Run, AFailedRunIsDataAndExitStatus3) {
   const std::string line = run.out.substr(command + 4, run.out.find('\n', command) - command - 4);
   EXPECT_EQ(program.Shell("$CDB " + line).status, 3);
   const std::string id = line.substr(line.size() - 16);
-  const store::ResultFile again(program.folder() / (id + ".h5"));
-  EXPECT_EQ(again.ReadStatus({{0}, 0}), store::Status::kFailed);
+  const results::ResultFile again(program.folder() / (id + ".h5"));
+  EXPECT_EQ(again.ReadStatus({{0}, 0}), results::Status::kFailed);
   EXPECT_EQ(again.axes()[0].values, (std::vector<plan::Coordinate>{40.0}));
   EXPECT_EQ(program.Run({"run", "full.cdb", "--only", "nothing"}).status, 2);
 }
@@ -371,12 +371,13 @@ TEST(Run, ATimeoutEndsARunAndKeepsItsCycles) {
                     limit_s));
     const Finished run = program.Run({"run", "slow.cdb", "--fresh"});
     ASSERT_EQ(run.status, 3) << run.err;
-    if (store::ResultFile(program.folder() / "slow.h5").ReadCycleCount({{}, 0}) > 0) break;
+    if (results::ResultFile(program.folder() / "slow.h5").ReadCycleCount({{}, 0}) > 0) break;
   }
-  const store::ResultFile file(program.folder() / "slow.h5");
-  EXPECT_EQ(file.ReadStatus({{}, 0}), store::Status::kTimedOut);
+  const results::ResultFile file(program.folder() / "slow.h5");
+  EXPECT_EQ(file.ReadStatus({{}, 0}), results::Status::kTimedOut);
   EXPECT_GT(file.ReadCycleCount({{}, 0}), 0u);
-  EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, {{}, 0}).size(), file.ReadCycleCount({{}, 0}));
+  EXPECT_EQ(file.ReadDuration(protocol::Phase::kStep, {{}, 0}).size(),
+            file.ReadCycleCount({{}, 0}));
   EXPECT_GT(file.ReadReal("peak_rss", {{}, 0}), 1e6) << "of the dead as well";
 }
 
@@ -646,7 +647,7 @@ TEST(Run, KeepsWhatItLeftOutWithTheResults) {
       "detector sap32; omit sweep(none, auto, raycast_tree) }");
   const Finished run = program.Run({"run", "o.cdb"});
   EXPECT_EQ(run.status, 0) << run.err;
-  const store::ResultFile file(program.folder() / "o.h5");
+  const results::ResultFile file(program.folder() / "o.h5");
   const auto text = [&](const char* name, std::size_t at) {
     return file.ReadText(name, {{at}, 0});
   };

@@ -13,8 +13,8 @@
 #include <random>
 #include <thread>
 
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"
 
@@ -31,14 +31,14 @@ const char kSweep[] =
 
 /// `hash hash …` in the order of the grid; `-` for a missing run.
 std::string HashesInOrder(const fs::path& path) {
-  const store::ResultFile file(path);
+  const results::ResultFile file(path);
   std::string all;
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t b = 0; b < 2; ++b)
       for (std::size_t c = 0; c < 2; ++c) {
-        const store::ResultFile::Cell cell = {{a, b, c}, 0};
-        all +=
-            file.ReadStatus(cell) == store::Status::kDone ? file.ReadText("state_hash", cell) : "-";
+        const results::ResultFile::Cell cell = {{a, b, c}, 0};
+        all += file.ReadStatus(cell) == results::Status::kDone ? file.ReadText("state_hash", cell)
+                                                               : "-";
         all += ' ';
       }
   return all;
@@ -120,8 +120,8 @@ TEST(Stop, CtrlCKeepsWhatIsFinished) {
   EXPECT_NE(program.Read("stderr.txt").find("the same command resumes"), std::string::npos);
   EXPECT_FALSE(RunsIn(program.folder() / "long.runs").empty());
   EXPECT_EQ(program.Run({"merge", "-o", "part.h5", "long.runs"}).status, 0);
-  EXPECT_EQ(store::ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}),
-            store::Status::kMissing);
+  EXPECT_EQ(results::ResultFile(program.folder() / "part.h5").ReadStatus({{55}, 0}),
+            results::Status::kMissing);
 }
 
 /// Two runs of five are finished and must not be lost.
@@ -199,8 +199,8 @@ TEST_F(World, ATruncatedJournalIsSetAsideAndItsRunsRunAgain) {
   const Finished finished = program_.Run({"run", "w.cdb"});
   EXPECT_EQ(finished.status, 0) << finished.err;
   EXPECT_NE(finished.err.find("it is now runs.journal.broken"), std::string::npos) << finished.err;
-  EXPECT_EQ(store::ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}),
-            store::Status::kDone);
+  EXPECT_EQ(results::ResultFile(program_.folder() / "w.h5").ReadStatus({{4}, 0}),
+            results::Status::kDone);
   EXPECT_FALSE(program_.Exists("w.runs"));
 }
 

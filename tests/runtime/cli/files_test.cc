@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -98,7 +98,7 @@ TEST(Outputs, ALinkIsWrittenThroughAndADeviceIsRefused) {
   fs::create_symlink("disk/real.h5", program.folder() / "s.h5");
   EXPECT_EQ(program.Run({"run", "s.cdb", "-q"}).status, 0);
   EXPECT_TRUE(fs::is_symlink(program.folder() / "s.h5"));
-  EXPECT_EQ(store::ResultFile(program.folder() / "disk" / "real.h5").benchmark(), "s");
+  EXPECT_EQ(results::ResultFile(program.folder() / "disk" / "real.h5").benchmark(), "s");
   fs::create_symlink("/dev/full", program.folder() / "full");
   ASSERT_EQ(mkfifo((program.folder() / "p").c_str(), 0600), 0);
   for (const char* command : {"plan s.cdb -o full", "report s.h5 -o full", "view s.cdb -o full",

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -49,7 +49,7 @@ class Submit : public testing::Test {
   Finished Run(const std::string& words) const {
     return program_.Shell("PATH=\"$PWD/bin:$PATH\" \"$CDB\" submit " + words);
   }
-  store::ResultFile Results() const { return store::ResultFile(program_.folder() / "s.h5"); }
+  results::ResultFile Results() const { return results::ResultFile(program_.folder() / "s.h5"); }
 
   const Program program_;
 };
@@ -60,7 +60,7 @@ TEST_F(Submit, ExecutesMergesAndShows) {
   EXPECT_THAT(done.err, HasSubstr("submitted job 41: 3 of 3 tasks of 8 runs; and job 42"));
   EXPECT_THAT(done.out, HasSubstr("8 runs"));
   for (std::size_t i = 0; i < 8; ++i)
-    EXPECT_EQ(Results().ReadStatus({{i}, 0}), store::Status::kDone);
+    EXPECT_EQ(Results().ReadStatus({{i}, 0}), results::Status::kDone);
   EXPECT_FALSE(program_.Exists("s.runs"));
   EXPECT_THAT(program_.Read("said"), HasSubstr("--dependency=afterany:41"));
   EXPECT_THAT(Run("s.cdb").err, HasSubstr("'s.h5' is complete"));
@@ -86,7 +86,7 @@ TEST_F(Submit, RetryRunsJustTheCellsThatEndedSo) {
                  "benchmark s { cycles 4; world.side 500\n"
                  "acceleration (0, sweep(0, 1, -1e39, -1) as g, 0) }");
   EXPECT_EQ(Run("s.cdb --tasks 4").status, 3);
-  ASSERT_EQ(Results().ReadStatus({{2}, 0}), store::Status::kFailed);
+  ASSERT_EQ(Results().ReadStatus({{2}, 0}), results::Status::kFailed);
   const auto starts = [&] {
     std::vector<double> all;
     for (std::size_t i = 0; i < 4; ++i) all.push_back(Results().ReadReal("started", {{i}, 0}));
@@ -145,7 +145,7 @@ TEST_F(Submit, MergesWhereTheMergeWasLost) {
   program_.Write("lost.merge", "");
   const Finished done = Run("s.cdb --tasks 2");
   EXPECT_EQ(done.status, 0) << done.err;
-  EXPECT_EQ(Results().ReadStatus({{7}, 0}), store::Status::kDone);
+  EXPECT_EQ(Results().ReadStatus({{7}, 0}), results::Status::kDone);
   EXPECT_FALSE(program_.Exists("s.runs"));
 }
 
@@ -199,7 +199,7 @@ TEST_F(Submit, ADryRunChangesNothing) {
   program_.Write("script.sh", script.out);
   const Finished run = program_.Shell("PATH=\"$PWD/bin:$PATH\" sh script.sh");
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_EQ(Results().ReadStatus({{7}, 0}), store::Status::kDone);
+  EXPECT_EQ(Results().ReadStatus({{7}, 0}), results::Status::kDone);
 }
 
 TEST_F(Submit, ErrorsNameCauseAndRemedy) {

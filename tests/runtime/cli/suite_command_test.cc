@@ -59,7 +59,7 @@ TEST(StandardSuite, PlansOfAVersionStayAsTheyAre) {
     for (const bool is_long : {false, true})
       plans += fmt::format("{} {} {} bound {} {}\n", scene.Id(), is_long ? "long" : "short",
                            plans::StandardPlan(scene, {.is_long = is_long}).Sha256(), scene.bound,
-                           measure::VerdictName(scene.worst_verdict));
+                           protocol::VerdictName(scene.worst_verdict));
   const fs::path golden = SourceFolder() / "tests" / "golden" / "suite" /
                           fmt::format("version_{}.txt", figures::kSuiteVersion);
   const char* update = std::getenv("CDB_UPDATE_GOLDEN");

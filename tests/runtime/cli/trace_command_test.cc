@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/store.h"
-#include "runtime/store/trace_file.h"
+#include "runtime/results/store.h"
+#include "runtime/results/trace_file.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -19,7 +19,7 @@ std::string CrowdedScenario(const std::string& more) {
          more + " }\n";
 }
 
-std::vector<double> PairsOf(const store::ResultFile& file, std::size_t detector) {
+std::vector<double> PairsOf(const results::ResultFile& file, std::size_t detector) {
   return file.ReadSeries("pairs", {{detector}, 0});
 }
 
@@ -42,7 +42,7 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
       "detector sweep(simple, octree, null, sap32, dbvt); record timing, counts, memory, pairs }");
   const Finished run = program.Run({"run", "compare.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
-  const store::ResultFile live(program.folder() / "live.h5"),
+  const results::ResultFile live(program.folder() / "live.h5"),
       replayed(program.folder() / "compare.h5");
   const std::vector<double> pairs = PairsOf(live, 0);
   EXPECT_EQ(pairs.size(), 40u);
@@ -60,8 +60,8 @@ TEST_P(Traces, GiveEveryDetectorThePairsOfTheLiveRun) {
   EXPECT_EQ(hash(0, 0), hash(0, 1));
   EXPECT_EQ(hash(0, 0), hash(1, 0));
   EXPECT_NE(hash(0, 0), hash(2, 0));
-  for (const measure::Phase phase :
-       {measure::Phase::kBroad, measure::Phase::kDetect, measure::Phase::kStep})
+  for (const protocol::Phase phase :
+       {protocol::Phase::kBroad, protocol::Phase::kDetect, protocol::Phase::kStep})
     for (const double ns : replayed.ReadDuration(phase, {{0}, 0})) EXPECT_GT(ns, 0);
 }
 
@@ -75,14 +75,14 @@ TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
   ASSERT_EQ(program.Run({"trace", "grid.cdb"}).status, 0);
   const auto file = program.folder() / "grid.traces" / "grid_n-3.trace.h5";
   EXPECT_TRUE(std::filesystem::exists(program.folder() / "grid.traces" / "grid_n-4.trace.h5"));
-  const analysis::TraceFacts facts = store::ReadTraceFacts(file);
+  const analysis::TraceFacts facts = results::ReadTraceFacts(file);
   EXPECT_EQ(facts.cycles, 5u);
   EXPECT_GE(facts.bodies, 3u);
   std::filesystem::remove(file);
   const Finished again = program.Run({"trace", "grid.cdb"});
   EXPECT_NE(again.out.find("grid_n-3.trace.h5: "), std::string::npos);
   EXPECT_NE(again.out.find("grid_n-4.trace.h5: exists already"), std::string::npos) << again.out;
-  EXPECT_EQ(store::ReadTraceFacts(file).sha256, facts.sha256);
+  EXPECT_EQ(results::ReadTraceFacts(file).sha256, facts.sha256);
 }
 
 TEST(Trace, WritesOverNothingOfAnother) {
@@ -93,7 +93,7 @@ TEST(Trace, WritesOverNothingOfAnother) {
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.err.find("is not a trace of this run"), std::string::npos) << refused.err;
   EXPECT_EQ(program.Run({"trace", "-q", "--fresh", "b.cdb", "-o", "mine.h5"}).status, 0);
-  EXPECT_EQ(store::ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
+  EXPECT_EQ(results::ReadTraceFacts(program.folder() / "mine.h5").cycles, 2u);
 }
 
 TEST(Trace, OfARunThatFailsIsNone) {

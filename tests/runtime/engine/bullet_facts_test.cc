@@ -41,7 +41,7 @@ TEST(Fact, ABoxWithADiagonalOfAMillionIsSwitchedOffInMidAir) {
     SetGroup(scene, "size", size);
     SetGroup(scene, "linear_velocity", Vector3d(speed, 0, 0));
     auto engine = std::make_unique<world::Engine>(scene, layouts::MakeInitialState(scene),
-                                                  pruning::KeepEverything(scene));
+                                                  omissions::KeepEverything(scene));
     Steps(*engine, 10);
     return engine;
   };

@@ -59,23 +59,23 @@ inline void Steps(world::Engine& engine, int count) {
 
 /// The engine with every component, including those that the scene could omit.
 inline world::Engine WholeEngine(const plan::Scene& scene, layouts::InitialState state) {
-  return world::Engine(scene, std::move(state), pruning::KeepEverything(scene));
+  return world::Engine(scene, std::move(state), omissions::KeepEverything(scene));
 }
 
 /// A run of the scene in this process, and its recording.
 struct Recorded {
-  measure::Recording recording;
+  protocol::Recording recording;
   std::unique_ptr<world::Engine> engine;
-  const measure::RecordingHeader& header() const { return recording.header(); }
+  const protocol::RecordingHeader& header() const { return recording.header(); }
   std::string hash() const { return recording.header().state_hash.str(); }
   std::string message() const { return recording.header().message.str(); }
-  bool done() const { return header().outcome.load() == measure::WorkerOutcome::kDone; }
+  bool done() const { return header().outcome.load() == protocol::WorkerOutcome::kDone; }
 };
 
 inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
   plan::Run run;
   run.scene = scene;
-  Recorded recorded{measure::Recording::Create(scene), nullptr};
+  Recorded recorded{protocol::Recording::Create(scene), nullptr};
   try {
     recorded.engine = worker::RunScene(run, recorded.recording, contacts_fd);
   } catch (const world::OmissionGuardTripped& tripped) {

@@ -8,14 +8,14 @@
 #include <cstdio>
 #include <string>
 
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/known_scenes.h"
 
 namespace cdb::tests {
 namespace {
 
-using measure::Verdict;
+using protocol::Verdict;
 
 struct OutcomeCounts {
   std::array<std::array<int, 2>, 2> runs = {};  ///< by outcome and verdict: sound, stable
@@ -28,7 +28,7 @@ TEST(KnownScenes, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
   for (const KnownScene& known : KnownScenes()) {
     const Recorded run = RunHere(known.scene);
     EXPECT_TRUE(run.done()) << known.family << ", " << known.variant << ": " << run.message();
-    const measure::Judgement judged =
+    const protocol::Judgement judged =
         Judge(known.scene, run.recording, run.header().cycles_done.load());
     const bool is_stable = judged.verdict == Verdict::kStable;
     ++counts[static_cast<std::size_t>(known.fault)].runs[known.is_sound][is_stable];

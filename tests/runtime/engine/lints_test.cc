@@ -13,7 +13,7 @@
 #include <string>
 
 #include "compiler/compile.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/random_scenes.h"
 #include "tests/support/folders.h"
@@ -54,10 +54,10 @@ class Trial {
       ++failed_;  // beyond the precision: rejected when it is placed or built
       return;
     }
-    const measure::Judgement judged =
-        measure::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
-    ASSERT_NE(judged.verdict, measure::Verdict::kUnknown);
-    const bool stable = judged.verdict == measure::Verdict::kStable;
+    const protocol::Judgement judged =
+        protocol::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
+    ASSERT_NE(judged.verdict, protocol::Verdict::kUnknown);
+    const bool stable = judged.verdict == protocol::Verdict::kStable;
     const auto numbers = lints::LintScene(scene);
     const Prediction prediction = PredictionOf(numbers);
     ++all_.runs[prediction][stable];

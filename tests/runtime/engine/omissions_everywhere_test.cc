@@ -93,7 +93,7 @@ std::optional<plan::Scene> WithoutWallPairs(plan::Scene scene, const layouts::In
   if (analysis::AnalysePruning(scene).back().decision == analysis::Decision::kKept)
     return std::nullopt;
   try {
-    pruning::DecideOmissions(scene, state);
+    omissions::DecideOmissions(scene, state);
   } catch (const library::SceneError&) {
     return std::nullopt;
   }

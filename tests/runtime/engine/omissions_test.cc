@@ -46,7 +46,7 @@ layouts::InitialState TowardsWall(const plan::Scene& scene, int wall, double sho
 
 TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
   const plan::Scene scene = Balls(1);
-  for (int wall = 0; wall < pruning::kWallCount; ++wall) {
+  for (int wall = 0; wall < omissions::kWallCount; ++wall) {
     SCOPED_TRACE(wall);
     // It overlaps the wall in the last detection: the wall is kept, and changes the motion.
     const PairedRun hit = RunPaired(scene, TowardsWall(scene, wall, -1));
@@ -182,8 +182,8 @@ TEST(OmitDamping, EitherKindKeepsIt) {
 // ---- the omission guard -------------------------------------------------------------------------
 
 /// Omissions as if the proof had shown that no object can reach any wall.
-pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
-  pruning::Omissions omissions = pruning::KeepEverything(scene);
+omissions::Omissions WrongAboutWalls(const plan::Scene& scene) {
+  omissions::Omissions omissions = omissions::KeepEverything(scene);
   omissions.decisions[static_cast<std::size_t>(Component::kWalls)].decision =
       analysis::Decision::kLeftOut;
   omissions.walls.assign(scene.ObjectCount(), 0);
@@ -192,7 +192,7 @@ pruning::Omissions WrongAboutWalls(const plan::Scene& scene) {
 
 TEST(OmissionGuard, SeesAnObjectAtAWallThatIsNotThereBeforeBulletWould) {
   const plan::Scene scene = Balls(1);
-  for (int wall = 0; wall < pruning::kWallCount; ++wall) {
+  for (int wall = 0; wall < omissions::kWallCount; ++wall) {
     const PairedRun paired = RunPaired(scene, TowardsWall(scene, wall, -1), WrongAboutWalls(scene));
     ASSERT_TRUE(paired.tripped);
     EXPECT_NE(paired.tripped->find("object 1 came close to the wall"), std::string::npos);
@@ -259,10 +259,10 @@ TEST(Omit, AutoDetectsWhereARecordAsks) {
   const auto state = At(scene, {{{0, 0, 0}}, {{500, 0, 0}}});
   for (const char* what : {"timing", "counts", "contacts", "pairs"}) {
     SetWorld(scene, "record", WordList{what});
-    EXPECT_FALSE(pruning::DecideOmissions(scene, state).Omits(Component::kDetection)) << what;
+    EXPECT_FALSE(omissions::DecideOmissions(scene, state).Omits(Component::kDetection)) << what;
   }
   SetWorld(scene, "record", WordList{"poses"});
-  EXPECT_TRUE(pruning::DecideOmissions(scene, state).Omits(Component::kDetection));
+  EXPECT_TRUE(omissions::DecideOmissions(scene, state).Omits(Component::kDetection));
   // If it is listed by name, it is omitted anyway.
   SetWorld(scene, "record", WordList{"timing"});
   SetWorld(scene, "omit", WordList{"detection"});

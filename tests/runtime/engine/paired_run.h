@@ -15,7 +15,7 @@
 namespace cdb::tests {
 
 struct PairedRun {
-  pruning::Omissions omissions;        ///< of the pruned run, at its end
+  omissions::Omissions omissions;      ///< of the pruned run, at its end
   std::optional<std::string> tripped;  ///< the reason for starting again with all walls
   std::uint64_t tripped_in = 0;        ///< the step before or in which that happened
   std::string names() const { return analysis::OmittedNames(omissions.decisions); }
@@ -42,10 +42,10 @@ inline bool HaveSameState(const world::Engine& a, const world::Engine& b) {
 /// Steps both through the whole run, and expects identical states of every body after every step. A
 /// pruned run that trips the guard starts again, as in the worker.
 inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state,
-                           pruning::Omissions omissions) {
+                           omissions::Omissions omissions) {
   PairedRun paired;
   for (;;) {
-    world::Engine whole(scene, state, pruning::KeepEverything(scene));
+    world::Engine whole(scene, state, omissions::KeepEverything(scene));
     world::Engine pruned(scene, state, omissions);
     world::OmissionGuard guard(pruned);
     const world::Kinematics of_whole(scene, whole), of_pruned(scene, pruned);
@@ -79,7 +79,7 @@ inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState
 }
 
 inline PairedRun RunPaired(const plan::Scene& scene, const layouts::InitialState& state) {
-  return RunPaired(scene, state, pruning::DecideOmissions(scene, state));
+  return RunPaired(scene, state, omissions::DecideOmissions(scene, state));
 }
 
 inline PairedRun RunPaired(const plan::Scene& scene) {

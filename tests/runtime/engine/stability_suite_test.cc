@@ -10,14 +10,14 @@
 
 #include "compiler/compile.h"
 #include "dsl/render.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
 
-using measure::Verdict;
+using protocol::Verdict;
 
 /// Configurations whose axis has no hopeless end, by benchmark and, if that is true only for some,
 /// by the value on the other axis.

@@ -181,7 +181,7 @@ TEST(Compare, ComparesFactsExactly) {
     if (run.at != std::vector<std::size_t>{1, 1}) return;
     made.error = 0.6;
     made.missed = 2;
-    made.verdict = measure::Verdict::kTunnelled;
+    made.verdict = protocol::Verdict::kTunnelled;
     made.state = "fedcba9876543210";
     made.peak_bytes = 6e6;
   };
@@ -231,7 +231,7 @@ TEST(Compare, SaysThatRepeatsOfAFileDiffer) {
 TEST(Compare, LeavesTimesOfUnlikeWorkOut) {
   const auto omit = [](const plan::Run& run, ComparedRun& made) {
     if (run.at[0] == 0) made.omitted = "solver";
-    if (run.at[0] == 1) made.verdict = measure::Verdict::kFrozen;
+    if (run.at[0] == 1) made.verdict = protocol::Verdict::kFrozen;
   };
   const Compared compared({{ComparedPlan(5)}, {.plan = ComparedPlan(5), .change = omit}});
   ASSERT_EQ(compared.comparison().times.groups.size(), 2u);
@@ -334,7 +334,7 @@ TEST(Compare, SaysFirstWhatDiffers) {
 }
 
 TEST(Compare, PrintsMarkdownAndJson) {
-  const Compared compared(SlowerSap(), {.phase = measure::Phase::kStep});
+  const Compared compared(SlowerSap(), {.phase = protocol::Phase::kStep});
   const std::string markdown = printers::TextOf(compared.document(), printers::Format::kMarkdown);
   EXPECT_NE(markdown.find("\n- SLOWER: sap: step +"), std::string::npos) << markdown;
   EXPECT_NE(markdown.find("\n| detector | points | phase | a.h5 | b.h5 | ratio | 95 % interval | "
@@ -359,7 +359,7 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
     results.push_back({.plan = ComparedPlan(6),
                        .change = i >= 2 ? Slower(2, 1.08) : ComparedResult().change,
                        .seed = i + 1});
-  const Compared compared(results, {.phase = measure::Phase::kStep});
+  const Compared compared(results, {.phase = protocol::Phase::kStep});
   const std::string text = printers::TextOf(
       printers::HistoryDocument(compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"},
                                 compared.options()),

@@ -9,7 +9,7 @@
 
 #include "compiler/compile.h"
 #include "library/distributions/stream.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {
@@ -37,19 +37,19 @@ void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
     const std::uint64_t cycles = run.scene.world.Count("cycles");
     const double of_run = made.factor * std::exp(of.noise * stream.Normal());
     std::vector<double> durations;
-    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+    for (std::size_t phase = 0; phase < protocol::kPhaseCount; ++phase)
       for (std::size_t cycle = 0; cycle < cycles; ++cycle)
         durations.push_back(1000 * of_run * std::exp(of.noise * stream.Normal()));
     const std::vector<std::int32_t> zeros(cycles, 0), hundreds(cycles, 100),
         missed(cycles, made.missed);
     fake.result.series = {
-        {measure::FindSeries("duration"), std::as_bytes(std::span(durations))},
-        {measure::FindSeries("exact_pairs"), std::as_bytes(std::span(hundreds))},
-        {measure::FindSeries("missed_pairs"), std::as_bytes(std::span(missed))},
-        {measure::FindSeries("phantom_pairs"), std::as_bytes(std::span(zeros))},
-        {measure::FindSeries("duplicate_pairs"), std::as_bytes(std::span(zeros))}};
+        {protocol::FindSeries("duration"), std::as_bytes(std::span(durations))},
+        {protocol::FindSeries("exact_pairs"), std::as_bytes(std::span(hundreds))},
+        {protocol::FindSeries("missed_pairs"), std::as_bytes(std::span(missed))},
+        {protocol::FindSeries("phantom_pairs"), std::as_bytes(std::span(zeros))},
+        {protocol::FindSeries("duplicate_pairs"), std::as_bytes(std::span(zeros))}};
     fake.result.judgement.verdict = made.verdict;
-    fake.result.judgement.first_bad_cycle = made.verdict == measure::Verdict::kStable ? -1 : 3;
+    fake.result.judgement.first_bad_cycle = made.verdict == protocol::Verdict::kStable ? -1 : 3;
     fake.result.state_hash = made.state;
     fake.result.omitted = made.omitted;
     fake.result.decisions = made.omitted.empty() ? "solver: kept: a test\n" : "";

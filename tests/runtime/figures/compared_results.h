@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/measure/verdict.h"
-#include "runtime/store/store.h"
+#include "runtime/protocol/verdict.h"
+#include "runtime/results/store.h"
 
 namespace cdb::tests {
 
@@ -19,7 +19,7 @@ inline constexpr std::uint64_t kComparedCycles = 6;
 struct ComparedRun {
   double factor = 1;  ///< applied to all times
   std::string state = "0123456789abcdef";
-  measure::Verdict verdict = measure::Verdict::kStable;
+  protocol::Verdict verdict = protocol::Verdict::kStable;
   double error = 0.5, floor = 0;
   double peak_bytes = 5e6;
   std::int32_t missed = 0;
@@ -32,7 +32,7 @@ struct ComparedResult {
   ComparedScene change = [](const plan::Run&, ComparedRun&) {};
   double noise = 0.005;  ///< between runs
   std::uint64_t seed = 1;
-  store::Provenance provenance = {{"build_type", "Release"}, {"cpu", "a µ-processor"}};
+  results::Provenance provenance = {{"build_type", "Release"}, {"cpu", "a µ-processor"}};
   double started = 0;  ///< s
 };
 

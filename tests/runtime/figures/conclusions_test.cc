@@ -17,7 +17,7 @@ using figures::Certainty;
 using figures::Conclusion;
 
 std::vector<Conclusion> ConclusionsOf(const plan::Plan& plan, const MakeUp& make_up) {
-  return WithMadeUpFile(plan, make_up, [](const store::ResultFile& file) {
+  return WithMadeUpFile(plan, make_up, [](const results::ResultFile& file) {
     return figures::Conclusions(figures::Model(file));
   });
 }
@@ -117,7 +117,7 @@ TEST(Conclusions, SayWhereAnotherDetectorIsFaster) {
 TEST(Conclusions, RankOverTheCellsThatAllHave) {
   const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
     MadeUp made = FactorTimes(run, {2, 1, 1.2});
-    if (run.at[0] == 1 && run.at[1] == 2) made = {.ns = 1, .verdict = measure::Verdict::kFrozen};
+    if (run.at[0] == 1 && run.at[1] == 2) made = {.ns = 1, .verdict = protocol::Verdict::kFrozen};
     return made;
   });
   EXPECT_NE(FindConclusion(all, "fastest")
@@ -188,7 +188,7 @@ TEST(Conclusions, TellWhatAStepTakesWithoutAxes) {
 
 TEST(Conclusions, AreOfNoTimeWhereEveryRunIsVoid) {
   const auto all = ConclusionsOf(DetectorPlan(1), [](const plan::Run&) {
-    return MadeUp{.verdict = measure::Verdict::kFrozen};
+    return MadeUp{.verdict = protocol::Verdict::kFrozen};
   });
   ASSERT_EQ(all.size(), 1u) << all[0].answer;
   EXPECT_EQ(all[0].answer, "0 of 9 configurations are stable (9 frozen).");
@@ -197,7 +197,7 @@ TEST(Conclusions, AreOfNoTimeWhereEveryRunIsVoid) {
 TEST(Conclusions, AreNoneOfFailedRuns) {
   const auto all = ConclusionsOf(DetectorPlan(1), [](const plan::Run&) {
     return MadeUp{
-        .verdict = measure::Verdict::kUnknown, .status = store::Status::kFailed, .cycles = 0};
+        .verdict = protocol::Verdict::kUnknown, .status = results::Status::kFailed, .cycles = 0};
   });
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].answer, "0 of 9 configurations are stable (9 failed).");

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -19,13 +19,13 @@ namespace cdb::tests {
 /// The time of every phase in every cycle, ns; and other values.
 struct MadeUp {
   double ns = 1000;
-  measure::Verdict verdict = measure::Verdict::kStable;
+  protocol::Verdict verdict = protocol::Verdict::kStable;
   std::int64_t first_bad_cycle = 3;  ///< of an unsound run
   std::string omitted = {}, decisions = {};
   double stall = 0;                           ///< added to the first cycle
   double peak_rss = 5e6;                      ///< bytes
   std::map<std::string, double> errors = {};  ///< of the metrics that the plan asks for
-  store::Status status = store::Status::kDone;
+  results::Status status = results::Status::kDone;
   std::uint64_t cycles = 4;  ///< that were executed; all of them, unless the run failed
 };
 using MakeUp = std::function<MadeUp(const plan::Run&)>;
@@ -37,14 +37,14 @@ inline constexpr std::uint64_t kMadeUpCycles = 4;
 inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const MadeUp& made,
                         const std::filesystem::path& folder) {
   FakeResult fake(run, made.status, made.cycles);
-  std::vector<double> durations(measure::kPhaseCount * kMadeUpCycles, made.ns);
-  for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+  std::vector<double> durations(protocol::kPhaseCount * kMadeUpCycles, made.ns);
+  for (std::size_t phase = 0; phase < protocol::kPhaseCount; ++phase)
     durations[phase * kMadeUpCycles] += made.stall;
-  fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
+  fake.result.series = {{protocol::FindSeries("duration"), std::as_bytes(std::span(durations))}};
   fake.result.judgement.verdict = made.verdict;
   fake.result.judgement.first_bad_cycle =
-      made.verdict <= measure::Verdict::kStable ? -1 : made.first_bad_cycle;
-  fake.result.message = made.status == store::Status::kDone ? "" : "made up";
+      made.verdict <= protocol::Verdict::kStable ? -1 : made.first_bad_cycle;
+  fake.result.message = made.status == results::Status::kDone ? "" : "made up";
   fake.result.omitted = made.omitted;
   fake.result.decisions = made.decisions;
   fake.result.scalars.harness_ns = NAN;
@@ -63,10 +63,10 @@ template <typename Use>
 auto WithMadeUpFile(const plan::Plan& plan, const MakeUp& make_up, Use use) {
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs)
-    if (const MadeUp made = make_up(run); made.status != store::Status::kMissing)
+    if (const MadeUp made = make_up(run); made.status != results::Status::kMissing)
       WriteMadeUp(plan, run, made, folder.path());
   journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  return use(store::ResultFile(folder / "out.h5"));
+  return use(results::ResultFile(folder / "out.h5"));
 }
 
 }  // namespace cdb::tests

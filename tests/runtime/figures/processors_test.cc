@@ -5,7 +5,7 @@
 
 #include "runtime/figures/points.h"
 #include "runtime/printers/show.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 
 namespace cdb::tests {
 namespace {
@@ -18,14 +18,14 @@ class Processors : public testing::Test {
  protected:
   void Merge(const std::vector<std::string>& cpu_of) {
     for (std::size_t i = 0; i < cpu_of.size(); ++i) {
-      store::Provenance facts;
+      results::Provenance facts;
       if (!cpu_of[i].empty()) facts["cpu"] = cpu_of[i];
       WriteRun(plan_, plan_.runs[i], FakeResult(plan_.runs[i]).result, facts, folder_.path());
     }
     journal::Merge(plan_, {}, folder_.path(), folder_ / "out.h5");
   }
   std::string Text() const {
-    const store::ResultFile file(folder_ / "out.h5");
+    const results::ResultFile file(folder_ / "out.h5");
     std::string text;
     for (const std::string& note : printers::ProcessorNotes(file, figures::AllCells(file)))
       text += "  " + note + "\n";
@@ -47,7 +47,7 @@ TEST_F(Processors, OfSeveralKindsAreCounted) {
   EXPECT_THAT(Text(), HasSubstr("2 runs on fast\n"));
   EXPECT_THAT(Text(), HasSubstr("4 runs on slow\n"));
   EXPECT_THAT(Text(), Not(HasSubstr("points"))) << "each point is of one kind";
-  EXPECT_THAT(printers::Show(store::ResultFile(folder_ / "out.h5")).text, HasSubstr(Text()));
+  EXPECT_THAT(printers::Show(results::ResultFile(folder_ / "out.h5")).text, HasSubstr(Text()));
 }
 
 TEST_F(Processors, AreNamedWhereOnePointHasSeveral) {

@@ -26,7 +26,7 @@ SceneVerification Verify(const SuiteChange& change, const std::string& cpu = "a 
                          const plan::Plan& plan = SuitePlan({"dbvt", "grid"})) {
   const TemporaryFolder folder;
   WriteSuiteResults(SuitePlan({"dbvt", "grid"}), "position", Claimed, folder / "claimed.h5");
-  store::Provenance provenance = kSuiteProvenance;
+  results::Provenance provenance = kSuiteProvenance;
   provenance["cpu"] = cpu;
   WriteSuiteResults(
       plan, "position",
@@ -74,8 +74,9 @@ TEST(SuiteAgainst, OtherStatesAgreeIfErrorsAndSpeedupsDo) {
 TEST(SuiteAgainst, AScoreOfWhatIsWrongHereDisagrees) {
   ExpectDisagrees(Verify(Grid([](SuiteRun& made) { made.error = 0.7; })),
                   "grid: has a score, but here it is wrong: position error 0.700 over 0.5");
-  ExpectDisagrees(Verify(Grid([](SuiteRun& made) { made.verdict = measure::Verdict::kTunnelled; })),
-                  "grid: has a score, but here it is wrong: tunnelled from cycle 3");
+  ExpectDisagrees(
+      Verify(Grid([](SuiteRun& made) { made.verdict = protocol::Verdict::kTunnelled; })),
+      "grid: has a score, but here it is wrong: tunnelled from cycle 3");
 }
 
 TEST(SuiteAgainst, ALargerErrorBelowTheBoundDisagrees) {

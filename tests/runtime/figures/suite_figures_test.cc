@@ -47,7 +47,7 @@ class Scene {
           made.ns *= 1 + 0.01 * static_cast<double>(run.rep);
         },
         folder_ / "out.h5");
-    const store::ResultFile file(folder_ / "out.h5");
+    const results::ResultFile file(folder_ / "out.h5");
     figures = figures::CollectScene(scene, figures::Model(file));
   }
   SceneFigures figures;
@@ -116,14 +116,14 @@ TEST(SuiteScore, NothingThatIsWrongInOneSceneHasAScore) {
             "rubble: pairs_missed 1.00e-06");
   // One repeat is enough: the others do not make up for it.
   EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
-              if (rep == 4) made.verdict = measure::Verdict::kTunnelled;
+              if (rep == 4) made.verdict = protocol::Verdict::kTunnelled;
             }),
             "rubble: tunnelled from cycle 3");
   EXPECT_EQ(fault([](std::uint64_t rep, Made& made) {
-              if (rep == 2) made.status = store::Status::kCrashed;
+              if (rep == 2) made.status = results::Status::kCrashed;
             }),
             "rubble: crashed");
-  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.verdict = measure::Verdict::kFrozen; }),
+  EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.verdict = protocol::Verdict::kFrozen; }),
             "rubble: frozen from cycle 3");
   EXPECT_EQ(fault([](std::uint64_t, Made& made) { made.error = NAN; }),
             "rubble: its error (pairs_missed) is not known");
@@ -173,21 +173,21 @@ TEST(SuiteScore, ADisturbedBaselineDisturbsAllAndAWrongOneStaysTheMeasure) {
   EXPECT_NE(text.find("(8.00)"), std::string::npos) << text;
   EXPECT_NE(text.find("none"), std::string::npos) << text;
 
-  const Scene drifting(kFirst, with_baseline({.ns = 8e5, .verdict = measure::Verdict::kDrifting}));
+  const Scene drifting(kFirst, with_baseline({.ns = 8e5, .verdict = protocol::Verdict::kDrifting}));
   EXPECT_EQ(drifting.figures.Find("dbvt")->fault, "drifting from cycle 3");
   EXPECT_TRUE(drifting.figures.Find("skin")->HasScore());
   EXPECT_NEAR(drifting.figures.Find("skin")->speedup.value, 8, 1e-9);
 
-  const Scene frozen(kFirst, with_baseline({.ns = 8e5, .verdict = measure::Verdict::kFrozen}));
+  const Scene frozen(kFirst, with_baseline({.ns = 8e5, .verdict = protocol::Verdict::kFrozen}));
   EXPECT_EQ(frozen.figures.Find("skin")->fault, "the baseline dbvt has no valid time");
 }
 
 TEST(SuiteScore, VerdictsThatAViewerAcceptsAreAllowedByTheScene) {
   StandardScene allowing = kFirst;
-  allowing.worst_verdict = measure::Verdict::kPenetrating;
+  allowing.worst_verdict = protocol::Verdict::kPenetrating;
   const Make make = [](std::size_t detector, std::uint64_t rep) {
     Made made = Usual(detector, rep);
-    made.verdict = detector == 2 ? measure::Verdict::kCollapsed : measure::Verdict::kPenetrating;
+    made.verdict = detector == 2 ? protocol::Verdict::kCollapsed : protocol::Verdict::kPenetrating;
     return made;
   };
   const Scene scene(allowing, make);

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "compiler/compile.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 
@@ -24,24 +24,24 @@ plan::Plan SuitePlan(const std::vector<std::string>& detectors, std::uint64_t re
 }
 
 void WriteSuiteResults(const plan::Plan& plan, const std::string& error, const SuiteChange& change,
-                       const std::filesystem::path& out, const store::Provenance& provenance) {
+                       const std::filesystem::path& out, const results::Provenance& provenance) {
   const TemporaryFolder runs;
   auto journal = journal::Journal::OpenToWrite(runs.path(), plan.Sha256());
   journal::RunWriter writer(plan, provenance);
   for (const plan::Run& run : plan.runs) {
     SuiteRun made;
     change(run, made);
-    if (made.status == store::Status::kMissing) continue;
+    if (made.status == results::Status::kMissing) continue;
     FakeResult fake(run, made.status, run.scene.world.Count("cycles"));
-    const std::vector<double> durations(measure::kPhaseCount * run.scene.world.Count("cycles"),
+    const std::vector<double> durations(protocol::kPhaseCount * run.scene.world.Count("cycles"),
                                         made.ns);
     for (auto& [series, bytes] : fake.result.series)
       if (series->name == "duration") bytes = std::as_bytes(std::span(durations));
     fake.result.judgement.verdict = made.verdict;
-    fake.result.judgement.first_bad_cycle = made.verdict == measure::Verdict::kStable ? -1 : 3;
+    fake.result.judgement.first_bad_cycle = made.verdict == protocol::Verdict::kStable ? -1 : 3;
     fake.result.state_hash = made.state;
     fake.result.host = "here";
-    fake.result.message = made.status == store::Status::kDone ? "" : "made up";
+    fake.result.message = made.status == results::Status::kDone ? "" : "made up";
     fake.result.omitted = made.omitted;
     fake.result.decisions = made.omitted.empty() ? "solver: kept: a test\n" : "";
     fake.result.noise.noise = made.noise;

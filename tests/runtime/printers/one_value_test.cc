@@ -112,21 +112,21 @@ struct ByHand {
   std::vector<MadeUp> ran;  ///< with their repeats in order
 
   static int Rank(const MadeUp& run) {
-    if (run.status == store::Status::kFailed) return 100;
+    if (run.status == results::Status::kFailed) return 100;
     return static_cast<int>(run.verdict);
   }
   static std::string Word(const MadeUp& run) {
-    if (run.status == store::Status::kFailed) return "failed";
-    if (run.status == store::Status::kCrashed) return "crashed";
-    static const std::map<measure::Verdict, std::string> kWords = {
-        {measure::Verdict::kStable, "stable"},
-        {measure::Verdict::kDrifting, "drifting"},
-        {measure::Verdict::kTunnelled, "tunnelled"},
-        {measure::Verdict::kFrozen, "frozen"}};
+    if (run.status == results::Status::kFailed) return "failed";
+    if (run.status == results::Status::kCrashed) return "crashed";
+    static const std::map<protocol::Verdict, std::string> kWords = {
+        {protocol::Verdict::kStable, "stable"},
+        {protocol::Verdict::kDrifting, "drifting"},
+        {protocol::Verdict::kTunnelled, "tunnelled"},
+        {protocol::Verdict::kFrozen, "frozen"}};
     return kWords.at(run.verdict);
   }
   static bool IsSound(const MadeUp& run) {
-    return run.status == store::Status::kDone && run.verdict != measure::Verdict::kFrozen;
+    return run.status == results::Status::kDone && run.verdict != protocol::Verdict::kFrozen;
   }
 
   const MadeUp& Worst(const std::vector<MadeUp>& of) const {
@@ -136,7 +136,7 @@ struct ByHand {
   std::optional<std::int64_t> FirstBadCycle() const {
     std::optional<std::int64_t> first;
     for (const MadeUp& run : ran)
-      if (Rank(run) == Rank(Worst(ran)) && run.verdict > measure::Verdict::kStable)
+      if (Rank(run) == Rank(Worst(ran)) && run.verdict > protocol::Verdict::kStable)
         first = std::min(first.value_or(run.first_bad_cycle), run.first_bad_cycle);
     return first;
   }
@@ -195,7 +195,7 @@ class Generated {
     for (const plan::Run& run : plan_.runs) {
       runs_[run.id] = Make(holes, 1000.0 * (1 + static_cast<double>(run.at[0])));
       by_hand_[NameOf(run.at)];
-      if (runs_[run.id].status != store::Status::kMissing)
+      if (runs_[run.id].status != results::Status::kMissing)
         by_hand_[NameOf(run.at)].ran.push_back(runs_[run.id]);
     }
   }
@@ -229,24 +229,24 @@ class Generated {
                    .peak_rss = 1e6 * (5 + Below(9)),
                    .errors = {{"position", 0.25 + Below(4)}}};
     made.first_bad_cycle = Below(4);
-    if (Below(4) == 0) made.verdict = measure::Verdict::kTunnelled;
-    if (Below(6) == 0) made.verdict = measure::Verdict::kDrifting;
+    if (Below(4) == 0) made.verdict = protocol::Verdict::kTunnelled;
+    if (Below(6) == 0) made.verdict = protocol::Verdict::kDrifting;
     if (Below(12) >= 3 * holes) return made;
     switch (Below(4)) {
       case 0:
-        made.status = store::Status::kMissing;
+        made.status = results::Status::kMissing;
         break;
       case 1:
-        made.verdict = measure::Verdict::kFrozen;
+        made.verdict = protocol::Verdict::kFrozen;
         break;
       case 2:
-        made.status = store::Status::kFailed;
-        made.verdict = measure::Verdict::kUnknown;
+        made.status = results::Status::kFailed;
+        made.verdict = protocol::Verdict::kUnknown;
         made.cycles = 0;
         break;
       default:
-        made.status = store::Status::kCrashed;
-        made.verdict = measure::Verdict::kCrashed;
+        made.status = results::Status::kCrashed;
+        made.verdict = protocol::Verdict::kCrashed;
         made.cycles = 2;
     }
     return made;
@@ -266,11 +266,11 @@ class Reader {
     ReadByHand();
     const TemporaryFolder folder;
     for (const plan::Run& run : generated_.plan().runs)
-      if (const MadeUp made = generated_.Of(run); made.status != store::Status::kMissing)
+      if (const MadeUp made = generated_.Of(run); made.status != results::Status::kMissing)
         WriteMadeUp(generated_.plan(), run, made, folder.path());
     const std::filesystem::path path = folder / "out.h5";
     journal::Merge(generated_.plan(), {{"build_type", "Release"}}, folder.path(), path);
-    const store::ResultFile file(path);
+    const results::ResultFile file(path);
     ReadCsv(file, "CSV");
     ReadDocument(file, "JSON", false);
     ReadDocument(file, "the page", true);
@@ -278,7 +278,7 @@ class Reader {
     ReadShows(file, "show");
     for (const plan::Axis& axis : generated_.plan().axes)
       for (std::size_t i = 0; i < axis.values.size(); ++i)
-        ReadSelection(store::ResultFile(path), axis, i);
+        ReadSelection(results::ResultFile(path), axis, i);
     return values_.size();
   }
 
@@ -313,7 +313,7 @@ class Reader {
         [&](const plan::Axis& axis) { return std::ranges::count(heads, axis.name) > 0; }));
   }
 
-  void ReadCsv(const store::ResultFile& file, const std::string& where) {
+  void ReadCsv(const results::ResultFile& file, const std::string& where) {
     std::istringstream lines(printers::CsvText(file, {}).text);
     std::string line;
     std::getline(lines, line);
@@ -341,7 +341,7 @@ class Reader {
     }
   }
 
-  void ReadDocument(const store::ResultFile& file, const std::string& where, bool for_page) {
+  void ReadDocument(const results::ResultFile& file, const std::string& where, bool for_page) {
     const json document =
         json::parse(printers::ResultsDocument(file, {.file = "x", .for_page = for_page}).text);
     const json& points = document["points"];
@@ -458,7 +458,7 @@ class Reader {
   }
 
   /// Each line is of the graded axis, `x`: `stable 1 .. 2 | missing 4`.
-  void ReadStability(const store::ResultFile& file) {
+  void ReadStability(const results::ResultFile& file) {
     const ReadTable table = TablesIn("\n" + printers::StabilityMap(file)).at(0);
     const plan::Axis& x = *std::ranges::find(generated_.plan().axes, "x", &plan::Axis::name);
     for (const Strings& row : table.rows)
@@ -480,7 +480,7 @@ class Reader {
       }
   }
 
-  void ReadShows(const store::ResultFile& file, const std::string& where) {
+  void ReadShows(const results::ResultFile& file, const std::string& where) {
     ReadShow(file, {}, where);
     const auto& axes = generated_.plan().axes;
     for (unsigned bits = 1; bits < 1U << axes.size(); ++bits) {
@@ -491,7 +491,7 @@ class Reader {
     }
   }
 
-  void ReadShow(const store::ResultFile& file, const Strings& by, const std::string& where) {
+  void ReadShow(const results::ResultFile& file, const Strings& by, const std::string& where) {
     const std::string text = printers::Show(file, {.by = by}).text;
     for (const ReadTable& table : TablesIn(text)) {
       if (table.title.starts_with("Mean of a cycle"))
@@ -570,8 +570,8 @@ class Reader {
   }
 
   /// The cells of the first table in another format are those for the terminal.
-  static void ReadFormat(const store::ResultFile& file, const Strings& by, printers::Format format,
-                         const std::string& for_terminal) {
+  static void ReadFormat(const results::ResultFile& file, const Strings& by,
+                         printers::Format format, const std::string& for_terminal) {
     const bool is_latex = format == printers::Format::kLatex;
     std::istringstream lines(printers::Show(file, {.by = by, .format = format}).text);
     std::vector<Strings> rows;
@@ -596,7 +596,7 @@ class Reader {
 
   /// A point has the same figures in a part of the file. Rows over several points have not, if the
   /// part has other cells.
-  void ReadSelection(store::ResultFile file, const plan::Axis& axis, std::size_t index) {
+  void ReadSelection(results::ResultFile file, const plan::Axis& axis, std::size_t index) {
     const std::string selection = Split(Generated::Coordinate(axis, index), " ").at(1);
     figures::SelectPart(file, {axis.name + "=" + selection});
     ReadCsv(file, "CSV of " + selection);

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 json DocumentOf(const plan::Plan& plan, const MakeUp& make_up, bool for_page = false) {
-  return WithMadeUpFile(plan, make_up, [&](const store::ResultFile& file) {
+  return WithMadeUpFile(plan, make_up, [&](const results::ResultFile& file) {
     return json::parse(
         printers::ResultsDocument(file, {.file = "out.h5", .for_page = for_page}).text);
   });
@@ -75,7 +75,7 @@ TEST(ResultsDocument, HasPointsWithoutCyclesToo) {
   const json document = DocumentOf(DocumentPlan(1), [](const plan::Run& run) {
     if (run.at[1] == 1)
       return MadeUp{
-          .verdict = measure::Verdict::kUnknown, .status = store::Status::kFailed, .cycles = 0};
+          .verdict = protocol::Verdict::kUnknown, .status = results::Status::kFailed, .cycles = 0};
     return MadeUpTimes(run);
   });
   EXPECT_EQ(document["points"]["mark"], json({"", "failed", "", "", "failed", ""}));
@@ -91,7 +91,7 @@ TEST(ResultsDocument, HasPointsWithoutCyclesToo) {
 TEST(ResultsDocument, IsThereWhereEveryRunFailed) {
   const json document = DocumentOf(DocumentPlan(1), [](const plan::Run&) {
     return MadeUp{
-        .verdict = measure::Verdict::kUnknown, .status = store::Status::kFailed, .cycles = 0};
+        .verdict = protocol::Verdict::kUnknown, .status = results::Status::kFailed, .cycles = 0};
   });
   EXPECT_EQ(document["points"]["at"].size(), 6u);
   EXPECT_EQ(document["ratios"], nullptr);
@@ -134,7 +134,7 @@ TEST(ResultsDocument, IsThereWhereNothingRanYet) {
   const TemporaryFolder folder;
   journal::Merge(plan, {{"build_type", "Release"}}, std::vector<std::filesystem::path>{},
                  folder / "out.h5");
-  const store::ResultFile file(folder / "out.h5");
+  const results::ResultFile file(folder / "out.h5");
   const json document =
       json::parse(printers::ResultsDocument(file, {.file = "x", .for_page = true}).text);
   EXPECT_EQ(document["points"]["at"], json::array());
@@ -146,9 +146,9 @@ TEST(ResultsDocument, IsThereWhereNothingRanYet) {
 /// Of ten repeats, those of `dbvt` are complete and the others begin with the second. From 20
 /// objects on, an object tunnels in some of them, and in the fourth before the others.
 MadeUp PartlyRun(const plan::Run& run) {
-  if (run.at[0] == 0 && (run.rep == 0 || run.rep > 5)) return {.status = store::Status::kMissing};
+  if (run.at[0] == 0 && (run.rep == 0 || run.rep > 5)) return {.status = results::Status::kMissing};
   if (run.at[1] > 0 && run.rep >= 2)
-    return {.verdict = measure::Verdict::kTunnelled, .first_bad_cycle = run.rep == 3 ? 1 : 3};
+    return {.verdict = protocol::Verdict::kTunnelled, .first_bad_cycle = run.rep == 3 ? 1 : 3};
   return {};
 }
 
@@ -171,8 +171,8 @@ TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {
   const json document = DocumentOf(
       DocumentPlan(1),
       [](const plan::Run&) {
-        return MadeUp{.verdict = measure::Verdict::kTimedOut,
-                      .status = store::Status::kTimedOut,
+        return MadeUp{.verdict = protocol::Verdict::kTimedOut,
+                      .status = results::Status::kTimedOut,
                       .cycles = 2};
       },
       true);
@@ -223,7 +223,7 @@ TEST(ResultsDocument, IsSmallForManyPoints) {
   const TemporaryFolder folder;
   WriteMadeUp(plan, plan.runs[0], MadeUp{}, folder.path());
   journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  const store::ResultFile file(folder / "out.h5");
+  const results::ResultFile file(folder / "out.h5");
   const std::string text = printers::ResultsDocument(file, {.file = "x", .for_page = true}).text;
   EXPECT_LT(text.size(), 200'000u);
   const json document = json::parse(text);

@@ -12,7 +12,7 @@ namespace {
 
 std::string Shown(const plan::Plan& plan, const MakeUp& make_up,
                   const printers::ShowOptions& options = {}) {
-  return WithMadeUpFile(plan, make_up, [&](const store::ResultFile& file) {
+  return WithMadeUpFile(plan, make_up, [&](const results::ResultFile& file) {
     return printers::Show(file, options).text;
   });
 }
@@ -85,7 +85,7 @@ TEST(ShowComparison, DividesByTheBaselineThatIsAskedFor) {
 TEST(ShowComparison, PrintsWhatAVerdictVoidsWithItsMark) {
   const auto freeze_dbvt_20 = [](const plan::Run& run) {
     MadeUp made = OfQuantity(run);
-    if (run.at[0] == 1 && run.at[1] == 1) made.verdict = measure::Verdict::kFrozen;
+    if (run.at[0] == 1 && run.at[1] == 1) made.verdict = protocol::Verdict::kFrozen;
     return made;
   };
   const std::string text = Shown(Grid(), freeze_dbvt_20);
@@ -107,7 +107,7 @@ TEST(ShowComparison, PrintsWhatAVerdictVoidsWithItsMark) {
 TEST(ShowComparison, PrintsATableOfVoidRunsAlone) {
   const std::string text = Shown(Grid(), [](const plan::Run& run) {
     MadeUp made = OfQuantity(run);
-    made.verdict = measure::Verdict::kFrozen;
+    made.verdict = protocol::Verdict::kFrozen;
     return made;
   });
   ExpectHas(text, "9 did not end well (9 frozen)");
@@ -175,7 +175,7 @@ TEST(ShowComparison, LeavesARepeatThatDidNotEndWellOutOfItsPoint) {
   const std::string text = Shown(Grid(5), [](const plan::Run& run) {
     MadeUp made = OfQuantity(run);
     if (run.at[0] == 1 && run.at[1] == 1 && run.rep == 4)
-      made = {.ns = 1e9, .verdict = measure::Verdict::kTimedOut};
+      made = {.ns = 1e9, .verdict = protocol::Verdict::kTimedOut};
     return made;
   });
   ExpectHas(text, "1 did not end well (1 timed_out)");
@@ -196,7 +196,7 @@ TEST(ShowComparison, HasOneStatisticInBothCommands) {
   };
   const std::string shown = Shown(plan, stall);
   ExpectHas(shown, "\n        10   2.00    2.00    2.00   2.00       2.00  2.00\n");
-  const std::string error = WithMadeUpFile(plan, stall, [](const store::ResultFile& file) {
+  const std::string error = WithMadeUpFile(plan, stall, [](const results::ResultFile& file) {
     return printers::ShowError(file, {{"position", {}, {}}}).text;
   });
   // A cycle of 1 ms takes 2 ms.

@@ -14,7 +14,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/printers/show.h"
 #include "runtime/printers/show_parts.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -43,11 +43,11 @@ class Made {
   /// used.
   void Detect(const std::vector<double>& ns) {
     std::vector<double> all;
-    for (std::size_t phase = 0; phase < measure::kPhaseCount; ++phase)
+    for (std::size_t phase = 0; phase < protocol::kPhaseCount; ++phase)
       all.insert(all.end(), ns.begin(), ns.end());
     Put("duration", all);
   }
-  store::RunResult& result() { return fake_.result; }
+  results::RunResult& result() { return fake_.result; }
 
  private:
   template <typename T>
@@ -93,7 +93,7 @@ auto WithFile(const plan::Plan& plan, const std::function<void(const plan::Run&,
     WriteRun(plan, run, made.result(), TestProvenance(), folder.path());
   }
   journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-  return use(store::ResultFile(folder / "out.h5"));
+  return use(results::ResultFile(folder / "out.h5"));
 }
 
 std::string IdOf(const plan::Plan& plan, std::size_t run) { return plan.runs[run].id; }
@@ -109,13 +109,13 @@ TEST(Verify, TellsTheWrongFirst) {
         if (run.at[0] == 1) made.Ints("phantom_pairs", {0, 2, 1});
         if (run.at[0] == 2) made.Ints("duplicate_pairs", {0, 0, 4});
         if (run.at[0] == 3 && run.at[1] == 1) {
-          made.result().status = store::Status::kCrashed;
+          made.result().status = results::Status::kCrashed;
           made.result().n_cycles = 0;
           made.result().message = "ended by signal 11 (SIGSEGV)";
         }
         if (run.at[0] == 4) made.Ints("missed_pairs", {0, run.at[1] == 0 ? 0 : 3, 10});
       },
-      [](const store::ResultFile& file) {
+      [](const results::ResultFile& file) {
         return printers::VerifyTable(file, {"sap is not built"});
       });
   EXPECT_FALSE(verified.is_good);
@@ -159,7 +159,7 @@ TEST(Verify, IsGoodWhereNothingIsMissed) {
   const auto judge = [&](const char* series, std::vector<std::int32_t> values) {
     return WithFile(
         plan, [&](const plan::Run&, Made& made) { made.Ints(series, values); },
-        [](const store::ResultFile& file) { return printers::VerifyTable(file, {}); });
+        [](const results::ResultFile& file) { return printers::VerifyTable(file, {}); });
   };
   EXPECT_TRUE(judge("phantom_pairs", {9, 9, 9}).is_good);
   EXPECT_TRUE(judge("duplicate_pairs", {1, 0, 0}).is_good);
@@ -187,7 +187,7 @@ std::string Shown(const schema::WordList& record, const std::vector<std::string>
         made.Detect({ns, ns, 100 * ns});
         if (more) more(run, made);
       },
-      [&](const store::ResultFile& file) { return printers::Show(file, {by}).text; });
+      [&](const results::ResultFile& file) { return printers::Show(file, {by}).text; });
 }
 
 TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {

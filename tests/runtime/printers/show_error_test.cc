@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "runtime/printers/show.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -23,11 +23,11 @@ std::string ShownError(const figures::ErrorOptions& options) {
     FakeResult fake(run);
     const auto hz = std::get<double>(plan.axes[0].values[run.at[0]]);
     const bool is_double = run.at[1] == 1;
-    std::vector<double> durations(measure::kPhaseCount * 4, 0);
+    std::vector<double> durations(protocol::kPhaseCount * 4, 0);
     for (std::size_t i = 0; i < 4; ++i)
-      durations[measure::IndexOf(measure::Phase::kStep) * 4 + i] =
+      durations[protocol::IndexOf(protocol::Phase::kStep) * 4 + i] =
           (is_double ? 2000 : 1000) * (1 + 0.5 * static_cast<double>(run.rep));
-    fake.result.series = {{measure::FindSeries("duration"), std::as_bytes(std::span(durations))}};
+    fake.result.series = {{protocol::FindSeries("duration"), std::as_bytes(std::span(durations))}};
     auto& values = fake.result.errors.values;
     values["timestep"] = {1 / hz};
     values["horizon"] = {1.5};
@@ -35,13 +35,13 @@ std::string ShownError(const figures::ErrorOptions& options) {
     values["position_floor"] = {hz == 240 ? 0.01 : 0.001};
     if (std::isnan(values["position"][0])) fake.result.errors.message = "a test";
     if (is_double && hz == 60) {
-      fake.result.status = store::Status::kCrashed;
+      fake.result.status = results::Status::kCrashed;
       fake.result.message = "of old age";
     }
     WriteRun(plan, run, fake.result, {{"build_type", "Release"}}, folder.path());
   }
   journal::Merge(plan, {{"build_type", "Release"}}, folder.path(), folder / "out.h5");
-  return printers::ShowError(store::ResultFile(folder / "out.h5"), {options}).text;
+  return printers::ShowError(results::ResultFile(folder / "out.h5"), {options}).text;
 }
 
 TEST(ShowError, IsSortedByTimeAndMarksTheFront) {

@@ -28,15 +28,15 @@ plan::Plan FormPlan(std::uint64_t repeats = 1) {
 
 template <typename Use>
 auto WithForm(const std::vector<std::string>& selections, Use use) {
-  return WithMadeUpFile(FormPlan(), FormTimes, [&](store::ResultFile file) {
+  return WithMadeUpFile(FormPlan(), FormTimes, [&](results::ResultFile file) {
     figures::SelectPart(file, selections);
     return use(file);
   });
 }
 
 std::string CsvOf(const std::vector<std::string>& selections, figures::CycleStatistic statistic) {
-  return WithForm(selections, [&](const store::ResultFile& file) {
-    return printers::CsvText(file, {{measure::Phase::kStep}, statistic}).text;
+  return WithForm(selections, [&](const results::ResultFile& file) {
+    return printers::CsvText(file, {{protocol::Phase::kStep}, statistic}).text;
   });
 }
 
@@ -63,12 +63,12 @@ TEST(Csv, HasTheWorstVerdictOfTheRepeatsThatRan) {
       FormPlan(3),
       [](const plan::Run& run) {
         MadeUp made = FormTimes(run);
-        if (run.rep == 2 || run.at[1] == 0) made.status = store::Status::kMissing;
-        if (run.at[1] == 2) made.verdict = measure::Verdict::kTunnelled;
+        if (run.rep == 2 || run.at[1] == 0) made.status = results::Status::kMissing;
+        if (run.at[1] == 2) made.verdict = protocol::Verdict::kTunnelled;
         return made;
       },
-      [](const store::ResultFile& file) {
-        return printers::CsvText(file, {{measure::Phase::kStep}}).text;
+      [](const results::ResultFile& file) {
+        return printers::CsvText(file, {{protocol::Phase::kStep}}).text;
       });
   EXPECT_NE(csv.find("\n\"a,b\",2,stable,,2,"), std::string::npos) << csv;
   EXPECT_NE(csv.find("\ndbvt,30,tunnelled,,2,"), std::string::npos) << csv;
@@ -129,12 +129,12 @@ TEST(Select, NamesAxesAndValuesOfTheFile) {
 }
 
 TEST(Select, ReadsTheValuesOfTheWholeFile) {
-  WithMadeUpFile(FormPlan(2), FormTimes, [&](store::ResultFile file) {
-    const auto duration = file.ReadDuration(measure::Phase::kStep, {{1, 2}, 1});
+  WithMadeUpFile(FormPlan(2), FormTimes, [&](results::ResultFile file) {
+    const auto duration = file.ReadDuration(protocol::Phase::kStep, {{1, 2}, 1});
     const double host_number = file.ReadReal("load_average", {{1, 2}, 1});
     figures::SelectPart(file, {"detector=dbvt"});
     figures::SelectPart(file, {"x=2,30"});
-    EXPECT_EQ(file.ReadDuration(measure::Phase::kStep, {{0, 1}, 1}), duration);
+    EXPECT_EQ(file.ReadDuration(protocol::Phase::kStep, {{0, 1}, 1}), duration);
     EXPECT_EQ(file.ReadReal("load_average", {{0, 1}, 1}), host_number);
     EXPECT_EQ(file.SelectedPoint({1, 2}), (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(file.SelectedPoint({0, 2}), std::nullopt);
@@ -144,14 +144,14 @@ TEST(Select, ReadsTheValuesOfTheWholeFile) {
 
 TEST(Select, MakesTablesOfThePart) {
   const std::string text =
-      WithForm({"x=2"}, [](const store::ResultFile& file) { return printers::Show(file).text; });
+      WithForm({"x=2"}, [](const results::ResultFile& file) { return printers::Show(file).text; });
   EXPECT_NE(text.find("2 runs (2 detector x 1 x), 4 cycles"), std::string::npos) << text;
   EXPECT_EQ(text.find("3.10"), std::string::npos) << text;
 }
 
 TEST(Show, HasOnlyThePhasesAndTheStatisticThatAreAskedFor) {
-  const std::string text = WithForm({}, [](const store::ResultFile& file) {
-    return printers::Show(file, {.phases = {measure::Phase::kSolve},
+  const std::string text = WithForm({}, [](const results::ResultFile& file) {
+    return printers::Show(file, {.phases = {protocol::Phase::kSolve},
                                  .statistic = figures::CycleStatistic::kMax})
         .text;
   });
@@ -171,8 +171,9 @@ TEST(Sparkline, IsAveragedInBins) {
 }
 
 TEST(Show, PlotsTimesOverCyclesAndOverNumbers) {
-  const std::string text = WithForm(
-      {}, [](const store::ResultFile& file) { return printers::Show(file, {.plots = true}).text; });
+  const std::string text = WithForm({}, [](const results::ResultFile& file) {
+    return printers::Show(file, {.plots = true}).text;
+  });
   EXPECT_NE(text.find("\n  dbvt        2  \u2588\u2581\u2581\u2581             2.40 us  2.80 us\n"),
             std::string::npos)
       << text;

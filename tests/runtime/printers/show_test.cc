@@ -7,7 +7,7 @@
 
 #include "runtime/figures/bootstrap.h"
 #include "runtime/terminal/table.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
 
@@ -91,7 +91,8 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
 
 /// The output of `show` for a grid of detectors and quantities, whose runs omitted what `settle`
 /// sets.
-std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunResult&)>& settle) {
+std::string Shown(
+    const std::function<void(std::size_t, std::size_t, results::RunResult&)>& settle) {
   const plan::Plan plan =
       MakePlan({TextAxis("detector", {"sap", "dbvt"}), NumberAxis("quantity", {10, 20})}, 1,
                {.record = {"timing", "counts"}});
@@ -103,7 +104,7 @@ std::string Shown(const std::function<void(std::size_t, std::size_t, store::RunR
     WriteRun(plan, run, fake.result, TestProvenance(), folder.path());
   }
   journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-  return printers::Show(store::ResultFile(folder / "out.h5")).text;
+  return printers::Show(results::ResultFile(folder / "out.h5")).text;
 }
 
 TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
@@ -114,7 +115,7 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     for (const plan::Run& run : plan.runs)
       WriteRun(plan, run, FakeResult(run).result, TestProvenance(), folder.path());
     journal::Merge(plan, TestProvenance(), folder.path(), folder / "out.h5");
-    return printers::Show(store::ResultFile(folder / "out.h5")).text;
+    return printers::Show(results::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);
   EXPECT_NE(
@@ -140,14 +141,14 @@ TEST(Show, ReadsResultsOfVersion1) {
 }
 
 TEST(Show, SaysWhatRunsDidWithout) {
-  const std::string none = Shown([](std::size_t, std::size_t, store::RunResult&) {});
+  const std::string none = Shown([](std::size_t, std::size_t, results::RunResult&) {});
   EXPECT_EQ(none.find("Omitted"), std::string::npos) << none;
-  const std::string silent = Shown([](std::size_t, std::size_t, store::RunResult& result) {
+  const std::string silent = Shown([](std::size_t, std::size_t, results::RunResult& result) {
     result.omitted = "swept_contacts motion_states pools a_part_of_tomorrow";
   });
   EXPECT_EQ(silent.find("Omitted"), std::string::npos) << "it changes no figure:\n" << silent;
 
-  const std::string some = Shown([](std::size_t detector, std::size_t, store::RunResult& result) {
+  const std::string some = Shown([](std::size_t detector, std::size_t, results::RunResult& result) {
     result.omitted = detector == 0 ? "walls raycast_tree solver pools" : "walls solver";
   });
   EXPECT_NE(
@@ -161,7 +162,7 @@ TEST(Show, SaysWhatRunsDidWithout) {
 
 TEST(Show, SaysWhereDetectorsDidNotOmitTheSame) {
   const auto shown = [](const char* of_sap, const char* of_dbvt) {
-    return Shown([&](std::size_t detector, std::size_t quantity, store::RunResult& result) {
+    return Shown([&](std::size_t detector, std::size_t quantity, results::RunResult& result) {
       const std::string decision = detector == 0 ? of_sap : quantity == 0 ? of_dbvt : of_sap;
       if (decision == "left out") result.omitted = "walls";
       result.decisions = "gravity: kept: always\nwalls: " + decision + ": a test\n";

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -41,7 +41,7 @@ TEST_P(PoseFilesOf, BeginARunWhereAnotherWas) {
                     of + "cycle: 7, group: \"boxes\") } }");
   const Finished run = program.Run({"run", "-q", "again.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
-  const store::ResultFile flight(program.folder() / "flight.h5"),
+  const results::ResultFile flight(program.folder() / "flight.h5"),
       again(program.folder() / "again.h5");
   const std::vector<double> then = flight.ReadCycle("poses", {{1}, 0}, 7),
                             now = again.ReadCycle("poses", {{}, 0}, 0);
@@ -89,7 +89,7 @@ TEST(PoseFile, RefusesAFileThatChangedAfterThePlan) {
   program.Write("start.csv", "x,y,z\n0,0,0\n6,0,0\n");
   const Finished run = program.Run({"run", "-q", "--fresh", "b.yaml"});
   EXPECT_NE(run.status, 0);
-  const store::ResultFile results(program.folder() / "b.h5");
+  const results::ResultFile results(program.folder() / "b.h5");
   EXPECT_NE(results.ReadText("message", {{}, 0})
                 .find("differs from the file that the plan was made with"),
             std::string::npos)

@@ -6,17 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "runtime/store/journal/journals.h"
-#include "runtime/store/store.h"
-#include "tests/runtime/store/store_fixture.h"
+#include "runtime/results/journal/journals.h"
+#include "runtime/results/store.h"
+#include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using store::ResultFile;
-using store::Status;
+using results::ResultFile;
+using results::Status;
 
 /// The second of the three runs always fails.
 const char kFails[] =
@@ -34,7 +34,7 @@ class Retry : public testing::Test {
   double StartOf(std::size_t i) const { return Open().ReadReal("started", {{i}, 0}); }
   /// Values that a second run would not reproduce.
   std::vector<double> TimesOf(std::size_t i) const {
-    std::vector<double> times = Open().ReadDuration(measure::Phase::kStep, {{i}, 0});
+    std::vector<double> times = Open().ReadDuration(protocol::Phase::kStep, {{i}, 0});
     times.push_back(StartOf(i));
     times.push_back(Open().ReadReal("build_time", {{i}, 0}));
     return times;

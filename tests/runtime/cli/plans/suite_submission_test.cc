@@ -10,7 +10,7 @@
 
 #include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
-#include "runtime/store/files/safe_file.h"
+#include "runtime/results/files/safe_file.h"
 #include "tests/runtime/figures/suite_results.h"
 #include "tests/support/files.h"
 #include "tests/support/sanitizers.h"
@@ -39,7 +39,7 @@ class Submission {
   }
 
   void Write(const std::string& id, const SuiteChange& change = {},
-             const store::Provenance& provenance = kSuiteProvenance,
+             const results::Provenance& provenance = kSuiteProvenance,
              const plans::SuiteChoice& choice = {}) const {
     const StandardScene& scene = Scene(id);
     WriteSuiteResults(
@@ -76,13 +76,13 @@ TEST(SuiteCheck, AcceptsACompleteSubmissionAndNamesWhatSpoilsIt) {
   of.Summarise();
   EXPECT_EQ(of.Faults(), std::vector<std::string>{});
 
-  store::Provenance other = kSuiteProvenance;
+  results::Provenance other = kSuiteProvenance;
   other["build_type"] = "Debug";
   other["jobs"] = "2";
   other["commit"] = "dec0de";
   of.Write("stiff/stack", {}, other);
   of.Write("stiff/bounce", [](const plan::Run& run, SuiteRun& made) {
-    if (run.at[0] == 1 && run.rep == 4) made.status = store::Status::kMissing;
+    if (run.at[0] == 1 && run.rep == 4) made.status = results::Status::kMissing;
   });
   of.Write("stiff/pendulum", [](const plan::Run& run, SuiteRun& made) {
     if (run.at[0] == 1 && run.rep < 3) made.noise = machine::Noise::kNoisy;

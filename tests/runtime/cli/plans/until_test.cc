@@ -8,15 +8,15 @@
 #include <filesystem>
 #include <string>
 
-#include "runtime/store/store.h"
+#include "runtime/results/store.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
 namespace {
 
 using plans::Precision;
-using store::ResultFile;
-using store::Status;
+using results::ResultFile;
+using results::Status;
 
 const char kTwoPoints[] =
     "benchmark s { cycles 4; repeats 12; world.side 500; detector sweep(dbvt, sap32) }";

@@ -86,7 +86,7 @@ plan::Scene Boxes(std::uint64_t quantity) {
 /// The state after `steps` steps. The default is the scene's detectors.
 std::string HashAfter(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                       const Detectors* detectors = nullptr) {
-  auto omissions = pruning::KeepEverything(scene);
+  auto omissions = omissions::KeepEverything(scene);
   const auto engine = detectors == nullptr
                           ? std::make_unique<world::Engine>(scene, state, omissions)
                           : std::make_unique<world::Engine>(scene, state, omissions, *detectors);
@@ -191,7 +191,7 @@ TEST(Adapter, AStackFallsAsleepAsInBulletAlone) {
   layouts::InitialState state = layouts::DrawObjects(scene);
   for (std::size_t i = 0; i < 5; ++i)
     state.objects[i].pose.position = {0, -9.5 + static_cast<double>(i), 0};
-  const auto omissions = pruning::KeepEverything(scene);
+  const auto omissions = omissions::KeepEverything(scene);
   const Detectors detectors{.broad = Named(std::make_shared<Exact>()),
                             .narrow = detection::MakeDetector("bullet", scene)};
   world::Engine alone(scene, state, omissions), through(scene, state, omissions, detectors);
@@ -275,7 +275,7 @@ std::string MessageOf(const Detectors& detectors) {
   plan::Scene scene = Boxes(60);
   SetGroup(scene, "size", 1.1);
   try {
-    world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene),
+    world::Engine engine(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene),
                          detectors);
     Steps(engine, 100);
   } catch (const library::SceneError& error) {
@@ -396,7 +396,7 @@ TEST(Adapter, ASceneSaysWhatItCannotHave) {
   NamedDetector small = Named(std::make_shared<Exact>());
   small.max_bodies = 15;
   try {
-    world::Engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene),
+    world::Engine(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene),
                   {.broad = small, .narrow = {}});
     ADD_FAILURE() << "takes more than it holds";
   } catch (const library::SceneError& error) {

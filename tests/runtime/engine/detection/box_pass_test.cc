@@ -19,7 +19,7 @@ namespace {
 class BothBoxes {
  public:
   explicit BothBoxes(const plan::Scene& scene)
-      : engine_(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene)),
+      : engine_(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene)),
         bodies_(Bodies(engine_)),
         pass_(bodies_),
         boxes_(bodies_.size()),
@@ -129,7 +129,7 @@ TEST(BoxPass, SkipsThoseThatStillSleep) {
   SetGroup(scene, "size", 0.8);
   SetGroup(scene, "friction", 0.8);
   const layouts::InitialState state = layouts::MakeInitialState(scene);
-  const auto omissions = pruning::KeepEverything(scene);
+  const auto omissions = omissions::KeepEverything(scene);
   SetWorld(scene, "detector", Word("simple"));
   world::Engine bullet(scene, state, omissions);
   SetWorld(scene, "detector", Word("sweep"));

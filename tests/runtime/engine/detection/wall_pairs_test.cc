@@ -38,7 +38,7 @@ plan::Scene Large(double fall) {
 /// Steps both and expects identical states of all bodies after each step.
 void ExpectSameMotion(const plan::Scene& scene, const layouts::InitialState& state, int steps,
                       const char* detector) {
-  const auto omissions = pruning::KeepEverything(scene);
+  const auto omissions = omissions::KeepEverything(scene);
   // `simple` lists exactly the overlapping boxes.
   world::Engine all(Sorted(scene, "simple"), state, omissions);
   world::Engine reached(Sorted(scene, detector), state, omissions);
@@ -80,7 +80,7 @@ TEST(WallPairs, LeaveTheMotionOfRandomScenesAsItIs) {
 
 /// The number of pairs after one step.
 int Pairs(const plan::Scene& scene) {
-  world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene));
+  world::Engine engine(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene));
   engine.Step();
   return engine.world().getPairCache()->getNumOverlappingPairs();
 }
@@ -103,7 +103,7 @@ TEST(WallPairs, AreAllWhereTheirAbsenceCouldBeSeen) {
 
 TEST(WallPairs, HalfSpacesReachAsFarAsContacts) {
   const plan::Scene scene = Large(0);
-  world::Engine engine(scene, layouts::MakeInitialState(scene), pruning::KeepEverything(scene));
+  world::Engine engine(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene));
   double breaking = 0;
   for (const auto& body : engine.objects())
     breaking = std::max(breaking,
@@ -157,7 +157,7 @@ TEST(OmitWallPairs, LeavesTheMotionOfRandomScenesAsItIs) {
 TEST(OmitWallPairs, LeavesThePairsThatReachTheHalfSpace) {
   const auto pairs = [](const plan::Scene& scene) {
     const layouts::InitialState state = layouts::MakeInitialState(scene);
-    world::Engine engine(scene, state, pruning::DecideOmissions(scene, state));
+    world::Engine engine(scene, state, omissions::DecideOmissions(scene, state));
     engine.Step();
     return engine.world().getPairCache()->getNumOverlappingPairs();
   };
@@ -173,7 +173,7 @@ TEST(OmitWallPairs, IsRefusedForObjectsInPieces) {
   plan::Scene scene = Omitting(EngineScene(2, 1000), "dbvt");
   SetGroup(scene, "type", Word("torus"));
   try {
-    pruning::DecideOmissions(scene, layouts::MakeInitialState(scene));
+    omissions::DecideOmissions(scene, layouts::MakeInitialState(scene));
     ADD_FAILURE() << "not refused";
   } catch (const library::SceneError& error) {
     EXPECT_EQ(std::string(error.what())

@@ -38,7 +38,7 @@ TEST(PairReferee, FindsNothingMissedByBullet) {
       SetWorld(scene, "world.wall_shape", Word(walls));
       const Recorded recorded = RunHere(scene);
       ASSERT_TRUE(recorded.done()) << recorded.message();
-      const measure::Recording& got = recorded.recording;
+      const protocol::Recording& got = recorded.recording;
       const auto exact = got.Ints("exact_pairs"), phantom = got.Ints("phantom_pairs"),
                  listed = got.Ints("pairs");
       EXPECT_GT(Sum(exact), 40) << detector << " " << walls << ": nothing to find";
@@ -62,7 +62,7 @@ TEST(PairReferee, CountsThePhantomsOfATree) {
 
 TEST(PairReferee, SeesAPairThatIsNotThere) {
   plan::Scene scene = Gas("simple", {"pairs"});
-  measure::Recording recording = measure::Recording::Create(scene);
+  protocol::Recording recording = protocol::Recording::Create(scene);
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   probes::PairReferee referee(engine, recording);
   referee.BeforeStep();
@@ -92,14 +92,14 @@ TEST(PairReferee, TakesADetectorsListAsItIs) {
   plan::Scene scene = Gas("dbvt", {"pairs"});
   layouts::InitialState state = layouts::MakeInitialState(scene);
   for (const bool finds : {true, false}) {
-    measure::Recording recording = measure::Recording::Create(scene);
+    protocol::Recording recording = protocol::Recording::Create(scene);
     detection::Detectors detectors;
     detectors.broad = {
         .name = "test",
         .phases = cdb::kBroad,
         .max_bodies = 0,
         .detector = finds ? std::shared_ptr<Detector>(new Twice) : std::make_shared<Detector>()};
-    world::Engine engine(scene, state, pruning::KeepEverything(scene), detectors);
+    world::Engine engine(scene, state, omissions::KeepEverything(scene), detectors);
     probes::PairReferee referee(engine, recording);
     for (std::uint64_t cycle = 0; cycle < 40; ++cycle) {
       referee.BeforeStep();
@@ -119,7 +119,7 @@ TEST(PairReferee, FindsNothingMissedByOurs) {
   for (const std::string& detector : BroadPhases(/*only_own=*/true)) {
     const Recorded recorded = RunHere(Gas(detector.c_str(), {"pairs"}));
     ASSERT_TRUE(recorded.done()) << recorded.message();
-    const measure::Recording& got = recorded.recording;
+    const protocol::Recording& got = recorded.recording;
     EXPECT_GT(Sum(got.Ints("exact_pairs")), 40) << detector;
     for (const schema::IntSeries fault : std::initializer_list<schema::IntSeries>{
              "missed_pairs", "phantom_pairs", "duplicate_pairs"})

@@ -5,15 +5,15 @@
 #include <limits>
 
 #include "runtime/engine/probes/probes.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
 namespace {
 
 using Eigen::Vector3d;
-using measure::Judgement;
-using measure::Verdict;
+using protocol::Judgement;
+using protocol::Verdict;
 
 constexpr std::uint64_t kCycles = 60;
 
@@ -21,7 +21,7 @@ constexpr std::uint64_t kCycles = 60;
 Judgement RunAndJudge(plan::Scene scene, layouts::InitialState state,
                       const std::function<void(world::Engine&, std::uint64_t)>& before = {}) {
   SetWorld(scene, "cycles", kCycles);
-  measure::Recording recording = measure::Recording::Create(scene);
+  protocol::Recording recording = protocol::Recording::Create(scene);
   world::Engine engine = WholeEngine(scene, std::move(state));
   probes::Probes probes(scene, engine, recording, -1);
   probes.Begin();

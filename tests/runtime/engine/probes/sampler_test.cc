@@ -26,8 +26,8 @@ plan::Scene Gas(schema::WordList metrics) {
   return scene;
 }
 
-measure::Samples SamplesOf(const Recorded& recorded, const plan::Scene& scene) {
-  return {*measure::SampleShapeOf(scene), scene.world.Real("accuracy.interval"),
+protocol::Samples SamplesOf(const Recorded& recorded, const plan::Scene& scene) {
+  return {*protocol::SampleShapeOf(scene), scene.world.Real("accuracy.interval"),
           recorded.recording.SampleValues()};
 }
 
@@ -36,7 +36,7 @@ TEST(Sampler, SeesWhatTheTimedPassRecords) {
   SetWorld(scene, "record", schema::WordList{"counts", "energy", "poses", "timing"});
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
-  const measure::Samples samples = SamplesOf(recorded, scene);
+  const protocol::Samples samples = SamplesOf(recorded, scene);
   ASSERT_EQ(samples.shape.samples, 6u);
   const auto poses = recorded.recording.Reals("poses");
   const auto kinetic = recorded.recording.Reals("kinetic_energy");
@@ -44,11 +44,11 @@ TEST(Sampler, SeesWhatTheTimedPassRecords) {
   for (std::size_t s = 1; s < 6; ++s) {
     const std::size_t cycle = 4 * s - 1;
     for (std::size_t i = 0; i < 30; ++i)
-      for (std::size_t k = 0; k < measure::kPoseSize; ++k)
+      for (std::size_t k = 0; k < protocol::kPoseSize; ++k)
         EXPECT_EQ(samples.values[samples.shape.State(s, i) + k],
-                  poses[(cycle * 30 + i) * measure::kPoseSize + k]);
-    EXPECT_NEAR(samples.observable(s, measure::kKinetic), kinetic[cycle], 1e-5 * kinetic[cycle]);
-    EXPECT_EQ(samples.observable(s, measure::kContactCount), contacts[cycle]);
+                  poses[(cycle * 30 + i) * protocol::kPoseSize + k]);
+    EXPECT_NEAR(samples.observable(s, protocol::kKinetic), kinetic[cycle], 1e-5 * kinetic[cycle]);
+    EXPECT_EQ(samples.observable(s, protocol::kContactCount), contacts[cycle]);
   }
   EXPECT_EQ(
       samples.position(0, 0),
@@ -72,12 +72,12 @@ TEST(Sampler, LooksAtThePairsOfEveryDetector) {
     SetWorld(scene, "world.side", 300.0);
     const Recorded recorded = RunHere(scene);
     ASSERT_TRUE(recorded.done()) << recorded.message();
-    const measure::Samples samples = SamplesOf(recorded, scene);
+    const protocol::Samples samples = SamplesOf(recorded, scene);
     double exact = 0;
     for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-      exact += samples.observable(s, measure::kPairsExact);
-      EXPECT_EQ(samples.observable(s, measure::kPairsMissed), 0) << detector;
-      EXPECT_GE(samples.observable(s, measure::kPairsPhantom), 0) << detector;
+      exact += samples.observable(s, protocol::kPairsExact);
+      EXPECT_EQ(samples.observable(s, protocol::kPairsMissed), 0) << detector;
+      EXPECT_GE(samples.observable(s, protocol::kPairsPhantom), 0) << detector;
     }
     EXPECT_GT(exact, 0) << "nothing to find";
   }
@@ -94,13 +94,13 @@ TEST(Sampler, SeesHowDeepContactsAre) {
   Recorded recorded = RunHere(scene);
   ASSERT_TRUE(recorded.done()) << recorded.message();
   const auto deepest = recorded.recording.Reals("max_penetration");
-  const measure::Samples samples = SamplesOf(recorded, scene);
+  const protocol::Samples samples = SamplesOf(recorded, scene);
   double most = 0;
   for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-    EXPECT_NEAR(samples.observable(s, measure::kDepthMax), deepest[s - 1] / 10, 1e-12);
-    EXPECT_LE(samples.observable(s, measure::kDepthMean),
-              samples.observable(s, measure::kDepthMax));
-    most = std::max(most, samples.observable(s, measure::kDepthMax));
+    EXPECT_NEAR(samples.observable(s, protocol::kDepthMax), deepest[s - 1] / 10, 1e-12);
+    EXPECT_LE(samples.observable(s, protocol::kDepthMean),
+              samples.observable(s, protocol::kDepthMax));
+    most = std::max(most, samples.observable(s, protocol::kDepthMax));
   }
   EXPECT_GT(most, 0);
 }
@@ -116,15 +116,15 @@ Geometry GeometryOf(plan::Scene scene) {
   SeedStreams(scene);
   const Recorded recorded = RunHere(scene);
   EXPECT_TRUE(recorded.done()) << recorded.message();
-  const measure::Samples samples = SamplesOf(recorded, scene);
-  EXPECT_TRUE(std::isnan(samples.observable(0, measure::kOverlapsExact))) << "before any step";
+  const protocol::Samples samples = SamplesOf(recorded, scene);
+  EXPECT_TRUE(std::isnan(samples.observable(0, protocol::kOverlapsExact))) << "before any step";
   Geometry sums;
   for (std::size_t s = 1; s < samples.shape.samples; ++s) {
-    sums.overlaps += samples.observable(s, measure::kOverlapsExact);
-    sums.missed += samples.observable(s, measure::kOverlapsMissed);
-    sums.depth_sum += samples.observable(s, measure::kDepthErrorSum);
-    sums.normal_sum += samples.observable(s, measure::kNormalErrorSum);
-    sums.normals += samples.observable(s, measure::kNormalCount);
+    sums.overlaps += samples.observable(s, protocol::kOverlapsExact);
+    sums.missed += samples.observable(s, protocol::kOverlapsMissed);
+    sums.depth_sum += samples.observable(s, protocol::kDepthErrorSum);
+    sums.normal_sum += samples.observable(s, protocol::kNormalErrorSum);
+    sums.normals += samples.observable(s, protocol::kNormalCount);
   }
   return sums;
 }
@@ -230,8 +230,8 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
   const Recorded run = RunHere(scene), truth = RunHere(reference);
   ASSERT_TRUE(truth.done()) << truth.message();
   EXPECT_EQ(truth.header().cycles_done.load(), 80u);
-  const measure::Samples samples = SamplesOf(run, scene),
-                         true_samples = SamplesOf(truth, reference);
+  const protocol::Samples samples = SamplesOf(run, scene),
+                          true_samples = SamplesOf(truth, reference);
   EXPECT_EQ(samples.shape, true_samples.shape);
   for (std::size_t i = 0; i < 30; ++i) {
     EXPECT_EQ(samples.position(0, i), true_samples.position(0, i));
@@ -246,7 +246,7 @@ TEST(PerturbedRun, IsMovedByABillionthOfEachSize) {
   const plan::Scene perturbed = analysis::PerturbedOf(reference);
   const Recorded truth = RunHere(reference), other = RunHere(perturbed);
   ASSERT_TRUE(other.done()) << other.message();
-  const measure::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, perturbed);
+  const protocol::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, perturbed);
   if (std::string_view(world::EnginePrecision()) == "double") {
     for (std::size_t i = 0; i < 30; ++i)
       EXPECT_NEAR((a.position(0, i) - b.position(0, i)).norm() / a.size(i), 1e-9, 1e-13);

@@ -25,7 +25,7 @@ class ComeToRest : public testing::Test {
     SetGroup(scene_, "size", 1.0);
     SeedStreams(scene_);
     engine_ = std::make_unique<world::Engine>(scene_, layouts::MakeInitialState(scene_),
-                                              pruning::KeepEverything(scene_));
+                                              omissions::KeepEverything(scene_));
   }
 
   /// Lets them come to rest; they are clear when asked for the `clear_at`th time.

@@ -25,8 +25,8 @@ void Record(plan::Scene& scene, schema::WordList words) {
 }
 
 /// Runs the scene with its one object at `position`, and returns the recording.
-measure::Recording RunOne(const plan::Scene& scene, const Vector3d& position) {
-  measure::Recording recording = measure::Recording::Create(scene);
+protocol::Recording RunOne(const plan::Scene& scene, const Vector3d& position) {
+  protocol::Recording recording = protocol::Recording::Create(scene);
   world::Engine engine = WholeEngine(scene, OneObjectAt(scene, position));
   probes::Probes probes(scene, engine, recording, -1);
   probes.Begin();
@@ -61,7 +61,7 @@ TEST(Run, ReportsHowItEnded) {
 
 TEST(Run, FailsWithAMessageWhereTheSceneCannotBe) {
   const Recorded run = RunHere(EngineScene(500, 400));
-  EXPECT_EQ(run.header().outcome.load(), measure::WorkerOutcome::kFailed);
+  EXPECT_EQ(run.header().outcome.load(), protocol::WorkerOutcome::kFailed);
   EXPECT_NE(run.message().find("% of the cube"), std::string::npos) << run.message();
   EXPECT_NEAR(run.header().scalars.fill_fraction, 0.511, 0.001);
   EXPECT_EQ(run.hash(), "");
@@ -71,7 +71,7 @@ TEST(Run, FailsWithAMessageWhereTheSceneCannotBe) {
 
 TEST(Run, LongMessagesAreCutAndEnd) {
   const plan::Scene scene = EngineScene(1, 500);
-  measure::Recording recording = measure::Recording::Create(scene);
+  protocol::Recording recording = protocol::Recording::Create(scene);
   worker::ReportFailure(recording, std::string(10000, 'x'));
   EXPECT_EQ(recording.header().message.str(),
             std::string(recording.header().message.kMaxLength, 'x'));
@@ -138,7 +138,7 @@ TEST(Warmup, RunsBeforeTheFirstRecordedCycle) {
   Recorded late = RunHere(scene);
   EXPECT_EQ(late.hash(), whole.hash());
   EXPECT_EQ(late.header().cycles_done.load(), 18u);
-  const auto all = whole.recording.Reals("poses").subspan(12 * 60 * measure::kPoseSize);
+  const auto all = whole.recording.Reals("poses").subspan(12 * 60 * protocol::kPoseSize);
   EXPECT_TRUE(std::ranges::equal(late.recording.Reals("poses"), all));
   EXPECT_TRUE(std::ranges::equal(late.recording.Ints("contacts"),
                                  whole.recording.Ints("contacts").subspan(12)));
@@ -152,9 +152,9 @@ TEST(Series, EveryCycleHasEveryValue) {
   Record(scene, words);
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
-  for (const measure::Series& series : measure::AllSeries()) {
-    ASSERT_TRUE(measure::IsRecordedBy(series, scene)) << series.name;
-    if (series.type == measure::SeriesType::kInt32) {
+  for (const protocol::Series& series : protocol::AllSeries()) {
+    ASSERT_TRUE(protocol::IsRecordedBy(series, scene)) << series.name;
+    if (series.type == protocol::SeriesType::kInt32) {
       for (const std::int32_t value : run.recording.Values<std::int32_t>(series))
         ASSERT_GE(value, 0) << series.name;
     } else {
@@ -167,20 +167,20 @@ TEST(Series, EveryCycleHasEveryValue) {
 TEST(Series, PhasesAreStampedByThemselves) {
   Recorded run = RunHere(DenseScene());
   const auto duration = run.recording.Reals("duration");
-  const auto at = [&](measure::Phase phase, std::size_t cycle) {
+  const auto at = [&](protocol::Phase phase, std::size_t cycle) {
     return duration[static_cast<std::size_t>(phase) * 120 + cycle];
   };
   for (std::size_t cycle = 0; cycle < 120; ++cycle) {
-    for (const measure::Phase phase : {measure::Phase::kBroad, measure::Phase::kNarrow,
-                                       measure::Phase::kSolve, measure::Phase::kIntegrate}) {
+    for (const protocol::Phase phase : {protocol::Phase::kBroad, protocol::Phase::kNarrow,
+                                        protocol::Phase::kSolve, protocol::Phase::kIntegrate}) {
       EXPECT_GT(at(phase, cycle), 0);
       EXPECT_EQ(at(phase, cycle), std::floor(at(phase, cycle)));
     }
-    EXPECT_EQ(at(measure::Phase::kDetect, cycle),
-              at(measure::Phase::kBroad, cycle) + at(measure::Phase::kNarrow, cycle));
-    EXPECT_GE(at(measure::Phase::kStep, cycle), at(measure::Phase::kDetect, cycle) +
-                                                    at(measure::Phase::kSolve, cycle) +
-                                                    at(measure::Phase::kIntegrate, cycle));
+    EXPECT_EQ(at(protocol::Phase::kDetect, cycle),
+              at(protocol::Phase::kBroad, cycle) + at(protocol::Phase::kNarrow, cycle));
+    EXPECT_GE(at(protocol::Phase::kStep, cycle), at(protocol::Phase::kDetect, cycle) +
+                                                     at(protocol::Phase::kSolve, cycle) +
+                                                     at(protocol::Phase::kIntegrate, cycle));
   }
 }
 
@@ -242,7 +242,7 @@ TEST(Series, KineticEnergyOfAKnownObject) {
   SetGroup(scene, "linear_velocity", Vector3d(2, 0, 0));
   SetGroup(scene, "angular_velocity", Vector3d(0, 0.1, 0));
   Record(scene, {"energy", "stability"});
-  measure::Recording recording = RunOne(scene, {0, 0, 0});
+  protocol::Recording recording = RunOne(scene, {0, 0, 0});
   // m v^2/2 + (2/5) m r^2 w^2/2
   const double expected = 3 * 4 / 2.0 + 0.4 * 3 * 625 * 0.01 / 2;
   EXPECT_NEAR(recording.Reals("kinetic_energy")[0], expected, 64 * kEpsilon * expected);
@@ -256,7 +256,7 @@ TEST(Series, PosesAreWhereTheObjectsAre) {
   Recorded run = RunHere(scene);
   const auto poses = run.recording.Reals("poses");
   for (std::size_t i = 0; i < 60; ++i) {
-    const auto pose = poses.subspan((119 * 60 + i) * measure::kPoseSize);
+    const auto pose = poses.subspan((119 * 60 + i) * protocol::kPoseSize);
     const Vector3d at(pose[0], pose[1], pose[2]);
     EXPECT_EQ(at, Position(*run.engine, i));
     const Eigen::Quaterniond turn(pose[6], pose[3], pose[4], pose[5]);
@@ -267,7 +267,7 @@ TEST(Series, PosesAreWhereTheObjectsAre) {
 TEST(Series, MotionRatioIsOneWhereNothingIsInTheWay) {
   plan::Scene scene = EngineScene(1, 500);
   SetWorld(scene, "cycles", std::uint64_t{60});
-  measure::Recording recording = RunOne(scene, {0, 0, 0});
+  protocol::Recording recording = RunOne(scene, {0, 0, 0});
   // Positions below 5 m are rounded once a cycle. The ratio is undefined below a hundredth of a
   // side, which the object has travelled after half a metre, in the eighteenth cycle.
   const auto ratios = recording.Reals("motion_ratio");
@@ -284,7 +284,7 @@ TEST(Series, MotionRatioShowsWhatPrecisionFreezes) {
   plan::Scene scene = EngineScene(1, 1e8);
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
   SetGroup(scene, "linear_velocity", Vector3d(6, 0, 0));
-  measure::Recording recording = RunOne(scene, {1e7, 0, 0});
+  protocol::Recording recording = RunOne(scene, {1e7, 0, 0});
   const bool is_single = sizeof(btScalar) == 4;
   EXPECT_NEAR(recording.Reals("motion_ratio")[9], is_single ? 0 : 1, 1e-6);
   EXPECT_EQ(recording.Ints("frozen")[9], is_single ? 1 : 0);
@@ -296,7 +296,7 @@ TEST(Series, SmallLossesOfLargeObjectsFreezeNothing) {
   // Adjacent numbers are 8 mm apart, and the fall of the first cycle is 3 mm.
   plan::Scene scene = EngineScene(1, 3e5);
   SetWorld(scene, "cycles", std::uint64_t{60});
-  measure::Recording recording = RunOne(scene, {0, 1.25e5, 0});
+  protocol::Recording recording = RunOne(scene, {0, 1.25e5, 0});
   EXPECT_THAT(recording.Ints("frozen"), testing::Each(0));
   const double lost = recording.Reals("lost_way")[0];
   EXPECT_NEAR(lost, sizeof(btScalar) == 4 ? 9.8 / 3600 / 50 : 0, 1e-6);
@@ -323,13 +323,13 @@ TEST(Series, RemovedAndNonFinite) {
   SetGroup(scene, "linear_velocity", Vector3d(1e9, 0, 0));
   // If the box, including the movement of a cycle, is longer than 1e6 m, Bullet removes the object
   // from its simulation.
-  measure::Recording removed = RunOne(scene, {0, 0, 0});
+  protocol::Recording removed = RunOne(scene, {0, 0, 0});
   EXPECT_EQ(removed.Ints("removed").back(), 1);
   SetWorld(scene, "acceleration", Vector3d(1e38, 0, 0));
   SetWorld(scene, "timestep", 1e3);
   SetGroup(scene, "linear_velocity", Vector3d(1, 0, 0));
   if (sizeof(btScalar) == 4) {  // 1e41 m/s is not representable in single precision
-    measure::Recording broken = RunOne(scene, {0, 0, 0});
+    protocol::Recording broken = RunOne(scene, {0, 0, 0});
     EXPECT_EQ(broken.Ints("non_finite").back(), 1);
   }
 }
@@ -380,8 +380,8 @@ TEST(Walls, OnlyTheFloorOrNone) {
   Record(scene, {"poses"});
   const auto last = [&](const char* walls) {
     SetWorld(scene, "world.walls", Word(walls));
-    measure::Recording recording = RunOne(scene, {0, 0, 0});
-    const auto pose = recording.Reals("poses").last(measure::kPoseSize);
+    protocol::Recording recording = RunOne(scene, {0, 0, 0});
+    const auto pose = recording.Reals("poses").last(protocol::kPoseSize);
     return Vector3d(pose[0], pose[1], pose[2]);
   };
   EXPECT_NEAR(last("floor").y(), -225, 1);
@@ -398,7 +398,7 @@ TEST(Contacts, StreamIsWhatTheSeriesCount) {
   ASSERT_TRUE(run.done()) << run.message();
   const auto counts = run.recording.Ints("contacts");
   const int total = std::accumulate(counts.begin(), counts.end(), 0);
-  std::vector<measure::ContactRecord> records(static_cast<std::size_t>(total) + 1);
+  std::vector<protocol::ContactRecord> records(static_cast<std::size_t>(total) + 1);
   const ssize_t bytes = pread(file, records.data(), records.size() * sizeof(records[0]), 0);
   close(file);
   ASSERT_EQ(bytes, static_cast<ssize_t>(total * sizeof(records[0])));
@@ -409,7 +409,7 @@ TEST(Contacts, StreamIsWhatTheSeriesCount) {
   for (std::size_t cycle = 0; cycle < counts.size(); ++cycle) {
     double most = 0;
     for (std::int32_t i = 0; i < counts[cycle]; ++i, ++at) {
-      const measure::ContactRecord& record = records[at];
+      const protocol::ContactRecord& record = records[at];
       EXPECT_NEAR(Eigen::Map<const Vector3d>(record.normal).norm(), 1, 1e-4);
       EXPECT_NE(record.body_a, record.body_b);
       EXPECT_LT(std::max(record.body_a, record.body_b), 66);

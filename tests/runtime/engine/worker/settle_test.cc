@@ -227,7 +227,7 @@ TEST_F(Pile, TellsHowFarItIs) {
   layouts::InitialState state = layouts::MakeInitialState(scene);
   worker::SettlePiles(scene, state, listen);
   ASSERT_GE(told.size(), 2u);
-  EXPECT_EQ(told.front().phase, measure::SettlingPhase::kSettling);
+  EXPECT_EQ(told.front().phase, protocol::SettlingPhase::kSettling);
   EXPECT_EQ(told.front().at_rest, 0u);
   EXPECT_EQ(told.back().at_rest, 5u);
   EXPECT_EQ(told.back().objects, 5u);

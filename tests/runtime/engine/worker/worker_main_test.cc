@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "compiler/yaml/plan_yaml.h"
-#include "runtime/measure/fork_server.h"
+#include "runtime/protocol/fork_server.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
@@ -31,7 +31,7 @@ plan::Run WorkerRun() {
 int OutOfTheWay(int fd) { return fcntl(fd, F_DUPFD, 100); }
 
 /// Starts the worker with the text on descriptor 3 and returns its exit status.
-int Start(const std::string& text, const measure::Recording& recording,
+int Start(const std::string& text, const protocol::Recording& recording,
           const std::vector<std::string>& environment = {},
           const std::vector<std::string>& arguments = {}) {
   const int run_fd = memfd_create("run", 0);
@@ -41,9 +41,9 @@ int Start(const std::string& text, const measure::Recording& recording,
   const pid_t child = fork();
   if (child == 0) {
     const int fds[] = {OutOfTheWay(run_fd), OutOfTheWay(recording.fd()), OutOfTheWay(contacts_fd)};
-    dup2(fds[0], measure::kRunFd);
-    dup2(fds[1], measure::kRecordingFd);
-    dup2(fds[2], measure::kContactsFd);
+    dup2(fds[0], protocol::kRunFd);
+    dup2(fds[1], protocol::kRecordingFd);
+    dup2(fds[2], protocol::kContactsFd);
     for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
     std::vector<const char*> words = {CDB_WORKER};
     for (const std::string& argument : arguments) words.push_back(argument.c_str());
@@ -64,10 +64,10 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
   // The addresses differ each time: the system randomises them, and an environment of changing size
   // moves the stack.
   for (std::size_t i = 0; i < 5; ++i) {
-    measure::Recording recording = measure::Recording::Create(run.scene);
+    protocol::Recording recording = protocol::Recording::Create(run.scene);
     const std::vector<std::string> environment = {"PADDING=" + std::string(i * 1237, 'x')};
     ASSERT_EQ(Start(yaml::RunToYaml(run), recording, environment), 0);
-    EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
+    EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kDone)
         << recording.header().message.str();
     EXPECT_EQ(recording.header().state_hash.str(), expected);
     EXPECT_EQ(recording.header().cycles_done.load(), 100u);
@@ -96,15 +96,15 @@ TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
   plan::Run run;
   run.scene = Neighbours();
   run.id = plan::RunId(run.scene, run.rep);
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);
-  ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kAgain);
+  ASSERT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kAgain);
   const std::string why = recording.header().message.str();
   recording.Clear();
   ASSERT_EQ(Start(yaml::RunToYaml(run), recording, {},
-                  {measure::kKeepOption, measure::kStartAgainKeeps, why}),
+                  {protocol::kKeepOption, protocol::kStartAgainKeeps, why}),
             0);
-  ASSERT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kDone)
+  ASSERT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kDone)
       << recording.header().message.str();
   const Recorded here = RunHere(run.scene);
   EXPECT_EQ(recording.header().state_hash.str(), here.hash());
@@ -117,27 +117,27 @@ TEST(Worker, AsksToStartAgainWithAllWallsWhereItTrips) {
   SetWorld(run.scene, "omit", schema::WordList{"walls"});
   run.id = plan::RunId(run.scene, run.rep);
   ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("omit walls: this scene needs them"),
             std::string::npos);
 }
 
 TEST(Worker, EndsAtOnceWhereItsRunnerIsGone) {
   const plan::Run run = WorkerRun();
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   const std::string other =
-      std::string(measure::kRunnerVariable) + '=' + std::to_string(getpid() + 1);
+      std::string(protocol::kRunnerVariable) + '=' + std::to_string(getpid() + 1);
   EXPECT_EQ(Start(yaml::RunToYaml(run), recording, {other}), 0);
-  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kRunning);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kRunning);
 }
 
 TEST(Worker, ReportsASceneThatCannotBe) {
   plan::Run run = WorkerRun();
   SetGroup(run.scene, "size", 300.0);
   run.id = plan::RunId(run.scene, run.rep);
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   EXPECT_EQ(Start(yaml::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("does not fit"), std::string::npos);
 }
 
@@ -145,17 +145,17 @@ TEST(Worker, RefusesARunOfTheOtherPrecision) {
   plan::Run run = WorkerRun();
   SetWorld(run.scene, "precision", Word(sizeof(btScalar) == 4 ? "double" : "single"));
   run.id = plan::RunId(run.scene, run.rep);
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   EXPECT_EQ(Start(yaml::RunToYaml(run), recording), 0);
-  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kFailed);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kFailed);
   EXPECT_NE(recording.header().message.str().find("precision"), std::string::npos);
 }
 
 TEST(Worker, SaysByItsStatusWhatItCannotReport) {
   const plan::Run run = WorkerRun();
-  measure::Recording recording = measure::Recording::Create(run.scene);
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
   EXPECT_EQ(Start("no: run", recording), 2);
-  EXPECT_EQ(recording.header().outcome.load(), measure::WorkerOutcome::kRunning);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kRunning);
   plan::Run other = run;
   SetWorld(other.scene, "cycles", std::uint64_t{101});
   other.id = plan::RunId(other.scene, other.rep);

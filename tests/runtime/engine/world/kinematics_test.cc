@@ -8,7 +8,7 @@
 #include "compiler/analysis/expectation.h"
 #include "compiler/plan/sha256.h"
 #include "runtime/engine/probes/state_hash.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/detector_names.h"
@@ -131,8 +131,8 @@ TEST(Kinematics, DoWorkThatVoidsNoRun) {
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   EXPECT_NEAR(Velocity(*run.engine, 0).x(), 6, 0.1) << "it was hit";
-  const auto judged = measure::Judge(scene, run.recording, run.header().cycles_done.load());
-  EXPECT_EQ(judged.verdict, measure::Verdict::kStable) << measure::VerdictName(judged.verdict);
+  const auto judged = protocol::Judge(scene, run.recording, run.header().cycles_done.load());
+  EXPECT_EQ(judged.verdict, protocol::Verdict::kStable) << protocol::VerdictName(judged.verdict);
 }
 
 TEST(Kinematics, LeaveTheCubeAndPassWhatIsFixed) {
@@ -144,8 +144,8 @@ TEST(Kinematics, LeaveTheCubeAndPassWhatIsFixed) {
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   EXPECT_NEAR(Position(*run.engine, 1).x(), -120, 1e-4);
-  const auto judged = measure::Judge(scene, run.recording, run.header().cycles_done.load());
-  EXPECT_EQ(judged.verdict, measure::Verdict::kStable) << measure::VerdictName(judged.verdict);
+  const auto judged = protocol::Judge(scene, run.recording, run.header().cycles_done.load());
+  EXPECT_EQ(judged.verdict, protocol::Verdict::kStable) << protocol::VerdictName(judged.verdict);
 }
 
 TEST(Kinematics, NothingIsLeftOutThatTheyReach) {

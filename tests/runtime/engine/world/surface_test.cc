@@ -9,7 +9,7 @@
 
 #include "compiler/plan/sha256.h"
 #include "compiler/schema/catalogue.h"
-#include "runtime/measure/verdict.h"
+#include "runtime/protocol/verdict.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/paired_run.h"
@@ -51,8 +51,8 @@ class Surfaces : public testing::Test {
     return scene;
   }
 
-  static measure::Verdict VerdictOf(const plan::Scene& scene, const Recorded& run) {
-    return measure::Judge(scene, run.recording, run.header().cycles_done.load()).verdict;
+  static protocol::Verdict VerdictOf(const plan::Scene& scene, const Recorded& run) {
+    return protocol::Judge(scene, run.recording, run.header().cycles_done.load()).verdict;
   }
 
   TemporaryFolder folder_;
@@ -72,8 +72,8 @@ TEST_F(Surfaces, BearBodiesOfEveryType) {
     SetGroup(scene, "type", Word(type));
     const Recorded run = RunHere(scene);
     ASSERT_TRUE(run.done()) << run.message();
-    EXPECT_EQ(VerdictOf(scene, run), measure::Verdict::kStable)
-        << measure::VerdictName(VerdictOf(scene, run));
+    EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable)
+        << protocol::VerdictName(VerdictOf(scene, run));
     for (const std::size_t i : {0u, 1u}) {
       EXPECT_GT(Position(*run.engine, i).y(), 0.05);
       EXPECT_LT(Position(*run.engine, i).y(), 0.6);
@@ -95,7 +95,7 @@ TEST_F(Surfaces, HoldWhatConvexHullsWouldFill) {
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   EXPECT_LT(Position(*run.engine, 0).y(), -2.5) << "it rolled down";
-  EXPECT_EQ(VerdictOf(scene, run), measure::Verdict::kStable);
+  EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable);
 }
 
 TEST_F(Surfaces, WhoCrossesThemHasTunnelled) {
@@ -103,14 +103,14 @@ TEST_F(Surfaces, WhoCrossesThemHasTunnelled) {
   SetGroup(scene, "linear_velocity", Vector3d(0, -300, 0));
   const Recorded fast = RunHere(scene);
   EXPECT_LT(Position(*fast.engine, 0).y(), -1);
-  EXPECT_EQ(VerdictOf(scene, fast), measure::Verdict::kTunnelled);
+  EXPECT_EQ(VerdictOf(scene, fast), protocol::Verdict::kTunnelled);
   // Beside it, nothing is crossed.
   SetGroup(scene, "location", Points({{14, 8, 2}}));
-  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), measure::Verdict::kStable);
+  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kStable);
   // Nor is it crossed by an object that may not collide with it.
   SetGroup(scene, "location", Points({{1, 8, 2}}));
   SetGroup(scene, "collides_with", schema::WordList{"none"});
-  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), measure::Verdict::kStable);
+  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kStable);
 }
 
 TEST_F(Surfaces, NothingIsLeftOutThatTheyNeed) {
@@ -177,14 +177,14 @@ TEST_F(Surfaces, HeightFieldsBearBodiesAndShowWhoCrossesThem) {
   plan::Scene scene = HeightScene(valley, {{5, 3, 0}, {-6, 4, 2}});
   const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
-  EXPECT_EQ(VerdictOf(scene, run), measure::Verdict::kStable)
-      << measure::VerdictName(VerdictOf(scene, run));
+  EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable)
+      << protocol::VerdictName(VerdictOf(scene, run));
   for (const std::size_t i : {0u, 1u})
     EXPECT_LT(Position(*run.engine, i).y(), 0) << "down it rolled";
   for (const std::size_t i : {0u, 1u})
     EXPECT_GT(Position(*run.engine, i).y(), -5) << "and no lower";
   SetGroup(scene, "linear_velocity", Vector3d(0, -400, 0));
-  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), measure::Verdict::kTunnelled);
+  EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kTunnelled);
 }
 
 TEST_F(Surfaces, AFlatHeightFieldIsAFloor) {

@@ -1,0 +1,40 @@
+// The words that are allowed at a position of a text, whether or not the text around it parses.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/schema.h"
+#include "dsl/text/source.h"
+
+namespace cdb::editor {
+
+enum class Expected {
+  kNothing,    ///< in a comment, or for a new name
+  kItem,       ///< at file level: use, let, benchmark
+  kStatement,  ///< in a block
+  kValue,      ///< of `parameter`, or of a let
+  kCondition,  ///< after `skip when`
+  kBase,       ///< a benchmark, after `from`
+  kFile,       ///< after `use`
+};
+
+struct Context {
+  Expected expected = Expected::kNothing;
+  std::uint32_t begin = 0, end = 0;                ///< the word or the text at the position
+  std::string prefix;                              ///< its part before the position
+  std::string group, block;                        ///< as in scenario::Scope
+  bool is_grouped = false;                         ///< inside objects { }
+  const schema::Parameter* parameter = nullptr;    ///< that is being set or compared
+  const schema::ParametrisedWord* word = nullptr;  ///< whose arguments are being written
+};
+
+/// The context at the byte `offset`.
+Context ContextAt(const text::Source& source, std::uint32_t offset);
+
+/// The parameter that a path names in a block; null if there is none.
+const schema::Parameter* ParameterAt(const Context& context, const std::string& path);
+
+}  // namespace cdb::editor

@@ -1,0 +1,12 @@
+// Replaces the bundled pages in a build without npm.
+#include "runtime/pages/page/page.h"
+
+namespace cdb::page {
+
+const Template& ReportTemplate() {
+  static const Template none;
+  return none;
+}
+const Template& ViewTemplate() { return ReportTemplate(); }
+
+}  // namespace cdb::page

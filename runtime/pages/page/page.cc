@@ -1,0 +1,54 @@
+#include "runtime/pages/page/page.h"
+
+#include <fmt/format.h>
+
+#include "dsl/text/utf8.h"
+
+namespace cdb::page {
+namespace {
+
+std::string EscapeHtml(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+/// In JSON, `<` occurs only in strings; escaped, the document is safe inside a script element.
+std::string EscapeJson(std::string_view json) {
+  std::string escaped;
+  escaped.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      escaped += "\\u003c";
+    else
+      escaped += c;
+  }
+  return escaped;
+}
+
+}  // namespace
+
+std::string Assemble(const Template& page, std::string_view title, std::string_view json) {
+  if (page.before_title.empty())
+    throw PageError(
+        "this cdb was built without pages, because npm was missing: install it (as root `apt-get "
+        "install npm`) and run ./setup again");
+  return fmt::format("{}{}{}{}{}", page.before_title, EscapeHtml(text::Printable(title)),
+                     page.before_data, EscapeJson(text::PrintableJson(json)), page.after_data);
+}
+
+}  // namespace cdb::page

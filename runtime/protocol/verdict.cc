@@ -1,0 +1,225 @@
+#include "runtime/protocol/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "compiler/analysis/expectation.h"
+#include "dsl/text/check.h"
+
+namespace cdb::protocol {
+namespace {
+
+using analysis::Expectation;
+using enum Verdict;
+
+// Thresholds found by measurement. Lengths are in sides of the object, energies in the run's energy
+// scale.
+constexpr double kFrozenPart = 0.01, kCollapsedPart = 0.01;  ///< fractions of the objects
+constexpr double kLeastTurn = 0.9;
+constexpr double kExplosion = 1, kDrift = 0.01;
+constexpr double kLost = 0.1, kSpinDrift = 0.03;
+constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
+constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
+/// The fraction of a run, at its end, that counts as late.
+constexpr double kLate = 0.25;
+
+constexpr VerdictInfo kVerdicts[] = {
+    {kUnknown, "unknown", "the run was not executed, or did not record stability"},
+    {kStable, "stable", "none of the above"},
+    {kDrifting, "drifting",
+     "energy rose by 0.01 or fell by 0.1; if the scene must rest, late speed > 0.02 sqrt(g S), or "
+     "an object moved by > 0.25 S"},
+    {kPenetrating, "penetrating",
+     "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
+     "S"},
+    {kCollapsed, "collapsed",
+     "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
+     "its support; an object sleeps unheld"},
+    {kClamped, "clamped",
+     "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
+    {kTunnelled, "tunnelled",
+     "a centre of mass passed through another object, or is beyond a wall at the end"},
+    {kExploded, "exploded", "energy rose by more than its scale"},
+    {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
+    {kRemoved, "removed",
+     "a box, extended by its displacement, exceeds 1e6 m, or Bullet disabled the object"},
+    {kNonFinite, "non_finite", "the state of an object is not finite"},
+    {kTimedOut, "timed_out", "the run exceeded its timeout"},
+    {kCrashed, "crashed", "the process of the run ended abnormally"},
+};
+
+/// Applies every criterion to one run. Each returns the first bad cycle, or -1.
+class Case {
+ public:
+  Case(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
+      : scene_(scene),
+        recording_(recording),
+        scales_(recording.header().scales),
+        n_(n_cycles),
+        late_(n_cycles -
+              static_cast<std::size_t>(std::ceil(kLate * static_cast<double>(n_cycles)))),
+        expectation_(analysis::ExpectationOf(scene)) {}
+
+  std::int64_t First(Verdict verdict) const {
+    switch (verdict) {
+      case kNonFinite:
+        return FirstCount("non_finite");
+      case kRemoved:
+        return FirstCount("removed");
+      case kFrozen:
+        return FirstShare("frozen", kFrozenPart);
+      case kExploded:
+        return FirstRise(kExplosion);
+      case kTunnelled:
+        return Earlier(LastStretch("escaped"), FirstCount("passed"));
+      case kClamped:
+        return Earlier(FirstWhere("turn_ratio", [](double x) { return x < kLeastTurn; }),
+                       FirstCount("frozen"));
+      case kCollapsed:
+        return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
+                       MustRest() ? FirstShare("displaced", kCollapsedPart) : -1);
+      case kPenetrating:
+        return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
+                               LateAbove("joint_gap", kLateDepth * scales_.least_side)),
+                       Earlier(FirstCount("pressed"),
+                               MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1));
+      case kDrifting:
+        return Drifting();
+      default:
+        CDB_CHECK(false);
+    }
+  }
+
+ private:
+  bool MustRest() const { return expectation_ == Expectation::kRest; }
+
+  std::span<const double> Reals(schema::RealSeries series) const {
+    const auto all = recording_.Reals(series);
+    return all.first(std::min(all.size(), n_));
+  }
+  std::span<const std::int32_t> Ints(schema::IntSeries series) const {
+    const auto all = recording_.Ints(series);
+    return all.first(std::min(all.size(), n_));
+  }
+
+  static std::int64_t Earlier(std::int64_t a, std::int64_t b) {
+    if (a < 0 || b < 0) return std::max(a, b);
+    return std::min(a, b);
+  }
+
+  template <typename Values, typename IsBad>
+  static std::int64_t FirstIn(const Values& values, IsBad is_bad, std::size_t from = 0) {
+    if (from >= values.size()) return -1;
+    const auto found = std::ranges::find_if(values.subspan(from), is_bad);
+    return found == values.end() ? -1 : found - values.begin();
+  }
+
+  /// "No value" is never bad.
+  template <typename IsBad>
+  std::int64_t FirstWhere(schema::RealSeries series, IsBad is_bad) const {
+    return FirstIn(Reals(series), is_bad);
+  }
+  std::int64_t FirstAbove(schema::RealSeries series, double limit) const {
+    return FirstWhere(series, [limit](double x) { return x > limit; });
+  }
+  std::int64_t FirstCount(schema::IntSeries series) const {
+    return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
+  }
+
+  /// The first cycle in which the count is at least this fraction of the objects that can move.
+  std::int64_t FirstShare(schema::IntSeries series, double share) const {
+    return FirstIn(Ints(series), [&](std::int32_t count) {
+      return count > 0 && count >= share * scales_.moving_objects;
+    });
+  }
+
+  /// Bad if the median of the late part is above the limit; returns the first late cycle above it.
+  std::int64_t LateAbove(schema::RealSeries series, double limit) const {
+    const auto values = Reals(series);
+    if (values.empty()) return -1;
+    std::vector<double> late;
+    std::ranges::copy_if(values.subspan(late_), std::back_inserter(late),
+                         [](double x) { return !std::isnan(x); });
+    if (late.empty()) return -1;
+    const auto middle = late.begin() + static_cast<std::ptrdiff_t>(late.size() / 2);
+    std::ranges::nth_element(late, middle);
+    if (!(*middle > limit)) return -1;
+    return FirstIn(
+        values, [limit](double x) { return x > limit; }, late_);
+  }
+
+  /// The first cycle in which the energy is above its least value so far by more than the limit.
+  std::int64_t FirstRise(double limit) const {
+    if (expectation_ == Expectation::kDriven) return -1;
+    const auto energy = Reals("energy");
+    double least = scales_.initial_energy;
+    for (std::size_t i = 0; i < energy.size(); ++i) {
+      if (energy[i] - least > limit * scales_.energy_scale) return static_cast<std::int64_t>(i);
+      least = std::min(least, energy[i]);
+    }
+    return -1;
+  }
+
+  /// Bad if the count is positive at the end; returns the start of that stretch.
+  std::int64_t LastStretch(schema::IntSeries series) const {
+    const auto counts = Ints(series);
+    if (counts.empty() || counts.back() <= 0) return -1;
+    const auto none =
+        std::find_if(counts.rbegin(), counts.rend(), [](std::int32_t count) { return count <= 0; });
+    return counts.rend() - none;
+  }
+
+  std::int64_t Drifting() const {
+    std::int64_t first = FirstRise(kDrift);
+    if (expectation_ == Expectation::kEnergy || analysis::FliesFreely(scene_)) {
+      const auto energy = Reals("energy");
+      const auto contacts = Ints("contacts");
+      std::size_t end = energy.size();
+      if (expectation_ != Expectation::kEnergy && !contacts.empty())
+        if (const auto touch = FirstCount("contacts"); touch >= 0)
+          end = static_cast<std::size_t>(touch);
+      first = Earlier(first, FirstIn(energy.first(end), [&](double x) {
+                        return std::abs(x - scales_.initial_energy) > kDrift * scales_.energy_scale;
+                      }));
+    }
+    first = Earlier(first, FirstAbove("lost_energy", kLost));
+    first = Earlier(
+        first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
+    if (!MustRest()) return first;
+    return Earlier(first, Earlier(LateAbove("max_speed", kLateSpeed * scales_.speed_scale),
+                                  FirstCount("displaced")));
+  }
+
+  const plan::Scene& scene_;
+  const Recording& recording_;
+  const VerdictScales& scales_;
+  const std::size_t n_, late_;  ///< number of cycles; first late one
+  const Expectation expectation_;
+};
+
+}  // namespace
+
+std::span<const VerdictInfo> Verdicts() { return kVerdicts; }
+
+std::string_view VerdictName(Verdict verdict) {
+  const VerdictInfo& info = kVerdicts[static_cast<std::size_t>(verdict)];
+  CDB_CHECK(info.verdict == verdict);
+  return info.name;
+}
+
+Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
+                Verdict outcome) {
+  if (outcome != kUnknown) return {outcome, static_cast<std::int64_t>(n_cycles)};
+  if (!scene.world.Lists("record", "stability")) return {};
+  const Case here(scene, recording, n_cycles);
+  for (auto verdict = static_cast<std::int8_t>(kNonFinite);
+       verdict > static_cast<std::int8_t>(kStable); --verdict) {
+    const std::int64_t first = here.First(Verdict{verdict});
+    if (first >= 0) return {Verdict{verdict}, first};
+  }
+  return {kStable, -1};
+}
+
+}  // namespace cdb::protocol

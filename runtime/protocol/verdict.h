@@ -1,0 +1,57 @@
+// The verdict of a run: whether the simulation was sound, and the first cycle at which it was not.
+// Computed from the recorded series only, so that a crashed run has a verdict too. The criteria
+// were found by measurement; `cdb doc verdicts` prints the table.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "compiler/plan/plan.h"
+#include "runtime/protocol/recording.h"
+
+namespace cdb::protocol {
+
+/// `flag_values` of the array `verdict`, in this order: later values are worse. The worst one that
+/// applies is reported.
+enum class Verdict : std::int8_t {
+  kUnknown,  ///< the run did not start, or `record` lacks stability
+  kStable,
+  kDrifting,
+  kPenetrating,
+  kCollapsed,
+  kClamped,
+  kTunnelled,
+  kExploded,
+  kFrozen,
+  kRemoved,
+  kNonFinite,
+  kTimedOut,
+  kCrashed,
+};
+
+/// One row of the table of verdicts, the only place where they are defined.
+struct VerdictInfo {
+  Verdict verdict;
+  std::string_view name;  ///< `non_finite`
+  std::string_view doc;   ///< the criterion, in one line
+};
+std::span<const VerdictInfo> Verdicts();
+std::string_view VerdictName(Verdict verdict);
+
+/// True if bodies did not move as the engine was told: the time of a cycle is not that of this
+/// scene. Such timings are stored, but left out of every summary.
+constexpr bool HasVoidTimings(Verdict verdict) { return verdict >= Verdict::kFrozen; }
+
+struct Judgement {
+  Verdict verdict = Verdict::kUnknown;
+  std::int64_t first_bad_cycle = -1;  ///< recorded cycles from 0; -1 if none is bad
+};
+
+/// Judges a run from the recording of its first `n_cycles` cycles. `outcome` is the ending of its
+/// process if that is a verdict (kTimedOut, kCrashed), else kUnknown. The first bad cycle of a
+/// crash or a timeout is the one that was not finished.
+Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
+                Verdict outcome = Verdict::kUnknown);
+
+}  // namespace cdb::protocol

@@ -1,0 +1,196 @@
+#include "runtime/results/examine.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "runtime/protocol/series.h"
+#include "runtime/results/run_facts.h"
+#include "runtime/results/versions.h"
+
+namespace cdb::results {
+namespace {
+
+/// Depth of a results file with references: its root, accuracy, accuracy/reference.
+constexpr int kDeepestGroup = 3;
+constexpr std::size_t kMostArrays = 10'000;
+/// Limit of all measured numbers: 300 years in ns, 9 EB in bytes.
+constexpr double kMostMeasured = 9.3e18;
+
+std::uint64_t ExtentOf(protocol::Dimension dimension, const hdf5::File& file,
+                       const FileExtents& extents) {
+  const protocol::DimensionInfo& info = protocol::InfoOf(dimension);
+  if (!info.labels.empty()) return info.labels.size();
+  if (dimension == protocol::Dimension::kCycle) return extents.cycles;
+  return hdf5::Product(file.OpenDataset(std::string(info.name)).shape());
+}
+
+void ExpectArray(const hdf5::File& file, const std::string& path, hdf5::Type type,
+                 const hdf5::Shape& shape) {
+  if (!file.Has(path)) return;
+  const hdf5::Dataset dataset = file.OpenDataset(path);
+  if (dataset.shape() != shape)
+    throw hdf5::Error(fmt::format("{} has the shape [{}] where its axes have [{}]", path,
+                                  fmt::join(dataset.shape(), " "), fmt::join(shape, " ")));
+  if (dataset.type() != type)
+    throw hdf5::Error(fmt::format("{} holds values of another type than it should", path));
+}
+
+[[noreturn]] void RefuseValue(std::string_view array, double value, std::string_view why) {
+  throw hdf5::Error(fmt::format("{} holds {}, {}", array, value, why));
+}
+
+template <typename T>
+void CheckSeriesValues(const protocol::Series& series, std::span<const T> values) {
+  if (series.type == protocol::SeriesType::kInt32) {
+    for (const T value : values)
+      if (value < -1) RefuseValue(series.name, value, "which is no count");
+  } else if (series.name == "duration") {
+    for (const T value : values)
+      if (value < 0 || value > kMostMeasured)
+        RefuseValue(series.name, value, "which is no duration");
+  }
+}
+
+void CheckNumberValues(const RunNumber& number, std::span<const double> values,
+                       const FileExtents& extents) {
+  // Counters of virtual machines have been observed to go backwards.
+  double low = number.name == "run/steal" ? -kMostMeasured : 0, high = kMostMeasured;
+  if (number.type == hdf5::Type::kInt32) low = -1;
+  if (number.name == "n_cycles" || number.name == "first_bad_cycle")
+    high = static_cast<double>(extents.cycles);
+  if (number.flags != nullptr) {
+    low = 0;
+    high = static_cast<double>(std::ranges::count(number.flags(), ' '));
+  }
+  for (const double value : values)
+    if (value < low || value > high)
+      RefuseValue(number.name, value, fmt::format("and has values from {} to {}", low, high));
+}
+
+/// A run that is done has a time for each step, and the number of its pairs.
+void CheckNoneMissing(const protocol::Series& series, std::span<const double> reals,
+                      std::span<const std::int32_t> ints, std::uint64_t cycles) {
+  const auto refuse = [&](auto at) {
+    throw hdf5::Error(fmt::format("{} has no value in cycle {}", series.name, at));
+  };
+  if (series.name == "duration") {
+    const auto step = reals.subspan(protocol::IndexOf(protocol::Phase::kStep) * cycles, cycles);
+    const auto none = std::ranges::find_if(step, [](double value) { return std::isnan(value); });
+    if (none != step.end()) refuse(none - step.begin());
+  } else if (series.name == "pairs") {
+    const auto none = std::ranges::find(ints, -1);
+    if (none != ints.end()) refuse(none - ints.begin());
+  }
+}
+
+void CheckContact(const protocol::ContactRecord& contact) {
+  for (const double body : {contact.body_a, contact.body_b})
+    if (!(body >= 0 && body <= std::numeric_limits<std::int32_t>::max()))
+      RefuseValue("contact_body", body, "which is no body");
+}
+
+using VisitPiece = std::function<void(const std::string&, std::span<const double>)>;
+
+void ReadArray(const std::string& path, const hdf5::Dataset& dataset, const VisitPiece& visit) {
+  if (dataset.type() == hdf5::Type::kText) {
+    dataset.ReadText();
+    return;
+  }
+  if (dataset.ChunkShape().empty() || hdf5::Product(dataset.shape()) == 0)
+    return visit(path, dataset.Read());
+  dataset.ForEachStoredChunk([&](const hdf5::Shape& start, const hdf5::Shape& count) {
+    visit(path, dataset.Read(start, count));
+  });
+}
+
+void ReadGroup(const hdf5::Group& group, const std::string& prefix, int depth, std::size_t& arrays,
+               const VisitPiece& visit) {
+  if (depth > kDeepestGroup) throw hdf5::Error("its groups are nested too deeply");
+  group.Texts();
+  const hdf5::Group::Names names = group.List();
+  arrays += names.datasets.size();
+  if (arrays > kMostArrays) throw hdf5::Error("it has more arrays than a results file");
+  for (const std::string& name : names.datasets) {
+    const hdf5::Dataset dataset = group.OpenDataset(name);
+    try {
+      ReadArray(prefix + name, dataset, visit);
+    } catch (const hdf5::Error& error) {
+      const std::string_view why = error.what();
+      const bool is_named = why.starts_with(prefix + name);
+      throw hdf5::Error(is_named ? std::string(why) : fmt::format("{}{}: {}", prefix, name, why));
+    }
+  }
+  for (const std::string& name : names.groups)
+    ReadGroup(group.OpenGroup(name), prefix + name + "/", depth + 1, arrays, visit);
+}
+
+}  // namespace
+
+void CheckArrays(const hdf5::File& file, const FileExtents& extents) {
+  for (const protocol::Series& series : protocol::AllSeries()) {
+    const std::string name(series.name);
+    if (!file.Has(name)) continue;
+    hdf5::Shape shape = extents.grid;
+    for (const protocol::Dimension dimension : protocol::DimensionsOf(series.shape))
+      shape.push_back(ExtentOf(dimension, file, extents));
+    const bool is_int = series.type == protocol::SeriesType::kInt32;
+    ExpectArray(file, name, is_int ? hdf5::Type::kInt32 : hdf5::Type::kFloat64, shape);
+  }
+  for (const RunNumber& number : RunNumbers())
+    ExpectArray(file, PathIn(extents.version, number.name), number.type, extents.grid);
+  for (const RunText& text : RunTexts())
+    ExpectArray(file, PathIn(extents.version, text.name), hdf5::Type::kText, extents.grid);
+}
+
+void CheckValues(std::string_view array, std::span<const double> values,
+                 const FileExtents& extents) {
+  if (const protocol::Series* series = protocol::FindSeries(array))
+    return CheckSeriesValues(*series, values);
+  const auto number = std::ranges::find(RunNumbers(), array, &RunNumber::name);
+  if (number != RunNumbers().end()) CheckNumberValues(*number, values, extents);
+}
+
+std::string FindFault(const RunResult& result, std::uint64_t cycles) {
+  try {
+    for (const auto& [series, bytes] : result.series) {
+      const bool is_int = series->type == protocol::SeriesType::kInt32;
+      const std::span reals(reinterpret_cast<const double*>(bytes.data()),
+                            is_int ? 0 : bytes.size() / sizeof(double));
+      const std::span ints(reinterpret_cast<const std::int32_t*>(bytes.data()),
+                           is_int ? bytes.size() / sizeof(std::int32_t) : 0);
+      CheckSeriesValues(*series, reals);
+      CheckSeriesValues(*series, ints);
+      if (result.status == Status::kDone) CheckNoneMissing(*series, reals, ints, cycles);
+    }
+    for (const RunNumber& number : RunNumbers())
+      CheckNumberValues(number, std::array{number.get(result)}, {0, {}, cycles});
+    std::ranges::for_each(result.contacts, CheckContact);
+  } catch (const hdf5::Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+void ReadEverything(const hdf5::File& file, const VisitPiece& visit) {
+  std::size_t arrays = 0;
+  ReadGroup(file, "", 1, arrays, visit);
+}
+
+void CheckAllValues(const hdf5::File& file, const FileExtents& extents) {
+  std::map<std::string, std::string> names;
+  for (const RunNumber& number : RunNumbers())
+    names.emplace(PathIn(extents.version, number.name), number.name);
+  ReadEverything(file, [&](const std::string& path, std::span<const double> values) {
+    const auto found = names.find(path);
+    CheckValues(found == names.end() ? path : found->second, values, extents);
+  });
+}
+
+}  // namespace cdb::results

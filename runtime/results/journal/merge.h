@@ -1,0 +1,23 @@
+// Merges the finished runs of journals into a results file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/results/store.h"
+
+namespace cdb::journal {
+
+/// Merges `places`, which are folders of journals or single journals, into `out` (of a run that is
+/// present twice, the first): under a temporary name, verified, synced, renamed. Runs that no
+/// journal holds are taken from `base` if given, a results file of the same plan that may be `out`;
+/// else their cells have the status `missing`. The journals are left unchanged. Throws StoreError,
+/// DamagedJournal, DamagedRun; `out` is then unchanged.
+void Merge(const plan::Plan& plan, const results::Provenance& provenance,
+           const std::vector<std::filesystem::path>& places, const std::filesystem::path& out,
+           const std::filesystem::path& base = {});
+void Merge(const plan::Plan& plan, const results::Provenance& provenance,
+           const std::filesystem::path& folder, const std::filesystem::path& out);
+
+}  // namespace cdb::journal

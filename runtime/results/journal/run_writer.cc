@@ -1,0 +1,281 @@
+#include "runtime/results/journal/run_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include "dsl/text/check.h"
+#include "runtime/protocol/samples.h"
+#include "runtime/results/hdf5/filters.h"
+
+namespace cdb::journal {
+namespace {
+
+constexpr std::uint64_t kSamplesInAChunk = 1 << 16;
+constexpr const char* kReferenceTexts[] = {"message", "state_hash", "host"};
+
+/// Copies the block `count` from one array of items to another; `from` and `to` are the first
+/// elements, and the shapes those of the arrays.
+class BlockCopy {
+ public:
+  BlockCopy(const std::byte* from_array, const hdf5::Shape& from_shape, const hdf5::Shape& from,
+            std::byte* to_array, const hdf5::Shape& to_shape, const hdf5::Shape& count,
+            std::size_t item_bytes)
+      : from_shape_(from_shape),
+        to_shape_(to_shape),
+        from_(from),
+        count_(count),
+        item_bytes_(item_bytes) {
+    Copy(0, from_array, to_array);
+  }
+
+ private:
+  void Copy(std::size_t d, const std::byte* source, std::byte* target) const {
+    std::uint64_t source_step = item_bytes_, target_step = item_bytes_;
+    for (std::size_t i = d + 1; i < count_.size(); ++i) {
+      source_step *= from_shape_[i];
+      target_step *= to_shape_[i];
+    }
+    source += from_[d] * source_step;
+    if (d + 1 == count_.size()) {
+      std::memcpy(target, source, count_[d] * item_bytes_);
+      return;
+    }
+    for (std::uint64_t i = 0; i < count_[d]; ++i)
+      Copy(d + 1, source + i * source_step, target + i * target_step);
+  }
+
+  const hdf5::Shape &from_shape_, &to_shape_, &from_, &count_;
+  const std::size_t item_bytes_;
+};
+
+std::vector<std::byte> FillChunk(const results::Array& array, std::size_t items) {
+  const std::size_t item_bytes = hdf5::ItemBytes(array.type);
+  std::vector<std::byte> bytes(items * item_bytes);
+  const auto whole = static_cast<std::int32_t>(hdf5::AsStored(array.fill, hdf5::Type::kInt32));
+  const void* fill = array.type == hdf5::Type::kInt32 ? static_cast<const void*>(&whole)
+                                                      : static_cast<const void*>(&array.fill);
+  for (std::size_t i = 0; i < items; ++i) std::memcpy(&bytes[i * item_bytes], fill, item_bytes);
+  return bytes;
+}
+
+/// Adds the chunks that hold the first `count` of each dimension of `data`, an array of the shape
+/// `data_shape`, as HDF5 would store them: other values of these chunks are fill values. `index`:
+/// of the array in the record. All shapes are those within a cell, of `outer` dimensions.
+void AddChunks(const results::Array& array, std::size_t outer, std::uint32_t index,
+               const std::byte* data, const hdf5::Shape& data_shape, const hdf5::Shape& count,
+               Record& record) {
+  const auto inner = [outer](const hdf5::Shape& shape) {
+    return hdf5::Shape(shape.begin() + static_cast<std::ptrdiff_t>(outer), shape.end());
+  };
+  if (hdf5::Product(count) == 0) return;
+  const hdf5::Shape chunk = inner(array.chunk), cell(outer, 0);
+  const std::size_t item_bytes = hdf5::ItemBytes(array.type), items = hdf5::Product(chunk);
+  if (chunk == data_shape && chunk == count)
+    return record.Add(index, 0, hdf5::Filtered({data, items * item_bytes}, item_bytes));
+  const std::uint64_t chunks = results::ChunksOfCell(array, outer);
+  for (std::uint32_t i = 0; i < chunks; ++i) {
+    const hdf5::Shape start = inner(results::ChunkStart(array, cell, i));
+    hdf5::Shape part = chunk;
+    bool is_there = true;
+    for (std::size_t d = 0; d < part.size(); ++d) {
+      is_there = is_there && start[d] < count[d];
+      if (is_there) part[d] = std::min(part[d], count[d] - start[d]);
+    }
+    if (!is_there) continue;
+    std::vector<std::byte> bytes = FillChunk(array, items);
+    BlockCopy(data, data_shape, start, bytes.data(), chunk, part, item_bytes);
+    record.Add(index, i, hdf5::Filtered(bytes, item_bytes));
+  }
+}
+
+/// Rows of the run's contacts: the sum of its series `contacts` over the cycles that ran.
+std::uint64_t ContactRows(const results::RunResult& result) {
+  std::uint64_t rows = 0;
+  for (const auto& [series, bytes] : result.series) {
+    if (series->name != "contacts") continue;
+    for (std::size_t i = 0; i < result.n_cycles; ++i) {
+      std::int32_t n = 0;
+      std::memcpy(&n, &bytes[i * sizeof(n)], sizeof(n));
+      rows += static_cast<std::uint64_t>(std::max(n, 0));
+    }
+  }
+  return rows;
+}
+
+/// HDF5 ends a text at its first NUL.
+std::string AsText(const std::string& text) { return text.c_str(); }
+
+results::Provenance AsAttributes(const results::Provenance& provenance) {
+  results::Provenance attributes;
+  for (const auto& [name, text] : provenance)
+    if (!text.empty()) attributes.emplace(name, hdf5::AttributeText(text));
+  return attributes;
+}
+
+About HeadOf(const results::Layout& layout, const results::PlanFacts& facts,
+             const results::Provenance& provenance) {
+  About about;
+  const auto inner = [&](const hdf5::Shape& shape) {
+    return hdf5::Shape(shape.begin() + static_cast<std::ptrdiff_t>(layout.grid.size()),
+                       shape.end());
+  };
+  for (const results::Array& array : layout.arrays)
+    if (array.series != nullptr)
+      about.arrays.push_back({array.name, array.type, inner(array.shape), inner(array.chunk)});
+  for (const results::RunNumber& number : facts.numbers) about.numbers.push_back(number.name);
+  for (const results::RunText& text : facts.texts) about.texts.push_back(text.name);
+  if (facts.contacts) {
+    about.numbers.emplace_back(kContactRows);
+    for (const char* name : kContactArrays)
+      about.arrays.push_back({name, layout.Get(name).type, {}, {}});
+  }
+  about.provenance = AsAttributes(provenance);
+  return about;
+}
+
+}  // namespace
+
+RunWriter::RunWriter(const plan::Plan& plan, const results::Provenance& provenance)
+    : plan_(plan),
+      provenance_(provenance),
+      facts_(plan),
+      layout_(results::MakeLayout(plan, facts_, 0)),
+      head_(HeadOf(layout_, facts_, provenance)) {}
+
+std::shared_ptr<const About> RunWriter::AboutFor(const std::string& models) {
+  constexpr std::size_t kMost = 1000;
+  if (abouts_.size() >= kMost) abouts_.clear();
+  std::shared_ptr<const About>& about = abouts_[models];
+  if (about != nullptr) return about;
+  About made = head_;
+  if (!models.empty()) made.provenance["models"] = hdf5::AttributeText(models);
+  return about = std::make_shared<const About>(std::move(made));
+}
+
+void RunWriter::AddSeries(const plan::Run& run, const results::RunResult& result,
+                          Record& record) const {
+  const protocol::RunExtents extents = protocol::ExtentsOf(run.scene);
+  const std::size_t outer = layout_.grid.size();
+  std::uint32_t index = 0;
+  for (const results::Array& array : layout_.arrays) {
+    if (array.series == nullptr) continue;
+    const auto found = std::ranges::find(result.series, array.series,
+                                         [](const auto& series) { return series.first; });
+    if (found != result.series.end()) {
+      const auto& [series, bytes] = *found;
+      CDB_CHECK(bytes.size() == series->ItemBytes() * series->ValueCount(extents));
+      const hdf5::Shape shape = series->Extents(extents);
+      hdf5::Shape count = shape;
+      if (const auto cycle = series->CycleDimension()) count[*cycle] = result.n_cycles;
+      AddChunks(array, outer, index, bytes.data(), shape, count, record);
+    } else if (array.name.starts_with(results::kAccuracyGroup)) {
+      const auto samples =
+          result.errors.values.find(array.name.substr(results::kAccuracyGroup.size()));
+      if (samples != result.errors.values.end())
+        AddChunks(array, outer, index, std::as_bytes(std::span(samples->second)).data(),
+                  {samples->second.size()}, {samples->second.size()}, record);
+    }
+    ++index;
+  }
+}
+
+/// A killed run may have counted contacts that it did not deliver; their rows hold fill values.
+void RunWriter::AddContacts(const plan::Run& run, const results::RunResult& result,
+                            Record& record) const {
+  if (!run.scene.world.Lists("record", "contacts")) return;
+  const std::uint64_t rows = ContactRows(result);
+  record.numbers.back() = static_cast<double>(rows);
+  std::vector<std::int32_t> bodies(2 * rows, -1);
+  std::vector<double> points(3 * rows, results::kNaN), normals = points,
+                                                       distances(rows, results::kNaN);
+  for (std::size_t i = 0; i < std::min<std::size_t>(rows, result.contacts.size()); ++i) {
+    const protocol::ContactRecord& contact = result.contacts[i];
+    bodies[2 * i] = static_cast<std::int32_t>(contact.body_a);
+    bodies[2 * i + 1] = static_cast<std::int32_t>(contact.body_b);
+    std::copy_n(contact.point, 3, &points[3 * i]);
+    std::copy_n(contact.normal, 3, &normals[3 * i]);
+    distances[i] = contact.distance;
+  }
+  if (rows == 0) return;
+  auto index = static_cast<std::uint32_t>(record.about->arrays.size() - std::size(kContactArrays));
+  const auto add = [&](const auto& values) {
+    record.Add(index++, 0, hdf5::Filtered(std::as_bytes(std::span(values)), sizeof values[0]));
+  };
+  add(bodies);
+  add(points);
+  add(normals);
+  add(distances);
+}
+
+void RunWriter::Write(const plan::Run& run, const results::RunResult& result, Journal& journal) {
+  CDB_CHECK(result.n_cycles <= run.scene.world.Count("cycles"));
+  Record record;
+  record.run_id = run.id;
+  record.about = AboutFor(result.models);
+  for (const results::RunNumber& number : facts_.numbers)
+    record.numbers.push_back(hdf5::AsStored(number.get(result), number.type));
+  for (const results::RunText& text : facts_.texts)
+    record.texts.push_back(AsText(text.get(run, result)));
+  if (facts_.contacts) record.numbers.push_back(results::kNaN);
+  AddSeries(run, result, record);
+  if (facts_.contacts) AddContacts(run, result, record);
+  journal.Write(record);
+}
+
+void RunWriter::WriteReference(const plan::Run& run, const results::RunResult& result,
+                               std::span<const double> samples, Journal& journal) {
+  const auto shape = protocol::SampleShapeOf(run.scene);
+  CDB_CHECK(shape && samples.size() == shape->Count());
+  if (of_references_ == nullptr || of_references_->arrays[0].shape[0] != samples.size()) {
+    About about;
+    about.arrays = {{"samples", hdf5::Type::kFloat64, {samples.size()}, {kSamplesInAChunk}}};
+    about.numbers = {"status"};
+    about.texts.assign(std::begin(kReferenceTexts), std::end(kReferenceTexts));
+    about.provenance = AsAttributes(provenance_);
+    of_references_ = std::make_shared<const About>(std::move(about));
+  }
+  Record record;
+  record.run_id = run.id;
+  record.about = of_references_;
+  record.numbers = {static_cast<double>(result.status)};
+  for (const std::string* text : {&result.message, &result.state_hash, &result.host})
+    record.texts.push_back(AsText(*text));
+  std::uint32_t index = 0;
+  for (std::size_t at = 0; at < samples.size(); at += kSamplesInAChunk)
+    record.Add(
+        0, index++,
+        hdf5::Filtered(std::as_bytes(samples.subspan(
+                           at, std::min<std::size_t>(samples.size() - at, kSamplesInAChunk))),
+                       sizeof(double)));
+  journal.Write(record);
+}
+
+Reference ReadReference(const plan::Run& run, const Record& record) {
+  const auto shape = protocol::SampleShapeOf(run.scene);
+  if (!shape || record.run_id != run.id || record.about->arrays.size() != 1 ||
+      record.about->arrays[0].name != "samples")
+    throw hdf5::Error("it is not the record of that reference run");
+  Reference reference;
+  reference.status = InfoOf(record).outcome.status;
+  reference.message = record.Text("message");
+  reference.shape = *shape;
+  if (reference.status != results::Status::kDone) return reference;
+  std::span<const std::byte> left(record.bytes);
+  reference.values.resize(shape->Count());
+  std::size_t at = 0;
+  for (const Record::Chunk& chunk : record.chunks) {
+    const std::size_t n = std::min<std::size_t>(reference.values.size() - at, kSamplesInAChunk);
+    const std::vector<std::byte> values =
+        hdf5::Unfiltered(left.first(chunk.bytes), sizeof(double), n * sizeof(double));
+    std::memcpy(reference.values.data() + at, values.data(), values.size());
+    left = left.subspan(chunk.bytes);
+    at += n;
+  }
+  if (at != reference.values.size()) throw hdf5::Error("it lacks samples");
+  return reference;
+}
+
+}  // namespace cdb::journal

@@ -1,0 +1,59 @@
+// Makes the records of finished runs of a plan, and writes them into a journal.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "runtime/results/journal/journal.h"
+#include "runtime/results/layout.h"
+#include "runtime/results/run_facts.h"
+#include "runtime/results/store.h"
+
+namespace cdb::journal {
+
+/// Data that depends only on the plan is computed once, in the constructor. Refers to plan and
+/// provenance. Not thread-safe.
+class RunWriter {
+ public:
+  RunWriter(const plan::Plan& plan, const results::Provenance& provenance);
+
+  /// Writes a measured run; when it returns, the run is on the disk. Throws StoreError.
+  void Write(const plan::Run& run, const results::RunResult& result, Journal& journal);
+  /// The same for a reference run, with its samples.
+  void WriteReference(const plan::Run& run, const results::RunResult& result,
+                      std::span<const double> samples, Journal& journal);
+
+ private:
+  std::shared_ptr<const About> AboutFor(const std::string& models);
+  void AddSeries(const plan::Run& run, const results::RunResult& result, Record& record) const;
+  void AddContacts(const plan::Run& run, const results::RunResult& result, Record& record) const;
+
+  const plan::Plan& plan_;
+  const results::Provenance& provenance_;
+  const results::PlanFacts facts_;
+  const results::Layout layout_;
+  About head_;                                                  ///< without `models`
+  std::map<std::string, std::shared_ptr<const About>> abouts_;  ///< by models
+  std::shared_ptr<const About> of_references_;
+};
+
+/// The number of a run's rows of contacts, in its record; NaN if it does not record them.
+inline constexpr const char* kContactRows = "contact_rows";
+inline constexpr const char* kContactArrays[] = {"contact_body", "contact_point", "contact_normal",
+                                                 "contact_distance"};
+
+/// What the record of a reference run holds.
+struct Reference {
+  results::Status status = results::Status::kMissing;
+  std::string message;          ///< reason why it failed
+  protocol::SampleShape shape;  ///< layout of `values`
+  std::vector<double> values;   ///< as in Samples; empty if it failed
+};
+/// Throws hdf5::Error for the record of another run.
+Reference ReadReference(const plan::Run& run, const Record& record);
+
+}  // namespace cdb::journal

@@ -1,0 +1,287 @@
+#include "runtime/results/layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "dsl/text/check.h"
+#include "runtime/protocol/samples.h"
+#include "runtime/results/hdf5/chunks.h"
+
+namespace cdb::results {
+namespace {
+
+using hdf5::Type;
+
+/// `run/` of `run/host`; empty in the root.
+std::string GroupOf(const std::string& path) { return path.substr(0, path.rfind('/') + 1); }
+
+/// One chunk if it fits; else the cycles are split evenly, and then the bodies.
+hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
+  hdf5::Shape chunk = array.shape;
+  std::fill_n(chunk.begin(), outer, 1);
+  for (const char* name : {"cycle", "sample", "body", "box_body", "contact_row"}) {
+    const auto found = std::ranges::find(array.dimensions, GroupOf(array.name) + name);
+    if (found == array.dimensions.end()) continue;
+    hdf5::SplitEvenly(chunk, static_cast<std::size_t>(found - array.dimensions.begin()),
+                      hdf5::ItemBytes(array.type));
+  }
+  return chunk;
+}
+
+class Maker {
+ public:
+  Maker(const plan::Plan& plan, const PlanFacts& facts) : plan_(plan), facts_(facts) {}
+
+  Layout Make(std::uint64_t contact_rows) {
+    CheckRank();
+    AddGrid("");
+    for (const Dimension& dimension : layout_.dimensions) layout_.grid.push_back(dimension.size);
+    AddLabelled(protocol::Dimension::kPhase);
+    AddCounted("", protocol::Dimension::kCycle, facts_.cycles);
+    if (facts_.poses) AddCounted("", protocol::Dimension::kBody, facts_.bodies);
+    if (facts_.poses) AddLabelled(protocol::Dimension::kPose);
+    if (facts_.boxes) AddBoxDimensions();
+    if (facts_.contacts) AddContactDimensions(contact_rows);
+    AddGrid(std::string(kRunGroup));
+    const bool has_errors = facts_.samples > 0;
+    if (has_errors) AddGrid(std::string(kAccuracyGroup));
+    if (has_errors) AddSampleDimension(std::string(kAccuracyGroup));
+    const bool holds_references = !plan_.references.empty();
+    if (holds_references) AddReferenceDimensions();
+    for (const protocol::Series* series : facts_.series) AddSeries(*series);
+    if (facts_.contacts) AddContacts();
+    AddRunArrays();
+    for (const protocol::Series& series : facts_.error_series) AddSeries(series);
+    if (holds_references) AddReferences();
+    return std::move(layout_);
+  }
+
+ private:
+  void CheckRank() const {
+    // HDF5 has at most 32 dimensions.
+    if (plan_.axes.size() > 28)
+      throw files::StoreError(
+          fmt::format("{}: {} axes are more than a result has room for (28); nothing "
+                      "was written: sweep fewer parameters",
+                      plan_.benchmark, plan_.axes.size()));
+  }
+
+  const Dimension& Find(const std::string& dimension) const {
+    const auto found = std::ranges::find(layout_.dimensions, dimension, &Dimension::name);
+    CDB_CHECK(found != layout_.dimensions.end());
+    return *found;
+  }
+
+  void AddDimension(const std::string& group, Dimension dimension) {
+    dimension.name = group + dimension.name;
+    layout_.dimensions.push_back(std::move(dimension));
+  }
+
+  /// The axes and `rep`, for every group with arrays over the grid.
+  void AddGrid(const std::string& group) {
+    for (std::size_t i = 0; i < plan_.axes.size(); ++i)
+      AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
+    AddDimension(group, Counted("rep", plan_.repeats, "timed repeat of a point"));
+  }
+
+  /// Adds an array over the grid and the `inner` dimensions of its group.
+  Array& Add(std::string name, Type type, const std::vector<std::string>& inner, bool over_grid) {
+    const std::string group = GroupOf(name);
+    Array array{std::move(name), type, {}, {}, {}, 0, false, {}, {}, nullptr};
+    if (over_grid) {
+      for (const plan::Axis& axis : plan_.axes) array.dimensions.push_back(group + axis.name);
+      array.dimensions.push_back(group + "rep");
+      array.shape = layout_.grid;
+    }
+    for (const std::string& dimension : inner) {
+      array.dimensions.push_back(group + dimension);
+      array.shape.push_back(Find(array.dimensions.back()).size);
+    }
+    layout_.arrays.push_back(std::move(array));
+    return layout_.arrays.back();
+  }
+
+  /// Every number has a unit, and a comment if its components have different ones.
+  void Describe(Array& array, std::string_view unit, std::string_view doc) const {
+    array.attributes["long_name"] = doc;
+    if (!unit.empty()) array.attributes["units"] = unit;
+    if (unit == "bytes")
+      array.attributes["comment"] = "float64, as bytes can pass the range of int32";
+    if (!unit.empty() || array.type == Type::kText || !array.flags.empty()) return;
+    for (const std::string& name : array.dimensions) {
+      const Dimension& dimension = Find(name);
+      if (dimension.units_by_label.empty()) continue;
+      array.attributes["component_units"] = dimension.units_by_label;
+      array.attributes["comment"] =
+          fmt::format("component_units are the units along {}", name.substr(GroupOf(name).size()));
+      return;
+    }
+    array.attributes["units"] = kNoUnit;
+  }
+
+  void AddSeries(const protocol::Series& series) {
+    std::vector<std::string> inner;
+    for (const protocol::Dimension dimension : protocol::DimensionsOf(series.shape))
+      inner.emplace_back(protocol::InfoOf(dimension).name);
+    const bool is_int = series.type == protocol::SeriesType::kInt32;
+    Array& array =
+        Add(std::string(series.name), is_int ? Type::kInt32 : Type::kFloat64, inner, true);
+    array.chunk = ChunkOf(array, layout_.grid.size());
+    array.fill = is_int ? -1 : kNaN;
+    array.has_fill_value = true;
+    array.series = &series;
+    const bool is_sampled = series.shape == protocol::SeriesShape::kSample;
+    Describe(array, series.unit,
+             fmt::format("{}{}", is_sampled ? "at each sample: " : "", series.doc));
+    if (facts_.contacts && series.name == "contacts") {
+      array.attributes.emplace("sample_dimension", "contact_row");
+      array.attributes.emplace(
+          "comment",
+          "a cell's contacts are in contact_* one cycle after the other, from row contact_first");
+    }
+  }
+
+  void AddCounted(const std::string& group, protocol::Dimension dimension, std::uint64_t size) {
+    const protocol::DimensionInfo& info = protocol::InfoOf(dimension);
+    AddDimension(group, Counted(std::string(info.name), size, std::string(info.doc)));
+  }
+
+  void AddLabelled(protocol::Dimension dimension) {
+    const protocol::DimensionInfo& info = protocol::InfoOf(dimension);
+    AddDimension("", Labelled(std::string(info.name), {info.labels.begin(), info.labels.end()},
+                              std::string(info.doc)));
+    layout_.dimensions.back().units_by_label = info.units;
+  }
+
+  void AddBoxDimensions() {
+    AddCounted("", protocol::Dimension::kBoxBody, facts_.box_bodies);
+    AddLabelled(protocol::Dimension::kBound);
+    AddLabelled(protocol::Dimension::kFilter);
+  }
+
+  void AddSampleDimension(const std::string& group) {
+    const protocol::DimensionInfo& info = protocol::InfoOf(protocol::Dimension::kSample);
+    Dimension sample;
+    sample.name = info.name;
+    sample.size = facts_.samples;
+    sample.type = Type::kFloat64;
+    for (std::uint64_t i = 0; i < facts_.samples; ++i)
+      sample.numbers.push_back(static_cast<double>(i) * facts_.interval_s);
+    sample.attributes = {{"units", "s"}, {"long_name", std::string(info.doc)}};
+    AddDimension(group, std::move(sample));
+  }
+
+  void AddReferenceDimensions() {
+    std::vector<std::string> ids;
+    for (const plan::Run& reference : plan_.references) ids.push_back(reference.id);
+    AddDimension(kReferenceGroup, Labelled("reference", std::move(ids), "id of a reference run"));
+    AddSampleDimension(kReferenceGroup);
+    AddCounted(kReferenceGroup, protocol::Dimension::kBody, facts_.bodies);
+    const auto add = [this](const char* name, std::span<const std::string_view> labels,
+                            std::string_view units, const char* doc) {
+      AddDimension(kReferenceGroup, Labelled(name, {labels.begin(), labels.end()}, doc));
+      layout_.dimensions.back().units_by_label = units;
+    };
+    add("state", protocol::StateNames(), protocol::StateUnits(),
+        "centre of mass, orientation quaternion, velocity and angular velocity");
+    add("observable", protocol::ObservableNames(), protocol::ObservableUnits(),
+        "energies, momentum, angular momentum, depths in sizes, and counts");
+  }
+
+  void AddReferences() {
+    for (const ReferenceArray& row : ReferenceArrays()) {
+      Array& array = Add(kReferenceGroup + row.name, row.type, row.dimensions, false);
+      array.fill = row.type == Type::kFloat64 ? kNaN : 0;
+      array.has_fill_value = row.type == Type::kFloat64;
+      if (row.dimensions.size() > 1) array.chunk = ChunkOf(array, 1);
+      if (row.flags != nullptr) array.flags = row.flags();
+      Describe(array, row.unit, row.doc);
+    }
+  }
+
+  void AddContactDimensions(std::uint64_t rows) {
+    Dimension contact;
+    contact.name = "contact_row";
+    contact.size = rows;
+    AddDimension("", std::move(contact));
+    AddDimension("", Labelled("contact_side", {"a", "b"}, "body of a contact"));
+    AddDimension("", Labelled("xyz", {"x", "y", "z"}, "component of a vector"));
+  }
+
+  void AddContacts() {
+    const auto add = [this](const char* name, Type type, std::vector<std::string> inner,
+                            const char* unit, const char* doc) {
+      inner.insert(inner.begin(), "contact_row");
+      Array& array = Add(name, type, inner, false);
+      // An array without elements cannot have chunks.
+      if (array.shape[0] > 0) array.chunk = ChunkOf(array, 0);
+      array.fill = type == Type::kInt32 ? -1 : kNaN;
+      array.has_fill_value = true;
+      Describe(array, unit, doc);
+    };
+    add("contact_body", Type::kInt32, {"contact_side"}, "",
+        "index of the object; the walls -x +x -y +y -z +z follow the last object");
+    add("contact_point", Type::kFloat64, {"xyz"}, "m", "contact point on body a");
+    add("contact_normal", Type::kFloat64, {"xyz"}, "", "unit normal from body b to body a");
+    add("contact_distance", Type::kFloat64, {}, "m", "distance of the bodies; negative in overlap");
+    Array& first = Add("contact_first", Type::kFloat64, {}, true);
+    first.fill = kNaN;
+    first.has_fill_value = true;
+    Describe(first, "",
+             "the run's first row in contact_*; float64, as rows pass the range of int32; none "
+             "recorded: no value");
+  }
+
+  void AddRunArrays() {
+    for (const RunNumber& number : facts_.numbers) {
+      Array& array = Add(number.name, number.type, {}, true);
+      array.fill = number.missing;
+      // Flags have a value for it, and xarray turns arrays with a fill value into floats.
+      array.has_fill_value = number.flags == nullptr;
+      if (number.flags != nullptr) array.flags = number.flags();
+      Describe(array, number.unit, number.doc);
+    }
+    for (const RunText& text : facts_.texts)
+      Describe(Add(text.name, Type::kText, {}, true), "", text.doc);
+  }
+
+  const plan::Plan& plan_;
+  const PlanFacts& facts_;
+  Layout layout_;
+};
+
+}  // namespace
+
+const Array& Layout::Get(std::string_view name) const {
+  const auto found = std::ranges::find(arrays, name, &Array::name);
+  CDB_CHECK(found != arrays.end());
+  return *found;
+}
+
+std::uint64_t ChunksOfCell(const Array& array, std::size_t outer) {
+  std::uint64_t count = 1;
+  for (std::size_t d = outer; d < array.shape.size(); ++d)
+    count *= (array.shape[d] + array.chunk[d] - 1) / array.chunk[d];
+  return count;
+}
+
+hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_t index) {
+  hdf5::Shape start = cell;
+  start.resize(array.shape.size());
+  for (std::size_t d = array.shape.size(); d-- > cell.size();) {
+    const std::uint64_t n = (array.shape[d] + array.chunk[d] - 1) / array.chunk[d];
+    start[d] = index % n * array.chunk[d];
+    index /= n;
+  }
+  return start;
+}
+
+Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t contact_rows) {
+  return Maker(plan, facts).Make(contact_rows);
+}
+
+}  // namespace cdb::results

@@ -1,0 +1,165 @@
+// The result of a run, and results files, which `cdb doc results` describes. Independent of how
+// runs are executed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "compiler/schema/series.h"
+#include "dsl/text/check.h"
+#include "runtime/protocol/machine/noise.h"
+#include "runtime/protocol/samples.h"
+#include "runtime/protocol/series.h"
+#include "runtime/protocol/verdict.h"
+#include "runtime/results/files/errors.h"
+
+namespace cdb::results {
+
+/// `flag_values` of `status`, in this order.
+enum class Status : std::int8_t { kMissing, kDone, kSkipped, kFailed, kCrashed, kTimedOut };
+inline constexpr std::string_view kStatusNames[] = {"missing", "done",    "skipped",
+                                                    "failed",  "crashed", "timed_out"};
+/// `done`, `timed_out`.
+constexpr std::string_view StatusName(Status status) {
+  const auto index = static_cast<std::size_t>(status);
+  CDB_CHECK(index < std::size(kStatusNames));
+  return kStatusNames[index];
+}
+
+/// The state of a run: its process, and its physics.
+struct Outcome {
+  Status status = Status::kMissing;
+  protocol::Verdict verdict = protocol::Verdict::kUnknown;
+  /// True if it is done and its timings are not void.
+  bool IsGood() const { return status == Status::kDone && !protocol::HasVoidTimings(verdict); }
+};
+
+/// All results of one run. `series` point into memory of the caller.
+struct RunResult {
+  Status status = Status::kMissing;
+  protocol::Judgement judgement;
+  std::uint64_t n_cycles = 0;
+  double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
+  std::string state_hash;
+  std::string host;
+  std::string message;    ///< reason why it failed; empty if it succeeded
+  std::string omitted;    ///< names of the omitted components, separated by spaces
+  std::string decisions;  ///< the decision about each component, one per line
+                          ///< (compiler/analysis/pruning.h)
+  std::string models;     ///< the hulls of the compounds in the scene, one per line; may be empty
+  double load = 0;        ///< the machine's one-minute load average when the run began
+  schema::RunScalars scalars;
+  machine::NoiseJudgement noise;
+  std::vector<std::pair<const protocol::Series*, std::span<const std::byte>>> series;
+  protocol::RunErrors errors;  ///< empty if the scene requests none
+  std::vector<protocol::ContactRecord>
+      contacts;  ///< of all cycles in order; the series `contacts` has their number in each cycle
+
+  Outcome outcome() const { return {status, judgement.verdict}; }
+};
+
+/// Facts about build and machine for `/provenance`, by name: `cdb_version`, `bullet_version`,
+/// `compiler`, `cpu`, `build_type`…
+using Provenance = std::map<std::string, std::string>;
+
+/// How much of a file, in addition to its digest and its structure, is read in a process with
+/// limits of time and memory before it is used.
+enum class ProofOf {
+  kStructure,  ///< no values
+  kFewValues,  ///< all, in files of at most 64 MiB
+  kEveryValue,
+};
+
+/// The remedy for a damaged results file.
+inline constexpr std::string_view kResultRemedy =
+    "merge it again from its journal, restore a copy, or run it again with --fresh";
+
+/// True if the file is HDF5, or ends as files of cdb do.
+bool IsStored(const std::filesystem::path& file);
+/// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty if it has none. Throws StoreError.
+std::string ReadSchema(const std::filesystem::path& file);
+
+/// A results file opened for reading. Not thread-safe.
+class ResultFile {
+ public:
+  /// Throws StoreError if it is not as it was written, or cannot be read.
+  explicit ResultFile(const std::filesystem::path& file, ProofOf of = ProofOf::kFewValues);
+  ResultFile(ResultFile&&) noexcept;
+  ~ResultFile();
+
+  /// False for files of versions of cdb that wrote no digest.
+  bool has_digest() const;
+  /// Throws StoreError if the file is not as results of its plan are. The constructor has checked
+  /// it with a plan that lists its runs; for one in the short form, call it before Select.
+  void CheckIsOf(const plan::Plan& plan) const;
+  const std::string& plan_sha256() const;
+  const std::string& title() const;
+  const std::string& benchmark() const;
+  const std::string& source() const;  ///< the scenario file, as the user named it
+  /// Restricts `axis` to the values with the indices `kept`, in that order, for all later calls:
+  /// axes and cells are those of the selection. `kept` is not empty.
+  void Select(std::size_t axis, const std::vector<std::size_t>& kept);
+  /// The point after Select that corresponds to a point of the complete file; nullopt if it was not
+  /// kept.
+  std::optional<std::vector<std::size_t>> SelectedPoint(const std::vector<std::size_t>& at) const;
+  /// The axes of the sweep, without rep, phase and cycle.
+  const std::vector<plan::Axis>& axes() const;
+  std::uint64_t repeats() const;
+  /// The number of repeats up to the last one that any point has, at least 1: `cdb run --until` may
+  /// stop before all are done.
+  std::uint64_t begun_repeats() const;
+  std::uint64_t cycles() const;
+  /// `dataset`, here and below: a variable of the root, `accuracy/NAME`, or a fact of a run by its
+  /// name in /run. The names are the same for files of every schema version.
+  bool Has(std::string_view dataset) const;
+
+  /// A cell: the index on each axis, and the repeat.
+  struct Cell {
+    std::vector<std::size_t> at;
+    std::uint64_t rep = 0;
+  };
+  Status ReadStatus(const Cell& cell) const;
+  std::uint64_t ReadCycleCount(const Cell& cell) const;
+  protocol::Judgement ReadJudgement(const Cell& cell) const;
+  std::string ReadText(std::string_view dataset,
+                       const Cell& cell) const;  ///< `state_hash`, `message`, `omitted`
+  double ReadReal(std::string_view dataset,
+                  const Cell& cell) const;  ///< `peak_rss`, `build_time`, …
+  /// One scalar series of a cell, over the cycles that ran; one phase of `duration`. Integers are
+  /// returned as doubles.
+  std::vector<double> ReadSeries(std::string_view dataset, const Cell& cell) const;
+  std::vector<double> ReadDuration(protocol::Phase phase, const Cell& cell) const;
+  /// One series of /accuracy (schema::ErrorInfo::series) of a cell, at each sample.
+  std::vector<double> ReadSamples(std::string_view dataset, const Cell& cell) const;
+  /// One cycle of a series with several values in each (`poses`, `boxes`), with the last dimension
+  /// fastest. The cycle must have run.
+  std::vector<double> ReadCycle(std::string_view dataset, const Cell& cell,
+                                std::uint64_t cycle) const;
+  /// `count` contacts of the cell from its number `first` on; the series `contacts` has the number
+  /// of contacts in each cycle.
+  std::vector<protocol::ContactRecord> ReadContacts(const Cell& cell, std::uint64_t first,
+                                                    std::uint64_t count) const;
+  /// The reasons why reference runs cannot be used, a line each: `reference 0123…: crashed: …`.
+  /// Empty if all succeeded, or there are none.
+  std::vector<std::string> ReadReferenceTroubles() const;
+  /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
+  std::string ReadProvenance(std::string_view name) const;
+  /// An attribute of the run in a cell, or the common attribute if runs do not differ in it.
+  std::string ReadProvenance(std::string_view name, const Cell& cell) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cdb::results

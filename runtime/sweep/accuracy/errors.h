@@ -1,0 +1,44 @@
+// Computes the errors of a run from its samples and the true values: pure functions. The formulae
+// are those of compiler/schema/metrics.h and `cdb doc accuracy`.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "compiler/schema/metrics.h"
+#include "runtime/protocol/samples.h"
+#include "runtime/sweep/accuracy/standard.h"
+
+namespace cdb::accuracy {
+
+/// The reference is trusted until its perturbed run is this far from it: the root mean square over
+/// the objects of the distance in sizes.
+inline constexpr double kHorizonDistance = 0.1;
+
+/// The first sample at which the two runs are that far apart or cannot be compared; the number of
+/// samples if there is none.
+std::size_t HorizonOf(const protocol::Samples& reference, const protocol::Samples& perturbed);
+
+/// One value per sample. NaN where the standard has no value, for errors of a step at the start,
+/// and for overlaps where there are none. `standard` may be null if no error of `errors` needs it.
+/// Result: [error][sample].
+std::vector<std::vector<double>> ErrorSeries(std::span<const schema::ErrorInfo* const> errors,
+                                             const protocol::Samples& run,
+                                             const Standard* standard);
+
+/// Reduces the series to one number. The start, where the error is zero by definition, and the
+/// samples from `end` on are left out. NaN if one of the values is; for Fold::kMeanOfSome, only if
+/// all are.
+double Folded(std::span<const double> series, schema::Fold fold, std::size_t end);
+
+/// The mean distance by which the values of `from` have to be moved to become those of `to`: the
+/// Wasserstein distance W1 of two distributions of equal size. The values may be in any order.
+double MeanMove(std::vector<double> from, std::vector<double> to);
+
+/// All errors that `scene` requests, as the results store them. `standard` as above. `reference`
+/// and `perturbed` are null for a closed form; the horizon is then the end and the floor 0.
+protocol::RunErrors CollectErrors(const plan::Scene& scene, const protocol::Samples& run,
+                                  const Standard* standard, const protocol::Samples* reference,
+                                  const protocol::Samples* perturbed);
+
+}  // namespace cdb::accuracy

@@ -1,0 +1,93 @@
+// The launcher used outside of tests: one process for each run, by the worker program of the run's
+// precision.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+#include "compiler/yaml/plan_yaml_writer.h"
+#include "runtime/sweep/process/fork_server.h"
+#include "runtime/sweep/process/launcher.h"
+#include "runtime/sweep/process/processors.h"
+#include "runtime/sweep/process/stop.h"
+#include "runtime/sweep/process/trace_cache.h"
+
+namespace cdb::process {
+
+/// The worker programs; a path is empty if no run of the plan needs it.
+struct WorkerPrograms {
+  std::filesystem::path single;   ///< cdb-worker-f32
+  std::filesystem::path double_;  ///< cdb-worker-f64
+};
+
+/// Finds the programs that the plan needs: beside this program, then in ../libexec/cdb of its
+/// folder. Throws ScheduleError, which names the places searched and the remedy.
+WorkerPrograms FindWorkers(const plan::Plan& plan);
+/// The same for a program in `folder`.
+WorkerPrograms FindWorkers(const plan::Plan& plan, const std::filesystem::path& folder);
+
+/// The end of a worker's standard error, for the message of a crash: at most kMaxBytes, however
+/// long the text.
+class TextTail {
+ public:
+  static constexpr std::size_t kMaxBytes = 8192;
+  void Append(std::string_view text);
+  /// The last lines, at most five, printable: other bytes become `?` (text::Printable).
+  std::string LastLines() const;
+
+ private:
+  std::string text_;
+};
+
+/// Runs workers as processes, forked from a loaded worker program, or started directly if that
+/// fails. Standard input is empty, standard output is dropped, standard error is kept for the
+/// message. Each worker has its own process group, so that Ctrl-C reaches only this process. A
+/// run's timeout ends its worker with SIGKILL, and its memory limit is set before its own code
+/// runs. The worker of each slot stays on one processor (ClaimedProcessors), unless its detector
+/// may use several threads.
+class ProcessLauncher : public Launcher {
+ public:
+  /// `stop` may be null. `claim`: of ClaimedProcessors.
+  ProcessLauncher(WorkerPrograms programs, std::size_t slots, const StopFlag* stop,
+                  std::string_view claim = kProcessorClaim);
+  ~ProcessLauncher() override;
+
+  void Start(std::size_t slot, const plan::Run& run, const std::string& kept) override;
+  std::optional<Ending> Wait(double seconds) override;
+  Pulse PulseOf(std::size_t slot) const override;
+  void StopAll() override;
+
+ private:
+  struct Worker;
+  /// -1 if the recording must be made anew, because a process that has ended may have used it.
+  pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn,
+                     protocol::ForkRequest how);
+  std::vector<pid_t> Processes() const;
+  void DrainErrors(Worker& worker);
+  /// Creates new descriptors and starts the process. Throws ScheduleError.
+  void Launch(Worker& worker, const std::vector<std::string>& arguments);
+  bool TryToLaunch(Worker& worker, const std::vector<std::string>& arguments);
+  /// Starts a worker again whose process has ended with that request; at most once.
+  bool StartAgain(Worker& worker);
+  /// None if it was started again.
+  std::optional<Ending> Reap(Worker& worker);
+
+  WorkerPrograms programs_;
+  yaml::RunText text_{""};
+  const StopFlag* stop_;
+  TraceCache traces_;
+  const ClaimedProcessors processors_;
+  /// For each program that was started; null if it cannot fork workers
+  std::map<std::filesystem::path, std::unique_ptr<ForkServer>> servers_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+}  // namespace cdb::process

@@ -1,0 +1,87 @@
+#include "runtime/results/pose_arrays.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "runtime/results/hdf5/file.h"
+#include "runtime/results/store.h"
+#include "tests/support/files.h"
+
+namespace cdb::tests {
+namespace {
+
+using hdf5::Type;
+
+class PoseArraysOf : public testing::Test {
+ protected:
+  void Add(hdf5::File& file, const char* name, const hdf5::Shape& shape,
+           Type type = Type::kFloat64) {
+    hdf5::Dataset dataset = file.CreateDataset({name, type, shape, {}, 0});
+    if (type == Type::kText) {
+      dataset.WriteText(std::vector<std::string>(hdf5::Product(shape), "x"));
+      return;
+    }
+    std::vector<double> values(hdf5::Product(shape));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i);
+    dataset.Write(values);
+  }
+  std::string Fault() {
+    try {
+      results::ReadPoseArrays(path_);
+    } catch (const files::StoreError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_ / "start.h5";
+};
+
+TEST_F(PoseArraysOf, AreReadAsTheyStand) {
+  hdf5::File file = hdf5::File::Create(path_);
+  Add(file, "position", {2, 3}, Type::kFloat32);
+  Add(file, "angular_velocity", {2, 3}, Type::kInt32);
+  file.Close();
+  const auto arrays = results::ReadPoseArrays(path_);
+  ASSERT_TRUE(arrays);
+  EXPECT_EQ(arrays->position, (std::vector<double>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(arrays->angular_velocity.size(), 6u);
+  EXPECT_TRUE(arrays->orientation.empty() && arrays->linear_velocity.empty());
+}
+
+TEST_F(PoseArraysOf, AreRefusedInOtherShapes) {
+  const std::pair<const char*, hdf5::Shape> shapes[] = {
+      {"position", {6}}, {"position", {2, 4}}, {"position", {2, 3, 1}}, {"position", {}}};
+  for (const auto& [name, shape] : shapes) {
+    hdf5::File file = hdf5::File::Create(path_);
+    Add(file, name, shape);
+    file.Close();
+    EXPECT_NE(Fault().find("its `position` should be an array of numbers"), std::string::npos)
+        << Fault();
+  }
+  hdf5::File file = hdf5::File::Create(path_);
+  Add(file, "position", {2, 3});
+  Add(file, "orientation", {3, 4});
+  file.Close();
+  EXPECT_NE(Fault().find("`orientation` should be an array of numbers with 2 rows and 4 columns"),
+            std::string::npos)
+      << Fault();
+  hdf5::File text = hdf5::File::Create(path_);
+  Add(text, "position", {2, 3}, Type::kText);
+  text.Close();
+  EXPECT_NE(Fault().find("array of numbers"), std::string::npos) << Fault();
+}
+
+TEST_F(PoseArraysOf, NeedHdf5) {
+  WriteFile(path_, "x,y,z\n1,2,3\n");
+  EXPECT_NE(Fault().find("not HDF5"), std::string::npos) << Fault();
+  hdf5::File file = hdf5::File::Create(path_);
+  Add(file, "places", {2, 3});
+  file.Close();
+  EXPECT_FALSE(results::ReadPoseArrays(path_));
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,32 @@
+#include "runtime/sweep/cluster/program.h"
+
+#include <gtest/gtest.h>
+
+namespace cdb::tests {
+namespace {
+
+TEST(RunProgram, CollectsBothOutputsAndTheStatus) {
+  const auto end = cluster::RunProgram({"sh", "-c", "cat; echo no >&2; exit 7"}, "yes\n");
+  ASSERT_TRUE(end.has_value());
+  EXPECT_EQ(end->out, "yes\n");
+  EXPECT_EQ(end->err, "no\n");
+  EXPECT_EQ(end->status, 7);
+}
+
+TEST(RunProgram, OutputMayBeLongerThanAPipe) {
+  const auto end =
+      cluster::RunProgram({"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 300000 /dev/zero"});
+  EXPECT_EQ(end->out.size(), 300000u);
+  EXPECT_EQ(end->err.size(), 300000u);
+}
+
+TEST(RunProgram, ASignalCountsAsTheShellCountsIt) {
+  EXPECT_EQ(cluster::RunProgram({"sh", "-c", "kill -KILL $$"})->status, 128 + 9);
+}
+
+TEST(RunProgram, AProgramThatIsNotThereIsNone) {
+  EXPECT_FALSE(cluster::RunProgram({"no-such-program-of-cdb"}).has_value());
+}
+
+}  // namespace
+}  // namespace cdb::tests
