@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "compiler/analysis/trace.h"
-#include "compiler/checks/traced_scene.h"
-#include "compiler/configure/dependencies.h"
+#include "compiler/checks/scene_checks.h"
+#include "compiler/configure/axes.h"
 #include "dsl/text/check.h"
 
 namespace cdb::compiler {

@@ -3,12 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
 
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/block_maker.h"
 #include "compiler/checks/file_lets.h"
-#include "compiler/checks/unreachable.h"
-#include "compiler/expand.h"
+#include "compiler/checks/idle_settings.h"
+#include "compiler/configure/axes.h"
+#include "compiler/evaluate/convert.h"
+#include "compiler/grid/survey.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/schema.h"
+#include "dsl/text/check.h"
 
 namespace cdb::compiler {
 Compilation Compile(const std::string& path, const scenario::ReadFile& read,
@@ -56,6 +69,445 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
 
 std::optional<std::string> ReadFromDisk(const std::string& path, std::string& why) {
   return plan::ReadInputFile(path, why);
+}
+
+namespace {
+
+/// Adds the plug-ins that the scene does not have yet.
+void AddPlugins(std::span<const schema::PluginDetector> plugins, plan::Scene& scene) {
+  for (const schema::PluginDetector& plugin : plugins)
+    if (std::ranges::find(scene.plugins, plugin.name, &schema::PluginDetector::name) ==
+        scene.plugins.end())
+      scene.plugins.push_back(plugin);
+  std::ranges::sort(scene.plugins, {}, &schema::PluginDetector::name);
+}
+
+}  // namespace
+
+plan::Plan Cross(const plan::Plan& plan, schema::WorldParameter parameter,
+                 const std::vector<std::string>& words,
+                 std::span<const schema::PluginDetector> plugins) {
+  CDB_CHECK(std::ranges::all_of(
+      words, [&](const auto& word) { return (*parameter).HasWord(word, plugins); }));
+  const std::string name(parameter.name());
+  if (std::ranges::find(plan.axes, name, &plan::Axis::parameter) != plan.axes.end()) return plan;
+  plan::Plan crossed = plan;
+  plan::Axis axis{name, name, std::string((*parameter).unit), {}};
+  axis.values.assign(words.begin(), words.end());
+  crossed.axes.insert(crossed.axes.begin(), std::move(axis));
+  crossed.runs.clear();
+  crossed.skipped.clear();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    for (plan::Run run : plan.runs) {
+      run.at.insert(run.at.begin(), i);
+      run.scene.world.Set(parameter, schema::Word{words[i]});
+      AddPlugins(plugins, run.scene);
+      run.scene.KeepUsedPlugins();
+      run.id = plan::RunId(run.scene, run.rep);
+      crossed.runs.push_back(std::move(run));
+    }
+    for (std::vector<std::size_t> at : plan.skipped) {
+      at.insert(at.begin(), i);
+      crossed.skipped.push_back(std::move(at));
+    }
+  }
+  analysis::AddReferences(crossed);
+  return crossed;
+}
+
+namespace {
+
+constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
+/// The maximum number of choices of cases, each of which is laid out separately.
+constexpr double kMostCases = 100'000;
+/// The maximum number of points of a grid: the results have a cell for each, also for skipped ones.
+constexpr double kMostPoints = 1e9;
+/// The coordinate of a case that has no value for an axis.
+constexpr std::string_view kNoValue = "none";
+
+/// An axis of the plan: a sweep that has this name in every configuration, or the names of cases.
+struct GridAxis {
+  plan::Axis axis;
+  std::pair<int, int> order;
+  const configure::SweepAxis* sweep = nullptr;  ///< one of its sweeps; null for cases
+  std::size_t case_axis = kNowhere;
+  std::vector<std::vector<plan::Coordinate>> values;        ///< by configuration
+  std::unordered_map<plan::Coordinate, std::size_t> index;  ///< of each value
+};
+
+class Expander {
+ public:
+  Expander(std::shared_ptr<const scenario::Scenario> scenario,
+           const scenario::BenchmarkRef& benchmark, const analysis::FindSceneFault& find_fault,
+           dsl::Diagnostics& diagnostics, bool lints)
+      : scenario_(std::move(scenario)),
+        benchmark_(benchmark),
+        find_fault_(find_fault),
+        diagnostics_(diagnostics),
+        lints_(lints),
+        errors_before_(diagnostics.error_count()),
+        layered_(*scenario_, benchmark, diagnostics) {}
+
+  std::optional<grid::Grid> Run() {
+    if (!layered_.is_readable() || !Configure()) return std::nullopt;
+    MakeAxes();
+    CheckAxisNames({});
+    const bool has_axes = !FailedBut(UnitErrors()) && layered_.is_complete();
+    if (!has_axes || !MakeHead() || !MakeBlocks() || HasUnreadSkip()) {
+      // There is no grid, but each setting can still be checked.
+      for (const auto& configuration : configurations_) configuration->CheckSettings();
+      return std::nullopt;
+    }
+    AddSettings();
+    CheckScenes();
+    if (Failed() || is_broken_) return std::nullopt;
+    return std::move(grid_);
+  }
+
+ private:
+  bool Failed() const { return FailedBut(0); }
+  bool FailedBut(int errors) const { return diagnostics_.error_count() > errors_before_ + errors; }
+
+  /// The number of errors of units in settings.
+  int UnitErrors() const {
+    int errors = 0;
+    for (const auto& configuration : configurations_) errors += configuration->unit_errors();
+    return errors;
+  }
+
+  bool TooMany(double count, double most, std::string_view what) {
+    diagnostics_.Report(
+        scenario::kTooManyRuns, benchmark_.benchmark->name.span,
+        fmt::format("this benchmark has {:.6g} {}", count, what),
+        fmt::format("the limit is {:g}; skip some by `skip`, or split the benchmark", most));
+    return false;
+  }
+
+  bool Configure() {
+    double count = 1;
+    for (const scenario::CaseAxis& axis : layered_.case_axes()) {
+      case_extents_.push_back(axis.names.size());
+      count *= static_cast<double>(axis.names.size());
+    }
+    if (count > kMostCases) return TooMany(count, kMostCases, "choices of cases");
+    configure::Point chosen(case_extents_.size(), 0);
+    do {
+      configurations_.push_back(std::make_shared<configure::Configuration>(
+          *scenario_, layered_.Lay(chosen), diagnostics_));
+    } while (configure::Advance(chosen, case_extents_));
+    return true;
+  }
+
+  /// If true, skipped points cannot be told from others.
+  bool HasUnreadSkip() const {
+    return std::ranges::any_of(configurations_, [](const auto& configuration) {
+      return std::ranges::any_of(configuration->layers().skips,
+                                 [](const auto& skip) { return !skip.node->when; });
+    });
+  }
+
+  void MakeAxes() {
+    for (std::size_t i = 0; i < layered_.case_axes().size(); ++i) {
+      const scenario::CaseAxis& cases = layered_.case_axes()[i];
+      GridAxis axis;
+      axis.axis.name = cases.name;
+      axis.axis.values.assign(cases.names.begin(), cases.names.end());
+      axis.order = {cases.order, -1};
+      axis.case_axis = i;
+      axes_.push_back(std::move(axis));
+    }
+    for (const auto& configuration : configurations_)
+      for (const configure::SweepAxis& sweep : configuration->axes()) Merge(sweep);
+    std::ranges::stable_sort(axes_, {}, &GridAxis::order);
+    for (GridAxis& axis : axes_)
+      if (axis.sweep != nullptr) FillValues(axis);
+  }
+
+  void Merge(const configure::SweepAxis& sweep) {
+    for (GridAxis& axis : axes_) {
+      if (axis.axis.name != sweep.name) continue;
+      if (axis.sweep == nullptr) {
+        diagnostics_.Report(scenario::kAxisTwice, sweep.span,
+                            fmt::format("there are already cases called '{}'", sweep.name),
+                            fmt::format("name the axis: sweep(…) as {}_2", sweep.name));
+      } else {
+        axis.order = std::min(axis.order, sweep.order);
+      }
+      return;
+    }
+    GridAxis axis;
+    axis.axis.name = sweep.name;
+    axis.axis.parameter = sweep.parameter;
+    axis.axis.unit = sweep.unit;
+    axis.order = sweep.order;
+    axis.sweep = &sweep;
+    axes_.push_back(std::move(axis));
+  }
+
+  /// An axis is a variable of the results, so it cannot share the name of another variable.
+  void CheckAxisNames(const std::vector<const schema::ErrorInfo*>& errors) {
+    for (const GridAxis& axis : axes_) {
+      const std::string& name = axis.axis.name;
+      const auto clash = schema::FindNameClash(name, errors);
+      if (!clash) continue;
+      const bool is_cases = axis.sweep == nullptr;
+      diagnostics_.Report(
+          scenario::kReservedName,
+          is_cases ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
+          fmt::format("an axis cannot be called '{}', which is the name of {}", name, *clash),
+          is_cases ? fmt::format("give the cases another name: cases {}_case {{ … }}", name)
+                   : fmt::format("give the axis another name: sweep(…) as {}_value", name));
+    }
+  }
+
+  /// Fills the axis with every value that it has in some case; in a case that does not sweep it,
+  /// with the value set there.
+  void FillValues(GridAxis& axis) {
+    for (const auto& configuration : configurations_) {
+      std::vector<plan::Coordinate> here;
+      const auto swept =
+          std::ranges::find(configuration->axes(), axis.axis.name, &configure::SweepAxis::name);
+      if (swept != configuration->axes().end()) {
+        here = swept->values;
+      } else {
+        const auto value = configuration->ConstantFor(*axis.sweep);
+        here.push_back(value ? configure::CoordinateOf(*value) : std::string(kNoValue));
+      }
+      axis.values.push_back(std::move(here));
+    }
+    bool text = false;
+    for (const auto& here : axis.values)
+      for (const plan::Coordinate& value : here) text = text || value.index() == 1;
+    for (auto& here : axis.values) {
+      for (plan::Coordinate& value : here) {
+        if (text && value.index() == 0) value = schema::FormatReal(std::get<double>(value));
+        if (axis.index.try_emplace(value, axis.axis.values.size()).second)
+          axis.axis.values.push_back(value);
+      }
+    }
+  }
+
+  /// Makes axes and repeats.
+  bool MakeHead() {
+    for (const GridAxis& axis : axes_) grid_.head.axes.push_back(axis.axis);
+    for (std::size_t i = 0; i < layered_.case_axes().size(); ++i)
+      for (std::size_t a = 0; a < axes_.size(); ++a)
+        if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
+    const double points = grid::CountOf(grid_.extents());
+    return FindRepeats() && (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
+  }
+
+  bool FindRepeats() {
+    const schema::Parameter* repeats = schema::WorldParameter("repeats").get();
+    std::optional<std::uint64_t> value;
+    for (const auto& configuration : configurations_) {
+      const text::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
+      configure::Configuration& here = *configuration;
+      if (!configure::Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator())
+               .empty()) {
+        const text::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
+        diagnostics_.Report(scenario::kMisplacedSweep, whole, "'repeats' cannot be swept",
+                            "every point has the same number: they make the axis `rep`");
+        return false;
+      }
+      auto setting = here.evaluator().EvaluateParameter({"", repeats});
+      if (setting) setting = evaluate::Convert(*setting, *repeats, span, {}, {}, diagnostics_);
+      if (!setting) return false;
+      const std::uint64_t n = std::get<schema::Number>(*setting).AsCount();
+      if (value && *value != n) {
+        diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' must be the same in every case",
+                            "set it outside the cases");
+        return false;
+      }
+      value = n;
+      if (n <= kMostListed) continue;
+      diagnostics_.Report(
+          scenario::kTooManyRuns, span,
+          fmt::format("a point has {} repeats, but the limit is {}", n, kMostListed),
+          "use fewer repeats, or sweep the seed");
+      return false;
+    }
+    grid_.head.repeats = *value;
+    return true;
+  }
+
+  /// Makes the blocks without settings: the points with a run. False if there are too many.
+  bool MakeBlocks() {
+    double runs = 0;
+    for (std::size_t i = 0; i < configurations_.size(); ++i) {
+      makers_.emplace_back(scenario_, configurations_[i], grid_.head.axes, PlacesOf(i));
+      grid_.blocks.push_back(makers_.back().MakeConditions());
+      const std::uint64_t left = grid::RemainingBy(grid_.blocks.back(), {}).counts[0];
+      grid_.point_count += left;
+      runs += static_cast<double>(left) * static_cast<double>(grid_.head.repeats);
+    }
+    return runs <= configure::kMostRuns || TooMany(runs, configure::kMostRuns, "runs");
+  }
+
+  /// The values of each axis in a configuration, as indices.
+  std::vector<grid::Point> PlacesOf(std::size_t configuration) const {
+    std::vector<grid::Point> places;
+    std::size_t rest = configuration;
+    grid::Point chosen(case_extents_.size());
+    for (std::size_t i = case_extents_.size(); i-- > 0;) {
+      chosen[i] = rest % case_extents_[i];
+      rest /= case_extents_[i];
+    }
+    for (const GridAxis& axis : axes_) {
+      if (axis.sweep == nullptr) {
+        places.push_back({chosen[axis.case_axis]});
+        continue;
+      }
+      places.emplace_back();
+      for (const plan::Coordinate& value : axis.values[configuration])
+        places.back().push_back(axis.index.at(value));
+    }
+    return places;
+  }
+
+  void AddSettings() {
+    for (std::size_t i = 0; i < makers_.size(); ++i)
+      is_broken_ = !makers_[i].AddSettings(grid_.blocks[i]) || is_broken_;
+  }
+
+  void CheckScenes() {
+    const auto choose = [this](std::size_t block, const grid::Point& local) -> auto& {
+      makers_[block].Choose(local);
+      return makers_[block].configuration();
+    };
+    GridChecks checks(grid_, choose, benchmark_.benchmark->name.span, diagnostics_);
+    checks.Check();
+    if (Failed() || is_broken_) return;
+    CheckAxisNames(ErrorsOfAllRuns());
+    if (Failed()) return;
+    if (grid_.point_count == 0) {
+      diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
+                          fmt::format("'{}' has no runs left", benchmark_.benchmark->name.text),
+                          "its `skip` skips every point");
+      return;
+    }
+    checks.FindFaults(find_fault_);
+    if (lints_) checks.Lint();
+  }
+
+  std::vector<const schema::ErrorInfo*> ErrorsOfAllRuns() const {
+    std::vector<const schema::ErrorInfo*> errors;
+    grid::Survey(grid_).Look(
+        std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
+        [&](const grid::Sample&, const plan::Scene& scene) {
+          for (const schema::ErrorInfo* error : analysis::ErrorsOf(scene))
+            if (std::ranges::find(errors, error) == errors.end()) errors.push_back(error);
+        });
+    return errors;
+  }
+
+  std::shared_ptr<const scenario::Scenario> scenario_;
+  const scenario::BenchmarkRef& benchmark_;
+  const analysis::FindSceneFault& find_fault_;
+  dsl::Diagnostics& diagnostics_;
+  bool lints_;
+  int errors_before_;
+  scenario::LayeredBenchmark layered_;
+  std::vector<std::size_t> case_extents_;
+  std::vector<std::shared_ptr<configure::Configuration>> configurations_;
+  std::deque<BlockMaker> makers_;  ///< for each configuration
+  std::vector<GridAxis> axes_;
+  grid::Grid grid_;
+  /// A point has an error, which another benchmark may already have reported.
+  bool is_broken_ = false;
+};
+
+}  // namespace
+
+std::optional<grid::Grid> Expand(std::shared_ptr<const scenario::Scenario> scenario,
+                                 const scenario::BenchmarkRef& benchmark,
+                                 const analysis::FindSceneFault& find_fault,
+                                 dsl::Diagnostics& diagnostics, bool lints) {
+  return Expander(std::move(scenario), benchmark, find_fault, diagnostics, lints).Run();
+}
+
+void GridChecks::Replay(const dsl::Diagnostics& found) {
+  for (const dsl::Diagnostic& one : found.all())
+    diagnostics_.Report(*one.kind, one.span, one.message, one.help, one.notes);
+}
+
+void GridChecks::Check() {
+  std::optional<dsl::Diagnostics> found;
+  std::optional<checks::SceneChecks> checks;
+  survey_.Look(
+      std::numeric_limits<std::uint64_t>::max(), {},
+      [&](bool) { checks.emplace(benchmark_, found.emplace()); },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        configure::Configuration& configuration = choose_(sample.block, sample.local);
+        if (!analysis::TraceOf(scene)) {
+          checks->Pass(configuration, scene);
+        } else {
+          plan::Scene traced = scene;
+          checks->PassTraced(configuration, traced);
+        }
+      });
+  Replay(*found);
+}
+
+/// The axes that determine the placement, so that no scene is placed twice. A closed form may
+/// depend on every axis.
+grid::AxisSet GridChecks::AxesOfPlacement() const {
+  grid::AxisSet axes;
+  constexpr schema::WorldParameter kClosedForm = "accuracy.closed_form", kSeed = "seed",
+                                   kSide = "world.side", kTrace = "trace";
+  bool has_closed_form = false;
+  for (const grid::Block& block : grid_.blocks) {
+    has_closed_form = has_closed_form || block.base.world.WordOr("accuracy.closed_form") != "none";
+    for (const grid::VaryingSetting& setting : block.varying) {
+      const schema::Parameter* parameter = setting.parameter;
+      has_closed_form = has_closed_form || parameter == kClosedForm.get();
+      if (parameter->grouped || parameter == kSeed.get() || parameter == kSide.get() ||
+          parameter == kTrace.get())
+        axes = grid::Union(axes, setting.by.axes());
+    }
+  }
+  return has_closed_form ? grid::AllAxes(grid_.head.axes.size()) : axes;
+}
+
+void GridChecks::FindFaults(const analysis::FindSceneFault& find) {
+  std::optional<dsl::Diagnostics> found;
+  std::optional<checks::SceneFaults> faults;
+  survey_.Look(
+      kMostPlaced, AxesOfPlacement(),
+      [&](bool is_whole) {
+        faults.emplace(benchmark_, find, found.emplace(),
+                       is_whole ? checks::SceneFaults::kMostObjects : kMostObjectsOfMany);
+      },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        if (!analysis::TraceOf(scene))
+          faults->Add(choose_(sample.block, sample.local), scene,
+                      sample.points * grid_.head.repeats);
+      });
+  faults->Report(grid_.run_count());
+  Replay(*found);
+}
+
+void GridChecks::Lint() {
+  std::optional<lints::LintFindings> findings;
+  std::optional<checks::IdleSettings> idle;
+  std::uint64_t looked_at = 0;
+  survey_.Look(
+      kMostLinted, {},
+      [&](bool) {
+        findings.emplace(benchmark_, diagnostics_);
+        idle.emplace(benchmark_, diagnostics_);
+        looked_at = 0;
+      },
+      [&](const grid::Sample& sample, const plan::Scene& scene) {
+        const std::uint64_t runs = sample.points * grid_.head.repeats;
+        looked_at += runs;
+        if (analysis::TraceOf(scene)) return;
+        configure::Configuration& configuration = choose_(sample.block, sample.local);
+        findings->Add(configuration, scene, runs);
+        idle->Add(configuration, scene);
+      });
+  idle->Report();
+  findings->Report(looked_at, grid_.run_count());
 }
 
 }  // namespace cdb::compiler

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 #include "dsl/statement_parser.h"
 #include "dsl/text/concat.h"
 

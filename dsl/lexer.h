@@ -64,4 +64,10 @@ TokenList Lex(const text::Source& source, Diagnostics& diagnostics);
 /// The contents of a kText token with escapes resolved; of a faulty token, the readable part.
 std::string TextContents(std::string_view lexeme);
 
+// Number literals: their form and range.
+
+/// False, with one report at `span`, if the lexeme is not a number of the language or does not fit
+/// into 64 bits.
+bool CheckNumber(std::string_view lexeme, const text::Span& span, Diagnostics& diagnostics);
+
 }  // namespace cdb::dsl

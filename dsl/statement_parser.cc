@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 #include "dsl/text/concat.h"
 #include "dsl/text/units.h"
 

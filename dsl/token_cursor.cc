@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 #include "dsl/parser.h"
 #include "dsl/text/concat.h"
 

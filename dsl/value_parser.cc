@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 #include "dsl/text/concat.h"
 #include "dsl/text/units.h"
 

@@ -9,9 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 
-#include "compiler/plan/descriptor.h"
 #include "compiler/plan/input_file.h"
-#include "compiler/plan/sha256.h"
 
 namespace cdb::library {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "compiler/plan/descriptor.h"
+#include "compiler/plan/input_file.h"
 
 namespace cdb::library {
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <variant>
 
-#include "compiler/analysis/collisions.h"
-#include "compiler/analysis/kinematic.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 
@@ -87,6 +85,52 @@ bool OnlyContactsTakeEnergy(const plan::Scene& scene) {
            return IsZero(group.settings.Get("rolling_friction")) &&
                   group.settings.WordOr("contact_stiffness") == "rigid";
          });
+}
+
+namespace {
+
+bool Allows(const plan::Group& group, std::string_view name) {
+  return group.settings.Lists("collides_with", "all") ||
+         group.settings.Lists("collides_with", name);
+}
+
+}  // namespace
+
+Collisions::Collisions(const plan::Scene& scene) {
+  const std::vector<plan::Group>& groups = scene.groups;
+  for (const plan::Group& a : groups) {
+    walls_.push_back(Allows(a, kWallsWord));
+    for (const plan::Group& b : groups) touches_.push_back(Allows(a, b.name) && Allows(b, a.name));
+  }
+  std::vector<std::size_t> firsts;  // the first group of each class
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto same =
+        std::ranges::find_if(firsts, [&](std::size_t first) { return AreAlike(i, first); });
+    classes_.push_back(static_cast<std::size_t>(same - firsts.begin()));
+    if (same == firsts.end()) firsts.push_back(i);
+  }
+  class_count_ = firsts.size();
+}
+
+bool Collisions::AreAlike(std::size_t group, std::size_t other) const {
+  if (walls_[group] != walls_[other]) return false;
+  for (std::size_t i = 0; i < walls_.size(); ++i)
+    if (MayTouch(group, i) != MayTouch(other, i)) return false;
+  return true;
+}
+
+namespace {
+
+bool MayBeKinematic(const schema::Value& mass) {
+  if (const schema::Word* word = schema::AsWord(mass)) return word->text == kKinematicWord;
+  const schema::Distribution* drawn = schema::AsDistribution(mass);
+  return drawn != nullptr && std::ranges::any_of(drawn->arguments, MayBeKinematic);
+}
+
+}  // namespace
+
+bool HasKinematic(const plan::Group& group) {
+  return group.settings.Count("quantity") > 0 && MayBeKinematic(group.settings.Get("mass"));
 }
 
 }  // namespace cdb::analysis

@@ -1,7 +1,9 @@
 // The physical behaviour expected of a scene, which a verdict compares with its motion.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
+#include <vector>
 
 #include "compiler/plan/plan.h"
 
@@ -27,5 +29,47 @@ bool FliesFreely(const plan::Scene& scene);
 /// True if only contacts can take energy from the scene, by friction and by inelastic bounces: it
 /// flies freely, nothing resists rolling, contacts are rigid, and `expect` is not `anything`.
 bool OnlyContactsTakeEnergy(const plan::Scene& scene);
+
+// Collision filter of the groups of objects: `collides_with`.
+
+/// The word for the walls among the names of groups.
+inline constexpr std::string_view kWallsWord = "walls";
+
+/// Two groups may touch if each allows the other; walls allow every group. A name that is not a
+/// group's allows none.
+class Collisions {
+ public:
+  explicit Collisions(const plan::Scene& scene);
+
+  /// True if nothing is filtered.
+  bool AllMayTouch() const { return class_count_ == 1 && MayTouch(0, 0) && MayTouchWalls(0); }
+  /// By the index of each group in the scene.
+  bool MayTouch(std::size_t group, std::size_t other) const {
+    return touches_[group * walls_.size() + other] != 0;
+  }
+  bool MayTouchWalls(std::size_t group) const { return walls_[group] != 0; }
+  /// Groups of one class may touch the same groups. Classes are numbered from 0.
+  std::size_t ClassOf(std::size_t group) const { return classes_[group]; }
+  std::size_t ClassCount() const { return class_count_; }
+
+ private:
+  bool AreAlike(std::size_t group, std::size_t other) const;
+
+  std::vector<char> touches_;  ///< a row for each group
+  std::vector<char> walls_;
+  std::vector<std::size_t> classes_;
+  std::size_t class_count_ = 0;
+};
+
+/// Bullet's collision masks have no bits for more.
+inline constexpr std::size_t kMostCollisionClasses = 12;
+
+// Kinematic objects: they follow their velocities or their path, whatever they touch.
+
+/// The word of `mass` that makes an object kinematic.
+inline constexpr std::string_view kKinematicWord = "kinematic";
+
+/// True if the group has objects, and all or some of them may be kinematic.
+bool HasKinematic(const plan::Group& group);
 
 }  // namespace cdb::analysis

@@ -6,7 +6,7 @@
 #include <array>
 #include <optional>
 
-#include "compiler/analysis/poses.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/series.h"
 #include "dsl/text/check.h"
 

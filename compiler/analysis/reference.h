@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/metrics.h"
 
 namespace cdb::analysis {
 
@@ -50,5 +52,34 @@ inline constexpr double kPerturbation = 1e-9;
 
 /// Fills `references` of the plan, and enters their ids in its runs.
 void AddReferences(plan::Plan& plan);
+
+// The errors that a scene or a plan requests by `accuracy.metrics`.
+
+/// In the order of the table; empty if the scene requests none.
+std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Scene& scene);
+/// Those of all runs together.
+std::vector<const schema::ErrorInfo*> ErrorsOf(const plan::Plan& plan);
+
+// The number of bodies in a scene, which detectors limit.
+
+/// The objects of all groups, plus the walls in use.
+std::uint64_t BodyCount(const plan::Scene& scene);
+/// The largest number of bodies of any run.
+std::uint64_t MaxBodyCount(const plan::Plan& plan);
+
+// Constants of Bullet and of the walls that lints, pruning and the engine rely on.
+
+/// The walls of a cube; pruning and results list them as -x +x -y +y -z +z.
+inline constexpr int kWallCount = 6;
+/// Thickness of a box wall, as a fraction of the side of the cube.
+inline constexpr double kWallThickness = 0.1;
+
+/// Bullet puts a body to sleep after it has been slower than both speeds, m/s and rad/s, for this
+/// time, s (btRigidBody::updateDeactivation).
+inline constexpr double kSlowSpeed = 0.8, kSlowSpin = 1.0, kSleepAfter = 2.0;
+
+/// Bullet disables a body whose box has at least this diagonal, m
+/// (btCollisionWorld::updateSingleAabb).
+inline constexpr double kLargestBox = 1e6;
 
 }  // namespace cdb::analysis

@@ -32,4 +32,42 @@ struct TraceName {
 /// Nullopt if the scene runs in a live world.
 std::optional<TraceName> TraceOf(const plan::Scene& scene);
 
+// Facts about the table named by `location poses("start.csv")` or `location path("lift.csv")`.
+// Compiler and library share them; the library reads tables (library/layouts/pose_table.h, path.h),
+// the command line reads HDF5.
+
+struct PoseFacts {
+  /// 64 hex digits: of the file; for an HDF5 file, of the values read from it.
+  std::string sha256;
+  std::uint64_t count = 0;  ///< objects
+  bool has_orientation = false, has_linear_velocity = false, has_angular_velocity = false;
+};
+
+/// The reason why a table cannot be used.
+struct PoseFault {
+  bool is_unreadable = false;  ///< the file cannot be read at all
+  std::string cause, remedy;   ///< `cause` names the file, and the line if there is one
+};
+
+/// Reads the facts from disk; a function, so that the compiler knows no file format. The call holds
+/// a path, and its hash is not compared.
+using ReadPoses = std::function<std::optional<PoseFacts>(const schema::Call& call, PoseFault& why)>;
+
+/// The layout of the group if it is a table of poses, otherwise null.
+const schema::Call* PosesOf(const plan::Group& group);
+/// The layout of the group if it is the path of a kinematic object, otherwise null.
+const schema::Call* PathOf(const plan::Group& group);
+/// True for a CSV file, which a worker reads itself.
+bool IsCsv(const schema::Call& poses);
+
+// Objects whose type is a surface: triangles without an inside, which cannot move.
+
+/// The word for a surface, as the type of a mesh; `heights` is a surface too.
+inline constexpr std::string_view kSurfaceWord = "surface";
+
+/// True if the type is a surface or a height field.
+bool IsSurface(const schema::Call& type);
+/// True if the group has objects, and all or some of them may be surfaces.
+bool HasSurface(const plan::GroupSettings& settings);
+
 }  // namespace cdb::analysis

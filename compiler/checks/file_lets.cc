@@ -5,7 +5,7 @@
 #include <string_view>
 #include <variant>
 
-#include "compiler/checks/unreachable.h"
+#include "compiler/checks/idle_settings.h"
 #include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/scenario/diagnostic_kinds.h"

@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "compiler/analysis/expectation.h"
-#include "compiler/analysis/kinematic.h"
-#include "compiler/analysis/poses.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/configure/configuration.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/scenario/layers.h"
+#include "compiler/schema/schema.h"
 
 namespace cdb::checks {
 namespace {
@@ -67,6 +75,176 @@ void IdleSettings::Report() const {
   for (const auto& [key, finding] : idle_)
     if (!useful_.contains(key))
       diagnostics_.Report(scenario::kNoEffect, finding.span, finding.message, finding.help);
+}
+
+namespace {
+
+constexpr std::size_t kMostValuesNamed = 3;
+
+bool IsSweepCall(const dsl::Expr& value) {
+  return value.kind == dsl::ExprKind::kCall && value.text == "sweep";
+}
+
+bool Holds(const text::Span& outer, const text::Span& inner) {
+  return outer.source == inner.source && outer.begin <= inner.begin && inner.end <= outer.end;
+}
+
+/// `quantity 5, 6 or 7`, `quantity 5, 6, 7 or any of 4 more`.
+std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& values) {
+  std::string text = axis.name;
+  const std::size_t named = std::min(values.size(), kMostValuesNamed);
+  for (std::size_t i = 0; i < named; ++i) {
+    const plan::Coordinate& value = axis.values[values[i]];
+    const bool is_last = i + 1 == values.size();
+    text += i == 0 ? " " : is_last ? " or " : ", ";
+    const auto* real = std::get_if<double>(&value);
+    text += real != nullptr ? schema::FormatReal(*real) : std::get<std::string>(value);
+  }
+  if (values.size() > named) text += fmt::format(" or any of {} more", values.size() - named);
+  return text;
+}
+
+class UnreachedValues {
+ public:
+  UnreachedValues(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
+                  const grid::Grid& grid, dsl::Diagnostics& diagnostics)
+      : scenario_(scenario), benchmark_(benchmark), grid_(grid), diagnostics_(diagnostics) {}
+
+  void Report() {
+    const std::vector<plan::Axis>& axes = grid_.head.axes;
+    std::vector<std::vector<bool>> is_reached;
+    for (const plan::Axis& axis : axes) is_reached.emplace_back(axis.values.size(), false);
+    for (const grid::Block& block : grid_.blocks)
+      for (std::size_t a = 0; a < axes.size(); ++a) {
+        const grid::Remaining remaining = grid::RemainingBy(block, {a});
+        for (std::size_t v = 0; v < remaining.counts.size(); ++v)
+          if (remaining.counts[v] > 0) is_reached[a][block.places[a][v]] = true;
+      }
+    for (std::size_t a = 0; a < axes.size(); ++a) {
+      std::vector<std::size_t> missed;
+      for (std::size_t v = 0; v < is_reached[a].size(); ++v)
+        if (!is_reached[a][v]) missed.push_back(v);
+      if (!missed.empty()) ReportAxis(axes[a], missed);
+    }
+  }
+
+ private:
+  void ReportAxis(const plan::Axis& axis, const std::vector<std::size_t>& missed) {
+    if (const dsl::Cases* cases = CasesOf(axis.name)) {
+      for (const dsl::Case& one : cases->cases)
+        for (const std::size_t value : missed)
+          if (axis.values[value] == plan::Coordinate(one.name.text))
+            Warn(one.name.span, fmt::format("no run is in the case '{}'", one.name.text),
+                 "remove it, or change `skip`");
+      return;
+    }
+    const auto place = SweepOf(axis.name);
+    if (place && Holds(benchmark_.benchmark->span, *place))
+      Warn(*place, "no run has " + ValuesText(axis, missed),
+           "remove it from the sweep, or change `skip`");
+  }
+
+  void Warn(const text::Span& span, const std::string& what, const std::string& help) {
+    diagnostics_.Report(scenario::kUnreachable, span,
+                        what + ": `skip` skips every point that has it", help);
+  }
+
+  /// The cases in the benchmark itself that make the axis; null if there are none.
+  const dsl::Cases* CasesOf(const std::string& axis) const {
+    for (const dsl::Statement& statement : benchmark_.benchmark->block.statements)
+      if (const auto* cases = std::get_if<dsl::Cases>(&statement.what))
+        if ((cases->name ? cases->name->text : "case") == axis) return cases;
+    return nullptr;
+  }
+
+  /// The location of a sweep of the axis, in any case.
+  std::optional<text::Span> SweepOf(const std::string& axis) const {
+    dsl::Diagnostics said_before;
+    const scenario::LayeredBenchmark layered(scenario_, benchmark_, said_before);
+    configure::Point chosen(layered.case_axes().size(), 0);
+    std::vector<std::size_t> extents;
+    for (const scenario::CaseAxis& cases : layered.case_axes())
+      extents.push_back(cases.names.size());
+    do {
+      const configure::Configuration configuration(scenario_, layered.Lay(chosen), said_before);
+      for (const configure::SweepAxis& sweep : configuration.axes())
+        if (sweep.name == axis) return sweep.span;
+    } while (configure::Advance(chosen, extents));
+    return std::nullopt;
+  }
+
+  const scenario::Scenario& scenario_;
+  const scenario::BenchmarkRef& benchmark_;
+  const grid::Grid& grid_;
+  dsl::Diagnostics& diagnostics_;
+};
+
+/// The settings and lets of a block by their full names, with the locations of these names.
+using Definitions = std::map<std::string, text::Span>;
+
+void Collect(const dsl::Block& block, const std::string& outer, Definitions& definitions) {
+  for (const dsl::Statement& statement : block.statements) {
+    if (const auto* let = std::get_if<dsl::Let>(&statement.what)) {
+      definitions.emplace("let " + scenario::Joined(outer, let->name.text), let->name.span);
+    } else if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
+      definitions.emplace(scenario::Joined(outer, setting->path.text), setting->path.span);
+    } else if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
+      Collect(group->block,
+              group->label ? group->label->text : scenario::Joined(outer, group->kind.text),
+              definitions);
+    }
+  }
+}
+
+/// Reports a setting outside cases that every case overrides.
+void ReportOverridden(const dsl::Block& block, dsl::Diagnostics& diagnostics) {
+  Definitions outside;
+  Collect(block, "", outside);
+  for (const dsl::Statement& statement : block.statements) {
+    const auto* cases = std::get_if<dsl::Cases>(&statement.what);
+    if (cases == nullptr || cases->cases.empty()) continue;
+    std::vector<Definitions> inside;
+    for (const dsl::Case& one : cases->cases) Collect(one.block, "", inside.emplace_back());
+    for (const auto& [name, span] : outside) {
+      const std::string& wanted = name;
+      if (!std::ranges::all_of(inside, [&](const auto& one) { return one.contains(wanted); }))
+        continue;
+      diagnostics.Report(scenario::kUnreachable, span,
+                         fmt::format("no run has this value: every case sets '{}'", name),
+                         "remove it here, or from a case",
+                         {{inside[0].at(name), "the first case sets it here"}});
+    }
+  }
+}
+
+void ReportUnusedLets(const dsl::Block& block, const grid::Grid& grid,
+                      dsl::Diagnostics& diagnostics) {
+  for (const dsl::Statement& statement : block.statements) {
+    if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
+      ReportUnusedLets(group->block, grid, diagnostics);
+    } else if (const auto* let = std::get_if<dsl::Let>(&statement.what)) {
+      const std::string& name = let->value->axis ? let->value->axis->text : let->name.text;
+      const bool is_axis = std::ranges::any_of(
+          grid.head.axes, [&](const plan::Axis& axis) { return axis.name == name; });
+      if (!is_axis) ReportUnusedSweep(*let, diagnostics);
+    }
+  }
+}
+
+}  // namespace
+
+void ReportUnusedSweep(const dsl::Let& let, dsl::Diagnostics& diagnostics) {
+  if (IsSweepCall(*let.value))
+    diagnostics.Report(scenario::kUnreachable, let.name.span,
+                       fmt::format("nothing uses '{}', so its sweep makes no axis", let.name.text),
+                       "set a parameter to it, or remove it");
+}
+
+void ReportUnreachable(const scenario::Scenario& scenario, const scenario::BenchmarkRef& benchmark,
+                       const grid::Grid& grid, dsl::Diagnostics& diagnostics) {
+  UnreachedValues(scenario, benchmark, grid, diagnostics).Report();
+  ReportOverridden(benchmark.benchmark->block, diagnostics);
+  ReportUnusedLets(benchmark.benchmark->block, grid, diagnostics);
 }
 
 }  // namespace cdb::checks

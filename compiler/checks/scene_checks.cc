@@ -6,15 +6,12 @@
 #include <cstdint>
 #include <string_view>
 
-#include "compiler/analysis/capacity.h"
-#include "compiler/analysis/collisions.h"
-#include "compiler/analysis/kinematic.h"
-#include "compiler/analysis/poses.h"
+#include "compiler/analysis/expectation.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
-#include "compiler/checks/traced_scene.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/schema/series.h"
 #include "dsl/text/check.h"
 
 namespace cdb::checks {
@@ -274,6 +271,148 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
     return report(scenario::kMisplacedSweep, schema::WorldParameter("accuracy.interval").get(),
                   "the interval must be the same in every run", "the samples make one axis");
   return true;
+}
+
+// Settings that kinematic objects cannot have, those that only they can have, and those of
+// surfaces, which cannot move.
+
+namespace {
+
+struct MotionFault {
+  schema::GroupParameter parameter;
+  std::string message, help;
+};
+
+/// Bullet's treatment of a margin differs from shape to shape.
+std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
+  // The default means no margin here.
+  if (!group.settings.Has(*schema::GroupParameter("margin"))) return std::nullopt;
+  const schema::Value& given = group.settings.Get("margin");
+  return MotionFault{"margin",
+                     fmt::format("a surface has no margin, but that of {} is {}", group.name,
+                                 schema::ToText(given)),
+                     "remove the margin"};
+}
+
+std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
+  const plan::GroupSettings& settings = group.settings;
+  if (settings.Count("quantity") == 0) return std::nullopt;
+  if (analysis::HasSurface(settings) && settings.WordOr("mass") != "fixed")
+    return MotionFault{
+        settings.WordOr("mass") == analysis::kKinematicWord ? schema::GroupParameter("mass")
+                                                            : schema::GroupParameter("type"),
+        fmt::format("a surface has no inside and does not move, but the mass of {} is {}",
+                    group.name, schema::ToText(settings.Get("mass"))),
+        "write mass fixed, or type mesh(…) for a solid that moves"};
+  if (analysis::HasSurface(settings))
+    if (auto fault = FindMarginFault(group)) return fault;
+  if (analysis::PathOf(group) != nullptr && settings.WordOr("mass") != analysis::kKinematicWord)
+    return MotionFault{
+        "location",
+        fmt::format("only a kinematic object can move along a path, but the mass of {} is {}",
+                    group.name, schema::ToText(settings.Get("mass"))),
+        "write mass kinematic"};
+  if (!analysis::HasKinematic(group)) return std::nullopt;
+  for (const auto parameter :
+       {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
+    if (const schema::Call* schedule = schema::AsCall(settings.Get(parameter)))
+      return MotionFault{
+          parameter,
+          fmt::format("'{}' changes a velocity, but kinematic objects keep theirs", schedule->name),
+          "write one velocity, or their motion in a file: location path(\"motion.csv\")"};
+  const schema::Call* layout = schema::AsCall(settings.Get("location"));
+  if (layout != nullptr && layout->name == "pile")
+    return MotionFault{
+        "location", fmt::format("the {} are kinematic and cannot settle into a pile", group.name),
+        "give them a mass, or another location"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool SceneChecks::CheckMotion(configure::Configuration& configuration, const plan::Scene& scene) {
+  bool good = true;
+  for (const plan::Group& group : scene.groups) {
+    const auto fault = FindMotionFault(group);
+    if (!fault) continue;
+    good = false;
+    if (misplaced_.emplace(group.name, fault->message).second)
+      diagnostics_.Report(scenario::kContradiction,
+                          configuration.SpanOf({group.name, fault->parameter.get()}, benchmark_),
+                          fault->message, fault->help);
+  }
+  return good;
+}
+
+namespace {
+
+bool IsMeaningful(const schema::Parameter& parameter) {
+  return !parameter.IsIgnoredBy(schema::Parameter::kTrace);
+}
+
+std::string MeaningfulNames() {
+  std::vector<std::string_view> names;
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (IsMeaningful(parameter)) names.push_back(parameter.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
+                                  plan::Scene& scene) {
+  std::vector<TracedFault> faults;
+  const auto is_set = [&](schema::WorldParameter parameter) {
+    return layers.settings.contains({"", parameter.get()});
+  };
+  const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
+    scene.world.Set(parameter, std::move(value));
+  };
+  for (const auto& [key, setting] : layers.settings)
+    if (!IsMeaningful(*key.second))
+      faults.push_back({&scenario::kContradiction,
+                        key,
+                        {},
+                        fmt::format("'{}' has no meaning on a trace", setting.node->path.text),
+                        "remove it; a benchmark on a trace can set " + MeaningfulNames()});
+
+  const std::uint64_t warmup = scene.world.Count("warmup");
+  const schema::WorldParameter of_cycles = "cycles", of_warmup = "warmup";
+  if (!is_set("cycles")) set("cycles", facts.cycles - std::min(facts.cycles - 1, warmup));
+  const std::uint64_t cycles = scene.world.Count("cycles");
+  if (warmup > facts.cycles || cycles > facts.cycles - warmup)
+    faults.push_back({&scenario::kCapacity,
+                      {"", (is_set(of_cycles) ? of_cycles : of_warmup).get()},
+                      {},
+                      fmt::format("the trace has {} cycles, but this asks for {}", facts.cycles,
+                                  warmup + cycles),
+                      is_set("cycles") ? "without cycles, all of them are used"
+                                       : "warmup must leave at least one cycle to time"});
+
+  if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
+  std::vector<std::string_view> recorded;
+  for (const schema::RecordWord& word : schema::kRecordWords)
+    if (word.on_traces) recorded.push_back(word.name);
+  for (const std::string& word : scene.world.Words("record"))
+    if (std::ranges::find(recorded, word) == recorded.end())
+      faults.push_back({&scenario::kContradiction,
+                        {"", schema::WorldParameter("record").get()},
+                        word,
+                        fmt::format("'{}' cannot be recorded on a trace, which has boxes and no "
+                                    "bodies",
+                                    word),
+                        fmt::format("what can be: {}", fmt::join(recorded, ", "))});
+
+  // The trace determines the size of the scene; other settings of objects in the plan have no
+  // effect.
+  scene.groups.resize(1);
+  scene.groups[0].settings.Set("quantity", facts.bodies);
+  scene.seeds.clear();
+  set("world.walls", schema::Word{"none"});
+  set("timestep", facts.timestep_s);
+  set("precision", schema::Word{facts.is_double ? "double" : "single"});
+  set("omit", schema::WordList{"none"});
+  return faults;
 }
 
 }  // namespace cdb::checks

@@ -8,10 +8,13 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "compiler/analysis/pruning.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/configure/configuration.h"
 #include "compiler/plan/plan.h"
+#include "compiler/scenario/layers.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::checks {
@@ -55,5 +58,21 @@ class SceneChecks {
 
   std::optional<double> interval_s_;  ///< of the samples, once a run has any
 };
+
+// A scene whose detector is run on a trace, and the settings that still apply to it.
+
+/// The fault of one setting.
+struct TracedFault {
+  const dsl::DiagnosticKind* kind = nullptr;
+  scenario::ParameterKey key;
+  std::string word;  ///< of the list in the setting; empty: the whole setting
+  std::string message, help;
+};
+
+/// Gives `scene` the properties of the trace: one object per body, no walls, its time step and
+/// precision, all of its cycles and everything that can be recorded, unless `layers` sets
+/// otherwise. Returns the settings of `layers` that have no meaning with a trace.
+std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
+                                  plan::Scene& scene);
 
 }  // namespace cdb::checks

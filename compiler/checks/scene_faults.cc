@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/lints/count_text.h"
 #include "compiler/lints/lint_facts.h"
+#include "compiler/lints/lint_findings.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::checks {

@@ -1,11 +1,14 @@
 // Finds the sweeps of a benchmark and makes axes from them.
 #pragma once
 
+#include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/plan/plan.h"
+#include "compiler/scenario/layers.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/value.h"
 
@@ -35,5 +38,20 @@ std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evalua
 
 /// A number, or the label of any other value.
 plan::Coordinate CoordinateOf(const schema::Value& value);
+
+// The sweeps that a value depends on.
+
+/// All calls of `sweep` that the value of `expr` depends on, also through lets and parameters; of a
+/// zip, the first.
+std::set<const dsl::Expr*> SweepsIn(const dsl::Expr& expr, const scenario::Scope& scope,
+                                    const scenario::Layers& layers,
+                                    const evaluate::Evaluator& evaluator);
+
+/// Indices into `axes` of those that the values of `key` depend on, also through lets and other
+/// parameters.
+std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
+                                      const scenario::Layers& layers,
+                                      const std::vector<SweepAxis>& axes,
+                                      const evaluate::Evaluator& evaluator);
 
 }  // namespace cdb::configure

@@ -9,10 +9,8 @@
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
-#include "compiler/evaluate/functions.h"
-#include "compiler/names/arguments.h"
-#include "compiler/names/kind_name.h"
 #include "compiler/names/named_files.h"
+#include "compiler/names/names.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {

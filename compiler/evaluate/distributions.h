@@ -19,4 +19,26 @@ std::optional<schema::Value> EvaluateDistribution(const dsl::Expr& call,
                                                   const scenario::Scope& scope,
                                                   Evaluator& evaluator);
 
+// Distributions of positive numbers: `lognormal(median: 5 cm, sigma: 0.4)`, `gamma(2, 3)`.
+
+class Evaluator;
+
+/// lognormal, exponential, gamma and weibull, with their arguments by position or by name; nullopt
+/// after a diagnostic.
+std::optional<schema::Value> EvaluatePositive(const dsl::Expr& call, schema::DistributionKind kind,
+                                              const scenario::Scope& scope, Evaluator& evaluator);
+
+// Tables of measured values: `empirical("sizes.csv")`.
+
+class Evaluator;
+
+/// The maximum number of values: each run of a plan stores them.
+inline constexpr std::size_t kMaxTableValues = 10000;
+
+/// Reads a table, whose path is relative to the .cdb file: one value per line, or a value and its
+/// weight separated by a comma. The first line may be a heading; `#` begins a comment. The
+/// distribution holds the values, so that a plan needs no file. Nullopt after a diagnostic with the
+/// line of the table.
+std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator& evaluator);
+
 }  // namespace cdb::evaluate

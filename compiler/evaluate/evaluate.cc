@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
-#include "compiler/evaluate/drawn_settings.h"
-#include "compiler/evaluate/functions.h"
-#include "compiler/evaluate/operators.h"
-#include "compiler/evaluate/quantities.h"
-#include "compiler/names/defaults.h"
-#include "compiler/names/kind_name.h"
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/names/named_files.h"
+#include "compiler/names/names.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::evaluate {
@@ -319,6 +318,146 @@ std::optional<Value> Evaluator::ConvertFor(const schema::Parameter& parameter, c
   if (origin.kind == ExprKind::kCall)
     for (const dsl::Argument& argument : origin.arguments) choices.push_back(argument.value->span);
   return Convert(value, parameter, origin.span, choices, scenario_.plugins(), diagnostics_);
+}
+
+namespace {
+
+using dsl::Expr;
+using Eigen::Vector3d;
+using schema::Value;
+
+/// Nullopt if the operator is not defined for the two kinds.
+std::optional<Value> Apply(char op, const Value& left, const Value& right) {
+  if (AsNumber(left) && AsNumber(right))
+    return schema::Calculate(op, *AsNumber(left), *AsNumber(right));
+  if (AsVector(left) && AsVector(right) && (op == '+' || op == '-')) {
+    const double sign = op == '+' ? 1 : -1;
+    return Value(Vector3d(*AsVector(left) + sign * *AsVector(right)));
+  }
+  if (AsNumber(left) && AsVector(right) && op == '*')
+    return Value(Vector3d(AsNumber(left)->AsReal() * *AsVector(right)));
+  if (AsVector(left) && AsNumber(right) && op == '*')
+    return Value(Vector3d(*AsVector(left) * AsNumber(right)->AsReal()));
+  if (AsVector(left) && AsNumber(right) && op == '/')
+    return Value(Vector3d(*AsVector(left) / AsNumber(right)->AsReal()));
+  return std::nullopt;
+}
+
+bool IsNumeric(const Value& value) { return AsNumber(value) || AsFormula(value); }
+
+bool DividesByZero(char op, const Value& left, const Value& right) {
+  return op == '/' && (IsNumeric(left) || AsVector(left)) && AsNumber(right) &&
+         AsNumber(right)->AsReal() == 0;
+}
+
+std::nullopt_t ReportOperands(const Expr& expr, const Value& left, const Value& right,
+                              const scenario::Scope& scope, Evaluator& evaluator) {
+  for (const int side : {0, 1}) {
+    const Value& value = side == 0 ? left : right;
+    const text::Span& span = expr.items[static_cast<std::size_t>(side)]->span;
+    if (const schema::Word* word = AsWord(value)) {
+      const std::string_view near = evaluator.names().NearestLet(word->text, scope);
+      return evaluator.Error(scenario::kUnknownName, span,
+                             fmt::format("no let is called '{}'", word->text),
+                             near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+    }
+    if (!IsNumeric(value) && !AsVector(value))
+      return evaluator.Error(
+          scenario::kWrongKind, span,
+          fmt::format("{} cannot be used in arithmetic", names::KindName(value)));
+  }
+  return evaluator.Error(scenario::kWrongKind, expr.span,
+                         fmt::format("'{}' cannot be applied to {} and {}", expr.op,
+                                     names::KindName(left), names::KindName(right)));
+}
+
+}  // namespace
+
+std::optional<Value> EvaluateNegation(const Expr& expr, const scenario::Scope& scope,
+                                      Evaluator& evaluator) {
+  const auto operand = evaluator.Evaluate(*expr.items[0], scope);
+  if (!operand) return std::nullopt;
+  if (AsNumber(*operand)) return -*AsNumber(*operand);
+  if (AsVector(*operand)) return Value(Vector3d(-*AsVector(*operand)));
+  if (AsFormula(*operand)) return MakeFormula("-", {*operand}, expr.span, evaluator);
+  return evaluator.Error(scenario::kWrongKind, expr.span,
+                         fmt::format("{} cannot be negated", names::KindName(*operand)));
+}
+
+std::optional<Value> EvaluateBinary(const Expr& expr, const scenario::Scope& scope,
+                                    Evaluator& evaluator) {
+  const auto left = evaluator.Evaluate(*expr.items[0], scope);
+  const auto right = evaluator.Evaluate(*expr.items[1], scope);
+  if (!left || !right) return std::nullopt;
+  if (DividesByZero(expr.op, *left, *right))
+    return evaluator.Error(scenario::kNotFinite, expr.items[1]->span, "division by zero");
+  if (auto result = Apply(expr.op, *left, *right)) return result;
+  if (IsNumeric(*left) && IsNumeric(*right))
+    return MakeFormula(std::string(1, expr.op), {*left, *right}, expr.span, evaluator);
+  return ReportOperands(expr, *left, *right, scope, evaluator);
+}
+
+namespace {
+
+using schema::Function;
+using schema::Number;
+using schema::Value;
+
+bool CheckForm(const dsl::Expr& call, const Function& function, Evaluator& evaluator) {
+  for (const dsl::Argument& argument : call.arguments) {
+    if (!argument.name && !argument.weight) continue;
+    evaluator.Error(
+        scenario::kBadArguments, argument.name ? argument.name->span : argument.weight->span,
+        fmt::format("{}() takes only numbers", function.name), "separate them by commas");
+    return false;
+  }
+  const std::size_t count = call.arguments.size();
+  if (count >= 1 && count <= function.most_arguments) return true;
+  evaluator.Error(
+      scenario::kBadArguments, call.span,
+      fmt::format("{}() takes {}, but there are {}", function.name,
+                  function.most_arguments == 1 ? "one number" : "one number or more", count));
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::string_view> FunctionNames() {
+  std::vector<std::string_view> names;
+  for (const Function& function : schema::Functions()) names.push_back(function.name);
+  return names;
+}
+
+bool IsFunction(std::string_view name) { return schema::FindFunction(name) != nullptr; }
+
+std::optional<Value> EvaluateFunction(const dsl::Expr& call, const scenario::Scope& scope,
+                                      Evaluator& evaluator) {
+  const Function& function = *schema::FindFunction(call.text);
+  if (!CheckForm(call, function, evaluator)) return std::nullopt;
+  std::vector<Number> numbers;
+  std::vector<Value> operands;
+  for (const dsl::Argument& argument : call.arguments) {
+    const auto value = evaluator.Evaluate(*argument.value, scope);
+    if (!value) return std::nullopt;
+    if (!AsNumber(*value) && !AsFormula(*value))
+      return evaluator.Error(
+          scenario::kWrongKind, argument.value->span,
+          fmt::format("{}() takes numbers, but this is {}", call.text, names::KindName(*value)));
+    operands.push_back(*value);
+    if (AsNumber(*value)) numbers.push_back(*AsNumber(*value));
+  }
+  if (numbers.size() < operands.size())
+    return MakeFormula(call.text, std::move(operands), call.span, evaluator);
+  if (!function.domain.Contains(numbers[0].AsReal()))
+    return evaluator.Error(
+        scenario::kNotFinite, call.span,
+        fmt::format("{}({}) is not a real number", call.text, numbers[0].Text()),
+        fmt::format("{}() takes a number {}", call.text, function.domain.Text()));
+  const Number result = function.apply(numbers);
+  if (std::isfinite(result.AsReal())) return result;
+  return evaluator.Error(
+      scenario::kNotFinite, call.span,
+      fmt::format("{}({}) does not fit into a 64-bit real", call.text, numbers[0].Text()));
 }
 
 }  // namespace cdb::evaluate

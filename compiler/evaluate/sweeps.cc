@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
-#include "compiler/evaluate/ranges.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -120,6 +122,101 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
   items.push_back({&expr, std::nullopt});
   // Reported here, since a value with an error might never be chosen.
   return evaluator_.Evaluate(expr, scope).has_value();
+}
+
+namespace {
+
+using schema::Integer;
+using schema::Number;
+
+using Numbers = std::vector<Number>;
+
+/// Tolerance at the end of a range, in steps: a step such as 0.1 is not exactly a tenth.
+constexpr double kRounding = 1e-9;
+
+std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluator) {
+  return evaluator.Error(scenario::kTooManyRuns, range.span,
+                         fmt::format("this range has {:.15g} values", count),
+                         fmt::format("an axis can have at most {}", kMaxAxisValues));
+}
+
+/// `bounds`: first, last, count.
+std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
+                               Evaluator& evaluator) {
+  const Number &first = bounds[0], &last = bounds[1];
+  const auto count = bounds[2].AsWhole();
+  if (!count || *count < 1)
+    return evaluator.Error(scenario::kBadRange, range.items[2]->span,
+                           "a count must be a whole number, 1 or more");
+  if (*count > static_cast<Integer>(kMaxAxisValues))
+    return TooMany(range, bounds[2].AsReal(), evaluator);
+  const bool log = range.range == dsl::RangeKind::kCountLog;
+  if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
+    return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
+  const auto between = [&](Integer i) {
+    if (!log) return first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1);
+    // In decades, so that 1 .. 1000 count 4 gives exactly 10 and 100.
+    const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
+    const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
+    return Number(std::pow(10.0, low + part * (high - low)));
+  };
+  // The ends are exactly as written; between them no error accumulates.
+  Numbers numbers = {first};
+  for (Integer i = 1; i + 1 < *count; ++i) numbers.push_back(between(i));
+  if (*count > 1) numbers.push_back(last);
+  return numbers;
+}
+
+std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, const Number& last,
+                               const Number& step, Evaluator& evaluator) {
+  if (step.AsReal() == 0)
+    return evaluator.Error(scenario::kBadRange, range.items[2]->span,
+                           "a range with step 0 never ends");
+  const double steps = (last - first).AsReal() / step.AsReal();
+  if (steps < 0)
+    return evaluator.Error(scenario::kBadRange, range.span,
+                           fmt::format("this range is empty: steps of {1} from {0} never reach {2}",
+                                       first.Text(), step.Text(), last.Text()),
+                           range.range == dsl::RangeKind::kStep ? "change the sign of the step"
+                                                                : "to count down, add: step -1");
+  const double count = std::floor(steps + kRounding) + 1;
+  if (!(count <= static_cast<double>(kMaxAxisValues))) return TooMany(range, count, evaluator);
+  Numbers numbers;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const bool at_end = std::fabs(static_cast<double>(i) - steps) <= kRounding;
+    numbers.push_back(at_end ? last : first + step * Number::Whole(static_cast<Integer>(i)));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
+                                   Evaluator& evaluator) {
+  if (!Dimensions(evaluator.layers(), evaluator).Check(range, scope)) return std::nullopt;
+  Numbers bounds;
+  for (const auto& item : range.items) {
+    const auto number = evaluator.EvaluateNumber(*item, scope, "a range's bounds");
+    if (!number) return std::nullopt;
+    bounds.push_back(*number);
+  }
+  using enum dsl::RangeKind;
+  if (range.range == kCount || range.range == kCountLog) return ByCount(range, bounds, evaluator);
+  const Number step = range.range == kStep ? bounds[2] : Number::Whole(1);
+  return BySteps(range, bounds[0], bounds[1], step, evaluator);
+}
+
+void RoundBetweenEnds(std::vector<Number>& numbers) {
+  Numbers rounded;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == numbers.size();
+    // Larger numbers are rejected as counts.
+    const double real = std::round(numbers[i].AsReal());
+    const bool fits = std::abs(real) < 0x1p63;
+    const Number number = is_end || !fits ? numbers[i] : Number::Whole(static_cast<Integer>(real));
+    if (rounded.empty() || Compare(rounded.back(), number) != 0) rounded.push_back(number);
+  }
+  numbers = std::move(rounded);
 }
 
 }  // namespace cdb::evaluate

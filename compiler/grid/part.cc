@@ -11,14 +11,12 @@
 #include <optional>
 #include <utility>
 
-#include "compiler/analysis/capacity.h"
 #include "compiler/analysis/reference.h"
-#include "compiler/analysis/requested_errors.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/grid/survey.h"
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
-#include "compiler/yaml/plan_yaml_writer.h"
+#include "compiler/yaml/plan_yaml.h"
 
 namespace cdb::grid {
 namespace {

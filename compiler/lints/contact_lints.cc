@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/analysis/engine_constants.h"
-#include "compiler/lints/lint_formulae.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/lints/lint_facts.h"
 
 namespace cdb::lints {
 namespace {

@@ -3,14 +3,40 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include "compiler/lints/bounds.h"
+#include "compiler/lints/lints.h"
 #include "compiler/plan/plan.h"
 
 namespace cdb::lints {
+
+// Bounds of the values that a scene draws, without drawing them.
+
+struct Bounds {
+  double least = 0, most = 0;
+};
+
+/// Bounds of a number: of a distribution its usual range (compiler/schema/cumulative.h), of any( )
+/// its numbers. A lower bound of a distribution is at least a thousandth of `most`: few draws are
+/// smaller. For same( ) and density( ), those of their value. {0, 0} if the value is a word or a
+/// formula.
+Bounds PositiveBounds(const schema::Value& value);
+
+/// Bounds of a setting that may be a formula: the extremes of its values with each setting in it at
+/// its smallest or its largest value, which `bounds_of` gives by name. {0, 0} if it names too many
+/// settings.
+Bounds PositiveBounds(const schema::Value& value,
+                      const std::function<Bounds(std::string_view)>& bounds_of);
+
+/// The largest absolute value of each component of a vector, or of a schedule in the course of a
+/// run.
+Eigen::Vector3d LargestComponents(const schema::Value& value);
+
+/// True if the value is drawn or set by a schedule, not a constant.
+bool IsDrawnOrScheduled(const schema::Value& value);
 
 /// The objects of one group, by the bounds of their drawn values. SI units.
 struct GroupFacts {
@@ -80,5 +106,59 @@ std::optional<Eigen::Vector3d> ConstantOf(const schema::Value& value);
 bool MayBe(const schema::Value& value, std::string_view word);
 /// True if the switch is on, or drawn.
 bool MayBeOn(const GroupFacts& objects, schema::GroupParameter name);
+
+// The formulae of the lints: one function each, for the objects of one group.
+
+/// A number that predicts a problem; the members are those of LintNumber.
+struct Estimate {
+  double value = 0;
+  double threshold = 1;
+  double remedy = 0;
+  bool open = false;
+};
+
+/// `objects` belong to `scene` and move; nullopt if the lint does not apply to them.
+using Formula = std::optional<Estimate>(const SceneFacts& scene, const GroupFacts& objects);
+
+// Loads: stacking_lints.cc.
+Formula TallStack;
+Formula MassRatio;
+Formula NarrowFoot;
+Formula Overlap;
+Formula ShortRun;
+
+// Chains: chain_lints.cc.
+Formula HeavyEnd;
+Formula StiffSpring;
+
+// Contacts: contact_lints.cc.
+Formula LongStep;
+Formula ThinWall;
+Formula FastHit;
+Formula SoftContact;
+Formula ThinShape;
+
+// Motion in flight: motion_lints.cc.
+Formula FastSpin;
+Formula SpinDrift;
+Formula HugeBox;
+Formula EarlySleep;
+
+// Rounding: precision_lints.cc.
+Formula CoarsePlace;
+Formula LostMotion;
+Formula LostFall;
+Formula HeavyMass;
+
+/// Just below the value at which warnings begin: the target of remedies.
+inline double Harmless(double threshold) { return threshold * LintNumber::kDoubtful * 0.999; }
+
+/// The factor by which a number is too large.
+inline double Excess(double value, double threshold) { return value / Harmless(threshold); }
+
+/// The time step that makes a number harmless if the number is proportional to the step, or to its
+/// square.
+double ShorterStep(const SceneFacts& scene, double value, double threshold);
+double ShorterStepSquared(const SceneFacts& scene, double value, double threshold);
 
 }  // namespace cdb::lints

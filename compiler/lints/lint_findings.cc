@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/lints/count_text.h"
-
 namespace cdb::lints {
 
 void LintFindings::Add(configure::Configuration& configuration, const plan::Scene& scene,
@@ -50,6 +48,12 @@ void LintFindings::Report(std::size_t looked_at, std::size_t runs) const {
     diagnostics_.Report(InfoOf(lint).kind, finding.span, LintMessage(finding.worst) + where,
                         LintRemedy(finding.worst));
   }
+}
+
+std::string CountText(std::size_t count, std::size_t looked_at, std::size_t runs) {
+  return looked_at == runs
+             ? fmt::format("{} of {} runs", count, runs)
+             : fmt::format("{} of the {} runs that were checked, of {}", count, looked_at, runs);
 }
 
 }  // namespace cdb::lints

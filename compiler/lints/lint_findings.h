@@ -38,4 +38,10 @@ class LintFindings {
   std::map<Lint, Finding> findings_;
 };
 
+// Counts of runs, as text for messages.
+
+/// `2 of 6 runs`; if not all of them were checked, `2 of the 100 runs that were looked at, of
+/// 5000`.
+std::string CountText(std::size_t count, std::size_t looked_at, std::size_t runs);
+
 }  // namespace cdb::lints

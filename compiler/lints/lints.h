@@ -73,8 +73,8 @@ struct LintNumber {
 };
 
 /// The worst number of each lint that applies to the scene, in the order of the table. From the
-/// bounds of drawn values (compiler/lints/bounds.h); nothing is drawn or placed. Any thread; about
-/// two microseconds per group.
+/// bounds of drawn values (compiler/lints/lint_facts.h); nothing is drawn or placed. Any thread;
+/// about two microseconds per group.
 std::vector<LintNumber> LintScene(const plan::Scene& scene);
 
 /// `the stack will slide or fall: 0.2 is above the limit of 0.025 for ...`, and the remedy.

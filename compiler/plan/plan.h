@@ -2,6 +2,7 @@
 // worker.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -13,7 +14,7 @@
 #include <vector>
 
 #include "compiler/plan/settings.h"
-#include "compiler/schema/plugins.h"
+#include "compiler/schema/catalogue.h"
 #include "compiler/schema/value.h"
 
 namespace cdb::plan {
@@ -160,5 +161,19 @@ std::string CanonicalTail(const Scene& scene);
 /// `quantity 1000, detector dbvt, rep 0`: the position of a run, for messages; `reference 0123…`
 /// for a run without one.
 std::string Describe(const Plan& plan, const Run& run);
+
+// Coordinates on axes as readable text. Plans and results hold the numbers themselves.
+
+/// A value on an axis, in full if it is an integer or has at most six significant digits: 0.0125.
+/// Other values are rounded to four digits, or to the number that distinguishes them from all other
+/// values of the axis: 1/60 is 0.01667, 0.30000000000000004 is 0.3. Two different values never have
+/// the same label.
+std::string CoordinateLabel(const Axis& axis, std::size_t index);
+
+/// The labels of all values; faster than separate calls.
+std::vector<std::string> CoordinateLabels(const Axis& axis);
+
+/// A number as CoordinateLabel formats it on an axis with no other value.
+std::string ShortReal(double value);
 
 }  // namespace cdb::plan

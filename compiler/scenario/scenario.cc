@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <set>
 
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/schema.h"
 #include "dsl/parser.h"

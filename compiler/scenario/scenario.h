@@ -11,9 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "compiler/analysis/poses.h"
 #include "compiler/analysis/trace.h"
-#include "compiler/schema/plugins.h"
+#include "compiler/schema/catalogue.h"
 #include "dsl/diagnostics.h"
 #include "dsl/syntax.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "compiler/schema/catalogue_table.h"
-#include "compiler/schema/plugins.h"
 
 namespace cdb::schema {
 namespace {

@@ -10,7 +10,7 @@
 
 namespace cdb::schema {
 
-// A type of objects is a closed form (library/objects/shapes.h), a model
+// A type of objects is a closed form (library/objects/solid.h), a model
 // (library/meshes/models.cc) or the torus.
 // clang-format off
 inline constexpr auto kObjectTypeTable = std::to_array<ObjectType>({

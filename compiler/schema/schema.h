@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/schema/plugins.h"
+#include "compiler/schema/catalogue.h"
 
 namespace cdb::schema {
 
@@ -63,9 +63,9 @@ enum class Concern {
 struct Parameter {
   /// Scenes that are made from the scene of a run.
   enum DerivedScene : unsigned {
-    kPile = 1,       ///< settles the piles of the run (compiler/yaml/pile.h)
+    kPile = 1,       ///< settles the piles of the run (compiler/yaml/plan_yaml.h)
     kReference = 2,  ///< the reference run (compiler/analysis/reference.h)
-    kTrace = 4,      ///< the run on recorded boxes (compiler/checks/traced_scene.h)
+    kTrace = 4,      ///< the run on recorded boxes (compiler/checks/scene_checks.h)
   };
 
   std::string_view name = {};  ///< without its group: `world.side`; `size`

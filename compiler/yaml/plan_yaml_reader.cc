@@ -10,14 +10,13 @@
 #include <string_view>
 #include <utility>
 
-#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/expectation.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
-#include "dsl/text/characters.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::yaml {

@@ -4,7 +4,6 @@
 #include "compiler/plan/plan.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
-#include "dsl/text/characters.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::yaml {

@@ -2,6 +2,7 @@
 // compiled plan must have.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -35,5 +36,19 @@ std::optional<ShortPlan> FindShortPlan(const std::string& text, const std::strin
 /// Throws PlanError if the format of the plan `name`, in either form, is not one from `oldest` to
 /// kPlanVersion.
 void CheckPlanVersion(std::uint64_t version, int oldest, const std::string& name);
+
+// A few facts about each run of a plan in YAML, without parsing all of it: for reports on results,
+// whose plans are long.
+
+struct BriefRun {
+  std::string id;
+  std::vector<std::size_t> at;
+  std::string detector;
+  std::uint64_t objects = 0;  ///< of all groups
+};
+
+/// The runs of `yaml`, a plan written by ToYaml; nullopt for a plan of another version and for any
+/// other text (FromYaml gives the reason). Nothing is checked: ids may not match their runs.
+std::optional<std::vector<BriefRun>> FindBriefRuns(std::string_view yaml);
 
 }  // namespace cdb::yaml

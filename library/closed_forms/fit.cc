@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/expectation.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 

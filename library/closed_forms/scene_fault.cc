@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/analysis/requested_errors.h"
-#include "compiler/analysis/surface.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/placement.h"
 #include "library/meshes/models.h"

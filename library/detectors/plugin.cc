@@ -1,13 +1,18 @@
 #include "library/detectors/plugin.h"
 
 #include <dlfcn.h>
+#include <elf.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <optional>
 #include <span>
 #include <string_view>
 
-#include "library/detectors/floating_point.h"
+#include "library/detectors/detector.h"
 
 namespace cdb::detectors {
 
@@ -81,6 +86,139 @@ const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name) {
   for (const DetectorEntry& entry : std::span(plugin.entries, plugin.count))
     if (name == entry.name) return &entry;
   return nullptr;
+}
+
+namespace {
+
+constexpr std::size_t kMostBytes = 1 << 20;
+
+/// Reads a structure at an offset of the file; nullopt if it is not entirely inside.
+template <typename T>
+std::optional<T> StructureAt(std::string_view bytes, std::uint64_t at) {
+  if (at > bytes.size() || bytes.size() - at < sizeof(T)) return std::nullopt;
+  T structure;
+  std::memcpy(&structure, bytes.data() + at, sizeof structure);
+  return structure;
+}
+
+std::optional<std::string_view> ContentsOf(std::string_view bytes, const Elf64_Shdr& section) {
+  if (section.sh_type == SHT_NOBITS || section.sh_offset > bytes.size() ||
+      bytes.size() - section.sh_offset < section.sh_size)
+    return std::nullopt;
+  return bytes.substr(section.sh_offset, section.sh_size);
+}
+
+std::optional<Elf64_Ehdr> ElfHeader(std::string_view bytes) {
+  const auto header = StructureAt<Elf64_Ehdr>(bytes, 0);
+  constexpr unsigned char kOrder =
+      std::endian::native == std::endian::little ? ELFDATA2LSB : ELFDATA2MSB;
+  if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 ||
+      header->e_ident[EI_CLASS] != ELFCLASS64 || header->e_ident[EI_DATA] != kOrder ||
+      header->e_type != ET_DYN || header->e_shentsize != sizeof(Elf64_Shdr))
+    return std::nullopt;
+  return header;
+}
+
+/// The contents of the section with that name, if there is one.
+std::optional<std::string_view> FindSection(std::string_view bytes, const Elf64_Ehdr& header,
+                                            std::string_view name) {
+  const auto section_at = [&](std::uint64_t index) {
+    return header.e_shoff > bytes.size()
+               ? std::nullopt
+               : StructureAt<Elf64_Shdr>(bytes, header.e_shoff + index * sizeof(Elf64_Shdr));
+  };
+  const auto of_names = section_at(header.e_shstrndx);
+  const auto names = of_names ? ContentsOf(bytes, *of_names) : std::nullopt;
+  if (!names) return std::nullopt;
+  for (std::uint64_t i = 0; i < header.e_shnum; ++i) {
+    const auto section = section_at(i);
+    if (!section || section->sh_name >= names->size()) continue;
+    const std::string_view rest = names->substr(section->sh_name);
+    if (rest.starts_with(name) && rest.size() > name.size() && rest[name.size()] == '\0')
+      return ContentsOf(bytes, *section);
+  }
+  return std::nullopt;
+}
+
+/// Removes and returns the text up to `end`, and removes `end`; all of it if there is no `end`.
+std::string_view TakeUntil(std::string_view& text, char end) {
+  const std::size_t at = std::min(text.find(end), text.size());
+  const std::string_view taken = text.substr(0, at);
+  text.remove_prefix(std::min(at + 1, text.size()));
+  return taken;
+}
+
+template <typename T>
+std::optional<T> WholeNumber(std::string_view text) {
+  T number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// A printable form for messages.
+std::string Shown(std::string_view text) {
+  constexpr std::size_t kMostShown = 80;
+  std::string shown(text.substr(0, kMostShown));
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+/// Removes the first line, `ABI <tab> BUILD`, and checks it.
+void CheckInterface(std::string_view& text, const std::string& path) {
+  std::string_view line = TakeUntil(text, '\n');
+  const auto abi = WholeNumber<std::uint32_t>(TakeUntil(line, '\t'));
+  if (!abi)
+    throw PluginError(
+        fmt::format("'{}': its list of detectors cannot be read; write "
+                    "CDB_DETECTORS once in it (cdb/detector.h)",
+                    path));
+  CheckAbi(*abi, path);
+  if (line != DetectorBuild()) RefuseBuild(Shown(line), path);
+}
+
+schema::PluginDetector ReadLine(std::string_view line, const std::string& path) {
+  schema::PluginDetector detector;
+  detector.name = TakeUntil(line, '\t');
+  detector.phases = TakeUntil(line, '\t');
+  const auto most = WholeNumber<std::uint64_t>(line);
+  CheckName(detector.name, Shown(detector.name), path);
+  if (!most ||
+      std::ranges::find(schema::kPluginPhases, detector.phases) == std::end(schema::kPluginPhases))
+    throw PluginError(
+        fmt::format("'{}' has a detector without phase or limit: '{}'", path, detector.name));
+  detector.max_bodies = *most;
+  return detector;
+}
+
+}  // namespace
+
+std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const std::string& path) {
+  const auto header = ElfHeader(bytes);
+  if (!header)
+    throw PluginError(
+        fmt::format("'{}' is not a shared library of this machine; build it from a source that has "
+                    "CDB_DETECTORS (cdb/detector.h)",
+                    path));
+  const auto contents = FindSection(bytes, *header, kManifestSection);
+  if (!contents || contents->size() > kMostBytes)
+    throw PluginError(
+        fmt::format("'{}' has no list of detectors that can be read without running it; write "
+                    "CDB_DETECTORS once in it, and build it with this cdb's cdb/detector.h",
+                    path));
+  std::string_view text = contents->substr(0, contents->find('\0'));
+  CheckInterface(text, path);
+  std::vector<schema::PluginDetector> detectors;
+  while (!text.empty()) {
+    detectors.push_back(ReadLine(TakeUntil(text, '\n'), path));
+    if (std::ranges::count(detectors, detectors.back().name, &schema::PluginDetector::name) > 1)
+      throw PluginError(
+          fmt::format("'{}' has two detectors called '{}'", path, detectors.back().name));
+  }
+  if (detectors.empty())
+    throw PluginError(fmt::format("'{}' has no detectors: its array is empty", path));
+  return detectors;
 }
 
 }  // namespace cdb::detectors

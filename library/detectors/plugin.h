@@ -1,11 +1,14 @@
 // Loads shared libraries with detectors: plug-ins, and the third-party detectors included in cdb.
 #pragma once
 
+#include <cfenv>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "compiler/schema/catalogue.h"
 #include "library/detectors/detector.h"
 
 namespace cdb::detectors {
@@ -32,5 +35,51 @@ void CheckName(std::string_view name, const std::string& shown, const std::strin
 
 /// Null if there is none with this name.
 const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name);
+
+}  // namespace cdb::detectors
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace cdb::detectors {
+
+// Preserves the floating-point environment of a thread across a call into foreign code.
+
+/// Saves the environment, and restores it at the end of its scope: the rounding mode and, on
+/// x86-64, the treatment of denormals and the exceptions that trap. Flags of exceptions that
+/// occurred are not included. Threads: affects the calling thread only.
+class KeepsFloatingPoint {
+ public:
+  KeepsFloatingPoint() : saved_(Read()) {}
+  ~KeepsFloatingPoint() {
+    if (IsChanged()) Write(saved_);
+  }
+  KeepsFloatingPoint(const KeepsFloatingPoint&) = delete;
+  KeepsFloatingPoint& operator=(const KeepsFloatingPoint&) = delete;
+
+  bool IsChanged() const { return Read() != saved_; }
+
+ private:
+#if defined(__x86_64__)
+  static constexpr unsigned kFlags = 0x3f;  ///< of MXCSR: exceptions that occurred
+  static unsigned Read() { return _mm_getcsr() & ~kFlags; }
+  static void Write(unsigned environment) { _mm_setcsr(environment); }
+  const unsigned saved_;
+#else
+  static int Read() { return std::fegetround(); }
+  static void Write(int environment) { std::fesetround(environment); }
+  const int saved_;
+#endif
+};
+
+// The detectors of a shared library, read from its file without loading it: a loaded library may
+// run any code, and a scenario that is only inspected must not do that.
+
+/// The detectors of the library with these bytes, in its order, without path and hash, from the
+/// text that CDB_DETECTORS stores in its section kManifestSection. `path` is for messages. Throws
+/// PluginError if it is not an ELF file for this machine, has no such text, or has one of another
+/// interface, of another standard library, or with an invalid or duplicate name. Threads: any.
+std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const std::string& path);
 
 }  // namespace cdb::detectors

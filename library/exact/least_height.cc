@@ -7,7 +7,7 @@
 #include <queue>
 #include <vector>
 
-#include "library/objects/simplex.h"
+#include "library/objects/solid_pair.h"
 
 namespace cdb::exact {
 namespace {

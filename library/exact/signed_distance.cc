@@ -5,7 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "library/exact/convex_part.h"
 #include "library/exact/least_height.h"
 
 namespace cdb::exact {
@@ -198,5 +197,26 @@ bool HasOneNormal(const Solid& a, const Pose& pose_a, const Solid& b, const Pose
   }
   return false;
 }
+
+namespace {
+
+double LeastRadiusOfCurvature(const objects::Solid& solid) {
+  if (solid.shape == objects::Shape::kCompound) return 0;
+  return objects::Visit(solid.shape, [&](auto form) {
+    if constexpr (requires { form.LeastRadiusOfCurvature(solid.sides); })
+      return form.LeastRadiusOfCurvature(solid.sides);
+    return 0.0;
+  });
+}
+
+}  // namespace
+
+ConvexPart::ConvexPart(const objects::Solid& solid, std::size_t piece, const Eigen::Matrix3d& turn,
+                       const Eigen::Vector3d& position)
+    : solid_(solid),
+      piece_(piece),
+      turn_(turn),
+      position_(position),
+      radius_(LeastRadiusOfCurvature(solid)) {}
 
 }  // namespace cdb::exact

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 
 namespace cdb::layouts {
 namespace {

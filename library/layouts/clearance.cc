@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <string>
 
-#include "compiler/analysis/collisions.h"
-#include "compiler/analysis/poses.h"
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/trace.h"
+#include "dsl/text/check.h"
 #include "library/layouts/exact_layouts.h"
-#include "library/layouts/hash_grid.h"
 #include "library/objects/distance.h"
 #include "library/objects/solid_pair.h"
 #include "library/scene_error.h"
@@ -153,6 +155,95 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
     });
     grid.Add(index, -level, box);
   }
+}
+
+HashGrid::HashGrid(std::size_t boxes) : heads_(std::bit_ceil(2 * boxes + 1), kNone) {
+  entries_.reserve(boxes);
+}
+
+std::int64_t HashGrid::Cell(double coordinate) {
+  // All cells beyond this share one, so that differences do not overflow.
+  constexpr double kFar = 0x1p60;
+  return static_cast<std::int64_t>(std::floor(std::clamp(coordinate, -kFar, kFar)));
+}
+
+std::size_t HashGrid::Bucket(int level, std::int64_t x, std::int64_t y, std::int64_t z) const {
+  // Neighbours along x stay neighbours in memory; rows, planes and levels are scattered.
+  std::uint64_t row = static_cast<std::uint64_t>(y) * 0x9e3779b97f4a7c15 +
+                      static_cast<std::uint64_t>(z) * 0xc2b2ae3d27d4eb4f +
+                      static_cast<std::uint64_t>(level) * 0x165667b19e3779f9;
+  row ^= row >> 32;
+  return (row + static_cast<std::uint64_t>(x)) & (heads_.size() - 1);
+}
+
+void HashGrid::Add(std::uint32_t id, int level, const objects::Box& box) {
+  if (levels_.empty() || levels_.back() != level) {
+    CDB_CHECK(levels_.empty() || levels_.back() > level);
+    levels_.push_back(level);
+  }
+  const Eigen::Vector3d centre = (box.lower + box.upper) / (2 * std::ldexp(1.0, level));
+  std::uint32_t& head = heads_[Bucket(level, Cell(centre.x()), Cell(centre.y()), Cell(centre.z()))];
+  entries_.push_back({id, head});
+  head = static_cast<std::uint32_t>(entries_.size() - 1);
+}
+
+namespace {
+
+/// The maximum number of entries per box. Compact boxes that fit into the cube stay below it with
+/// one cell per box; long thin oblique ones need larger cells.
+constexpr double kMaxEntriesPerBox = 32;
+constexpr double kMaxCellsAlongEdge = 1024;
+
+}  // namespace
+
+BoxGrid::BoxGrid(double side, const std::vector<double>& extents) : side_(side) {
+  const double count = static_cast<double>(extents.size());
+  double cells = std::clamp(std::floor(std::cbrt(count)), 1.0, kMaxCellsAlongEdge);
+  double entries = count;
+  for (; cells > 1; cells = std::floor(cells / 2)) {
+    entries = 0;
+    for (const double extent : extents) {
+      const double along = std::min(extent * cells / side + 1, cells);
+      entries += along * along * along;
+    }
+    if (entries <= kMaxEntriesPerBox * count) break;
+  }
+  if (cells <= 1) entries = count;
+  cells_ = static_cast<std::size_t>(cells);
+  cells_per_metre_ = cells / side;
+  heads_.assign(cells_ * cells_ * cells_, kNone);
+  // The number for cubes of these extents: growing the vector would copy the entries repeatedly.
+  entries_.reserve(static_cast<std::size_t>(entries));
+}
+
+BoxGrid::Bounds32 BoxGrid::Outwards(const objects::Box& box) const {
+  // Coordinates are at most 1 here, so rounding twice loses up to 2^-24. Larger ones are outside
+  // the cube, and so outside any query.
+  constexpr float kLarger = 0x1p-23F;
+  const auto in_sides = [&](double x) {
+    return static_cast<float>(std::clamp(x / side_, -1., 1.));
+  };
+  Bounds32 bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.lower[axis] = in_sides(box.lower[axis]) - kLarger;
+    bounds.upper[axis] = in_sides(box.upper[axis]) + kLarger;
+  }
+  return bounds;
+}
+
+std::size_t BoxGrid::Cell(double coordinate) const {
+  const double cell = (coordinate + side_ / 2) * cells_per_metre_;
+  if (!(cell > 0)) return 0;
+  return std::min(static_cast<std::size_t>(cell), cells_ - 1);
+}
+
+void BoxGrid::Add(std::uint32_t id, const objects::Box& box) {
+  const Bounds32 bounds = Outwards(box);
+  AnyCell(box, [&](std::size_t cell) {
+    entries_.push_back({bounds, id, heads_[cell]});
+    heads_[cell] = static_cast<std::uint32_t>(entries_.size() - 1);
+    return false;
+  });
 }
 
 }  // namespace cdb::layouts

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "compiler/schema/parametrised_words.h"
-#include "compiler/yaml/pile.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/text/check.h"
 #include "library/distributions/draw.h"
 #include "library/objects/distance.h"

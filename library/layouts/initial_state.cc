@@ -6,9 +6,11 @@
 #include <span>
 #include <string_view>
 
-#include "compiler/analysis/kinematic.h"
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/reference.h"
 #include "library/distributions/draw.h"
 #include "library/distributions/object_numbers.h"
+#include "library/distributions/stream.h"
 #include "library/layouts/placement.h"
 #include "library/layouts/pose_table.h"
 #include "library/objects/solid_factory.h"
@@ -159,6 +161,15 @@ InitialState MakeInitialState(const plan::Scene& scene) {
   InitialState state = DrawObjects(scene);
   Place(scene, state);
   return state;
+}
+
+void Perturb(const plan::Scene& scene, InitialState& state) {
+  distributions::Stream stream(scene.seeds.at("nudge"));
+  for (ObjectState& object : state.objects) {
+    const Eigen::Vector3d direction = stream.Turn() * Eigen::Vector3d::UnitX();
+    if (object.IsFixed()) continue;
+    object.pose.position += analysis::kPerturbation * object.solid.sides.maxCoeff() * direction;
+  }
 }
 
 }  // namespace cdb::layouts

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "library/layouts/path.h"
+#include "library/layouts/pose_table.h"
 #include "library/objects/solid.h"
 
 namespace cdb::layouts {
@@ -89,5 +89,11 @@ objects::Pose PoseAt(const ObjectState& object, double time);
 /// `objects.orientation`, which rotates the axes of the sides: a rotation about the direction of
 /// the vector by its length, rad. The last bit depends on std::sin and std::cos.
 Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
+
+// The perturbation of the initial state for the perturbed run of a reference.
+
+/// Moves every object with mass by kPerturbation (compiler/analysis/reference.h) of its largest
+/// side, each in a separate direction drawn from the scene's stream `nudge`.
+void Perturb(const plan::Scene& scene, InitialState& state);
 
 }  // namespace cdb::layouts

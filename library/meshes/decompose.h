@@ -34,7 +34,7 @@ struct DecomposeOptions {
 struct Decomposition {
   std::vector<Hull> hulls;
   /// |volume of the hulls' union - volume of the mesh| / volume of the mesh, along the same rays
-  /// (library/meshes/overlap_volume.h); relative to the original mesh, not the simplified one.
+  /// (library/meshes/decompose.h); relative to the original mesh, not the simplified one.
   double volume_error = 0;
   double iou = 0;  ///< common volume of the two divided by the volume of their union
   bool operator==(const Decomposition&) const = default;
@@ -49,5 +49,25 @@ Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh);
 
 /// The inputs of the pieces other than the mesh: the libraries, this code and its default options.
 std::string DecomposerVersion();
+
+// The volume of the intersection of two solids.
+//
+// Measured along a square grid of rays, kRays in each direction, over the box around both: the
+// lengths inside along a ray are exact; across the rays, the midpoint rule is of second order. A
+// point is inside a solid if the winding number of the surface is at least 1, so that overlapping
+// parts of a mesh count once. Lengths in the unit of the meshes, u; volumes u^3.
+// Errors: none; both meshes must be closed. Threads: any. Deterministic.
+
+struct OverlapVolume {
+  double first = 0, second = 0;  ///< of each separately
+  double common = 0;
+  /// 1 if the solids are equal.
+  double IntersectionOverUnion() const { return common / (first + second - common); }
+};
+
+/// Along the longest axis of the box, so that the rays are close.
+OverlapVolume OverlapVolumeOf(const Mesh& first, const Mesh& second);
+
+inline constexpr int kRays = 256;
 
 }  // namespace cdb::meshes

@@ -5,13 +5,17 @@
 // machine (decomposition_cache.h).
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "compiler/schema/value.h"
+#include "library/content_cache.h"
 #include "library/objects/compound.h"
 #include "library/objects/solid.h"
 
@@ -37,5 +41,20 @@ class SolidFactory {
 /// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, one
 /// line per form.
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms);
+
+// Caches convex decompositions by all of their inputs.
+//
+// A form takes up to seconds to compute and a few kilobytes to store; a cached form is identical to
+// the last bit. One process computes it while others that need it wait. Errors: those of `make`; a
+// form that cannot be stored is not an error. Threads: any.
+
+/// The result of `make`, or of an earlier call stored in `folder`, always with this `name`.
+/// `source`: the inputs of `make` besides the code, such as the hash of a file.
+ConvexDecomposition DecomposeOnce(std::string name, std::string_view source,
+                                  const std::function<ConvexDecomposition()>& make,
+                                  const std::filesystem::path& folder = library::CacheFolder());
+
+/// 64 hex digits, a hash of the source, of DecomposerVersion and of the version of the code here.
+std::string DecompositionKey(std::string_view source);
 
 }  // namespace cdb::objects

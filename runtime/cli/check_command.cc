@@ -13,7 +13,7 @@
 #include "runtime/cli/options/diagnostics_json.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/sweep/schedule/bounds.h"
+#include "runtime/sweep/schedule/order.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/subcommand.h"
 
 namespace cdb::cli {
 

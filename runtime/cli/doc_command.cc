@@ -15,7 +15,6 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/lookup.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::cli {
 namespace {

@@ -8,7 +8,6 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/machine/noise.h"
-#include "runtime/protocol/machine/noise_floor.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "dsl/diagnostics.h"
-#include "dsl/render.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/explanation.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::cli {
 namespace {

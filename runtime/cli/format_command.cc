@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "dsl/diagnostics.h"
 #include "dsl/format.h"
 #include "dsl/parser.h"
-#include "dsl/render.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/results/files/safe_file.h"

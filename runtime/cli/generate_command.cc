@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "runtime/cli/commands.h"
-#include "runtime/cli/help/command_line.h"
 #include "runtime/cli/help/man_pages.h"
-#include "runtime/cli/help/shell_completion.h"
+#include "runtime/cli/help/topics.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/editor/syntax_files.h"
 #include "runtime/terminal/console.h"

@@ -20,7 +20,7 @@
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/points.h"
-#include "runtime/printers/notes.h"
+#include "runtime/printers/document.h"
 #include "runtime/results/files/local_disk.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "compiler/analysis/pruning.h"
-#include "compiler/plan/coordinates.h"
+#include "compiler/plan/plan.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
 #include "library/scene_error.h"

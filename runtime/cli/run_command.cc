@@ -12,14 +12,12 @@
 #include <vector>
 
 #include "compiler/analysis/reference.h"
-#include "compiler/yaml/plan_yaml_writer.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
-#include "runtime/cli/plans/result_path.h"
 #include "runtime/cli/plans/sized_plan.h"
-#include "runtime/cli/plans/until.h"
 #include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 

@@ -13,7 +13,7 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/figures/selection.h"
+#include "runtime/figures/points.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/printers/show.h"
 #include "runtime/results/store.h"

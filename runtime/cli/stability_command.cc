@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/cross.h"
+#include "compiler/compile.h"
 #include "dsl/diagnostics.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"

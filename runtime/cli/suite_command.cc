@@ -15,13 +15,11 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
-#include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
 #include "runtime/figures/suite.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/printers/suite.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::cli {
 namespace {

@@ -13,12 +13,12 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/trace_plan.h"
-#include "runtime/protocol/recorded_trace.h"
-#include "runtime/results/files/temporary_file.h"
+#include "runtime/protocol/trace_memory.h"
+#include "runtime/results/files/safe_file.h"
 #include "runtime/results/trace_file.h"
 #include "runtime/sweep/process/stop.h"
 #include "runtime/sweep/process/worker.h"
-#include "runtime/sweep/schedule/bounds.h"
+#include "runtime/sweep/schedule/order.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "dsl/text/source.h"
+#include "runtime/editor/documents.h"
 
 namespace cdb::editor {
 
@@ -36,5 +38,26 @@ Context ContextAt(const text::Source& source, std::uint32_t offset);
 
 /// The parameter that a path names in a block; null if there is none.
 const schema::Parameter* ParameterAt(const Context& context, const std::string& path);
+
+// The answers of the server about a position in a text.
+
+/// Diagnostics of the document, in the form of the protocol. An error in another file is shown at
+/// the `use` that reads it.
+Json DiagnosticsOf(const Analysis& analysis);
+
+/// The manual entry of the word at the position; null if there is none.
+Json HoverAt(const Analysis& analysis, std::uint32_t offset);
+
+/// The definition of the name, or the file of a `use`; null if there is none.
+Json DefinitionOf(const Analysis& analysis, const std::string& path, std::uint32_t offset,
+                  const std::string& library);
+/// All occurrences of the name at this position.
+Json ReferencesTo(const Analysis& analysis, std::uint32_t offset);
+
+/// The number of runs behind the name of each benchmark; empty while there are errors.
+Json InlayHints(const Analysis& analysis);
+
+/// Benchmarks with their groups and lets.
+Json SymbolsOf(const Analysis& analysis);
 
 }  // namespace cdb::editor

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "runtime/editor/documents.h"
@@ -49,5 +50,26 @@ class Server {
   Documents documents_;
   bool is_initialized_ = false, is_shut_down_ = false, has_ended_ = false;
 };
+
+// Completion: the words that are allowed at a position.
+
+/// A list of CompletionItem. `library`: the folder of the scenarios that come with cdb.
+Json Complete(const Analysis& analysis, const std::string& path, std::uint32_t offset,
+              const std::string& library);
+
+// Renames a let and all its uses.
+
+/// The name cannot be changed; the message gives the reason.
+struct RenameError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The range of the let's name at this position. Throws RenameError.
+Json PrepareRename(const Analysis& analysis, std::uint32_t offset);
+
+/// Returns a WorkspaceEdit. The edited texts are compiled, and nothing is changed if the runs would
+/// differ. Throws RenameError.
+Json Rename(Documents& documents, Document& document, std::uint32_t offset, const std::string& name,
+            const std::string& library);
 
 }  // namespace cdb::editor

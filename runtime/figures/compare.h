@@ -11,7 +11,7 @@
 
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
-#include "runtime/figures/selection.h"
+#include "runtime/figures/points.h"
 #include "runtime/protocol/series.h"
 #include "runtime/results/store.h"
 

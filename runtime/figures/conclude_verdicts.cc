@@ -1,14 +1,20 @@
 // Conclusions about the limits of sound simulation (conclusions.h).
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
+#include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
+#include "runtime/figures/detectors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/ratios.h"
 #include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
 
@@ -166,6 +172,126 @@ std::vector<Conclusion> Conclusions(const Model& model) {
   ConcludeAxes(model, all);
   ConcludeDetectorLimits(model, all);
   return all;
+}
+
+// Conclusions about the time of a step along the axes (conclusions.h).
+
+namespace {
+
+using protocol::Phase;
+
+std::string CellsNote(std::size_t cells, std::size_t of) {
+  if (of < 2) return {};
+  return cells < of ? fmt::format(", the geometric mean over {} of {} cells", cells, of)
+                    : fmt::format(", the geometric mean over {} cells", cells);
+}
+
+/// Compares the first and the last value of an axis of numbers.
+void AddScaling(const Model& model, std::size_t axis, std::vector<Conclusion>& all) {
+  const plan::Axis& along = model.axis(axis);
+  const Comparison comparison = CompareValues(model, axis, 0);
+  if (comparison.is_void) return;
+  std::vector<Estimate> ratios;
+  const std::size_t last = along.values.size() - 1;
+  for (const ComparedPoint& point : comparison.points) {
+    const MeasuredPoint *from = point.values[0], *to = point.values[last];
+    if (from == nullptr || to == nullptr || !from->IsSound() || !to->IsSound()) continue;
+    if (auto ratio = comparison.RatioAt(point, last, Phase::kStep))
+      ratios.push_back(*std::move(ratio));
+  }
+  if (ratios.empty()) return;
+  const Estimate ratio = GeometricMeanOf(ratios);
+  const Certainty certainty =
+      CertaintyOf(model.times().IntervalOf(ratio), model.times().bootstrap().kind());
+  const auto at = [&](std::size_t value) {
+    return fmt::format("{} {}{}", along.name, terminal::CoordinateText(along, value),
+                       along.unit.empty() ? "" : " " + along.unit);
+  };
+  std::string answer = fmt::format("A step takes {} times as long with {} as with {}{}{}.",
+                                   terminal::ShortNumber(ratio.value), at(last), at(0),
+                                   IntervalNote(model.times(), ratio),
+                                   CellsNote(ratios.size(), comparison.points.size()));
+  if (certainty == Certainty::kTie)
+    answer += " The interval includes 1: this may be no difference.";
+  all.push_back({fmt::format("How does the time of a step change with {}?", AxisWords(along)),
+                 std::move(answer), "scaling", certainty});
+}
+
+/// Finds the fastest value of an axis of words.
+void AddFastestValue(const Model& model, std::size_t axis, std::vector<Conclusion>& all) {
+  const plan::Axis& along = model.axis(axis);
+  const Comparison comparison = CompareValues(model, axis, std::nullopt);
+  if (comparison.is_void) return;
+  const auto ranking = RankValues(
+      comparison,
+      [&](const MeasuredPoint& point) { return model.times().Of(point, Phase::kStep).mean; }, {});
+  if (!ranking) return;
+  const Ranking::Other &next = ranking->others[0], &last = ranking->others.back();
+  const auto against = [&](const Ranking::Other& other) {
+    return fmt::format("{} takes {} times as long{}", terminal::CoordinateText(along, other.value),
+                       terminal::ShortNumber(other.ratio.value),
+                       IntervalNote(model.times(), other.ratio));
+  };
+  std::string answer =
+      fmt::format("{}: {}", terminal::CoordinateText(along, ranking->best), against(next));
+  if (ranking->others.size() > 1) answer += fmt::format(", and {}", against(last));
+  answer += CellsNote(ranking->cells, ranking->of) + ".";
+  if (next.certainty == Certainty::kTie) answer += " The first two cannot be told apart.";
+  all.push_back({fmt::format("Which {} has the shortest step?", AxisWords(along)),
+                 std::move(answer), "scaling", ranking->certainty()});
+}
+
+/// The growth over all runs, if no detectors are compared.
+void AddGrowthOfAll(const Model& model, std::vector<Conclusion>& all) {
+  const auto growth = GrowthByRow(model, {});
+  if (!growth || !growth->is_matched || growth->exponents.empty()) return;
+  const DetectorGrowth::Exponent& exponent = growth->exponents.begin()->second;
+  if (std::isnan(exponent.p)) return;
+  all.push_back({"How does collision detection grow with the number of objects?",
+                 fmt::format("As n^{:.2f} from {:.0f} to {:.0f} objects{}. The exponent is fitted, "
+                             "without an interval.",
+                             exponent.p, exponent.least, exponent.most,
+                             growth->is_mean ? ", the mean over all other axes" : ""),
+                 "growth", Certainty::kUnknown});
+}
+
+}  // namespace
+
+void ConcludeAxes(const Model& model, std::vector<Conclusion>& all) {
+  if (!model.HasTimes() || model.points().empty()) return;
+  const auto detectors = model.detector_axis();
+  for (std::size_t i = 0; i < model.file().axes().size(); ++i) {
+    const plan::Axis& axis = model.axis(i);
+    // Times over seeds only scatter.
+    if (i == detectors || axis.values.size() < 2 || axis.name == "seed") continue;
+    if (axis.IsText()) {
+      AddFastestValue(model, i, all);
+    } else {
+      AddScaling(model, i, all);
+    }
+  }
+  if (!detectors || model.axis(*detectors).values.size() < 2) AddGrowthOfAll(model, all);
+}
+
+void ConcludeStep(const Model& model, std::vector<Conclusion>& all) {
+  if (!model.file().axes().empty() || !model.HasTimes() || model.points().empty()) return;
+  const MeasuredPoint& point = model.points()[0];
+  if (!point.IsSound()) return;
+  const Estimate& step = model.times().Of(point, Phase::kStep).mean;
+  Phase largest = Phase::kBroad;
+  const auto time_of = [&](Phase phase) { return model.times().Of(point, phase).mean.value; };
+  for (const Phase phase : {Phase::kNarrow, Phase::kSolve, Phase::kIntegrate})
+    if (time_of(phase) > time_of(largest)) largest = phase;
+  const terminal::TimeUnit unit = terminal::TimeUnit::For(step.value);
+  all.push_back({"What does a step take?",
+                 fmt::format("{}{}. Its largest phase is {}: {}, {:.0f} % of the step.",
+                             TimeText(step.value), IntervalNote(model.times(), step, 1 / unit.ns),
+                             protocol::PhaseNames()[protocol::IndexOf(largest)],
+                             TimeText(time_of(largest)), 100 * time_of(largest) / step.value),
+                 "fastest",
+                 model.times().bootstrap().kind() == IntervalKind::kInterval
+                     ? Certainty::kClear
+                     : Certainty::kUnknown});
 }
 
 }  // namespace cdb::figures

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "compiler/schema/catalogue.h"
-#include "compiler/yaml/brief_runs.h"
+#include "compiler/yaml/short_plan.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
 

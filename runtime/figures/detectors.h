@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "runtime/figures/bootstrap.h"
-#include "runtime/figures/rows.h"
+#include "runtime/figures/points.h"
 #include "runtime/results/store.h"
 
 namespace cdb::figures {

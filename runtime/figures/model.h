@@ -15,7 +15,6 @@
 
 #include "runtime/figures/detectors.h"
 #include "runtime/figures/points.h"
-#include "runtime/figures/rows.h"
 #include "runtime/figures/times.h"
 #include "runtime/results/store.h"
 

@@ -4,16 +4,23 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "compiler/analysis/pruning.h"
+#include "compiler/plan/plan.h"
 #include "compiler/schema/schema.h"
-#include "compiler/yaml/brief_runs.h"
 #include "compiler/yaml/plan_yaml.h"
+#include "compiler/yaml/short_plan.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 
@@ -294,6 +301,175 @@ std::string CellDetectors::Of(const Cell& cell) const {
   if (axis_) return terminal::CoordinateText(file_.axes()[*axis_], cell.at[*axis_]);
   const auto found = by_run_.find(file_.ReadText("run_id", cell));
   return found == by_run_.end() ? "" : found->second;
+}
+
+namespace {
+
+/// The coordinates of the point on the axes that make no rows.
+Point RestOf(const MeasuredPoint& point, const std::vector<std::size_t>& by) {
+  Point rest;
+  for (std::size_t i = 0; i < point.at.size(); ++i)
+    if (std::ranges::find(by, i) == by.end()) rest.push_back(point.at[i]);
+  return rest;
+}
+
+/// Drops the points that some of `rows`, which are of one kind, lack. False if none would remain.
+bool Match(const std::vector<Row*>& rows, const std::vector<std::size_t>& by) {
+  std::map<Point, std::size_t> counts;
+  for (const Row* row : rows)
+    for (const MeasuredPoint* point : row->points) ++counts[RestOf(*point, by)];
+  std::erase_if(counts, [&](const auto& cell) { return cell.second < rows.size(); });
+  if (counts.empty()) return false;
+  for (Row* row : rows)
+    std::erase_if(row->points,
+                  [&](const MeasuredPoint* point) { return !counts.contains(RestOf(*point, by)); });
+  return true;
+}
+
+}  // namespace
+
+std::string Row::CellsText() const {
+  return points.size() == own ? fmt::format("{}", own)
+                              : fmt::format("{} of {}", points.size(), own);
+}
+
+std::vector<std::string> Rows::MatchNotes() const {
+  std::vector<std::string> notes;
+  if (!pools) return notes;
+  if (std::ranges::any_of(rows, [](const Row& row) { return row.points.size() < row.own; }))
+    notes.emplace_back("A row pools only the cells that all rows of its kind have: k of its n.");
+  if (is_unmatched)
+    notes.emplace_back(
+        "No cell is in all rows of a kind, so each row has different cells: do not compare them.");
+  return notes;
+}
+
+Rows MatchRows(const std::vector<const MeasuredPoint*>& points, std::vector<std::size_t> by) {
+  std::map<std::tuple<Point, bool, std::string>, Row> found;
+  for (const MeasuredPoint* point : points) {
+    const Point at = Project(point->at, by);
+    Row& row = found[{at, !point->IsSound(), point->Mark()}];
+    row.at = at;
+    row.mark = point->Mark();
+    row.is_void = !point->IsSound();
+    row.points.push_back(point);
+  }
+  Rows all;
+  std::map<std::string, std::vector<Row*>> kinds;
+  for (auto& [key, row] : found) {
+    row.own = row.points.size();
+    all.pools = all.pools || row.own > 1;
+    kinds[row.mark].push_back(&row);
+  }
+  for (const auto& [mark, rows] : kinds)
+    if (!Match(rows, by)) all.is_unmatched = true;
+  all.pools = all.pools || all.is_unmatched;
+  for (auto& [key, row] : found) all.rows.push_back(std::move(row));
+  all.by = std::move(by);
+  return all;
+}
+
+Rows MatchRows(const std::vector<MeasuredPoint>& points, std::vector<std::size_t> by) {
+  std::vector<const MeasuredPoint*> all;
+  for (const MeasuredPoint& point : points) all.push_back(&point);
+  return MatchRows(all, std::move(by));
+}
+
+namespace {
+
+/// Relative tolerances: of two spellings of one value, and of a value with the digits of a table.
+constexpr double kSame = 1e-9, kShown = 1e-4;
+
+/// Nullopt if the whole text is not a number.
+std::optional<double> NumberIn(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::set<std::size_t> FindNumbers(const plan::Axis& axis, const std::string& text) {
+  std::set<std::size_t> found;
+  const auto dots = text.find("..");
+  const auto from = NumberIn(std::string_view(text).substr(0, dots));
+  const auto to = dots == text.npos ? from : NumberIn(std::string_view(text).substr(dots + 2));
+  if (!from || !to) return found;
+  std::optional<std::size_t> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < axis.values.size(); ++i) {
+    const double value = std::get<double>(axis.values[i]), slack = kSame * std::fabs(value);
+    if (value >= *from - slack && value <= *to + slack) found.insert(i);
+    const double distance = std::fabs(value - *from);
+    if (distance > kShown * std::fabs(value) || distance >= least) continue;
+    least = distance;
+    nearest = i;
+  }
+  if (found.empty() && dots == text.npos && nearest) found.insert(*nearest);
+  return found;
+}
+
+std::set<std::size_t> FindValue(const plan::Axis& axis, const std::vector<std::string>& labels,
+                                const std::string& text) {
+  const auto found = std::ranges::find(labels, text);
+  if (found != labels.end()) return {static_cast<std::size_t>(found - labels.begin())};
+  return axis.IsText() ? std::set<std::size_t>() : FindNumbers(axis, text);
+}
+
+}  // namespace
+
+AxisSelection ParseSelection(const std::string& word) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == word.size())
+    throw files::StoreError(
+        fmt::format("'{}' selects nothing; write AXIS=VALUE, such as detector=dbvt", word));
+  return {word.substr(0, equals), word.substr(equals + 1)};
+}
+
+NamedValues FindValues(const plan::Axis& axis, const std::string& text) {
+  const std::vector<std::string> labels = plan::CoordinateLabels(axis);
+  // A label may contain a comma.
+  std::set<std::size_t> found = FindValue(axis, labels, text);
+  NamedValues values;
+  for (std::size_t begin = 0; found.empty() && begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const std::set<std::size_t> here = FindValue(axis, labels, part);
+    values.indices.insert(values.indices.end(), here.begin(), here.end());
+    if (here.empty()) values.unknown.push_back(part);
+    begin = end + 1;
+  }
+  found.insert(values.indices.begin(), values.indices.end());
+  values.indices.assign(found.begin(), found.end());
+  return values;
+}
+
+std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& indices) {
+  const std::vector<std::string> labels = plan::CoordinateLabels(axis);
+  std::vector<std::string> values;
+  for (const std::size_t i : indices) values.push_back(labels[i]);
+  return fmt::format("{}", fmt::join(values, ", "));
+}
+
+std::string ValuesText(const plan::Axis& axis) {
+  return fmt::format("{}", fmt::join(plan::CoordinateLabels(axis), ", "));
+}
+
+void SelectPart(results::ResultFile& file, const std::vector<std::string>& selections) {
+  std::set<std::string> seen;
+  for (const std::string& word : selections) {
+    const auto [name, text] = ParseSelection(word);
+    const std::size_t at = FindAxis(file, name);
+    if (!seen.insert(name).second)
+      throw files::StoreError(fmt::format(
+          "--select names the axis '{}' twice: list its values in one, as {}=A,B", name, name));
+    const plan::Axis& axis = file.axes()[at];
+    const NamedValues values = FindValues(axis, text);
+    if (!values.unknown.empty())
+      throw files::StoreError(fmt::format("the axis '{}' has no value {}; it has {}", name,
+                                          values.unknown[0].empty() ? "''" : values.unknown[0],
+                                          ValuesText(axis)));
+    file.Select(at, values.indices);
+  }
 }
 
 }  // namespace cdb::figures

@@ -127,4 +127,62 @@ class CellDetectors {
   std::map<std::string, std::string> by_run_;
 };
 
+// Rows of a table: points that share their values on some axes, pooled over the others, and matched
+// so that all rows of a kind are over the same cells.
+
+/// Points that share a value on each axis of the rows, and the mark.
+struct Row {
+  Point at;
+  std::string mark;
+  bool is_void;
+  std::vector<const MeasuredPoint*> points;  ///< the matched points; not empty
+  std::size_t own = 0;                       ///< number of points before matching
+
+  /// `3 of 5`: the number of pooled cells, out of all its cells.
+  std::string CellsText() const;
+};
+
+struct Rows {
+  std::vector<std::size_t> by;  ///< the axes that make the rows
+  std::vector<Row> rows;        ///< in grid order, void ones after sound ones
+  bool pools = false;           ///< some row has, or had, several points
+  /// No cell is common to all rows of a kind, so the rows are not matched.
+  bool is_unmatched = false;
+
+  /// Sentences for below a table; none for rows of one point each.
+  std::vector<std::string> MatchNotes() const;
+};
+/// Rows for the axes `by`. Axes that make no rows are pooled; a cell is pooled only if all rows of
+/// the same mark have it. `points` must outlive the rows.
+Rows MatchRows(const std::vector<const MeasuredPoint*>& points, std::vector<std::size_t> by);
+Rows MatchRows(const std::vector<MeasuredPoint>& points, std::vector<std::size_t> by);
+
+// Values of an axis as the user writes them: `detector=dbvt`, `hz=60,120`, `quantity=10..100`
+// (`--select` of `cdb show`, `cdb compare` and `cdb view`); and a part of a results file by such
+// values.
+
+/// `axis=text`.
+struct AxisSelection {
+  std::string axis, text;
+};
+/// Throws files::StoreError for a word of another form.
+AxisSelection ParseSelection(const std::string& word);
+
+struct NamedValues {
+  std::vector<std::size_t> indices;  ///< ascending
+  std::vector<std::string> unknown;  ///< parts of the text that match no value of the axis
+};
+/// The text is a value, several values separated by commas, or, on an axis of numbers, `a..b`
+/// including both ends. A number is written as its label or in full. If neither matches, it denotes
+/// the nearest value within 1e-4 of its size, because tables show four digits.
+NamedValues FindValues(const plan::Axis& axis, const std::string& text);
+
+/// The labels of the values at `indices`, or of all: `1, 2, 5`.
+std::string ValuesText(const plan::Axis& axis, const std::vector<std::size_t>& indices);
+std::string ValuesText(const plan::Axis& axis);
+
+/// Each of `selections` is `axis=value`, `axis=a,b` or `axis=a..b` (FindValues). Throws
+/// StoreError that names the axes of the file, or the values of the axis.
+void SelectPart(results::ResultFile& file, const std::vector<std::string>& selections);
+
 }  // namespace cdb::figures

@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "compiler/plan/coordinates.h"
+#include "compiler/plan/plan.h"
 
 namespace cdb::figures {
 namespace {

@@ -1,5 +1,5 @@
-// Explanations of the kinds in dsl/diagnostic_kinds.h.
-#include "dsl/diagnostic_kinds.h"
+// Explanations of the kinds in dsl/diagnostics.h.
+#include "dsl/diagnostics.h"
 #include "runtime/manual/explanation.h"
 
 namespace cdb::manual {

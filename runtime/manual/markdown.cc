@@ -4,8 +4,8 @@
 #include <cctype>
 #include <utility>
 
+#include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::manual {
 namespace {

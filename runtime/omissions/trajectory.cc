@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "runtime/omissions/omissions.h"
+
 namespace cdb::omissions {
 namespace {
 
@@ -274,6 +276,140 @@ Approach BoxApproachOf(const Trajectory& a, const Trajectory& b, double end) {
   const auto apart = gap(end);
   if (apart > 0) return {.gap = apart};
   return {.meets = true, .time = FirstTime(end, [&](double t) { return !(gap(t) > 0); })};
+}
+
+using Eigen::Vector3d;
+
+Box Grown(const Box& box, double by) { return {box.min().array() - by, box.max().array() + by}; }
+
+double Region::Radius(double time) const {
+  const double left = time - since;
+  return radius + std::min(rate * left + more * (time * time - since * since) / 2, limit * left);
+}
+
+Box Region::Core(double time) const {
+  const Vector3d moved = drift * (time - since) + FallUntil(gravity, timestep, time) -
+                         FallUntil(gravity, timestep, since);
+  return {core.min() + moved, core.max() + moved};
+}
+
+Box Region::Hull(double time) const {
+  // As a parabola in the time since the start.
+  const Vector3d c0 = -drift * since - FallUntil(gravity, timestep, since);
+  const Box moved = RangeOf(c0, drift + gravity * (timestep / 2), gravity / 2, since, time);
+  return Grown({core.min() + moved.min(), core.max() + moved.max()}, Radius(time) + error);
+}
+
+ObjectMotions::ObjectMotions(const std::vector<Trajectory>& trajectories,
+                             const Vector3d& acceleration, const Horizon& horizon)
+    : trajectories_(trajectories),
+      fall_(acceleration.stableNorm() * (horizon.end + horizon.timestep)),
+      versions_(trajectories.size()),
+      regions_(trajectories.size()) {}
+
+void ObjectMotions::SetRegion(std::size_t object, const Region& region) {
+  regions_[object] = region;
+  ++versions_[object];
+}
+
+Ball ObjectMotions::BallAt(std::size_t object, double time) const {
+  if (!IsInFlight(object)) {
+    const Region& region = regions_[object];
+    return {region.Core(time), region.Radius(time)};
+  }
+  const Trajectory& trajectory = trajectories_[object];
+  if (trajectory.motion == Motion::kSlowed) return {trajectory.PathUntil(time), 0};
+  return {Box(trajectory.PlaceAt(time)), 0};
+}
+
+double ObjectMotions::ErrorOf(std::size_t object) const {
+  return IsInFlight(object) ? trajectories_[object].slack.stableNorm() : regions_[object].error;
+}
+
+double ObjectMotions::FastestInWorld(std::size_t object) const {
+  if (IsFixed(object)) return 0;
+  if (IsInFlight(object)) return trajectories_[object].velocity.stableNorm() + fall_;
+  const Region& region = regions_[object];
+  return region.limit + region.drift.stableNorm() + (region.gravity.isZero(0) ? 0 : fall_);
+}
+
+double ObjectMotions::FastestInAir(std::size_t object) const {
+  if (IsInFlight(object)) {
+    if (trajectories_[object].motion == Motion::kFree)
+      return trajectories_[object].velocity.stableNorm();
+  } else if (!regions_[object].gravity.isZero(0)) {
+    return regions_[object].limit + regions_[object].drift.stableNorm();
+  }
+  return FastestInWorld(object) + fall_;
+}
+
+int BestSweepAxis(const std::vector<SweptBox>& boxes) {
+  Box room;
+  Eigen::Vector3d lengths = Eigen::Vector3d::Zero();
+  for (const SweptBox& swept : boxes) {
+    room.extend(swept.box);
+    lengths += swept.box.sizes();
+  }
+  int best = 0;
+  for (int axis = 1; axis < 3; ++axis)
+    if (lengths[axis] * room.sizes()[best] < lengths[best] * room.sizes()[axis]) best = axis;
+  return best;
+}
+
+bool Sweep(std::vector<SweptBox> boxes, const SweepPartners& partners, std::uint64_t& tests_left,
+           const std::function<void(std::uint32_t, std::uint32_t)>& report) {
+  const int axis = BestSweepAxis(boxes);
+  std::ranges::sort(boxes, {}, [&](const SweptBox& swept) { return swept.box.min()[axis]; });
+  std::array<std::vector<const SweptBox*>, kSweepKinds> open;
+  for (const SweptBox& swept : boxes) {
+    for (std::size_t kind = 0; kind < kSweepKinds; ++kind) {
+      if ((partners[swept.kind] >> kind & 1) == 0) continue;
+      auto& others = open[kind];
+      for (std::size_t i = 0; i < others.size();) {
+        const SweptBox& other = *others[i];
+        if (other.box.max()[axis] < swept.box.min()[axis]) {
+          others[i] = others.back();
+          others.pop_back();
+          continue;
+        }
+        if (tests_left == 0) return false;
+        --tests_left;
+        if (swept.box.intersects(other.box)) report(swept.object, other.object);
+        ++i;
+      }
+    }
+    open[swept.kind].push_back(&swept);
+  }
+  return true;
+}
+
+SortedBoxes::SortedBoxes(std::vector<SweptBox> boxes)
+    : axis_(BestSweepAxis(boxes)), boxes_(std::move(boxes)) {
+  for (const SweptBox& swept : boxes_) longest_ = std::max(longest_, swept.box.sizes()[axis_]);
+  std::ranges::sort(boxes_, {}, [&](const SweptBox& swept) { return swept.box.min()[axis_]; });
+}
+
+std::span<const SweptBox> SortedBoxes::Near(const Box& box) const {
+  const auto least = [&](const SweptBox& swept) { return swept.box.min()[axis_]; };
+  const auto begin = std::ranges::lower_bound(boxes_, box.min()[axis_] - longest_, {}, least);
+  const auto end = std::ranges::upper_bound(begin, boxes_.end(), box.max()[axis_], {}, least);
+  return {begin, end};
+}
+
+Room::Room(const plan::Scene& scene, const Horizon& horizon)
+    : standing_(StandingWalls(scene)),
+      half_(scene.world.Real("world.side") / 2),
+      // Walls, and the objects near them, are at a distance of about half_. The omission guard
+      // allows 16 of these.
+      rounding_(32 * horizon.rounding * half_),
+      // A box wall ends a little outside the cube, where only another box stops objects.
+      is_endless_(scene.world.WordOr("world.wall_shape") == "plane" ||
+                  scene.world.WordOr("world.walls") == "all") {}
+
+double Room::Gap(int wall, const Box& places, double reach) const {
+  const int axis = wall / 2;
+  const double farthest = wall % 2 == 0 ? -places.min()[axis] : places.max()[axis];
+  return half_ - rounding_ - reach - farthest;
 }
 
 }  // namespace cdb::omissions

@@ -10,8 +10,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
 
-#include "compiler/analysis/engine_constants.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 
@@ -110,5 +116,132 @@ using analysis::kSlowSpin;
 /// `end`, counted as Bullet does: one step for each step in which it finds the object slow.
 double LongestRest(const layouts::ObjectState& object, const Eigen::Vector3d& acceleration,
                    const Horizon& horizon);
+
+// The possible positions of each object: on its trajectory until its first possible contact, in a
+// growing region from then on.
+//
+// SI units. Errors: none. Threads: one.
+
+/// All points within `radius` of a box.
+struct Ball {
+  Box core;
+  double radius;
+};
+
+Box Grown(const Box& box, double by);
+
+/// The positions that the centre of an object may have after its first possible contact: a box
+/// that moves uniformly or falls, and all points within `Radius` of it.
+struct Region {
+  double since = 0;
+  Box core;                 ///< at `since`
+  Eigen::Vector3d drift;    ///< m/s
+  Eigen::Vector3d gravity;  ///< 0 in the world frame
+  double timestep = 0;
+  double radius = 0;                     ///< m, at `since`
+  double rate = 0, more = 0, limit = 0;  ///< it grows by min(rate + more t, limit)
+  double error = 0;                      ///< m: rounding
+
+  double Radius(double time) const;
+  Box Core(double time) const;
+  /// A box that contains the region until `time`.
+  Box Hull(double time) const;
+};
+
+class ObjectMotions {
+ public:
+  /// The arguments must outlive the object.
+  ObjectMotions(const std::vector<Trajectory>& trajectories, const Eigen::Vector3d& acceleration,
+                const Horizon& horizon);
+
+  const Trajectory& trajectory(std::size_t object) const { return trajectories_[object]; }
+  bool IsFixed(std::size_t object) const { return trajectory(object).motion == Motion::kFixed; }
+
+  /// Call when the object has a contact, the first or a later one.
+  void SetRegion(std::size_t object, const Region& region);
+  /// 0 in free flight; each new region changes it.
+  std::uint32_t version(std::size_t object) const { return versions_[object]; }
+  bool IsInFlight(std::size_t object) const { return version(object) == 0; }
+  /// The region of an object that is not in free flight.
+  const Region& region(std::size_t object) const { return regions_[object]; }
+
+  /// The possible positions of the object's centre at `time`.
+  Ball BallAt(std::size_t object, double time) const;
+  /// m: the rounding error of BallAt.
+  double ErrorOf(std::size_t object) const;
+  /// m/s: bound of the speed of the surface of BallAt, in the world and in the falling frame.
+  double FastestInWorld(std::size_t object) const;
+  double FastestInAir(std::size_t object) const;
+
+ private:
+  const std::vector<Trajectory>& trajectories_;
+  const double fall_;                    ///< m/s: velocity that gravity adds until the end
+  std::vector<std::uint32_t> versions_;  ///< by object
+  std::vector<Region> regions_;          ///< by object
+};
+
+// Finds overlapping pairs in a large set of boxes by one sweep along an axis, and the boxes near
+// another one.
+
+inline constexpr std::size_t kSweepKinds = 4;
+
+struct SweptBox {
+  Box box;
+  std::uint32_t object = 0;
+  std::uint8_t kind = 0;  ///< below kSweepKinds
+};
+
+/// The axis along which the boxes are shortest relative to the extent of all boxes.
+int BestSweepAxis(const std::vector<SweptBox>& boxes);
+
+/// Bit b of entry a: a box of kind a is tested against those of kind b. Must be symmetric.
+using SweepPartners = std::array<std::uint8_t, kSweepKinds>;
+
+/// Calls `report` once for each pair of boxes of partner kinds that overlap or touch. Decrements
+/// `tests_left` for each pair that overlaps along the axis; if it runs out, returns false without
+/// reporting all pairs. No box may contain a NaN.
+bool Sweep(std::vector<SweptBox> boxes, const SweepPartners& partners, std::uint64_t& tests_left,
+           const std::function<void(std::uint32_t, std::uint32_t)>& report);
+
+/// Boxes sorted along their best axis, for queries by a box.
+class SortedBoxes {
+ public:
+  SortedBoxes() = default;
+  /// No box may contain a NaN.
+  explicit SortedBoxes(std::vector<SweptBox> boxes);
+
+  /// All boxes that overlap `box` along the axis, and some more.
+  std::span<const SweptBox> Near(const Box& box) const;
+
+ private:
+  int axis_ = 0;
+  double longest_ = 0;
+  std::vector<SweptBox> boxes_;
+};
+
+// The cube that contains the objects, and its clearance from an object.
+//
+// SI units. Errors: none. Threads: any.
+
+class Room {
+ public:
+  Room(const plan::Scene& scene, const Horizon& horizon);
+
+  bool Stands(int wall) const { return (standing_ >> wall & 1) != 0; }
+  std::uint8_t standing() const { return standing_; }
+  double half() const { return half_; }
+  /// True if no object can get past the wall, at any distance from its centre.
+  bool Holds(int wall) const { return Stands(wall) && is_endless_; }
+  /// Clearance, m, between the wall and an object of radius `reach`, m, whose centre is in
+  /// `places`, beyond the distance at which they touch. If 0 or less, the object may touch the
+  /// wall.
+  double Gap(int wall, const Box& places, double reach) const;
+
+ private:
+  std::uint8_t standing_;
+  double half_;
+  double rounding_;  ///< m: of the position of a wall and of distances from it
+  bool is_endless_;
+};
 
 }  // namespace cdb::omissions

@@ -9,7 +9,7 @@
 #include "runtime/figures/points.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/compare.h"
-#include "runtime/printers/notes.h"
+#include "runtime/printers/document.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {

@@ -3,8 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
 #include <sstream>
+#include <utility>
+#include <vector>
 
+#include "runtime/figures/model.h"
+#include "runtime/figures/points.h"
+#include "runtime/printers/show.h"
+#include "runtime/protocol/machine/noise.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -198,6 +209,246 @@ std::string CsvOf(const Table& table) {
   add_line(table.columns, [](const Table::Column& column) { return column.head; });
   for (const auto& row : table.rows) add_line(row, [](const std::string& cell) { return cell; });
   return text;
+}
+
+using figures::Cell;
+
+std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& cells) {
+  if (!file.Has("noise") || !file.Has("noise_cause") || !file.Has("cpu_time")) return {};
+  std::size_t noisy = 0;
+  const Cell* worst = nullptr;
+  double least_share = std::numeric_limits<double>::infinity();
+  for (const Cell& cell : cells) {
+    if (file.ReadReal("noise", cell) != static_cast<double>(machine::Noise::kNoisy)) continue;
+    ++noisy;
+    const double share = file.ReadReal("cpu_time", cell) / file.ReadReal("cycles_time", cell);
+    if (worst != nullptr && !(share < least_share)) continue;
+    least_share = share;
+    worst = &cell;
+  }
+  if (worst == nullptr) return {};
+  return fmt::format("The machine was noisy in {} of {} run{}; worst in {}: {} (cdb doc noise).",
+                     noisy, cells.size(), cells.size() == 1 ? "" : "s",
+                     figures::PlaceText(file, *worst), file.ReadText("noise_cause", *worst));
+}
+
+std::vector<std::string> ProcessorNotes(const results::ResultFile& file,
+                                        const std::vector<Cell>& cells) {
+  std::map<std::string, std::size_t> runs;
+  std::map<figures::Point, std::set<std::string>> kinds;  // keyed by points without their detector
+  const auto detector = figures::DetectorAxis(file);
+  for (const Cell& cell : cells) {
+    if (figures::EndingOf(file, cell).Rank() < 0) continue;
+    std::string kind = file.ReadProvenance("cpu", cell);
+    if (kind.empty()) kind = "a processor without a name";
+    ++runs[kind];
+    kinds[detector ? figures::Without(cell.at, *detector) : cell.at].insert(std::move(kind));
+  }
+  if (runs.size() < 2) return {};
+  std::vector<std::string> notes = {
+      "Run on different processors, whose times are not comparable (cdb doc cluster):"};
+  for (const auto& [kind, count] : runs)
+    notes.push_back(fmt::format("  {} run{} on {}", count, count == 1 ? "" : "s", kind));
+  const auto mixed = static_cast<std::size_t>(
+      std::ranges::count_if(kinds, [](const auto& point) { return point.second.size() > 1; }));
+  if (mixed > 0)
+    notes.push_back(fmt::format(
+        "  At {} of {} points, detectors or repeats ran on several of them.", mixed, kinds.size()));
+  return notes;
+}
+
+std::string HarnessNote(const figures::Model& model) {
+  const auto cost = figures::HarnessCostOf(model);
+  if (!cost) return {};
+  std::string text =
+      fmt::format("Measurement overhead: {} ns per cycle", terminal::ShortNumber(cost->median));
+  if (const auto& fastest = cost->fastest)
+    text += fmt::format(", {} % of the detection of {}{}",
+                        terminal::ShortNumber(100 * cost->median / fastest->time),
+                        fastest->detector.empty() ? "the detector" : fastest->detector,
+                        fastest->is_only ? "" : ", the fastest");
+  return text + "; not subtracted.";
+}
+
+std::string BuildNote(const results::ResultFile& file) {
+  const std::string build = file.ReadProvenance("build_type");
+  if (build == "Release") return {};
+  return fmt::format("Timed with a {} build of cdb: do not quote these timings.", build);
+}
+
+std::string JobsNote(const results::ResultFile& file) {
+  const std::string jobs = file.ReadProvenance("jobs");
+  if (jobs.empty() || jobs == "1") return {};
+  return fmt::format("Timed with parallel runs (jobs {}), which disturb each other.", jobs);
+}
+
+namespace {
+
+/// The fault of a detector, the worst first.
+enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
+
+Fault FaultOf(const figures::DetectorFindings& of) {
+  if (of.missed > 0) return Fault::kMissesPairs;
+  if (of.missed_contacts > 0) return Fault::kMissesContacts;
+  return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
+}
+
+bool MissesOnlyContacts(const figures::DetectorFindings& of) {
+  return FaultOf(of) == Fault::kMissesContacts;
+}
+
+/// Boxes of objects in contact overlap.
+constexpr const char* kOnlyContacts =
+    "If no pair is missed, the narrow phase misses the contacts, not the detector.";
+
+std::string Verdict(const figures::DetectorFindings& of) {
+  switch (FaultOf(of)) {
+    case Fault::kMissesPairs:
+      return "wrong: misses pairs";
+    case Fault::kMissesContacts:
+      return "wrong: misses contacts";
+    case Fault::kFails:
+      return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
+    case Fault::kNone:
+      break;
+  }
+  if (of.cycles == 0) return "nothing to judge";
+  if (of.duplicate > 0) return "lists pairs twice";
+  return of.false_positives > 0 ? "superset" : "exact";
+}
+
+std::string ErrorText(double value) {
+  return std::isnan(value) ? "-" : fmt::format("{:.1e}", value);
+}
+
+class Verified {
+ public:
+  explicit Verified(const results::ResultFile& file)
+      : file_(file), all_(figures::FindingsOf(file)) {
+    std::erase_if(all_, [](const figures::DetectorFindings& of) { return of.AllRuns() == 0; });
+    std::ranges::stable_sort(all_, {}, FaultOf);
+  }
+
+  bool IsGood() const {
+    return std::ranges::all_of(all_, [](const auto& of) { return FaultOf(of) == Fault::kNone; });
+  }
+
+  Document Made(const std::vector<std::string>& left_out) const {
+    Section section = {.title = file_.title()}, below;
+    Table& table = section.table;
+    table.AddColumn("detector", false);
+    for (const char* head : {"points", "cycles", "exact pairs", "missed", "phantom", "duplicate",
+                             "contacts missed", "depth error", "normal error"})
+      table.AddColumn(head, true);
+    table.AddColumn("verdict", false);
+    for (const figures::DetectorFindings& of : all_) {
+      std::vector<std::string> row = {of.detector};
+      for (const std::uint64_t count : {std::uint64_t{of.AllRuns()}, of.cycles, of.exact, of.missed,
+                                        of.false_positives, of.duplicate, of.missed_contacts})
+        row.push_back(fmt::format("{}", count));
+      for (const double error : {of.depth_error, of.normal_error}) row.push_back(ErrorText(error));
+      row.push_back(Verdict(of));
+      table.rows.push_back(std::move(row));
+      AddBelow(of, below.lines);
+    }
+    if (std::ranges::any_of(all_, MissesOnlyContacts)) below.lines.emplace_back(kOnlyContacts);
+    std::vector<std::string>& last = below.lines.empty() ? section.notes : below.lines;
+    for (const std::string& line : left_out) last.push_back(fmt::format("Omitted: {}.", line));
+    return below.lines.empty() ? Document{section} : Document{section, below};
+  }
+
+ private:
+  /// The first occurrence of each fault, and the command that reproduces it.
+  void AddBelow(const figures::DetectorFindings& of, std::vector<std::string>& lines) const {
+    const auto add = [&](const std::string& what, const figures::Cell& cell) {
+      lines.push_back(fmt::format("{} {}", of.detector, what));
+      lines.push_back("  " + figures::OnlyCommand(file_, cell));
+    };
+    const auto from = [&](const char* what,
+                          const std::optional<figures::DetectorFindings::Place>& first) {
+      if (first)
+        add(fmt::format("{} from cycle {} of {} on", what, first->cycle,
+                        figures::PlaceText(file_, first->cell)),
+            first->cell);
+    };
+    from("misses pairs", of.first_missed);
+    from("misses contacts", of.first_missed_contact);
+    from("lists pairs twice", of.first_duplicate);
+    if (of.first_failed)
+      add(fmt::format("{} at {}: {}", results::StatusName(file_.ReadStatus(*of.first_failed)),
+                      figures::PlaceText(file_, *of.first_failed),
+                      file_.ReadText("message", *of.first_failed)),
+          *of.first_failed);
+  }
+
+  const results::ResultFile& file_;
+  std::vector<figures::DetectorFindings> all_;
+};
+
+}  // namespace
+
+VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out) {
+  const Verified verified(file);
+  return {TextOf(verified.Made(left_out), Format::kTerminal), verified.IsGood()};
+}
+
+namespace {
+
+using plan::Axis;
+
+/// The graded axis; none if no axis has numbers.
+std::optional<std::size_t> OwnAxis(const std::vector<Axis>& axes) {
+  for (std::size_t i = axes.size(); i-- > 0;)
+    if (!axes[i].IsText()) return i;
+  return std::nullopt;
+}
+
+std::string Range(const Axis& axis, std::size_t begin, std::size_t end) {
+  const auto text = [&](std::size_t i) {
+    return fmt::format("{:.4g}", std::get<double>(axis.values[i]));
+  };
+  return end - begin == 1 ? text(begin) : fmt::format("{} .. {}", text(begin), text(end - 1));
+}
+
+std::string AlongAxis(const results::ResultFile& file, figures::Point at, std::size_t own) {
+  const Axis& axis = file.axes()[own];
+  std::string line, before;
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i <= axis.values.size(); ++i) {
+    std::string here;
+    if (i < axis.values.size()) {
+      at[own] = i;
+      here = figures::WorstEnding(file, at).Word();
+      if (i == 0) before = here;
+    }
+    if (here == before) continue;
+    line += fmt::format("{}{} {}", line.empty() ? "" : " | ", before, Range(axis, begin, i));
+    before = std::move(here);
+    begin = i;
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string StabilityMap(const results::ResultFile& file) {
+  const auto& axes = file.axes();
+  const auto own = OwnAxis(axes);
+  Section section = {.title = file.title()};
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (i != own) section.table.AddColumn(axes[i].name, !axes[i].IsText());
+  section.table.AddColumn(
+      own ? axes[*own].name + (axes[*own].unit.empty() ? "" : ", " + axes[*own].unit) : "verdict",
+      false);
+  for (const figures::Point& at : figures::AllPoints(file)) {
+    if (own && at[*own] != 0) continue;
+    std::vector<std::string> row;
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      if (i != own) row.push_back(terminal::CoordinateText(axes[i], at[i]));
+    row.push_back(own ? AlongAxis(file, at, *own) : figures::WorstEnding(file, at).Word());
+    section.table.rows.push_back(std::move(row));
+  }
+  return TextOf({section}, Format::kTerminal);
 }
 
 }  // namespace cdb::printers

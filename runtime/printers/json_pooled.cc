@@ -4,10 +4,10 @@
 #include <map>
 #include <utility>
 
-#include "compiler/plan/coordinates.h"
+#include "compiler/plan/plan.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/errors.h"
-#include "runtime/printers/json_parts.h"
+#include "runtime/printers/json_points.h"
 
 namespace cdb::printers {
 namespace {

@@ -1,17 +1,27 @@
 #include "runtime/printers/results_document.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 
+#include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/model.h"
-#include "runtime/printers/json_parts.h"
+#include "runtime/printers/document.h"
+#include "runtime/printers/json_points.h"
 
 namespace cdb::printers {
 namespace {
@@ -177,5 +187,312 @@ Printed CsvText(const results::ResultFile& file, const CsvOptions& options) {
                              {.only_sound = options.only_sound, .statistic = options.statistic});
   return {CsvOf(PointTable(model, options.phases).table()), model.runs().bad.size()};
 }
+
+// The head of a results document: runs, machine, noise, omissions, failures.
+
+namespace {
+
+using figures::Cell;
+
+/// The names of a fact in the document and in /provenance.
+using Fact = std::pair<const char*, const char*>;
+
+Json FactsOf(const results::ResultFile& file, std::initializer_list<Fact> facts) {
+  Json all = Json::object();
+  for (const auto& [name, stored] : facts)
+    if (std::string text = file.ReadProvenance(stored); !text.empty()) all[name] = std::move(text);
+  return all;
+}
+
+/// The reason in a line `walls: left out: why` of the decisions of a run; empty if there is no such
+/// line.
+std::string ReasonIn(const std::string& decisions, std::string_view component) {
+  const std::string line = std::string(component) + ": left out: ";
+  for (auto at = decisions.find(line); at != std::string::npos; at = decisions.find(line, at + 1)) {
+    if (at > 0 && decisions[at - 1] != '\n') continue;
+    const auto begin = at + line.size();
+    return decisions.substr(begin, decisions.find('\n', begin) - begin);
+  }
+  return {};
+}
+
+/// Above this, not every whole number is representable as a double.
+constexpr double kMaxWhole = 9007199254740992.0;
+
+double Rounded(double value, int digits) {
+  char text[64];
+  const auto end =
+      std::to_chars(text, text + sizeof(text), value, std::chars_format::scientific, digits - 1)
+          .ptr;
+  double rounded = value;
+  std::from_chars(text, end, rounded);
+  return rounded;
+}
+
+}  // namespace
+
+Json DocumentRuns(const figures::Model& model) {
+  const figures::CellGroups& groups = model.runs();
+  std::size_t failed = 0;
+  for (const figures::CellGroups::Bad& bad : groups.bad)
+    failed += model.file().ReadStatus(bad.cell) == results::Status::kDone ? 0 : 1;
+  return {{"all", groups.NotSkipped() + groups.skipped},
+          {"good", groups.good.size()},
+          {"void", groups.bad.size() - failed},
+          {"failed", failed},
+          {"skipped", groups.skipped},
+          {"missing", groups.missing},
+          {"repeats", model.file().repeats()},
+          {"cycles", model.file().cycles()}};
+}
+
+Json DocumentOmissions(const figures::Model& model) {
+  const results::ResultFile& file = model.file();
+  Json all = Json::array();
+  if (!file.Has("omitted") || !file.Has("needs")) return all;
+  for (const schema::ComponentInfo& info : schema::Components()) {
+    if (!info.IsVisible()) continue;
+    std::map<std::string, std::vector<std::size_t>> by_reason;
+    for (const figures::MeasuredPoint& point : model.points())
+      if (std::ranges::find(point.left_out, info.name) != point.left_out.end())
+        by_reason[ReasonIn(file.ReadText("needs", point.cells[0]), info.name)].push_back(
+            model.IndexOf(point.at));
+    for (auto& [why, points] : by_reason)
+      all.push_back({{"parts", info.name},
+                     {"points", points.size()},
+                     {"of", model.grid().size()},
+                     {"why", why},
+                     {"changes", info.changes},
+                     {"at", IsLarge(model) ? Json(nullptr) : Json(points)}});
+  }
+  return all;
+}
+
+Json DocumentFindings(const figures::Model& model) {
+  Json all = Json::array();
+  for (const figures::DetectorFindings& of : model.findings())
+    if (of.cycles > 0)
+      all.push_back({{"detector", of.detector},
+                     {"runs", of.runs},
+                     {"cycles", of.cycles},
+                     {"exact", of.exact},
+                     {"missed", of.missed},
+                     {"false_positives", of.false_positives},
+                     {"duplicate", of.duplicate},
+                     {"missed_contacts", of.missed_contacts},
+                     {"wrong_runs", of.wrong_runs}});
+  return all;
+}
+
+Json DocumentFailures(const figures::Model& model, std::size_t most) {
+  Json all = Json::array();
+  for (const figures::CellGroups::Bad& bad : model.runs().bad) {
+    if (all.size() == most) break;
+    all.push_back({{"place", figures::PlaceText(model.file(), bad.cell)},
+                   {"why", bad.why},
+                   {"command", figures::OnlyCommand(model.file(), bad.cell)}});
+  }
+  return all;
+}
+
+Json DocumentNoise(const figures::Model& model) {
+  const results::ResultFile& file = model.file();
+  const std::vector<Cell>& cells = model.runs().good;
+  std::size_t quiet = 0, noisy = 0;
+  double least = figures::kNone, most = figures::kNone;
+  for (const Cell& cell : cells) {
+    if (file.Has("noise")) {
+      const auto noise = static_cast<machine::Noise>(file.ReadReal("noise", cell));
+      quiet += noise == machine::Noise::kQuiet ? 1 : 0;
+      noisy += noise == machine::Noise::kNoisy ? 1 : 0;
+    }
+    if (!file.Has("load_average")) continue;
+    least = std::fmin(least, file.ReadReal("load_average", cell));
+    most = std::fmax(most, file.ReadReal("load_average", cell));
+  }
+  Json text = Json::array();
+  for (const std::string& note : {NoiseNote(file, cells), HarnessNote(model)})
+    if (!note.empty()) text.push_back(note);
+  return {{"judgement", noisy > 0                            ? "noisy"
+                        : quiet > 0 && quiet == cells.size() ? "quiet"
+                                                             : "unknown"},
+          {"noisy", noisy},
+          {"text", std::move(text)},
+          {"load", JsonNumbers({least, most})}};
+}
+
+Json DocumentMachine(const results::ResultFile& file) {
+  return FactsOf(file, {{"host", "host"},
+                        {"cpu", "cpu"},
+                        {"cores", "cpus"},
+                        {"memory", "memory"},
+                        {"governor", "cpu_governor"},
+                        {"system", "system"},
+                        {"kernel", "kernel"}});
+}
+
+Json DocumentBuild(const results::ResultFile& file) {
+  return FactsOf(file, {{"cdb", "cdb_version"},
+                        {"commit", "commit"},
+                        {"type", "build_type"},
+                        {"compiler", "compiler"},
+                        {"flags", "compiler_flags"},
+                        {"bullet", "bullet_version"}});
+}
+
+Json DocumentProvenance(const results::ResultFile& file) {
+  Json all = {{"source", file.source()},
+              {"benchmark", file.benchmark()},
+              {"plan_sha256", file.plan_sha256()}};
+  all.update(FactsOf(file, {{"jobs", "jobs"},
+                            {"plugins", "plugins"},
+                            {"models", "models"},
+                            {"detector_libraries", "detector_libraries"},
+                            {"scenario", "scenario_text"}}));
+  return all;
+}
+
+Json JsonNumber(double value, int digits) {
+  if (!std::isfinite(value)) return nullptr;
+  const double rounded = Rounded(value, digits);
+  if (rounded == std::trunc(rounded) && std::fabs(rounded) < kMaxWhole)
+    return static_cast<std::int64_t>(rounded);
+  return rounded;
+}
+
+Json JsonNumbers(const std::vector<double>& values, int digits) {
+  return JsonColumn(values.size(), [&](std::size_t i) { return JsonNumber(values[i], digits); });
+}
+
+Json FoldColumns(Json columns) {
+  if (columns.is_array()) {
+    for (const Json& value : columns)
+      if (value != columns[0]) return columns;
+    return columns.empty() ? columns : Json{{"constant", columns[0]}};
+  }
+  if (columns.is_object())
+    for (auto& [key, column] : columns.items()) column = FoldColumns(std::move(column));
+  return columns;
+}
+
+// Warnings to read before quoting a figure, for results documents.
+
+namespace {
+
+class WarningList {
+ public:
+  explicit WarningList(const figures::Model& model)
+      : model_(model), file_(model.file()), groups_(model.runs()) {}
+
+  Json All() {
+    AddBuild();
+    AddFindings();
+    AddBadRuns();
+    AddVerdicts();
+    AddNoise();
+    AddProcessors();
+    AddUnlike();
+    AddMissing();
+    AddRepeats();
+    if (IsLarge(model_))
+      Add("pooled", fmt::format("There are {} points: the page has only the mean of step and "
+                                "detect of each, without single cycles.",
+                                model_.grid().size()));
+    return std::move(all_);
+  }
+
+ private:
+  void Add(const char* kind, std::string text) {
+    all_.push_back({{"kind", kind}, {"text", std::move(text)}});
+  }
+
+  void AddBuild() {
+    if (const std::string note = BuildNote(file_); !note.empty()) Add("debug", note);
+  }
+
+  void AddFindings() {
+    for (const figures::DetectorFindings& of : model_.findings())
+      if (of.missed > 0)
+        Add("missed_pairs", fmt::format("{} missed {} of {} pairs, in {} of {} {}: its times are "
+                                        "of less work than necessary.",
+                                        of.detector, of.missed, of.exact, of.wrong_runs, of.runs,
+                                        of.runs == 1 ? "run" : "runs"));
+  }
+
+  void AddBadRuns() {
+    std::map<std::string, std::size_t> faults;
+    for (const figures::CellGroups::Bad& bad : groups_.bad)
+      ++faults[figures::EndingOf(file_, bad.cell).Word()];
+    std::vector<std::string> texts;
+    for (const auto& [fault, count] : faults) texts.push_back(fmt::format("{} {}", count, fault));
+    if (!texts.empty())
+      Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and not "
+                                "pooled with others in means and ratios.",
+                                groups_.bad.size(), groups_.NotSkipped(), fmt::join(texts, ", ")));
+    for (const std::string& trouble : model_.reference_troubles())
+      Add("failed", fmt::format("A reference is missing: {}", trouble));
+  }
+
+  void AddVerdicts() {
+    std::vector<std::string> texts;
+    for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row)
+      if (row->first > protocol::Verdict::kStable)
+        texts.push_back(
+            fmt::format("{} {}", row->second.size(), protocol::VerdictName(row->first)));
+    if (!texts.empty())
+      Add("unsound",
+          fmt::format(
+              "The simulation was not sound in some runs ({}); their times are in the figures.",
+              fmt::join(texts, ", ")));
+  }
+
+  void AddNoise() {
+    for (const std::string& note : {JobsNote(file_), NoiseNote(file_, groups_.good)})
+      if (!note.empty()) Add("noise", note);
+  }
+
+  void AddProcessors() {
+    const std::vector<std::string> notes = ProcessorNotes(file_, groups_.good);
+    std::string text;
+    for (const std::string& note : notes)
+      text += (text.empty() ? "" : " ") + note.substr(note.find_first_not_of(' '));
+    if (!text.empty()) Add("processors", text);
+  }
+
+  /// The compared detectors had different omissions.
+  void AddUnlike() {
+    std::set<std::string> components;
+    for (const figures::MeasuredPoint& point : model_.points())
+      components.insert(point.unlike.begin(), point.unlike.end());
+    if (!components.empty())
+      Add("unlike", fmt::format("Some points ran without {} and others with it; they are marked.",
+                                fmt::join(components, ", ")));
+  }
+
+  void AddMissing() {
+    if (groups_.missing > 0)
+      Add("partial",
+          fmt::format("{} of {} runs are missing.", groups_.missing, groups_.NotSkipped()));
+  }
+
+  void AddRepeats() {
+    if (!model_.HasTimes()) return;
+    if (file_.begun_repeats() == 1) {
+      Add("repeats", "One repeat: there are no intervals.");
+    } else if (file_.begun_repeats() < figures::Bootstrap::kLeastForInterval) {
+      Add("repeats", fmt::format("{} repeats: ranges instead of intervals, which need {}.",
+                                 file_.begun_repeats(), figures::Bootstrap::kLeastForInterval));
+    }
+  }
+
+  const figures::Model& model_;
+  const results::ResultFile& file_;
+  const figures::CellGroups& groups_;
+  Json all_ = Json::array();
+};
+
+}  // namespace
+
+Json DocumentWarnings(const figures::Model& model) { return WarningList(model).All(); }
 
 }  // namespace cdb::printers

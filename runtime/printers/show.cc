@@ -1,8 +1,21 @@
 #include "runtime/printers/show.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
 #include <utility>
+
+#include "compiler/schema/catalogue.h"
+#include "compiler/schema/components.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/schema/schema.h"
 #include "runtime/figures/model.h"
-#include "runtime/printers/show_parts.h"
+#include "runtime/printers/document.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -70,6 +83,228 @@ std::vector<std::string> Coordinates(const results::ResultFile& file,
   for (std::size_t i = 0; i < at.size(); ++i)
     cells.push_back(terminal::CoordinateText(file.axes()[axes[i]], at[i]));
   return cells;
+}
+
+namespace {
+
+using figures::Cell;
+using figures::CellGroups;
+using Lines = std::vector<std::string>;
+
+constexpr std::size_t kMaxBadListed = 8;
+/// A smaller fraction of the tensor without values is not reported.
+constexpr double kNoticeablePadding = 0.05;
+
+void Add(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
+void Add(Lines& lines, std::string line) {
+  if (!line.empty()) lines.push_back(std::move(line));
+}
+
+bool MayMissPairs(const std::string& detector) {
+  const schema::DetectorInfo* info = schema::FindDetector(detector);
+  return info != nullptr && info->Makes(schema::KnownErrors::kMissesPairs);
+}
+
+class Head {
+ public:
+  explicit Head(const figures::Model& model)
+      : model_(model), file_(model.file()), groups_(model.runs()), measured_(groups_.good) {
+    if (!measured_.empty()) return;
+    for (const CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
+  }
+
+  Section Made() const {
+    Lines lines = {Grid()};
+    Add(lines, Padding());
+    Add(lines, NoiseNote(file_, measured_));
+    Add(lines, ProcessorNotes(file_, measured_));
+    Add(lines, WrongDetectors(model_));
+    Add(lines, BuildNote(file_));
+    Add(lines, JobsNote(file_));
+    for (const std::string& trouble : model_.reference_troubles())
+      lines.push_back("A reference is missing: " + trouble);
+    Add(lines, HarnessNote(model_));
+    Add(lines, LeftOut());
+    Add(lines, Models());
+    Add(lines, Verdicts());
+    Add(lines, Errors());
+    Add(lines, Missing());
+    Add(lines, BadRuns());
+    return {.title = file_.title(), .lines = std::move(lines)};
+  }
+
+ private:
+  std::string Missing() const {
+    if (groups_.missing == 0) return {};
+    const std::uint64_t begun = file_.begun_repeats(), all = file_.repeats();
+    const bool are_late = groups_.missing * all == (all - begun) * groups_.NotSkipped();
+    return fmt::format(
+        "{} not run yet{}.", groups_.missing,
+        are_late ? fmt::format(": repeats {} to {} of each point", begun + 1, all) : "");
+  }
+
+  /// The number of runs.
+  std::string Grid() const {
+    std::string grid;
+    for (const plan::Axis& axis : file_.axes())
+      grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
+    if (file_.repeats() > 1)
+      grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", file_.repeats());
+    const std::size_t cells = groups_.NotSkipped();
+    std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
+                                   grid.empty() ? "" : " (" + grid + ")", file_.cycles());
+    if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
+    return text;
+  }
+
+  /// The tensor is as long as the longest run; cycles beyond the end of shorter ones have no
+  /// values.
+  std::string Padding() const {
+    std::uint64_t least = file_.cycles(), all = 0;
+    for (const Cell& cell : groups_.good) {
+      const std::uint64_t cycles = file_.ReadCycleCount(cell);
+      least = std::min(least, cycles);
+      all += cycles;
+    }
+    const double room = static_cast<double>(groups_.good.size() * file_.cycles());
+    const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
+    if (share < kNoticeablePadding) return {};
+    return fmt::format(
+        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles is padding.", least,
+        file_.cycles(), 100 * share);
+  }
+
+  /// The command that shows the errors, if the file has any.
+  std::string Errors() const {
+    std::string names;
+    for (const schema::ErrorInfo& error : schema::Errors())
+      if (file_.Has(fmt::format("accuracy/{}", error.name)))
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", error.name);
+    return names.empty() ? names : fmt::format("Errors, by cdb show --error: {}.", names);
+  }
+
+  /// How sound the physics of the runs in the figures is. Empty if no run was judged.
+  Lines Verdicts() const {
+    Lines doubts;
+    for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
+      const auto& [verdict, runs] = *row;
+      if (verdict <= protocol::Verdict::kStable) continue;
+      doubts.push_back(fmt::format("  {} {}: {} from cycle {} on{}", runs.size(),
+                                   protocol::VerdictName(verdict),
+                                   figures::PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
+                                   runs.size() > 1 ? ", and others" : ""));
+    }
+    const auto stable = groups_.verdicts.find(protocol::Verdict::kStable);
+    const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
+    if (doubts.empty()) {
+      if (sound == 0) return {};
+      const std::size_t runs = groups_.NotSkipped();
+      return {sound < runs ? fmt::format("Verdict: {} of {} stable.", sound, runs)
+                           : fmt::format("Verdict: {}stable.", sound > 1 ? "all " : "")};
+    }
+    doubts.insert(
+        doubts.begin(),
+        fmt::format("{} stable; in the figures below, but not sound (cdb doc verdicts):", sound));
+    return doubts;
+  }
+
+  /// How well the convex hulls approximate the models of the scene, a line for each.
+  Lines Models() const {
+    std::set<std::string> lines;
+    std::istringstream all(file_.ReadProvenance("models"));
+    for (std::string line; std::getline(all, line);) {
+      // The texts of several runs are joined.
+      if (line.starts_with("; ")) line.erase(0, 2);
+      if (!line.empty()) lines.insert(line);
+    }
+    return {lines.begin(), lines.end()};
+  }
+
+  /// The omissions, and the number of runs with each.
+  Lines LeftOut() const {
+    if (!file_.Has("omitted")) return {};
+    std::map<std::size_t, std::string, std::greater<>> by_count;
+    for (const schema::ComponentInfo& info : schema::Components()) {
+      if (!info.IsVisible()) continue;
+      const auto count =
+          static_cast<std::size_t>(std::ranges::count_if(measured_, [&](const Cell& cell) {
+            return schema::ListsWord(file_.ReadText("omitted", cell), info.name);
+          }));
+      if (count == 0) continue;
+      std::string& names = by_count[count];
+      names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", info.name, info.changes);
+    }
+    Lines lines;
+    for (const auto& [count, names] : by_count) {
+      const std::string where = count < measured_.size()
+                                    ? fmt::format(" in {} of {} runs", count, measured_.size())
+                                : count > 1 ? fmt::format(" in all {} runs", count)
+                                            : std::string();
+      lines.push_back(fmt::format("Omitted{}: {}.", where, names));
+    }
+    if (!lines.empty()) lines.back() += " omit none times everything.";
+    return lines;
+  }
+
+  /// `40 frozen, 5 failed`.
+  std::string Faults() const {
+    std::map<std::string, std::size_t> counts;
+    for (const CellGroups::Bad& bad : groups_.bad)
+      ++counts[figures::EndingOf(file_, bad.cell).Word()];
+    std::string text;
+    for (const auto& [fault, count] : counts)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, fault);
+    return text;
+  }
+
+  /// Runs that are not pooled with others in any figure.
+  Lines BadRuns() const {
+    const auto& bad = groups_.bad;
+    if (bad.empty()) return {};
+    Lines lines = {fmt::format(
+        "{} did not end well ({}), {}:", bad.size(), Faults(),
+        model_.only_sound() ? "excluded by --sound"
+                            : "marked below, and not pooled with others in means and ratios")};
+    for (std::size_t i = 0; i < std::min(bad.size(), kMaxBadListed); ++i)
+      lines.push_back(fmt::format("  {}: {}", figures::PlaceText(file_, bad[i].cell), bad[i].why));
+    if (bad.size() > kMaxBadListed)
+      lines.push_back(fmt::format("  and {} more", bad.size() - kMaxBadListed));
+    lines.push_back(fmt::format("To repeat only the first of them: {}",
+                                figures::OnlyCommand(file_, bad[0].cell)));
+    return lines;
+  }
+
+  const figures::Model& model_;
+  const results::ResultFile& file_;
+  const CellGroups& groups_;
+  std::vector<Cell> measured_;  ///< the sound cells; if there are none, the others
+};
+
+}  // namespace
+
+Section SummaryHead(const figures::Model& model) { return Head(model).Made(); }
+
+std::vector<std::string> WrongDetectors(const figures::Model& model) {
+  Lines lines;
+  for (const figures::DetectorFindings& of : model.findings()) {
+    if (of.missed == 0) continue;
+    lines.push_back(fmt::format(
+        "WRONG: {} missed {} of {} pairs, in {} of {} {}; first in cycle {} of {}.", of.detector,
+        of.missed, of.exact, of.wrong_runs, of.runs, of.runs == 1 ? "run" : "runs",
+        of.first_missed->cycle, figures::PlaceText(model.file(), of.first_missed->cell)));
+    lines.push_back(
+        fmt::format("  Its times are of less work than necessary. To repeat that run: {}",
+                    figures::OnlyCommand(model.file(), of.first_missed->cell)));
+  }
+  Lines names;
+  for (const figures::DetectorFindings& of : model.findings())
+    if (of.missed == 0 && of.unwatched_runs > 0 && MayMissPairs(of.detector))
+      names.push_back(of.detector);
+  if (!names.empty())
+    lines.push_back(
+        fmt::format("Known to miss pairs, but not checked: {}. `record pairs` checks them.",
+                    fmt::join(names, ", ")));
+  return lines;
 }
 
 }  // namespace cdb::printers

@@ -1,10 +1,17 @@
 // The time of each phase of a cycle, for `cdb show`.
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <utility>
 
 #include "runtime/figures/bootstrap.h"
-#include "runtime/printers/show_parts.h"
+#include "runtime/figures/times.h"
+#include "runtime/printers/show.h"
+#include "runtime/terminal/log_plot.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -128,6 +135,127 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
                const std::vector<Phase>& phases, Document& document) {
   if (model.points().empty() || (!model.HasTimes() && !model.file().Has("pairs"))) return;
   PhaseTables(model, by, phases).AddTo(document);
+}
+
+// Small plots of characters, for `cdb show --plot`.
+
+namespace {
+
+constexpr std::size_t kMaxSparklines = 24, kSparkWidth = 50;
+/// An axis with fewer numbers gets no curve.
+constexpr std::size_t kLeastOnAxis = 3;
+constexpr std::string_view kBars[] = {"\u2581", "\u2582", "\u2583", "\u2584",
+                                      "\u2585", "\u2586", "\u2587", "\u2588"};
+constexpr double kMiddleBar = 3.0 / 7;
+constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz";
+
+std::vector<double> Bins(const std::vector<double>& values, std::size_t width) {
+  const std::size_t count = std::min(values.size(), width);
+  std::vector<double> bins;
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = 0, n = 0;
+    for (std::size_t j = i * values.size() / count; j < (i + 1) * values.size() / count; ++j) {
+      if (std::isnan(values[j])) continue;
+      sum += values[j];
+      ++n;
+    }
+    bins.push_back(sum / n);
+  }
+  return bins;
+}
+
+Section OverCycles(const figures::Model& model, protocol::Phase phase) {
+  const std::vector<figures::MeasuredPoint>& points = model.points();
+  const std::vector<std::size_t> all = figures::AllAxes(model.file());
+  Table table;
+  AddAxes(model.file(), all, table);
+  table.AddColumn("over the cycles", false);
+  table.AddColumn("least", true);
+  table.AddColumn("most", true);
+  for (std::size_t i = 0; i < std::min(points.size(), kMaxSparklines); ++i) {
+    const std::vector<double>& cycles = model.times().Of(points[i], phase).cycles;
+    double least = figures::kNone;
+    for (const double ns : cycles) least = std::fmin(least, ns);
+    std::vector<std::string> row = Coordinates(model.file(), all, points[i].at);
+    row.insert(row.end(), {Sparkline(cycles, kSparkWidth), figures::TimeText(least),
+                           figures::TimeText(figures::Largest(cycles))});
+    table.rows.push_back(std::move(row));
+  }
+  Section section = {
+      .title = fmt::format(
+          "Time of {} over the cycles{}; each line has its own scale", figures::PhaseName(phase),
+          model.times().bootstrap().size() > 1 ? ", medians over the repeats" : ""),
+      .table = std::move(table)};
+  if (points.size() > kMaxSparklines)
+    section.notes.push_back(fmt::format("The first {} of {} points; --select chooses others.",
+                                        kMaxSparklines, points.size()));
+  return section;
+}
+
+/// The geometric mean over all other axes except that of detectors, with a letter for each
+/// detector.
+void AddOverAxis(const figures::Model& model, std::size_t axis, protocol::Phase phase,
+                 Document& document) {
+  const auto detectors = model.detector_axis();
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> found;
+  for (const figures::MeasuredPoint& point : model.points())
+    if (point.IsSound())
+      found[{detectors ? point.at[*detectors] : 0, point.at[axis]}].push_back(
+          model.TimeOf(point, phase).value);
+  std::vector<terminal::PlotPoint> plotted;
+  std::string legend;
+  std::size_t last = kLetters.size();
+  for (const auto& [key, values] : found) {
+    const auto& [detector, value] = key;
+    const double x = std::get<double>(model.axis(axis).values[value]),
+                 y = figures::GeometricMean(values);
+    if (!(x > 0) || !(y > 0)) continue;
+    const char letter = detectors ? kLetters[detector % kLetters.size()] : 'o';
+    if (detectors && detector != last)
+      legend += fmt::format("{}{} {}", legend.empty() ? ": " : ", ", letter,
+                            terminal::CoordinateText(model.axis(*detectors), detector));
+    last = detector;
+    plotted.push_back({x, y, terminal::PlotMark::kOff, letter});
+  }
+  const std::string& name = model.axis(axis).name;
+  std::string plot =
+      terminal::LogPlot(plotted, name,
+                        fmt::format("{} {} over {}, ns{}", model.times().StatisticHead(),
+                                    figures::PhaseName(phase), name, legend));
+  if (!plot.empty())
+    document.push_back(
+        {.plot = std::move(plot), .notes = {"Logarithmic; geometric mean over all other axes."}});
+}
+
+}  // namespace
+
+std::string Sparkline(const std::vector<double>& values, std::size_t width, double alike) {
+  const std::vector<double> bins = Bins(values, width);
+  const double most = figures::Largest(bins);
+  double least = figures::kNone;
+  for (const double value : bins) least = std::fmin(least, value);
+  std::string text;
+  for (const double value : bins) {
+    const double share = most > least * (1 + alike) ? (value - least) / (most - least)
+                         : alike > 0                ? kMiddleBar
+                                                    : 0;
+    text += std::isnan(value) ? std::string(" ")
+                              : std::string(kBars[static_cast<std::size_t>(std::lround(
+                                    share * static_cast<double>(std::size(kBars) - 1)))]);
+  }
+  return text;
+}
+
+void AddPlots(const figures::Model& model, const std::vector<protocol::Phase>& phases,
+              Document& document) {
+  if (!model.HasTimes() || model.points().empty()) return;
+  for (const protocol::Phase phase :
+       phases.empty() ? std::vector{protocol::Phase::kStep} : phases) {
+    document.push_back(OverCycles(model, phase));
+    for (const std::size_t i : figures::AllAxes(model.file()))
+      if (!model.axis(i).IsText() && model.axis(i).values.size() >= kLeastOnAxis)
+        AddOverAxis(model, i, phase, document);
+  }
 }
 
 }  // namespace cdb::printers

@@ -1,14 +1,22 @@
 // Ratios of the detectors in a comparison to a baseline, for `cdb show`.
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <utility>
 
+#include "compiler/schema/metrics.h"
+#include "runtime/figures/bootstrap.h"
+#include "runtime/figures/detectors.h"
+#include "runtime/figures/errors.h"
 #include "runtime/figures/ratios.h"
 #include "runtime/figures/times.h"
+#include "runtime/printers/document.h"
 #include "runtime/printers/show.h"
-#include "runtime/printers/show_parts.h"
+#include "runtime/terminal/log_plot.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -142,6 +150,292 @@ void AddRatios(const figures::Model& model, const std::string& baseline,
   for (const protocol::Phase phase :
        phases.empty() ? std::vector{protocol::Phase::kDetect, protocol::Phase::kStep} : phases)
     document.push_back(table.Made(phase));
+}
+
+// The cost of each detector in a comparison, and its growth, for `cdb show`.
+
+namespace {
+
+using figures::DetectorCosts;
+using figures::DetectorGrowth;
+using figures::Model;
+
+/// The axes that make rows, detectors last so that their rows are adjacent.
+std::vector<std::size_t> RowsOf(const Model& model, std::size_t detector_axis,
+                                std::vector<std::size_t> by) {
+  if (by.empty() && model.points().size() <= kMaxRows) by = figures::AllAxes(model.file());
+  std::erase(by, detector_axis);
+  by.push_back(detector_axis);
+  return by;
+}
+
+std::string CountText(double count) {
+  return std::isnan(count) ? "-" : fmt::format("{:.0f}", count);
+}
+
+std::string ExponentText(double p) {
+  // Avoids "-0.00".
+  return std::isnan(p) ? "-" : fmt::format("{:.2f}", std::round(100 * p) / 100 + 0.0);
+}
+
+/// The unit in which most means are easy to read.
+terminal::TimeUnit UnitOf(const std::vector<DetectorCosts>& costs) {
+  std::vector<double> means;
+  for (const DetectorCosts& row : costs) means.push_back(row.mean.value);
+  return terminal::TimeUnit::For(figures::Median(std::move(means)));
+}
+
+Section CostsOf(const Model& model, const std::vector<std::size_t>& by) {
+  const results::ResultFile& file = model.file();
+  const figures::CycleTimes& times = model.times();
+  const figures::Rows rows = figures::MatchRows(model.points(), by);
+  std::vector<DetectorCosts> costs;
+  for (const figures::Row& row : rows.rows) costs.push_back(figures::CostsOf(model, row));
+  const terminal::TimeUnit unit = UnitOf(costs);
+  const bool has_pairs = file.Has("pairs"), has_exact = file.Has("exact_pairs"),
+             has_heap = file.Has("heap");
+  RowTable table(file, rows);
+  table.AddColumn(times.statistic() == figures::CycleStatistic::kWorst ? "worst of any repeat"
+                                                                       : times.StatisticName());
+  if (times.HasIntervals()) table.AddColumn(times.IntervalName());
+  table.AddColumn("worst");
+  if (has_pairs) table.AddColumn("pairs");
+  if (has_exact)
+    for (const char* head : {"missed", "phantom"}) table.AddColumn(head);
+  table.AddColumn("peak rss, MB");
+  if (has_heap) table.AddColumn("heap, MB");
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const DetectorCosts& row = costs[i];
+    std::vector<std::string> texts = {terminal::ShortNumber(row.mean.value / unit.ns)};
+    if (times.HasIntervals())
+      texts.push_back(
+          figures::IntervalText(times.IntervalOf(figures::Scaled(row.mean, 1 / unit.ns))));
+    texts.push_back(terminal::ShortNumber(row.worst / unit.ns));
+    if (has_pairs) texts.push_back(terminal::ShortNumber(row.pairs));
+    if (has_exact)
+      for (const double count : {row.missed, row.phantom}) texts.push_back(CountText(count));
+    texts.push_back(terminal::ShortNumber(row.peak_rss / 1e6));
+    if (has_heap) texts.push_back(terminal::ShortNumber(row.heap / 1e6));
+    table.AddRow(rows.rows[i], texts);
+  }
+  Section section = {.title = fmt::format("Detectors: a cycle's detect, {}", unit.name),
+                     .table = table.Take(),
+                     .notes = {times.StatisticAndIntervalNote(rows.pools)}};
+  for (std::string& note : rows.MatchNotes()) section.notes.push_back(std::move(note));
+  return section;
+}
+
+/// The range of the number of objects over which an exponent is fitted: `10 .. 40`.
+std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
+  return CountText(exponent.least) + " .. " + CountText(exponent.most);
+}
+
+/// Notes to read before the exponents of two rows are compared.
+std::vector<std::string> GrowthNotes(const DetectorGrowth& growth) {
+  std::vector<std::string> notes;
+  if (!growth.is_matched)
+    notes.emplace_back("The rows have different numbers of objects: do not compare them.");
+  if (growth.dropped > 0)
+    notes.push_back(fmt::format("Over the numbers of objects that all rows have, {}.",
+                                ObjectsText(growth.exponents.begin()->second)));
+  if (!growth.unlike.empty())
+    notes.push_back(fmt::format(
+        "Some points ran without {} and others with it: the growth is not due to the number of "
+        "objects alone.",
+        fmt::join(growth.unlike, ", ")));
+  return notes;
+}
+
+void AddGrowth(const Model& model, const std::vector<std::size_t>& rows, Document& document) {
+  const auto growth = figures::GrowthByRow(model, rows);
+  if (!growth || growth->exponents.empty()) return;
+  Table table;
+  AddAxes(model.file(), growth->rows, table);
+  table.keys = 1;
+  table.AddColumn("p", true);
+  if (!growth->is_matched) table.AddColumn("objects", true);
+  for (const auto& [point, exponent] : growth->exponents) {
+    std::vector<std::string> texts = Coordinates(model.file(), growth->rows, point);
+    texts.push_back(ExponentText(exponent.p));
+    if (!growth->is_matched) texts.push_back(ObjectsText(exponent));
+    table.rows.push_back(std::move(texts));
+  }
+  document.push_back({.title = fmt::format("Growth over {}: p of detect ~ objects^p{}",
+                                           model.axis(growth->axis).name,
+                                           growth->is_mean ? ", the mean over all else" : ""),
+                      .table = std::move(table),
+                      .notes = GrowthNotes(*growth)});
+}
+
+}  // namespace
+
+void AddDetectors(const Model& model, const std::vector<std::size_t>& by, Document& document) {
+  const auto axis = model.ComparedDetectors();
+  if (!axis) return;
+  const std::vector<std::size_t> rows = RowsOf(model, *axis, by);
+  document.push_back(CostsOf(model, rows));
+  AddGrowth(model, rows, document);
+}
+
+void AddOtherFaults(const Model& model, Document& document) {
+  using Findings = figures::DetectorFindings;
+  const auto add = [&](const char* head, std::uint64_t Findings::*count, bool of_exact) {
+    std::vector<std::string> faults;
+    for (const Findings& of : model.findings())
+      if (of.*count > 0)
+        faults.push_back(fmt::format("{} {}{}", of.detector, of.*count,
+                                     of_exact ? fmt::format(" beside {}", of.exact) : ""));
+    if (!faults.empty())
+      document.push_back({.title = fmt::format("{}: {}.", head, fmt::join(faults, ", "))});
+  };
+  add("Pairs listed that do not overlap", &Findings::false_positives, true);
+  add("Pairs listed again", &Findings::duplicate, true);
+  add("Overlaps without a contact", &Findings::missed_contacts, false);
+}
+
+// Error against run time, as tables and plots (`cdb show --error`).
+
+namespace {
+
+using figures::ErrorRow;
+using figures::ErrorRows;
+
+constexpr std::size_t kMaxListed = 12;
+
+class ErrorSummary {
+ public:
+  ErrorSummary(const figures::Model& model, const figures::ErrorOptions& options)
+      : model_(model),
+        file_(model.file()),
+        name_(options.error),
+        figures_(figures::CollectErrors(model, options)) {}
+
+  Document Made() const {
+    Document document = {Head()};
+    bool has_below_floor = false;
+    for (const auto& [key, table] : figures_.tables) {
+      document.push_back({.title = figures::PlaceText(file_, figures_.each, key),
+                          .table = TableOf(table),
+                          .notes = Legend(table)});
+      if (std::string plot = PlotOf(table.rows); !plot.empty())
+        document.push_back({.plot = std::move(plot)});
+      has_below_floor = has_below_floor || std::ranges::any_of(table.rows, &ErrorRow::IsBelowFloor);
+    }
+    if (has_below_floor)
+      document.push_back({.title =
+                              "An error below its floor is not significant: the reference and its "
+                              "perturbed run differ by as much."});
+    return document;
+  }
+
+ private:
+  Section Head() const {
+    const auto& info = *std::ranges::find(schema::Errors(), name_, &schema::ErrorInfo::name);
+    Section head = {.title = file_.title(), .lines = WrongDetectors(model_)};
+    const auto add = [&](std::string line) {
+      if (!line.empty()) head.lines.push_back(std::move(line));
+    };
+    add(fmt::format("{}{}: {}", name_, info.unit.empty() ? "" : fmt::format(", {}", info.unit),
+                    info.doc));
+    add(BuildNote(file_));
+    for (std::string& note : ProcessorNotes(file_, figures::AllCells(file_))) add(std::move(note));
+    std::vector<std::string> pooled;
+    for (const std::size_t axis : figures::AllAxes(file_))
+      if (std::ranges::find(figures_.rows, axis) == figures_.rows.end() &&
+          std::ranges::find(figures_.each, axis) == figures_.each.end())
+        pooled.push_back(file_.axes()[axis].name);
+    if (!pooled.empty()) add(fmt::format("the mean over {}", fmt::join(pooled, ", ")));
+    AddListed(figures_.left_out, "not on the plot, as the error is not known", head.lines);
+    AddListed(figures_.marked, "did not end well; marked, and not on the front", head.lines);
+    return head;
+  }
+
+  void AddListed(const std::vector<figures::ErrorFigures::LeftOut>& points, const char* what,
+                 std::vector<std::string>& lines) const {
+    if (points.empty()) return;
+    lines.push_back(fmt::format("{} {}:", points.size(), what));
+    for (std::size_t i = 0; i < std::min(points.size(), kMaxListed); ++i) {
+      const std::string place = figures::PlaceText(file_, figures::AllAxes(file_), points[i].at);
+      lines.push_back(fmt::format("  {}: {}", place.empty() ? "the run" : place, points[i].why));
+    }
+    if (points.size() > kMaxListed)
+      lines.push_back(fmt::format("  and {} more", points.size() - kMaxListed));
+  }
+
+  bool HasErrorIntervals() const { return figures_.seed_count > 1; }
+  std::string_view ErrorIntervalName() const {
+    return figures::NameOf(figures::Bootstrap(figures_.seed_count).kind());
+  }
+
+  Table TableOf(const ErrorRows& rows) const {
+    const figures::CycleTimes& times = model_.times();
+    RowTable table(file_, rows.matched);
+    table.AddColumn("x real time");
+    table.AddColumn("ms per s");
+    if (times.HasIntervals()) table.AddColumn(times.IntervalName());
+    table.AddColumn(name_);
+    if (HasErrorIntervals()) table.AddColumn(ErrorIntervalName());
+    const bool has_floor = file_.Has("accuracy/" + name_ + "_floor");
+    if (has_floor) table.AddColumn("floor");
+    if (has_floor) table.AddColumn("horizon, s");
+    for (const ErrorRow& row : rows.rows) {
+      std::vector<std::string> cells = {terminal::ShortNumber(row.RealTimeFactor()),
+                                        terminal::ShortNumber(row.ms_per_s.value)};
+      if (times.HasIntervals()) cells.push_back(figures::IntervalText(row.time_interval));
+      cells.push_back(terminal::ScientificNumber(row.error));
+      if (HasErrorIntervals())
+        cells.push_back(terminal::ScientificNumber(row.error_interval.low) + " .. " +
+                        terminal::ScientificNumber(row.error_interval.high));
+      if (has_floor) cells.push_back(terminal::ScientificNumber(row.floor));
+      if (has_floor) cells.push_back(terminal::ShortNumber(row.horizon));
+      std::string note = row.on_front ? "front" : row.is_tie ? "tie" : "";
+      if (row.IsBelowFloor()) note += note.empty() ? "below floor" : ", below floor";
+      table.AddRow(row.row, cells, note);
+    }
+    return table.Take();
+  }
+
+  /// States the statistic, how the intervals were made, and the meaning of a tie.
+  std::vector<std::string> Legend(const ErrorRows& rows) const {
+    std::vector<std::string> notes = {model_.times().StatisticAndIntervalNote(rows.matched.pools)};
+    if (HasErrorIntervals())
+      notes.push_back(fmt::format("Errors: the mean over {} seeds, their {}.", figures_.seed_count,
+                                  ErrorIntervalName() == "range"
+                                      ? "range over all draws of the seeds"
+                                      : "interval by bootstrap over the seeds"));
+    if (std::ranges::any_of(rows.rows, &ErrorRow::is_tie))
+      notes.push_back(fmt::format(
+          "tie: every configuration that is as fast and as accurate lies within the {} and the "
+          "floor.",
+          model_.times().IntervalName()));
+    for (std::string& note : rows.matched.MatchNotes()) notes.push_back(std::move(note));
+    return notes;
+  }
+
+  std::string PlotOf(const std::vector<ErrorRow>& rows) const {
+    std::vector<terminal::PlotPoint> points;
+    for (const ErrorRow& row : rows) {
+      const terminal::PlotMark mark = row.row.is_void ? terminal::PlotMark::kVoid
+                                      : row.on_front  ? terminal::PlotMark::kFront
+                                      : row.is_tie    ? terminal::PlotMark::kTie
+                                                      : terminal::PlotMark::kOff;
+      if (row.error > 0) points.push_back({row.RealTimeFactor(), row.error, mark});
+    }
+    return terminal::LogPlot(points, "x real time", name_);
+  }
+
+  const figures::Model& model_;
+  const results::ResultFile& file_;
+  const std::string name_;
+  const figures::ErrorFigures figures_;
+};
+
+}  // namespace
+
+Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options) {
+  const figures::Model model(file, {.only_sound = options.only_sound});
+  return {TextOf(ErrorSummary(model, options.errors).Made(), options.format),
+          model.runs().bad.size()};
 }
 
 }  // namespace cdb::printers

@@ -9,7 +9,7 @@
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/suite.h"
-#include "runtime/terminal/wrap.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::printers {
 namespace {

@@ -1,6 +1,7 @@
 #include "runtime/protocol/recording.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -8,13 +9,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <new>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
-#include "runtime/protocol/alignment.h"
+#include "runtime/protocol/trace_memory.h"
 
 namespace cdb::protocol {
 
@@ -133,6 +135,40 @@ std::span<std::byte> Recording::Find(const Series& series) const {
 std::span<double> Recording::SampleValues() const {
   auto* memory = reinterpret_cast<std::byte*>(header_);
   return {reinterpret_cast<double*>(memory + samples_offset_), samples_count_};
+}
+
+std::string SettlingText(const Settling& settling) {
+  switch (settling.phase.load(std::memory_order_relaxed)) {
+    case SettlingPhase::kWaiting:
+      return "another run settles the same pile";
+    case SettlingPhase::kSettling:
+      return fmt::format("{} of {} objects at rest",
+                         settling.at_rest.load(std::memory_order_relaxed),
+                         settling.objects.load(std::memory_order_relaxed));
+    case SettlingPhase::kNone:
+      break;
+  }
+  return {};
+}
+
+namespace {
+
+constexpr const char* kNames[] = {
+    "",           "loading",         "making",    "Prepare of", "FindPairs of",
+    "Handles of", "FindContacts of", "destroying"};
+constexpr std::uint32_t kCalls = std::size(kNames);
+
+}  // namespace
+
+std::uint32_t PluginCallCode(PluginCall call, std::size_t index) {
+  return static_cast<std::uint32_t>(index) * kCalls + static_cast<std::uint32_t>(call);
+}
+
+std::string PluginCallText(std::uint32_t code, const plan::Scene& scene) {
+  const std::uint32_t call = code % kCalls, index = code / kCalls;
+  if (call == 0 || index >= scene.plugins.size()) return {};
+  const schema::PluginDetector& plugin = scene.plugins[index];
+  return std::string(kNames[call]) + " detector `" + plugin.name + "` (" + plugin.path + ")";
 }
 
 }  // namespace cdb::protocol

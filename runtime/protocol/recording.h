@@ -3,9 +3,12 @@
 // a value is a store, not a system call.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <string>
@@ -15,12 +18,51 @@
 #include "compiler/plan/plan.h"
 #include "compiler/schema/series.h"
 #include "dsl/text/check.h"
-#include "runtime/protocol/fixed_text.h"
 #include "runtime/protocol/samples.h"
 #include "runtime/protocol/series.h"
-#include "runtime/protocol/settling.h"
 
 namespace cdb::protocol {
+
+// Text of bounded size in memory that another process may have damaged.
+
+/// Truncates text that does not fit.
+template <std::size_t kSize>
+class FixedText {
+ public:
+  static constexpr std::size_t kMaxLength = kSize - 1;
+
+  FixedText& operator=(std::string_view text) {
+    const std::size_t length = std::min(text.size(), kMaxLength);
+    std::memcpy(text_, text.data(), length);
+    text_[length] = '\0';
+    return *this;
+  }
+  /// Ends at the end of the memory if the terminator was overwritten.
+  std::string str() const { return std::string(text_, strnlen(text_, kSize)); }
+
+ private:
+  char text_[kSize] = {};
+};
+
+// Progress of a worker in settling the piles of its scene, before the first cycle.
+
+enum class SettlingPhase : std::uint32_t {
+  kNone,     ///< no pile, not started, or all at rest
+  kWaiting,  ///< another run settles the same pile
+  kSettling,
+};
+
+/// In the header of a recording: written by the worker, read by the runner meanwhile.
+struct Settling {
+  std::atomic<SettlingPhase> phase;
+  std::atomic<std::uint32_t> at_rest, objects;  ///< over all piles
+  std::atomic<double> seconds;  ///< time that this run has spent on settling; 0 if it found settled
+                                ///< piles
+};
+
+/// `340 of 1000 objects are at rest`, `another run settles the same pile`; empty if no pile is
+/// settling.
+std::string SettlingText(const Settling& settling);
 
 /// The outcome of a worker.
 enum class WorkerOutcome : std::int32_t {
@@ -147,5 +189,25 @@ inline constexpr int kPosesFd = kTraceFd;
 /// Option of the worker for a run that must keep components that it could omit: followed by their
 /// names, separated by spaces, and by the reason.
 inline constexpr const char* kKeepOption = "--keep";
+
+// Records the function of a plug-in that a worker is executing, to report the place of a crash or
+// hang.
+
+enum class PluginCall : std::uint32_t {
+  kNone,
+  kLoad,
+  kMake,
+  kPrepare,
+  kFindPairs,
+  kHandles,
+  kFindContacts,
+  kDestroy
+};
+
+/// Encodes a call into the plug-in `index` of a scene; 0 for none.
+std::uint32_t PluginCallCode(PluginCall call, std::size_t index);
+
+/// `FindPairs of detector `mine` (libmine.so)`; empty for none, and for a code damaged by a crash.
+std::string PluginCallText(std::uint32_t code, const plan::Scene& scene);
 
 }  // namespace cdb::protocol

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
 

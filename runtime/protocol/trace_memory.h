@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "compiler/plan/plan.h"
+#include "runtime/protocol/recording.h"
+
 namespace cdb::protocol {
 
 struct TraceShape {
@@ -77,5 +80,20 @@ class TraceReader {
   std::vector<float> floats_;
   std::vector<double> sides_;
 };
+
+// The boxes of a recorded run as a trace.
+
+/// The trace of a finished run of `scene` that records `boxes`. Walls that the run omitted are not
+/// in the trace. Throws std::runtime_error if no body is left or a side is NaN, and
+/// std::system_error.
+TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording);
+
+// The alignment of arrays in shared memory.
+
+/// `bytes`, rounded up to whole cache lines.
+constexpr std::size_t WholeCacheLines(std::size_t bytes) {
+  constexpr std::size_t kCacheLine = 64;
+  return (bytes + kCacheLine - 1) / kCacheLine * kCacheLine;
+}
 
 }  // namespace cdb::protocol

@@ -1,15 +1,23 @@
 #include "runtime/results/layout.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
+#include "compiler/analysis/reference.h"
+#include "compiler/schema/metrics.h"
 #include "dsl/text/check.h"
 #include "runtime/protocol/samples.h"
-#include "runtime/results/hdf5/chunks.h"
+#include "runtime/protocol/series.h"
+#include "runtime/results/hdf5/file.h"
+#include "runtime/results/versions.h"
 
 namespace cdb::results {
 namespace {
@@ -282,6 +290,276 @@ hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_
 
 Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t contact_rows) {
   return Maker(plan, facts).Make(contact_rows);
+}
+
+namespace {
+
+using hdf5::Type;
+
+std::string VerdictNames() {
+  std::string names;
+  for (const protocol::VerdictInfo& info : protocol::Verdicts())
+    names.append(names.empty() ? "" : " ").append(info.name);
+  return names;
+}
+
+std::string StatusNames() { return fmt::format("{}", fmt::join(kStatusNames, " ")); }
+
+/// The count that was measured as a real number; -1 if it was not measured.
+double CountOrNone(double value) {
+  return std::isnan(value) ? -1 : std::min(value, double{std::numeric_limits<std::int32_t>::max()});
+}
+
+/// Adds the scalars that the worker measures.
+std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
+  for (const schema::RunScalarInfo& info : schema::kRunScalars)
+    numbers.push_back({std::string(kRunGroup) + std::string(info.name),
+                       info.is_count ? Type::kInt32 : Type::kFloat64, std::string(info.unit),
+                       std::string(info.doc), info.is_count ? -1 : kNaN,
+                       [&info](const RunResult& r) {
+                         const double value = r.scalars.*info.value;
+                         return info.is_count ? CountOrNone(value) : value;
+                       }});
+  return numbers;
+}
+
+double ErrorOf(const RunResult& result, const std::string& name) {
+  const auto found = result.errors.values.find(name);
+  return found == result.errors.values.end() || found->second.size() != 1 ? kNaN : found->second[0];
+}
+
+/// Adds the arrays of /accuracy for the errors that some run requests.
+void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
+  using plan::Run;
+  using R = const RunResult&;
+  const auto add_as = [&](const std::string& name, const std::string& value, std::string_view unit,
+                          std::string doc) {
+    facts.numbers.push_back({std::string(kAccuracyGroup) + name, Type::kFloat64, std::string(unit),
+                             std::move(doc), kNaN,
+                             [value](const RunResult& r) { return ErrorOf(r, value); }});
+  };
+  const auto add = [&](const std::string& name, std::string_view unit, std::string doc) {
+    add_as(name, name, unit, std::move(doc));
+  };
+  bool needs_truth = false;
+  for (const schema::ErrorInfo* error : analysis::ErrorsOf(plan)) {
+    const std::string name(error->name);
+    add(name, error->unit, std::string(error->doc));
+    needs_truth = needs_truth || error->needs_truth;
+    if (error->needs_truth)
+      add(name + "_floor", error->unit,
+          "the same between the reference and its perturbed run: a smaller error is not "
+          "significant");
+    facts.error_series.push_back({error->series, "", protocol::SeriesType::kFloat64,
+                                  protocol::SeriesShape::kSample, error->unit, error->doc});
+  }
+  if (needs_truth)
+    add("horizon", "s",
+        "simulated time up to which the trajectories of the reference stay predictable");
+  // If an axis is named `timestep`, this group has that dimension.
+  add_as("step_size", "timestep", "s", "simulated time of a cycle");
+  facts.texts.push_back({std::string(kAccuracyGroup) + "truth",
+                         "ground truth of the errors: a closed form, or the id of a reference",
+                         [](const Run&, R r) { return r.errors.truth; }});
+  facts.texts.push_back({std::string(kAccuracyGroup) + "message",
+                         "why some error of the run has no value",
+                         [](const Run&, R r) { return r.errors.message; }});
+}
+
+/// Checked before the first run, because the results could not be stored.
+void CheckAxisNames(const plan::Plan& plan) {
+  for (const plan::Axis& axis : plan.axes)
+    if (const auto clash = schema::FindNameClash(axis.name, analysis::ErrorsOf(plan)))
+      throw files::StoreError(
+          fmt::format("{}: the axis '{}' has the name of {}; nothing was written: give the axis "
+                      "another name in "
+                      "{} and plan again",
+                      plan.benchmark, axis.name, *clash,
+                      plan.source.empty() ? "the scenario" : "'" + plan.source + "'"));
+}
+
+}  // namespace
+
+PlanFacts::PlanFacts(const plan::Plan& plan)
+    : sha256(plan.Sha256()),
+      cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
+      bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
+      box_bodies(std::max<std::uint64_t>(1, analysis::MaxBodyCount(plan))),
+      poses(plan.Records("poses")),
+      boxes(plan.Records("boxes")),
+      contacts(plan.Records("contacts")) {
+  CheckAxisNames(plan);
+  for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
+  series = protocol::RecordedSeries(plan);
+  numbers = RunNumbers();
+  texts = RunTexts();
+  for (const plan::Run& run : plan.Bounds()) {
+    if (const auto sampling = analysis::SamplingOf(run.scene)) {
+      samples = std::max(samples, sampling->count);
+      interval_s = sampling->interval_s;
+    }
+  }
+  if (samples > 0) AddErrors(plan, *this);
+}
+
+bool IsRunFact(std::string_view name) {
+  const std::string path = std::string(kRunGroup) + std::string(name);
+  return std::ranges::find(RunNumbers(), path, &RunNumber::name) != RunNumbers().end() ||
+         std::ranges::find(RunTexts(), path, &RunText::name) != RunTexts().end();
+}
+
+const std::vector<ReferenceArray>& ReferenceArrays() {
+  static const std::vector<ReferenceArray> kArrays = {
+      {"role",
+       Type::kText,
+       {"reference"},
+       "",
+       "reference, or twin: the perturbed run that shows its horizon"},
+      {"status", Type::kInt8, {"reference"}, "", "how the run ended", StatusNames},
+      {"message", Type::kText, {"reference"}, "", "why it did not end well"},
+      {"state_hash",
+       Type::kText,
+       {"reference"},
+       "",
+       "hash of every body's state after the last cycle"},
+      {"host", Type::kText, {"reference"}, "", "the machine that it ran on"},
+      {"run_text", Type::kText, {"reference"}, "", "all that decides the run, as YAML"},
+      {"states",
+       Type::kFloat64,
+       {"reference", "sample", "body", "state"},
+       "",
+       "state of every object at every sample"},
+      {"observables",
+       Type::kFloat64,
+       {"reference", "sample", "observable"},
+       "",
+       "sums and extremes over all objects at every sample"},
+  };
+  return kArrays;
+}
+
+const std::vector<RunNumber>& RunNumbers() {
+  using R = const RunResult&;
+  static const std::vector<RunNumber> kNumbers = WithScalars({
+      {"status", Type::kInt8, "", "how the run ended", 0,
+       [](R r) { return static_cast<double>(r.status); }, StatusNames},
+      {"verdict", Type::kInt8, "", "how the run ended as physics: cdb doc verdicts", 0,
+       [](R r) { return static_cast<double>(r.judgement.verdict); }, VerdictNames},
+      {"first_bad_cycle", Type::kInt32, "",
+       "first recorded cycle at which the verdict applies; -1: none", -1,
+       [](R r) { return static_cast<double>(r.judgement.first_bad_cycle); }},
+      {"n_cycles", Type::kInt32, "", "number of cycles that ran; -1: there is no run", -1,
+       [](R r) { return static_cast<double>(r.n_cycles); }},
+      {"run/started", Type::kFloat64, "seconds since 1970-01-01 00:00:00", "when the run began",
+       kNaN, [](R r) { return r.started_s; }},
+      {"run/load_average", Type::kFloat64, "",
+       "the machine's one-minute load average when the run began", kNaN,
+       [](R r) { return r.load; }},
+      {"run/noise", Type::kInt8, "", "whether the run had the machine to itself: cdb doc noise", 0,
+       [](R r) { return static_cast<double>(r.noise.noise); },
+       [] { return fmt::format("{}", fmt::join(machine::NoiseNames(), " ")); }},
+  });
+  return kNumbers;
+}
+
+const std::vector<RunText>& RunTexts() {
+  using plan::Run;
+  using R = const RunResult&;
+  static const std::vector<RunText> kTexts = {
+      {"run/state_hash",
+       "hash of every body's position, orientation and velocities after the last cycle",
+       [](const Run&, R r) { return r.state_hash; }},
+      {"run/run_id", "hash of all that decides the run's result; its name in the journal",
+       [](const Run& run, R) { return run.id; }},
+      {"run/host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
+      {"run/message", "why the run did not end well", [](const Run&, R r) { return r.message; }},
+      {"run/noise_cause", "what disturbed a noisy run",
+       [](const Run&, R r) { return r.noise.why; }},
+      {"run/omitted", "parts of the engine that the run omitted, separated by spaces",
+       [](const Run&, R r) { return r.omitted; }},
+      {"run/needs", "decision about each part of the engine and its reason, one line each",
+       [](const Run&, R r) { return r.decisions; }},
+  };
+  return kTexts;
+}
+
+namespace {
+
+using hdf5::Type;
+
+/// netCDF's mark for a dimension without a coordinate, from its file format specification.
+constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
+
+constexpr std::string_view kComment =
+    "Durations are whole nanoseconds as float64, which holds them exactly up to 104 days, has a "
+    "value for none, and is a number in every language. Counts are int32. The fill value (NaN, or "
+    "-1 for counts) marks cycles that did not run and runs that do not exist. Coordinates of text "
+    "are labels, and axes are in the order of the scenario, so that neither need be monotonic.";
+
+std::string Now() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+/// Calls `create` for the missing groups on the path to `path`.
+void CreateGroups(hdf5::File& file, const std::string& path, const auto& create) {
+  for (std::size_t slash = path.find('/'); slash != std::string::npos;
+       slash = path.find('/', slash + 1))
+    if (const std::string group = path.substr(0, slash); !file.Has(group)) create(group);
+}
+
+void SetFlags(hdf5::Dataset& dataset, const Array& array) {
+  if (array.flags.empty()) return;
+  const auto count = static_cast<std::uint64_t>(std::ranges::count(array.flags, ' ')) + 1;
+  dataset.SetNumbers("flag_values", array.type, Indices(count));
+  dataset.SetText("flag_meanings", array.flags);
+}
+
+}  // namespace
+
+void CreateArrays(hdf5::File& file, const Layout& layout) {
+  for (const Dimension& dimension : layout.dimensions)
+    CreateGroups(file, dimension.name, [&](const std::string& group) { file.CreateGroup(group); });
+  for (const Dimension& dimension : layout.dimensions) {
+    hdf5::Dataset dataset =
+        file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
+    const bool is_text = dimension.type == Type::kText;
+    if (is_text) {
+      dataset.WriteText(dimension.texts);
+    } else if (!dimension.numbers.empty()) {
+      dataset.Write(dimension.numbers);
+    }
+    const bool has_coordinate = is_text || !dimension.numbers.empty();
+    dataset.MakeScale(has_coordinate ? dimension.name.substr(dimension.name.rfind('/') + 1)
+                                     : fmt::format("{}{:10}", kNoCoordinate, dimension.size));
+    for (const auto& [name, text] : dimension.attributes) dataset.SetText(name.c_str(), text);
+  }
+  std::vector<hdf5::Group::Attachment> attachments;
+  for (const Array& array : layout.arrays) {
+    hdf5::Dataset dataset =
+        file.CreateDataset({array.name, array.type, array.shape, array.chunk, array.fill});
+    if (array.has_fill_value) dataset.SetNumbers("_FillValue", array.type, {{array.fill}});
+    for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
+    SetFlags(dataset, array);
+    attachments.push_back({array.name, array.dimensions});
+  }
+  file.AttachScales(attachments);
+}
+
+void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
+               std::string_view what) {
+  file.SetText("Conventions", kConventions);
+  file.SetText("title", plan.title.empty() ? plan.benchmark : plan.title);
+  file.SetText("source", plan.source);
+  file.SetText("comment", kComment);
+  file.SetText("schema", kSchema);
+  file.SetNumber("schema_version", Type::kInt32, kSchemaVersion);
+  const std::string now = Now();
+  file.SetText("history", fmt::format("{} cdb: {}", now, what));
+  file.SetText("date_created", now);
+  file.SetText("plan_sha256", facts.sha256);
+  file.SetText("benchmark", plan.benchmark);
+  std::string axes;
+  for (std::size_t i = 0; i < plan.axes.size(); ++i)
+    axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
+  file.SetText("axes", axes);
 }
 
 }  // namespace cdb::results

@@ -8,13 +8,9 @@
 #include <utility>
 
 #include "dsl/text/check.h"
-#include "runtime/results/dimensions.h"
 #include "runtime/results/examine.h"
 #include "runtime/results/hdf5/file.h"
-#include "runtime/results/merged_provenance.h"
-#include "runtime/results/plan_check.h"
-#include "runtime/results/proof.h"
-#include "runtime/results/run_facts.h"
+#include "runtime/results/layout.h"
 #include "runtime/results/store.h"
 #include "runtime/results/versions.h"
 

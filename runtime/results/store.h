@@ -2,6 +2,7 @@
 // runs are executed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
@@ -22,6 +23,8 @@
 #include "runtime/protocol/series.h"
 #include "runtime/protocol/verdict.h"
 #include "runtime/results/files/errors.h"
+#include "runtime/results/hdf5/file.h"
+#include "runtime/results/hdf5/object.h"
 
 namespace cdb::results {
 
@@ -161,5 +164,71 @@ class ResultFile {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The dimensions of a results file, with their coordinates.
+
+/// A dimension with its coordinate, a dataset of the same name.
+struct Dimension {
+  std::string name;  ///< including its group: `run/quantity`
+  std::uint64_t size = 0;
+  hdf5::Type type = hdf5::Type::kInt32;
+  std::vector<double> numbers;     ///< the coordinate: `size` numbers,
+  std::vector<std::string> texts;  ///< or texts; neither: a dimension without a coordinate
+  std::map<std::string, std::string> attributes;
+  std::string units_by_label;  ///< separated by spaces, if the labels differ in unit
+};
+
+/// The numbers from 0 to `n` - 1.
+std::vector<double> Indices(std::uint64_t n);
+/// A dimension of indices. `doc`: its `long_name`.
+Dimension Counted(std::string name, std::uint64_t size, std::string doc);
+/// A dimension of words. Readers that cannot read text datasets (Octave) find them in the attribute
+/// `labels`, which is left out if one word contains every separator.
+Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
+/// The unit of a number without one, by the netCDF Climate and Forecast conventions.
+inline constexpr const char* kNoUnit = "1";
+/// The values of an axis. `is_integer`: the result of Axis::IsInteger, which checks all values.
+Dimension AxisDimension(const plan::Axis& axis, bool is_integer);
+
+// `/provenance` of a merged file: facts about build and machine. A fact that is the same in every
+// run is an attribute; others are arrays over `run`, the ids of the runs.
+
+/// The dimension of the arrays in the group.
+inline constexpr std::string_view kProvenanceRuns = "run";
+
+class MergedProvenance {
+ public:
+  /// The facts of one run, by name.
+  void Add(const std::string& run_id, const std::map<std::string, std::string>& facts);
+  /// Creates the group. `of_merging`: facts of this process, used if no run has them.
+  hdf5::Group Write(hdf5::File& file, const Provenance& of_merging) const;
+
+ private:
+  /// The distinct texts of one fact, and the index of each run's text.
+  struct Fact {
+    std::vector<std::string> texts = {""};  ///< the first is for runs without the fact
+    std::vector<std::size_t> by_run;        ///< in the order of ids_; runs at the end may be
+                                            ///< missing
+    std::map<std::string, std::size_t> places = {{"", 0}};
+  };
+
+  std::vector<std::string> TextsOf(const Fact& fact) const;
+
+  std::vector<std::string> ids_;
+  std::map<std::string, Fact> facts_;
+};
+
+// Poses in an HDF5 file made by the user: datasets `position` (n x 3, m), and optionally
+// `orientation` (n x 4, quaternions w, x, y, z), `linear_velocity` (n x 3, m/s) and
+// `angular_velocity` (n x 3, rad/s), each in the root of the file.
+
+/// The rows of all objects, one after the other; empty if the file has no such dataset.
+struct PoseArrays {
+  std::vector<double> position, orientation, linear_velocity, angular_velocity;
+};
+
+/// Nullopt if the file is HDF5 and has no dataset `position`. Throws StoreError, which names the
+/// dataset, for other shapes and types.
+std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file);
 
 }  // namespace cdb::results

@@ -11,13 +11,11 @@
 #include <vector>
 
 #include "runtime/protocol/series.h"
-#include "runtime/results/dimensions.h"
 #include "runtime/results/examine.h"
+#include "runtime/results/files/safe_file.h"
 #include "runtime/results/files/seal.h"
-#include "runtime/results/files/temporary_file.h"
-#include "runtime/results/hdf5/chunks.h"
 #include "runtime/results/hdf5/file.h"
-#include "runtime/results/proof.h"
+#include "runtime/results/store.h"
 #include "runtime/results/versions.h"
 
 namespace cdb::results {

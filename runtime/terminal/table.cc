@@ -7,9 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "compiler/plan/coordinates.h"
+#include "compiler/plan/plan.h"
 #include "runtime/terminal/console.h"
-#include "runtime/terminal/wrap.h"
 
 namespace cdb::terminal {
 namespace {

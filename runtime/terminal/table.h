@@ -61,7 +61,7 @@ std::string ShortNumber(double value);
 /// Three digits and an exponent; `0`, and `-` for NaN.
 std::string ScientificNumber(double value);
 
-/// The text of a value on an axis (compiler/plan/coordinates.h).
+/// The text of a value on an axis (compiler/plan/plan.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);
 
 }  // namespace cdb::terminal

@@ -15,7 +15,6 @@
 
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/support/scene.h"
 

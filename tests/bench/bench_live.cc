@@ -22,12 +22,11 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/yaml/pile.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/placement.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/support/scene.h"
 

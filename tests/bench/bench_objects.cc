@@ -20,7 +20,6 @@
 #include "library/layouts/placement.h"
 #include "library/objects/solid_factory.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/support/cache.h"
 #include "tests/support/scene.h"

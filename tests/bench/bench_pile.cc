@@ -29,7 +29,6 @@
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/manifolds.h"
-#include "runtime/engine/world/precision.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/support/cache.h"
 #include "tests/support/scene.h"

@@ -16,7 +16,6 @@
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "tests/bench/median.h"
 #include "tests/bench/scenario_runs.h"
 

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "compiler/yaml/plan_yaml.h"
+#include "dsl/diagnostics.h"
 #include "dsl/format.h"
-#include "dsl/render.h"
 #include "tests/compiler/random_scenario.h"
 #include "tests/support/compile_text.h"
 

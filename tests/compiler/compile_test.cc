@@ -17,7 +17,7 @@
 #include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "library/closed_forms/scene_fault.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/dsl/random_text.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"

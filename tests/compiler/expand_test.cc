@@ -1,10 +1,10 @@
 // Semantics of the language: axes, lets, cases, bases, skips, files.
 #include <gtest/gtest.h>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan.h"
-#include "compiler/plan/sha256.h"
 #include "compiler/schema/parametrised_words.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compiler/analysis/kinematic.h"
-#include "compiler/analysis/surface.h"
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parameter_ref.h"
 #include "compiler/schema/parametrised_words.h"

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "dsl/render.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::tests {

@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 #include "dsl/parser.h"
-#include "dsl/render.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
 

@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
+#include "dsl/diagnostics.h"
 #include "dsl/format.h"
 #include "dsl/parser.h"
-#include "dsl/render.h"
 #include "tests/dsl/dump.h"
 
 namespace cdb::tests {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dsl/diagnostic_kinds.h"
+#include "dsl/diagnostics.h"
 
 namespace cdb::tests {
 using namespace dsl;

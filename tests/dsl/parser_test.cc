@@ -5,8 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "dsl/diagnostic_kinds.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/dsl/dump.h"
 #include "tests/dsl/invariants.h"
 #include "tests/dsl/random_text.h"

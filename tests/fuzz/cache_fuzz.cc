@@ -7,7 +7,7 @@
 
 #include "dsl/text/check.h"
 #include "library/content_cache.h"
-#include "library/objects/decomposition_cache.h"
+#include "library/objects/solid_factory.h"
 #include "tests/support/files.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "library/detectors/detector.h"
-#include "library/detectors/manifest.h"
 #include "library/detectors/plugin.h"
 #include "runtime/results/store.h"
 #include "tests/plugins/cell_ends.h"

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
-#include "library/layouts/path.h"
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
 

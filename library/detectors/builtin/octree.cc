@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "library/detectors/detector.h"
-#include "library/detectors/kernels/finite_boxes.h"
+#include "library/detectors/kernels/soa_boxes.h"
 
 namespace cdb::builtin {
 namespace {

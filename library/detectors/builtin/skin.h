@@ -24,20 +24,136 @@
 // pairs do not depend on them. Source: Verlet, Phys. Rev. 159, 1967.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "library/detectors/builtin/skin_changes.h"
 #include "library/detectors/builtin/skin_list.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/kernels/bodies.h"
 #include "library/detectors/kernels/box_grid.h"
 #include "library/detectors/kernels/kernels.h"
-#include "library/detectors/kernels/pair_parts.h"
+#include "library/detectors/kernels/pair_buffer.h"
 
 namespace cdb::builtin {
+
+// Scenes in which most bodies sleep: the candidates of `skin` whose bodies may have moved.
+
+/// Keeps which bodies may have moved since the candidates were tested, and, if they are few, an
+/// index of the candidates of each body. Cost: a few bytes a body in each cycle; the index 12 bytes
+/// a candidate. Errors: bad_alloc. Not thread-safe.
+class SkinAwake {
+ public:
+  /// Nothing is known about the last cycle: every body may have moved.
+  void Forget() {
+    last_asleep_.clear();
+    ForgetIndex();
+  }
+  /// Candidates have been replaced or reordered.
+  void ForgetIndex() {
+    indexed_ = 0;
+    few_cycles_ = 0;
+  }
+  /// Notes which bodies may have moved since the last cycle; call once in every cycle.
+  void See(const Scene& scene);
+  /// True if few bodies may have moved since the candidates were tested.
+  bool HaveFewMoved() const { return kFew * moved_count_ <= may_have_moved_.size(); }
+  /// Calls visit(id) for each body that may have moved since the candidates were tested.
+  template <typename Visit>
+  void ForEachMoved(const Visit& visit) const {
+    for (std::size_t id = NextMoved(0); id < may_have_moved_.size(); id = NextMoved(id + 1))
+      visit(static_cast<Id>(id));
+  }
+  /// Makes the index if few bodies may have moved for several cycles. True if there is one: call
+  /// ForEach.
+  bool UpdateIndex(const Scene& scene, std::span<const Pair> candidates);
+  /// Calls test(i) for every candidate with a body that may have moved, for some twice, and for
+  /// those appended since the index was made. After UpdateIndex.
+  template <typename Test>
+  void ForEach(std::span<const Pair> candidates, const Test& test) const {
+    ForEachMoved([&](Id id) {
+      for (std::uint32_t at = begins_[id]; at < begins_[id + 1]; ++at) test(entries_[at]);
+    });
+    for (std::size_t i = indexed_; i < candidates.size(); ++i) test(i);
+  }
+  /// All candidates have been tested, or those of ForEach.
+  void Tested() {
+    std::ranges::fill(may_have_moved_, std::uint8_t{0});
+    moved_count_ = 0;
+  }
+
+ private:
+  /// One in so many bodies may have moved.
+  static constexpr std::size_t kFew = 8;
+
+  /// The first body from `id` on that may have moved; the number of bodies if none has.
+  std::size_t NextMoved(std::size_t id) const {
+    const std::size_t size = may_have_moved_.size();
+    const void* at = std::memchr(may_have_moved_.data() + id, 1, size - id);
+    return at == nullptr ? size
+                         : static_cast<std::size_t>(static_cast<const std::uint8_t*>(at) -
+                                                    may_have_moved_.data());
+  }
+  void MakeIndex(const Scene& scene, std::span<const Pair> candidates);
+
+  std::vector<std::uint8_t> last_asleep_;     ///< in the last cycle; empty if unknown
+  std::vector<std::uint8_t> may_have_moved_;  ///< since the candidates were tested
+  std::size_t moved_count_ = 0;               ///< bodies in may_have_moved_
+  unsigned few_cycles_ = 0;                   ///< in a row, with these candidates
+  std::size_t indexed_ = 0;                   ///< candidates in the index; 0 without one
+  std::vector<std::uint32_t> begins_;         ///< of the entries of each body; and the end
+  std::vector<std::uint32_t> entries_;        ///< candidates by body, each twice
+};
+
+// The pairs that `skin` listed last, so that it can list only the changes.
+
+/// Keeps a flag for each candidate: whether its boxes overlapped in the last call. Cost: testing
+/// the candidates, of few awake bodies if most sleep, plus the number of changes. Errors:
+/// bad_alloc. Threads: one caller; the tests use the threads of `parts`.
+class SkinChanges {
+ public:
+  explicit SkinChanges(kernels::PairParts& parts) : parts_(parts) {}
+
+  /// Makes the next call of Find list all pairs.
+  void Forget();
+  /// Call before the candidates are replaced or reordered.
+  void Replace(std::span<const Pair> candidates);
+  /// Notes which bodies may have moved since the last cycle; call once in a cycle, before Find or
+  /// in its place if the pairs are the same as in the last cycle.
+  const SkinAwake& See(const Scene& scene) {
+    awake_.See(scene);
+    return awake_;
+  }
+  /// Lists the changes as Detector::FindChanges does. Candidates may have been appended since the
+  /// last call; `rest` are the pairs of overlapping boxes that are not candidates.
+  bool Find(const Scene& scene, const kernels::Kernels& kernels, std::span<const Pair> candidates,
+            std::span<const Pair> rest, std::vector<Pair>& came, std::vector<Pair>& went);
+  /// True if Find has been called since the last Forget.
+  bool knows_last() const { return knows_last_; }
+  /// Number of pairs in the last call of Find.
+  std::size_t size() const { return met_count_ + rest_.size(); }
+
+ private:
+  void FindAll(const Scene& scene, const kernels::Kernels& kernels,
+               std::span<const Pair> candidates);
+  void FindAwake(const Scene& scene, std::span<const Pair> candidates);
+  void FindRest(const Scene& scene, std::span<const Pair> rest, std::vector<Pair>& came,
+                std::vector<Pair>& went);
+
+  kernels::PairParts& parts_;
+  bool knows_last_ = false;
+  bool has_flags_ = false;          ///< met_ has the flags of the candidates in use
+  std::vector<std::uint64_t> met_;  ///< a bit for each candidate; see Kernels::find_changed
+  std::size_t met_count_ = 0;
+  std::vector<Pair> replaced_;  ///< candidates that overlapped when they were replaced
+  std::vector<Pair> rest_;      ///< of the last call
+  std::vector<Pair> changed_;
+  SkinAwake awake_;
+};
 
 class Skin final : public Detector {
  public:
@@ -128,5 +244,20 @@ class Skin final : public Detector {
 
 std::unique_ptr<Detector> MakeSkin(const Options& options,
                                    const kernels::Kernels& kernels = kernels::BestKernels());
+
+// The cost model of `skin`: constants that estimate the work of a cycle.
+
+// In nanoseconds, measured once on one machine; only their ratios matter.
+inline constexpr double kGridCost = 38;                   ///< of a body in a cycle of `grid`
+inline constexpr double kListCost = 80, kListedCost = 1;  ///< of making a list: a body, a candidate
+inline constexpr double kOccupancyCost = 0.1;  ///< of each other body in the cell, or oversized
+inline constexpr double kReadCost = 1.4;  ///< of reading a box in a cycle that does nothing else
+inline constexpr double kCheckCost = 3, kTestCost = 2.2, kRegrowCost = 250, kUntrackedCost = 100;
+
+/// Cost of a cycle for `escaped` bodies, of which `untracked` are looked up in every cycle.
+inline double CostOfEscaped(std::size_t escaped, std::size_t untracked) {
+  return kRegrowCost * static_cast<double>(escaped - untracked) +
+         kUntrackedCost * static_cast<double>(untracked);
+}
 
 }  // namespace cdb::builtin

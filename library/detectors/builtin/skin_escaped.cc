@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "library/detectors/builtin/skin.h"
-#include "library/detectors/builtin/skin_costs.h"
 
 namespace cdb::builtin {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "runtime/cli/help/command_line.h"
+#include "runtime/cli/help/topics.h"
 
 namespace cdb::help {
 
@@ -12,5 +12,11 @@ namespace cdb::help {
 std::string ProgramPage(std::span<const CommandInfo> commands);
 /// cdb-language.5
 std::string LanguagePage();
+
+// Completion of the command line in shells.
+
+std::string BashCompletion(std::span<const CommandInfo> commands);
+std::string ZshCompletion(std::span<const CommandInfo> commands);
+std::string FishCompletion(std::span<const CommandInfo> commands);
 
 }  // namespace cdb::help

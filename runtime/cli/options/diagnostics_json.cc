@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "runtime/manual/explanation.h"
 
 namespace cdb::options {

@@ -9,7 +9,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/plan/plan.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 
 namespace cdb::options {
 

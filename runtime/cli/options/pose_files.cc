@@ -11,7 +11,6 @@
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/selection.h"
 #include "runtime/protocol/series.h"
-#include "runtime/results/pose_arrays.h"
 #include "runtime/results/store.h"
 
 namespace cdb::options {

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "dsl/diagnostics.h"
-#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/protocol/machine/noise.h"
 #include "runtime/sweep/schedule/folder.h"

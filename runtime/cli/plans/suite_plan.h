@@ -2,12 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/figures/compare.h"
 #include "runtime/figures/suite.h"
+#include "runtime/printers/suite.h"
 
 namespace cdb::plans {
 
@@ -26,5 +30,34 @@ inline constexpr std::uint64_t kLongSeeds[] = {0xAAAAAAAAAA, 1, 2};
 /// The plan of a scene of the library of scenarios; files in the current folder are ignored. Throws
 /// CommandError, also if the library has no such scene.
 plan::Plan StandardPlan(const figures::StandardScene& scene, const SuiteChoice& choice);
+
+// A folder of results of the standard suite: reading, summary and check.
+
+inline constexpr const char* kSuiteSummary = "suite.json";
+inline constexpr const char* kSuitePage = "suite.html";
+
+struct SuiteFolder {
+  std::vector<std::unique_ptr<figures::ComparedFile>> files;  ///< in the order of the suite
+  std::vector<figures::SceneFigures> scenes;                  ///< of each file
+  printers::SuiteFacts facts;
+};
+/// Reads the results that exist. Throws StoreError, and CommandError for a folder without results
+/// of the suite.
+SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
+
+/// The text of suite.json.
+std::string SuiteSummary(const SuiteFolder& read);
+/// Writes suite.json and suite.html. Throws StoreError, and, in a build without pages, PageError
+/// after suite.json has been written.
+void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
+
+/// The reasons why results of the suite are not complete or not comparable; empty if there are
+/// none.
+struct SuiteFaults {
+  std::vector<std::string> faults;
+  std::vector<std::string> facts;  ///< about machine, build and noise, to be read by people
+};
+/// In addition to `cdb check` of each file. Throws StoreError, CommandError.
+SuiteFaults CheckSuite(const SuiteFolder& read, const std::filesystem::path& folder);
 
 }  // namespace cdb::plans

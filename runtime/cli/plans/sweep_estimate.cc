@@ -15,7 +15,7 @@
 
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
-#include "compiler/yaml/pile.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
 #include "runtime/protocol/bytes_text.h"
 #include "runtime/protocol/recording.h"

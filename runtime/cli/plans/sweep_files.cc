@@ -11,8 +11,8 @@
 #include <string>
 #include <system_error>
 
-#include "runtime/cli/options/exit_status.h"
 #include "runtime/cli/options/provenance.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/figures/points.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/journal/merge.h"

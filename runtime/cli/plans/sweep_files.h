@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compiler/plan/descriptor.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan.h"
 #include "runtime/results/store.h"
 

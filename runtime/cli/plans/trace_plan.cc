@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "compiler/analysis/trace.h"
-#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/subcommand.h"
 
 namespace cdb::plans {
 namespace {

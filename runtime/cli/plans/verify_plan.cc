@@ -7,11 +7,10 @@
 #include <span>
 #include <utility>
 
-#include "compiler/analysis/capacity.h"
 #include "compiler/analysis/reference.h"
-#include "compiler/cross.h"
+#include "compiler/compile.h"
 #include "compiler/schema/catalogue.h"
-#include "runtime/cli/options/exit_status.h"
+#include "runtime/cli/options/subcommand.h"
 
 namespace cdb::plans {
 namespace {

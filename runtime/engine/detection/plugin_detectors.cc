@@ -7,11 +7,9 @@
 #include <utility>
 
 #include "compiler/plan/input_file.h"
-#include "compiler/plan/sha256.h"
-#include "library/detectors/floating_point.h"
 #include "library/detectors/plugin.h"
 #include "library/scene_error.h"
-#include "runtime/protocol/plugin_call.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::detection {
 namespace {

@@ -3,15 +3,55 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "library/detectors/exact_pairs.h"
+#include "library/objects/distance.h"
 #include "runtime/engine/detection/adapter_broad_phase.h"
-#include "runtime/engine/probes/exact_geometry.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
+
+// Exact pairs and overlaps of the bodies in their current poses, by brute force and closed forms,
+// in double.
+//
+// Not thread-safe with respect to the engine.
+
+/// Indices of bodies (getUserIndex), the smaller first.
+using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// All pairs of objects whose tightest boxes overlap, that may touch and are not both fixed, in
+/// order.
+std::vector<BodyPair> ExactPairs(const world::Engine& engine);
+
+/// Two overlapping bodies.
+struct ExactOverlap {
+  BodyPair bodies;
+  objects::Penetration contact;  ///< the normal points from the second body to the first
+  double size;                   ///< m, of the smaller object; walls have none
+};
+
+/// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
+inline constexpr double kLeastOverlap = 1e-4;
+
+/// Overlaps deeper than kLeastOverlap, in the order of their bodies, for pairs with a closed form:
+/// objects that may collide, and objects and walls. `pairs`: ExactPairs.
+std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
+                                        const std::vector<BodyPair>& pairs);
+
+/// Errors of the narrow phase over a set of overlaps.
+struct NarrowPhaseErrors {
+  double missed = 0;      ///< overlaps without a contact point
+  double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
+  double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique
+  double normals = 0;     ///< number of angles in normal_sum
+};
+
+/// Compares each overlap with the deepest point in the manifolds, which hold the contacts of the
+/// last step.
+NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<ExactOverlap>& overlaps);
 
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "library/objects/surface.h"
-#include "runtime/engine/probes/solid_core.h"
+#include "runtime/engine/probes/press_watch.h"
 #include "runtime/engine/world/conversions.h"
 
 namespace cdb::probes {

@@ -1,11 +1,15 @@
 #include "runtime/engine/probes/processor_time.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <ctime>
+#include <fstream>
+#include <limits>
+#include <string>
 
-#include "runtime/protocol/machine/host.h"
+#include "runtime/protocol/machine/machine.h"
 
 namespace cdb::probes {
 namespace {
@@ -43,6 +47,20 @@ void ProcessorTime::Store(schema::RunScalars& scalars) const {
   scalars.others_ns =
       std::max(0.0, (end.busy_ns - begin_.busy_ns) - (end.process_ns - begin_.process_ns));
   scalars.processors = machine::ProcessorCount();
+}
+
+double HeapBytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+double PeakRssBytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    double kilobytes = 0;
+    if (word == "VmHWM:" && status >> kilobytes) return kilobytes * 1024;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace cdb::probes

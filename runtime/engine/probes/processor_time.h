@@ -25,4 +25,12 @@ class ProcessorTime {
   Reading begin_;
 };
 
+// Memory usage of this process. Threads: any.
+
+/// The heap in use, bytes.
+double HeapBytes();
+
+/// Peak memory of this process, bytes; NaN if the system does not report it.
+double PeakRssBytes();
+
 }  // namespace cdb::probes

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime/engine/probes/exact_geometry.h"
+#include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 

@@ -1,16 +1,46 @@
 // Lets objects fall onto one another and come to rest.
 #pragma once
 
+#include <btBulletDynamicsCommon.h>
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
-#include "runtime/engine/worker/contact_reuse.h"
 #include "runtime/engine/world/engine.h"
 
 namespace cdb::worker {
+
+// Reuses contacts between bodies that hardly move.
+
+/// Bound of the displacement, m, of any point within `radius` of the origin from one pose to the
+/// other.
+double Displacement(const btTransform& from, const btTransform& to, double radius);
+
+/// Bullet's narrow phase runs for a pair only after one of its bodies has moved by more than a
+/// tolerance. Until then the contacts of the pair are kept, and follow the bodies as Bullet moves
+/// the contacts of a manifold. The poses on which contacts are based are out of date by at most
+/// four tolerances. Not thread-safe.
+class ContactReuse {
+ public:
+  struct Body {
+    double radius;     ///< about the centre of mass, m
+    double tolerance;  ///< m
+  };
+  /// `bodies`: the engine's objects. The engine must outlive it and have Bullet's narrow phase; its
+  /// fixed and kinematic objects must not move.
+  ContactReuse(world::Engine& engine, std::vector<Body> bodies);
+
+  /// Call before each step.
+  void BeforeStep();
+
+ private:
+  world::Engine& engine_;
+  const std::vector<Body> bodies_;
+  std::vector<btTransform> counted_;  ///< of each object: the pose when it last counted as moved
+};
 
 /// In mean diameters. The objects are at rest if no point of any of them, except for a fraction
 /// kRestless that may roll or tremble, moves farther in a unit of time, for kRestChecks units in a

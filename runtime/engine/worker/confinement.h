@@ -15,4 +15,19 @@ inline constexpr const char* kUnconfined = "CDB_UNCONFINED_PLUGINS";
 /// Landlock is used. Computing is as fast as before. Source: seccomp(2), landlock(7).
 void Confine();
 
+// The part of a worker's confinement that uses the kernel's Landlock.
+
+/// From now on, no file can be written, made, removed or executed, no TCP connection opened, and no
+/// signal or abstract socket reaches other processes, as far as this kernel's Landlock supports
+/// these restrictions. Has no effect without Landlock. Needs PR_SET_NO_NEW_PRIVS.
+void RestrictByLandlock();
+
+// The part of a worker's confinement that uses a seccomp filter.
+
+/// From now on, system calls that are not on the list fail with EPERM in all threads. The list
+/// contains the calls for computing, threads, memory, time, reading files and loading libraries.
+/// Has no effect if the kernel has no seccomp, or for processors without a list. Needs
+/// PR_SET_NO_NEW_PRIVS.
+void FilterSystemCalls();
+
 }  // namespace cdb::worker

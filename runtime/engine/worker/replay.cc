@@ -17,7 +17,6 @@
 #include "library/detectors/exact_pairs.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
-#include "runtime/engine/probes/memory.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/run_scene.h"

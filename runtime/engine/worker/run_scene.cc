@@ -2,27 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "compiler/analysis/reference.h"
-#include "compiler/yaml/pile.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
-#include "library/layouts/perturbation.h"
 #include "library/layouts/placement.h"
 #include "library/objects/solid_factory.h"
-#include "runtime/engine/probes/memory.h"
+#include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/confinement.h"
-#include "runtime/engine/worker/harness.h"
 #include "runtime/engine/worker/settle.h"
-#include "runtime/engine/world/kinematics.h"
-#include "runtime/engine/world/schedules.h"
+#include "runtime/engine/world/engine.h"
 
 namespace cdb::worker {
 namespace {
@@ -188,6 +188,25 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
     ReportFailure(recording, error.what());
   }
   return engine;
+}
+
+double HarnessNs(const plan::Scene& scene, const world::Engine& engine) {
+  const detection::NamedDetector idle = detection::MakeDetector("null", scene);
+  Scene bodies = {};
+  bodies.size = engine.objects().size() + engine.walls().size();
+  std::vector<Pair> pairs;
+  std::vector<Contact> contacts;
+  std::array<std::int64_t, world::TimedWorld::kStamps> stamps = {};
+  std::array<double, 101> times;
+  for (double& time : times) {
+    const std::int64_t begin = world::Now();
+    for (std::int64_t& stamp : stamps) stamp = world::Now();
+    idle.detector->FindPairs(bodies, pairs);
+    idle.detector->FindContacts(bodies, pairs, contacts);
+    time = static_cast<double>(world::Now() - begin);
+  }
+  std::ranges::nth_element(times, times.begin() + times.size() / 2);
+  return times[times.size() / 2];
 }
 
 }  // namespace cdb::worker

@@ -22,7 +22,6 @@
 #include <string>
 #include <system_error>
 
-#include "compiler/yaml/pile.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
 #include "library/distributions/draw.h"
@@ -35,7 +34,6 @@
 #include "runtime/engine/worker/come_to_rest.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "runtime/protocol/file_descriptor_io.h"
 
 namespace cdb::worker {

@@ -9,7 +9,7 @@
 
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
-#include "runtime/protocol/settling.h"
+#include "runtime/protocol/recording.h"
 
 namespace cdb::worker {
 

@@ -1,13 +1,18 @@
 #include "runtime/engine/world/engine.h"
 
+#include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <new>
+#include <numbers>
 #include <string>
 
-#include "compiler/analysis/engine_constants.h"
+#include "compiler/analysis/reference.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 #include "library/scene_error.h"
 #include "library/walls.h"
@@ -16,7 +21,6 @@
 #include "runtime/engine/detection/broad_phase.h"
 #include "runtime/engine/detection/wall_pairs.h"
 #include "runtime/engine/world/conversions.h"
-#include "runtime/engine/world/precision.h"
 
 namespace cdb::world {
 namespace {
@@ -403,6 +407,159 @@ void Engine::AddFilteredBodies() {
   for (const auto& wall : walls_)
     world_->addRigidBody(
         wall.get(), WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size())), movers);
+}
+
+namespace {
+
+#ifdef BT_USE_DOUBLE_PRECISION
+constexpr std::size_t kScalarBytes = 8;
+#else
+constexpr std::size_t kScalarBytes = 4;
+#endif
+static_assert(sizeof(btScalar) == kScalarBytes, "Bullet's headers have a different precision");
+
+}  // namespace
+
+const char* EnginePrecision() { return kScalarBytes == 8 ? "double" : "single"; }
+
+std::string PrecisionMismatch() {
+  // This function is compiled into the library, not inline: it reads a transform and writes two
+  // vectors in the library's precision. The space suffices for either.
+  struct alignas(32) Room {
+    unsigned char bytes[512];
+  };
+  Room pose_room = {}, lower_room = {}, upper_room = {}, shape_room = {};
+  static_assert(sizeof(btTransform) <= sizeof(Room) && sizeof(btStaticPlaneShape) <= sizeof(Room));
+  auto* pose = new (&pose_room) btTransform(btQuaternion::getIdentity(), btVector3(1, 2, 3));
+  auto* lower = new (&lower_room) btVector3(0, 0, 0);
+  auto* upper = new (&upper_room) btVector3(0, 0, 0);
+  // Virtual, because the symbols of a library of the other precision have the same names.
+  const btSphereShape* sphere = new (&shape_room) btSphereShape(4);
+  const btCollisionShape* volatile shape = sphere;
+  shape->getAabb(*pose, *lower, *upper);
+  const bool agrees = lower->x() == -3 && lower->y() == -2 && lower->z() == -1 && upper->x() == 5 &&
+                      upper->y() == 6 && upper->z() == 7;
+  if (agrees) return "";
+  return std::string("this worker was built for Bullet in ") + EnginePrecision() +
+         " precision, but the library has another; install libbullet-dev as packaged";
+}
+
+namespace {
+
+/// The constant spin, rad/s, that turns one orientation into another in `seconds`, the shorter way.
+Eigen::Vector3d SpinBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to,
+                            double seconds) {
+  const Eigen::AngleAxisd turn(to * from.conjugate());
+  return turn.angle() / seconds * turn.axis();
+}
+
+btQuaternion QuaternionOf(const Eigen::Quaterniond& turn) {
+  return {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+          static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())};
+}
+
+}  // namespace
+
+Kinematics::Kinematics(const plan::Scene& scene, Engine& engine)
+    : engine_(engine), timestep_(scene.world.Real("timestep")) {
+  const auto& objects = engine.initial_state().objects;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (objects[i].is_kinematic) objects_.push_back(i);
+}
+
+void Kinematics::BeforeStep(std::uint64_t step) const {
+  for (const std::size_t i : objects_) {
+    const layouts::ObjectState& object = engine_.initial_state().objects[i];
+    const objects::Pose from = layouts::PoseAt(object, TimeOf(step));
+    const objects::Pose to = layouts::PoseAt(object, TimeOf(step + 1));
+    // A constant spin is used directly: beyond half a turn per step, the poses would not determine
+    // it.
+    const bool is_told = object.path != nullptr && object.path->has_orientation();
+    btRigidBody& body = *engine_.objects()[i];
+    body.setLinearVelocity(ToBullet((to.position - from.position) / timestep_));
+    body.setAngularVelocity(ToBullet(is_told
+                                         ? SpinBetween(from.orientation, to.orientation, timestep_)
+                                         : object.angular_velocity));
+  }
+}
+
+void Kinematics::AfterStep(std::uint64_t step) const {
+  for (const std::size_t i : objects_) {
+    const objects::Pose pose =
+        layouts::PoseAt(engine_.initial_state().objects[i], TimeOf(step + 1));
+    btRigidBody& body = *engine_.objects()[i];
+    const btTransform transform(QuaternionOf(pose.orientation), ToBullet(pose.position));
+    body.setWorldTransform(transform);
+    body.setInterpolationWorldTransform(transform);
+  }
+}
+
+namespace {
+
+using Eigen::Vector3d;
+using schema::ArgumentOf;
+using schema::GroupParameter;
+using schema::WorldParameter;
+
+bool IsDueAt(const schema::Call& call, std::uint64_t step) {
+  return call.name != "every" ||
+         step % std::get<schema::Number>(ArgumentOf(call, "cycles")).AsCount() == 0;
+}
+
+}  // namespace
+
+Schedules::Schedules(const plan::Scene& scene, Engine& engine) : scene_(scene), engine_(engine) {
+  Add(Target::kAcceleration, nullptr, *WorldParameter("acceleration"), 0, 1);
+  std::size_t first = 0;
+  for (const plan::Group& group : scene.groups) {
+    const std::size_t end = first + group.settings.Count("quantity");
+    Add(Target::kLinearVelocity, &group, *GroupParameter("linear_velocity"), first, end);
+    Add(Target::kAngularVelocity, &group, *GroupParameter("angular_velocity"), first, end);
+    first = end;
+  }
+}
+
+void Schedules::Add(Target target, const plan::Group* group, const schema::Parameter& parameter,
+                    std::size_t first, std::size_t end) {
+  const schema::Call* call = schema::AsCall(group != nullptr ? group->settings.ValueOf(parameter)
+                                                             : scene_.world.ValueOf(parameter));
+  if (call == nullptr) return;
+  Row row{target, call, nullptr, first, end};
+  if (call->name == "every") {
+    row.draw = std::make_unique<distributions::Draw>(scene_, group, parameter);
+    // The initial state already has the first values.
+    for (std::size_t i = first; i < end; ++i) row.draw->Vector();
+  }
+  rows_.push_back(std::move(row));
+}
+
+Vector3d Schedules::ValueAt(Row& row, std::uint64_t step) const {
+  if (row.draw != nullptr) return row.draw->Vector();
+  const auto& vector = std::get<Vector3d>(ArgumentOf(*row.call, "vector"));
+  const auto& about = std::get<Vector3d>(ArgumentOf(*row.call, "about"));
+  const double turns = static_cast<double>(step) * scene_.world.Real("timestep") /
+                       std::get<schema::Number>(ArgumentOf(*row.call, "period")).AsReal();
+  const double angle = 2 * std::numbers::pi * (turns - std::floor(turns));
+  return Eigen::AngleAxisd(angle, about.stableNormalized()) * vector;
+}
+
+void Schedules::Apply(Row& row, std::uint64_t step) {
+  if (step == 0 || !IsDueAt(*row.call, step)) return;
+  if (row.target == Target::kAcceleration) {
+    engine_.SetAcceleration(ValueAt(row, step));
+    return;
+  }
+  for (std::size_t i = row.first; i < row.end; ++i) {
+    const Vector3d value = ValueAt(row, step);
+    btRigidBody& body = *engine_.objects()[i];
+    if (body.isStaticOrKinematicObject()) continue;
+    body.activate(true);
+    if (row.target == Target::kLinearVelocity) {
+      body.setLinearVelocity(ToBullet(value));
+    } else {
+      body.setAngularVelocity(ToBullet(value));
+    }
+  }
 }
 
 }  // namespace cdb::world

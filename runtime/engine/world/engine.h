@@ -3,16 +3,17 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/expectation.h"
 #include "compiler/plan/plan.h"
+#include "library/distributions/draw.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/detection/scene_view.h"
-#include "runtime/engine/world/lean_world.h"
-#include "runtime/engine/world/links.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/omissions/omissions.h"
@@ -115,6 +116,79 @@ class Engine {
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;
   TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is a TimedWorld
+};
+
+// Checks that the Bullet library at run time has the precision that this program was built for.
+
+/// `single` or `double`: the precision that this program was built for.
+const char* EnginePrecision();
+
+/// Empty if they agree; otherwise an error message. Headers of one precision and a library of the
+/// other link and run, but compute wrong numbers. Cheap; call it before any other function of
+/// Bullet.
+std::string PrecisionMismatch();
+
+// Moves the kinematic objects of an engine.
+//
+// During the step from t to t + dt, a kinematic object is at the pose of its motion
+// (layouts::PoseAt) at t, as all other objects are, and has the velocity that takes it to its pose
+// at t + dt; after the step it is at that pose. Contacts are therefore found between poses of the
+// same time. Velocities are computed in double and passed to Bullet's solver; no error accumulates.
+// t counts from the start, including the warm-up. Not thread-safe.
+
+class Kinematics {
+ public:
+  /// The engine must outlive it.
+  Kinematics(const plan::Scene& scene, Engine& engine);
+
+  /// Call before and after each step. `step` counts from 0.
+  void BeforeStep(std::uint64_t step) const;
+  void AfterStep(std::uint64_t step) const;
+
+ private:
+  double TimeOf(std::uint64_t step) const { return static_cast<double>(step) * timestep_; }
+
+  Engine& engine_;
+  const double timestep_;             ///< s, as in the scene, not rounded
+  std::vector<std::size_t> objects_;  ///< the kinematic ones
+};
+
+// Schedules: accelerations and velocities that change during a run.
+//
+// `every(n, value)` sets the value anew before every n-th step, `rotating(vector, about, period)`
+// before each; both count steps from the start, including the warm-up. Setting a value wakes
+// sleeping objects. Velocities are set regardless of changes by contacts since the last time. Not
+// thread-safe. Brownian scenes and moving gravity: Serpa & Rodrigues, "Broadmark", Computer
+// Graphics Forum 39(1), 2020.
+
+class Schedules {
+ public:
+  /// The scene and the engine must outlive it.
+  Schedules(const plan::Scene& scene, Engine& engine);
+
+  /// Call before each step. `step` counts from 0. Throws library::SceneError as drawing does.
+  void BeforeStep(std::uint64_t step) {
+    for (Row& row : rows_) Apply(row, step);
+  }
+
+ private:
+  enum class Target { kAcceleration, kLinearVelocity, kAngularVelocity };
+  /// A parameter with a schedule.
+  struct Row {
+    Target target;
+    const schema::Call* call;
+    std::unique_ptr<distributions::Draw> draw;  ///< of `every`
+    std::size_t first = 0, end = 0;             ///< objects
+  };
+
+  void Add(Target target, const plan::Group* group, const schema::Parameter& parameter,
+           std::size_t first, std::size_t end);
+  void Apply(Row& row, std::uint64_t step);
+  Eigen::Vector3d ValueAt(Row& row, std::uint64_t step) const;
+
+  const plan::Scene& scene_;
+  Engine& engine_;
+  std::vector<Row> rows_;
 };
 
 }  // namespace cdb::world

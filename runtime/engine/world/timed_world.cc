@@ -2,6 +2,8 @@
 
 #include <time.h>
 
+#include <cstring>
+
 namespace cdb::world {
 
 std::int64_t Now() {
@@ -53,6 +55,130 @@ std::array<double, protocol::kPhaseCount> TimedWorld::Durations() const {
   set(protocol::Phase::kIntegrate, stamps_.integrate_begin, stamps_.integrate_end);
   set(protocol::Phase::kStep, stamps_.step_begin, stamps_.step_end);
   return durations;
+}
+
+namespace {
+
+using schema::Component;
+
+btVector3 Moved(const btRigidBody& body, btScalar timestep) {
+  return body.getWorldTransform().getOrigin() + body.getLinearVelocity() * timestep;
+}
+
+/// The impulse that the solver adds to the spin of a body without contacts.
+btVector3 SpinImpulse(btRigidBody& body, btScalar timestep) {
+  btVector3 impulse = body.getTotalTorque() * body.getInvInertiaTensorWorld() * timestep;
+  if ((body.getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
+    impulse += body.computeGyroscopicImpulseImplicit_Body(timestep);
+  return impulse;
+}
+
+/// The solver first adds the change by contacts, here 0, and then the forces: the first turns -0
+/// into 0.
+btVector3 AfterSolver(const btVector3& velocity, const btVector3& impulse) {
+  return (velocity + btVector3(0, 0, 0)) + impulse;
+}
+
+bool SameBits(const btVector3& a, const btVector3& b) {
+  return std::memcmp(&a, &b, 3 * sizeof(btScalar)) == 0;
+}
+
+}  // namespace
+
+LeanWorld::LeanWorld(btDispatcher* dispatcher, btBroadphaseInterface* broad_phase,
+                     btConstraintSolver* solver, btCollisionConfiguration* configuration,
+                     const omissions::Omissions& omissions)
+    : btDiscreteDynamicsWorld(dispatcher, broad_phase, solver, configuration) {
+  for (const analysis::PruningDecision& part : omissions.decisions)
+    if (omissions.Omits(part.component)) omitted_ |= 1u << static_cast<int>(part.component);
+}
+
+void LeanWorld::updateAabbs() {
+  if (view_ != nullptr) {
+    view_->UpdateBoxes(getForceUpdateAllAabbs());
+  } else {
+    btDiscreteDynamicsWorld::updateAabbs();
+  }
+  // The first update enlarges the boxes with which bodies were added.
+  if (Omits(Component::kStaticBoxes)) setForceUpdateAllAabbs(false);
+}
+
+void LeanWorld::performDiscreteCollisionDetection() {
+  if (!Omits(Component::kDetection)) btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+}
+
+void LeanWorld::solveConstraints(btContactSolverInfo& info) {
+  if (!Omits(Component::kSolver)) return btDiscreteDynamicsWorld::solveConstraints(info);
+  for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+    btRigidBody& body = *m_nonStaticRigidBodies[i];
+    if (body.isActive() && body.getInvMass() != 0) ApplyForces(body, info.m_timeStep);
+  }
+}
+
+void LeanWorld::ApplyForces(btRigidBody& body, btScalar timestep) {
+  body.setLinearVelocity(
+      AfterSolver(body.getLinearVelocity(), body.getTotalForce() * body.getInvMass() * timestep));
+  if (Omits(Component::kRotation)) return;
+  body.setAngularVelocity(AfterSolver(body.getAngularVelocity(), SpinImpulse(body, timestep)));
+}
+
+void LeanWorld::applyGravity() {
+  if (!Omits(Component::kGravity)) btDiscreteDynamicsWorld::applyGravity();
+}
+
+void LeanWorld::synchronizeMotionStates() {
+  if (!Omits(Component::kMotionStates)) btDiscreteDynamicsWorld::synchronizeMotionStates();
+}
+
+void LeanWorld::predictUnconstraintMotion(btScalar timestep) {
+  const bool damps = !Omits(Component::kDamping), turns = !Omits(Component::kRotation);
+  if (damps && turns) return btDiscreteDynamicsWorld::predictUnconstraintMotion(timestep);
+  for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+    btRigidBody& body = *m_nonStaticRigidBodies[i];
+    if (body.isStaticOrKinematicObject()) continue;
+    if (damps) body.applyDamping(timestep);
+    btTransform& predicted = body.getInterpolationWorldTransform();
+    if (turns) {
+      body.predictIntegratedTransform(timestep, predicted);
+    } else {
+      predicted.setOrigin(Moved(body, timestep));  // the orientation stays as it was from the start
+    }
+  }
+}
+
+void LeanWorld::createPredictiveContacts(btScalar timestep) {
+  if (!Omits(Component::kSweptContacts))
+    btDiscreteDynamicsWorld::createPredictiveContacts(timestep);
+}
+
+void LeanWorld::calculateSimulationIslands() {
+  if (!Omits(Component::kSolver)) btDiscreteDynamicsWorld::calculateSimulationIslands();
+}
+
+void LeanWorld::updateActivationState(btScalar timestep) {
+  if (!Omits(Component::kSleeping)) btDiscreteDynamicsWorld::updateActivationState(timestep);
+}
+
+void LeanWorld::integrateTransforms(btScalar timestep) {
+  if (!Omits(Component::kRotation)) return btDiscreteDynamicsWorld::integrateTransforms(timestep);
+  for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+    btRigidBody& body = *m_nonStaticRigidBodies[i];
+    if (!body.isActive() || body.isStaticOrKinematicObject()) continue;
+    const btVector3 place = Moved(body, timestep);
+    body.getWorldTransform().setOrigin(place);
+    body.getInterpolationWorldTransform().setOrigin(place);
+  }
+}
+
+bool MayOmitRotation(btRigidBody& body, btScalar timestep) {
+  const btVector3& spin = body.getAngularVelocity();
+  if (!spin.isZero()) return false;
+  btTransform turned;
+  body.predictIntegratedTransform(timestep, turned);
+  const btTransform& pose = body.getWorldTransform();
+  for (int row = 0; row < 3; ++row)
+    if (!SameBits(turned.getBasis()[row], pose.getBasis()[row])) return false;
+  return SameBits(AfterSolver(spin, SpinImpulse(body, timestep)), spin);
 }
 
 }  // namespace cdb::world

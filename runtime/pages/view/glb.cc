@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/pages/view/tessellation.h"
+#include "runtime/pages/view/scene_document.h"
 
 namespace cdb::view {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "runtime/pages/view/scene_recording.h"
+#include "runtime/pages/view/selection.h"
 
 namespace cdb::view {
 

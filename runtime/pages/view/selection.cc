@@ -3,10 +3,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
+#include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/schema/metrics.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "library/layouts/exact_layouts.h"
+#include "runtime/figures/points.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::view {
@@ -71,6 +79,263 @@ std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
         fmt::format("{} {}", axes[i].name, terminal::CoordinateText(axes[i], cell.at[i])));
   if (repeats > 1) words.push_back(fmt::format("rep {}", cell.rep));
   return fmt::format("{}", fmt::join(words, ", "));
+}
+
+namespace {
+
+using files::StoreError;
+using results::ResultFile;
+
+constexpr std::size_t kPose = protocol::kPoseSize, kBox = protocol::kBoxSize;
+
+void RequireBodies(const plan::Scene& scene) {
+  if (analysis::TraceOf(scene))
+    throw StoreError(
+        "a run on a trace has boxes and no bodies: view the run that the trace was recorded from");
+}
+
+/// Places the objects, for a recording without poses.
+void Start(SceneRecording& recording) {
+  recording.state = layouts::MakeInitialState(recording.scene);
+  for (const layouts::ObjectState& object : recording.state.objects) {
+    const Eigen::Vector3d& p = object.pose.position;
+    const Eigen::Quaterniond& q = object.pose.orientation;
+    for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
+      recording.poses.push_back(value);
+  }
+  recording.unmoved.assign(recording.state.objects.size(), 0);
+  if (std::ranges::any_of(recording.scene.groups, layouts::IsPile))
+    recording.notices.emplace_back(
+        "The objects of a pile are shown where they are dropped from: they settle before the first "
+        "cycle, which a run with `record timing, counts, poses` shows.");
+}
+
+/// Reads a recording frame by frame.
+class FrameReader {
+ public:
+  FrameReader(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording)
+      : file_(file), cell_(cell), out_(recording), objects_(recording.ObjectCount()) {
+    if (!recording.has_contacts) return;
+    std::uint64_t rows = 0;
+    for (const double count : file.ReadSeries("contacts", cell)) {
+      first_contact_.push_back(rows);
+      rows += static_cast<std::uint64_t>(std::max(count, 0.0));
+    }
+    first_contact_.push_back(rows);
+  }
+
+  double BytesPerFrame(bool has_boxes) const {
+    double bytes = static_cast<double>(objects_ * (kPoseBytes + (has_boxes ? kBoxBytes : 0)));
+    if (!first_contact_.empty())
+      bytes += static_cast<double>(first_contact_.back() * kContactBytes) /
+               static_cast<double>(first_contact_.size());
+    return bytes;
+  }
+
+  void Read(std::uint64_t cycle, bool has_boxes) {
+    const std::vector<double> now = Poses(cycle);
+    const std::vector<double> before = cycle == 0 ? std::vector<double>() : Poses(cycle - 1);
+    for (std::size_t i = 0; i < objects_; ++i) {
+      const auto at = static_cast<std::ptrdiff_t>(i * kPose);
+      out_.unmoved.push_back(
+          !before.empty() &&
+          std::equal(now.begin() + at, now.begin() + at + kPose, before.begin() + at));
+    }
+    out_.poses.insert(out_.poses.end(), now.begin(),
+                      now.begin() + static_cast<std::ptrdiff_t>(objects_ * kPose));
+    if (has_boxes) {
+      const std::vector<double> boxes = ReadCycle("boxes", kBox, cycle);
+      out_.boxes.insert(out_.boxes.end(), boxes.begin(),
+                        boxes.begin() + static_cast<std::ptrdiff_t>(objects_ * kBox));
+    }
+    if (out_.has_contacts)
+      out_.contacts.push_back(file_.ReadContacts(
+          cell_, first_contact_[cycle], first_contact_[cycle + 1] - first_contact_[cycle]));
+  }
+
+ private:
+  const std::vector<double>& Poses(std::uint64_t cycle) {
+    for (auto& [known, poses] : last_)
+      if (known == cycle) return poses;
+    std::swap(last_[0], last_[1]);
+    last_[1] = {cycle, ReadCycle("poses", kPose, cycle)};
+    return last_[1].second;
+  }
+
+  /// `width` values for each object, and possibly more.
+  std::vector<double> ReadCycle(const char* series, std::size_t width, std::uint64_t cycle) const {
+    std::vector<double> values = file_.ReadCycle(series, cell_, cycle);
+    if (values.size() < objects_ * width)
+      throw StoreError(
+          fmt::format("its {} have fewer objects than its plan: run it again", series));
+    return values;
+  }
+
+  const ResultFile& file_;
+  const ResultFile::Cell& cell_;
+  SceneRecording& out_;
+  const std::size_t objects_;
+  std::vector<std::uint64_t> first_contact_;
+  std::pair<std::uint64_t, std::vector<double>> last_[2] = {{~0ULL, {}}, {~0ULL, {}}};
+};
+
+void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const FrameChoice& choice,
+                SceneRecording& recording) {
+  if (choice.first >= recording.n_cycles || choice.last.value_or(choice.first) < choice.first ||
+      choice.last.value_or(0) >= recording.n_cycles)
+    throw StoreError(fmt::format("--cycles {}..{}: the cycles of the run are 0 to {}", choice.first,
+                                 choice.last ? fmt::format("{}", *choice.last) : "",
+                                 recording.n_cycles - 1));
+  const std::uint64_t last = choice.last.value_or(recording.n_cycles - 1);
+  recording.state = layouts::DrawObjects(recording.scene);
+  const auto& record = recording.scene.world.Words("record");
+  const auto records = [&](const char* word) {
+    return std::ranges::find(record, word) != record.end();
+  };
+  const bool has_boxes = records("boxes");
+  recording.has_contacts = records("contacts") && file.Has("contact_first");
+  FrameReader reader(file, cell, recording);
+  const double bytes =
+      reader.BytesPerFrame(has_boxes) * static_cast<double>(last - choice.first + 1);
+  const auto fitting = static_cast<std::uint64_t>(
+      std::max(1.0, std::ceil(bytes / static_cast<double>(choice.budget_bytes))));
+  recording.every = choice.every.value_or(fitting);
+  if (recording.every > 1 && !choice.every)
+    recording.notices.push_back(
+        fmt::format("One cycle in {} is shown, of {} to {}: with all of them the page would be too "
+                    "large; --cycles A..B shows a part of the run in finer steps.",
+                    recording.every, choice.first, last));
+  for (std::uint64_t cycle = choice.first; cycle <= last; cycle += recording.every) {
+    recording.cycles.push_back(cycle);
+    reader.Read(cycle, has_boxes);
+  }
+}
+
+void ReadAllSeries(const ResultFile& file, const ResultFile::Cell& cell,
+                   SceneRecording& recording) {
+  if (recording.n_cycles == 0) return;
+  if (file.Has("duration"))
+    for (std::size_t i = 0; i < protocol::kPhaseCount; ++i)
+      recording.durations.push_back({std::string(protocol::PhaseNames()[i]), "ns",
+                                     file.ReadDuration(static_cast<protocol::Phase>(i), cell)});
+  for (const protocol::Series& series : protocol::AllSeries()) {
+    if (series.shape != protocol::SeriesShape::kScalar || !file.Has(series.name)) continue;
+    CycleSeries values{std::string(series.name), std::string(series.unit),
+                       file.ReadSeries(series.name, cell)};
+    if (series.type == protocol::SeriesType::kInt32)
+      for (double& value : values.values)
+        if (value < 0) value = std::nan("");
+    if (std::ranges::any_of(values.values, [](double value) { return std::isfinite(value); }))
+      recording.series.push_back(std::move(values));
+  }
+}
+
+/// The errors of the run at its samples, if it is compared with a truth.
+void ReadErrors(const ResultFile& file, const ResultFile::Cell& cell, SceneRecording& recording) {
+  const auto sampling = analysis::SamplingOf(recording.scene);
+  if (!sampling || recording.n_cycles == 0) return;
+  for (const schema::ErrorInfo& error : schema::Errors()) {
+    if (!file.Has(error.series)) continue;
+    CycleSeries series{fmt::format("error of {}", error.name), std::string(error.unit),
+                       file.ReadSamples(error.series, cell), sampling->interval_s};
+    if (std::ranges::any_of(series.values, [](double value) { return std::isfinite(value); }))
+      recording.series.push_back(std::move(series));
+  }
+}
+
+const plan::Run& FindRun(const plan::Plan& plan, const ResultFile::Cell& cell) {
+  for (const plan::Run& run : plan.runs)
+    if (run.at == cell.at && run.rep == cell.rep) return run;
+  throw StoreError(fmt::format("{}: this run was skipped by `skip`; choose another by --select",
+                               CellName(plan.axes, plan.repeats, cell)));
+}
+
+}  // namespace
+
+void ParseCycles(const std::string& text, FrameChoice& choice) {
+  const auto number = [&](std::string_view part) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size())
+      throw StoreError(fmt::format("--cycles {}: write A..B, two cycles from 0 on", text));
+    return value;
+  };
+  const std::size_t dots = text.find("..");
+  if (dots == std::string::npos) {
+    choice.first = number(text);
+    choice.last = choice.first;
+    return;
+  }
+  const std::string_view from = std::string_view(text).substr(0, dots),
+                         to = std::string_view(text).substr(dots + 2);
+  if (!from.empty()) choice.first = number(from);
+  if (!to.empty()) choice.last = number(to);
+}
+
+ResultFile::Cell DefaultCell(const ResultFile& file) {
+  const std::vector<ResultFile::Cell> cells = figures::AllCells(file);
+  const auto ran = std::ranges::find_if(cells, [&](const ResultFile::Cell& cell) {
+    const results::Status status = file.ReadStatus(cell);
+    return status != results::Status::kMissing && status != results::Status::kSkipped &&
+           file.ReadCycleCount(cell) > 0;
+  });
+  return ran == cells.end() ? cells.front() : *ran;
+}
+
+SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cell,
+                             const FrameChoice& choice) {
+  const auto plan = figures::ReadPlan(file);
+  if (!plan)
+    throw StoreError(
+        "its plan is from another version of cdb, and bodies cannot be drawn: run it again, or use "
+        "the cdb that wrote it");
+  const plan::Run& run = FindRun(*plan, cell);
+  RequireBodies(run.scene);
+  SceneRecording recording;
+  recording.benchmark = file.benchmark();
+  recording.title = file.title();
+  recording.name = CellName(file.axes(), file.repeats(), cell);
+  recording.scene = run.scene;
+  recording.is_run = true;
+  recording.status = file.ReadStatus(cell);
+  recording.judgement = file.ReadJudgement(cell);
+  if (recording.status != results::Status::kMissing) {
+    recording.message = file.ReadText("message", cell);
+    recording.n_cycles = file.ReadCycleCount(cell);
+  }
+  ReadAllSeries(file, cell, recording);
+  ReadErrors(file, cell, recording);
+  if (run.scene.world.Lists("record", "poses") && recording.n_cycles > 0) {
+    ReadFrames(file, cell, choice, recording);
+    return recording;
+  }
+  if (choice.first != 0 || choice.last || choice.every)
+    throw StoreError(
+        "--cycles and --every need poses, but it has none: run it again with `record timing, "
+        "counts, poses`");
+  recording.notices.push_back(
+      recording.n_cycles == 0
+          ? fmt::format("This run is {} and has no cycles: the start of its scene is shown.",
+                        results::StatusName(recording.status))
+          : std::string(
+                "This run has no poses: the start of its scene is shown. To see it move, add "
+                "`poses` to `record`, as in `record timing, counts, poses`, and run it again."));
+  Start(recording);
+  return recording;
+}
+
+SceneRecording StartOf(const plan::Plan& plan, const plan::Run& run) {
+  RequireBodies(run.scene);
+  SceneRecording recording;
+  recording.benchmark = plan.benchmark;
+  recording.title = plan.title;
+  recording.name = CellName(plan.axes, plan.repeats, {run.at, run.rep});
+  recording.scene = run.scene;
+  recording.notices.emplace_back(
+      "The start of the scene, without a run: `cdb run` with `record timing, counts, poses` "
+      "records how it moves.");
+  Start(recording);
+  return recording;
 }
 
 }  // namespace cdb::view

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/plan/input_file.h"
+
 namespace cdb::files {
 
 /// Throws StoreError if `folder` is not a folder. `use`: its expected contents, for the message.
@@ -23,5 +25,54 @@ void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
 /// The same in pieces: `fill` is called once with a function that appends.
 void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
                  const std::filesystem::path& final_name);
+
+// A file during writing: under a temporary name beside its final one, and locked, so that others
+// can tell it from a file left by a killed process.
+
+/// What a user can do after a write has failed with `error`, an errno.
+std::string WriteRemedy(int error);
+
+/// Created as `<final>.<host>.<number>.tmp`, beside the final file, so that the rename stays within
+/// one file system. Its lock, not a process id, shows that it is being written: containers may
+/// share host name and ids. Not thread-safe.
+class TemporaryFile {
+ public:
+  /// A symbolic link at `final_name` is followed: the file that it points to is replaced. Throws
+  /// StoreError if that is not a regular file (a device, a pipe, a folder), or no file can be
+  /// created beside it.
+  explicit TemporaryFile(const std::filesystem::path& final_name);
+  /// Removes the file, unless it was published.
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  int fd() const { return fd_.get(); }
+
+  /// Syncs the file, renames it to its final name and syncs the folder. Throws StoreError.
+  void Publish();
+
+  /// Throws StoreError with the file, the failed operation, the reason (an errno) and the remedy.
+  [[noreturn]] void Fail(std::string_view doing, int error) const;
+
+ private:
+  /// False if a file of that name exists, or was removed before it was locked.
+  bool TryMake();
+
+  std::filesystem::path named_;  ///< as the caller named the final file
+  std::filesystem::path final_;  ///< without links
+  std::filesystem::path path_;
+  plan::Descriptor fd_;
+};
+
+/// Removes temporaries of `final_name`, and of other `.h5` files beside it, that were left by
+/// killed processes of this host. Locked files stay, and so do all files on a file system without
+/// locks.
+void RemoveStaleTemporariesBeside(const std::filesystem::path& final_name);
+
+/// Removes temporaries in `folder` that were left by killed processes of this host. Those that are
+/// still being written are locked and stay, and so do those of other hosts. Throws StoreError if
+/// there is no folder.
+void RemoveStaleTemporaries(const std::filesystem::path& folder);
 
 }  // namespace cdb::files

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/plan/descriptor.h"
 #include "compiler/plan/input_file.h"
 #include "runtime/protocol/file_descriptor_io.h"
 #include "runtime/results/files/errors.h"

@@ -3,6 +3,7 @@
 // files.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -76,5 +77,47 @@ class File : public Group {
   std::shared_ptr<Sink> sink_;
   Id file_;
 };
+
+// The size of a data set's chunks.
+
+/// One chunk fits HDF5's chunk cache of 1 MiB.
+inline constexpr std::uint64_t kLargestChunk = (1 << 20) - 1;
+
+/// Splits dimension `i` of a chunk evenly into the fewest pieces of at most `kLargestChunk` bytes;
+/// into single items if even those are too large.
+void SplitEvenly(Shape& chunk, std::size_t i, std::size_t item_bytes);
+
+// The destination of a file that HDF5 writes: a driver whose writes never fail, and which keeps the
+// first error. See File::Create.
+
+/// A file that is written from scratch. Not thread-safe.
+class Sink {
+ public:
+  explicit Sink(const std::filesystem::path& path);
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
+  ~Sink() { Close(); }
+
+  /// Throws Error for the first failure.
+  void Check() const;
+  void Close();
+
+  // For the driver. Addresses are bytes from the beginning of the file.
+
+  /// Bytes that were never written read as zeros, as in any file. False if the system fails.
+  bool Read(std::uint64_t address, std::size_t bytes, char* out) const;
+  void Write(std::uint64_t address, std::size_t bytes, const char* data);
+  void Truncate(std::uint64_t size);
+  std::uint64_t end() const { return end_; }
+
+ private:
+  int fd_;
+  int error_ = 0;
+  std::uint64_t end_ = 0;
+};
+
+/// Directs a file that is created with the file access properties `access` to `sink`, whose address
+/// must not change before that. Negative if HDF5 fails.
+int SetSink(std::int64_t access, const std::shared_ptr<Sink>& sink);
 
 }  // namespace cdb::hdf5

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <stdexcept>
@@ -67,5 +68,12 @@ class Object {
   explicit Object(Id id) : id_(std::move(id)) {}
   Id id_;
 };
+
+// Global heaps, in which HDF5 keeps texts of variable length (HDF5 File Format Specification,
+// III.E).
+
+/// Rejects a heap with an object of size zero, on which HDF5 loops forever: it steps from object to
+/// object by their sizes. Throws Error. A file that cannot be opened has no heaps.
+void CheckGlobalHeaps(const std::filesystem::path& path);
 
 }  // namespace cdb::hdf5

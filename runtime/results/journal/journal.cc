@@ -18,11 +18,10 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/protocol/machine/host.h"
+#include "runtime/protocol/machine/machine.h"
 #include "runtime/results/files/local_disk.h"
 #include "runtime/results/files/safe_file.h"
 #include "runtime/results/files/seal.h"
-#include "runtime/results/files/temporary_file.h"
 
 namespace cdb::journal {
 namespace {

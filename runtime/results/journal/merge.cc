@@ -21,16 +21,12 @@
 #include "runtime/results/files/limited_process.h"
 #include "runtime/results/files/safe_file.h"
 #include "runtime/results/files/seal.h"
-#include "runtime/results/files/temporary_file.h"
 #include "runtime/results/hdf5/filters.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/journal/merge_base.h"
-#include "runtime/results/journal/references.h"
 #include "runtime/results/journal/run_writer.h"
 #include "runtime/results/layout.h"
-#include "runtime/results/layout_file.h"
-#include "runtime/results/merged_provenance.h"
-#include "runtime/results/proof.h"
+#include "runtime/results/store.h"
 #include "runtime/results/versions.h"
 
 namespace cdb::journal {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "runtime/results/files/seal.h"
-#include "runtime/results/merged_provenance.h"
 #include "runtime/results/store.h"
 #include "runtime/results/versions.h"
 

@@ -10,7 +10,6 @@
 
 #include "runtime/results/hdf5/file.h"
 #include "runtime/results/layout.h"
-#include "runtime/results/run_facts.h"
 
 namespace cdb::journal {
 

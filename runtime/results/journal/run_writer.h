@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/results/hdf5/file.h"
 #include "runtime/results/journal/journal.h"
+#include "runtime/results/journal/journals.h"
 #include "runtime/results/layout.h"
-#include "runtime/results/run_facts.h"
 #include "runtime/results/store.h"
 
 namespace cdb::journal {
@@ -55,5 +56,16 @@ struct Reference {
 };
 /// Throws hdf5::Error for the record of another run.
 Reference ReadReference(const plan::Run& run, const Record& record);
+
+// Reference runs in a merge: their arrays in /accuracy/reference.
+
+/// Fills the arrays of /accuracy/reference from the records of `plan.references`. Those that no
+/// journal holds are taken from `base`, a merged file, or are `missing` if that is null. Throws
+/// StoreError, hdf5::Error.
+void MergeReferences(const plan::Plan& plan, const results::Layout& layout, Journals& journals,
+                     const hdf5::File* base, hdf5::File& file);
+/// Compares the arrays written by MergeReferences with the records. Throws hdf5::Error.
+void VerifyReferences(const plan::Plan& plan, const results::Layout& layout, Journals& journals,
+                      const hdf5::File* base, const hdf5::File& file);
 
 }  // namespace cdb::journal

@@ -11,7 +11,7 @@
 #include "compiler/plan/plan.h"
 #include "runtime/sweep/cluster/submission.h"
 #include "runtime/sweep/process/stop.h"
-#include "runtime/sweep/schedule/progress_bar.h"
+#include "runtime/sweep/schedule/progress.h"
 
 namespace cdb::cluster {
 

@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,7 @@
 #include <cerrno>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -21,9 +23,10 @@
 #include "dsl/text/utf8.h"
 #include "library/layouts/pose_table.h"
 #include "library/scene_error.h"
-#include "runtime/protocol/machine/host.h"
-#include "runtime/protocol/plugin_call.h"
-#include "runtime/sweep/process/collect.h"
+#include "runtime/protocol/machine/machine.h"
+#include "runtime/protocol/recording.h"
+#include "runtime/results/trace_file.h"
+#include "runtime/sweep/process/launcher.h"
 #include "runtime/sweep/process/process.h"
 
 namespace cdb::process {
@@ -441,6 +444,42 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   ending.recording = std::move(worker.recording);
   workers_[worker.slot].reset();
   return ending;
+}
+
+ForkServer::ForkServer(const std::filesystem::path& program) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    FailToStart("no descriptor to start a run", errno);
+  socket_ = Descriptor(ends[0]);
+  const Descriptor theirs(ends[1]), nowhere(open("/dev/null", O_WRONLY | O_CLOEXEC));
+  SpawnPlan spawn;
+  spawn.Give(nowhere.get(), STDERR_FILENO);  // if the server fails, a directly started worker
+                                             // reports the reason
+  spawn.Give(theirs.get(), protocol::kServerFd);
+  spawn.SetVariable(std::string(protocol::kBindNow) + "=1");
+  pid_ = spawn.Start(program, {protocol::kServeOption});
+}
+
+ForkServer::~ForkServer() {
+  kill(pid_, SIGKILL);  // it has not been reaped, so its id is still valid
+  while (waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+protocol::ForkAnswer ForkServer::Start(const protocol::ForkRequest& request) {
+  return protocol::AskForWorker(socket_.get(), request);
+}
+
+int TraceCache::Get(const analysis::TraceName& name) {
+  const auto found =
+      std::ranges::find_if(traces_, [&](const auto& trace) { return trace.first == name; });
+  if (found != traces_.end()) {
+    traces_.splice(traces_.begin(), traces_, found);
+  } else {
+    while (!traces_.empty() && traces_.size() >= places_) traces_.pop_back();
+    traces_.emplace_front(name, results::LoadTrace(name.path, name.sha256));
+  }
+  return traces_.front().second.fd();
 }
 
 }  // namespace cdb::process

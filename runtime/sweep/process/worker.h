@@ -5,22 +5,65 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "compiler/analysis/trace.h"
 #include "compiler/plan/plan.h"
-#include "compiler/yaml/plan_yaml_writer.h"
-#include "runtime/sweep/process/fork_server.h"
+#include "compiler/yaml/plan_yaml.h"
+#include "runtime/protocol/fork_server.h"
+#include "runtime/protocol/trace_memory.h"
 #include "runtime/sweep/process/launcher.h"
-#include "runtime/sweep/process/processors.h"
+#include "runtime/sweep/process/process.h"
 #include "runtime/sweep/process/stop.h"
-#include "runtime/sweep/process/trace_cache.h"
 
 namespace cdb::process {
+
+// Starts workers by forking them from a worker program that is already loaded.
+
+/// A process of a worker program that answers protocol::ForkRequest. Ended on destruction; workers
+/// that it started continue. Not thread-safe.
+class ForkServer {
+ public:
+  /// Throws ScheduleError if the program cannot be started.
+  explicit ForkServer(const std::filesystem::path& program);
+  ~ForkServer();
+  ForkServer(const ForkServer&) = delete;
+  ForkServer& operator=(const ForkServer&) = delete;
+
+  /// Returns no worker if the program or the system does not support it.
+  protocol::ForkAnswer Start(const protocol::ForkRequest& request);
+  pid_t pid() const { return pid_; }
+
+ private:
+  Descriptor socket_;
+  pid_t pid_ = -1;
+};
+
+// Caches traces: each file is read once for all runs that need it.
+
+/// Keeps the most recent traces. A worker has a copy of the descriptor, which keeps its trace
+/// alive. Not thread-safe.
+class TraceCache {
+ public:
+  explicit TraceCache(std::size_t places) : places_(places) {}
+
+  /// The descriptor of the trace, valid until it has been displaced by others. Throws StoreError,
+  /// std::system_error.
+  int Get(const analysis::TraceName& name);
+
+ private:
+  std::size_t places_;
+  std::list<std::pair<analysis::TraceName, protocol::TraceMemory>>
+      traces_;  ///< the most recently requested first
+};
 
 /// The worker programs; a path is empty if no run of the plan needs it.
 struct WorkerPrograms {

@@ -12,7 +12,6 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/results/files/local_disk.h"
 #include "runtime/results/files/safe_file.h"
-#include "runtime/results/files/temporary_file.h"
 #include "runtime/sweep/process/launcher.h"
 
 namespace cdb::schedule {

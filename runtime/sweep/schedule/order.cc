@@ -1,15 +1,25 @@
 #include "runtime/sweep/schedule/order.h"
 
 #include <fmt/format.h>
+#include <sys/statvfs.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
+#include "compiler/analysis/trace.h"
+#include "library/meshes/models.h"
+#include "library/scene_error.h"
+#include "runtime/protocol/bytes_text.h"
+#include "runtime/protocol/samples.h"
+#include "runtime/protocol/series.h"
 #include "runtime/sweep/process/launcher.h"
 
 namespace cdb::schedule {
@@ -131,6 +141,160 @@ std::vector<std::vector<const plan::Run*>> ListShards(const plan::Plan& plan, st
     runs.insert(runs.end(), groups[i].runs.begin(), groups[i].runs.end());
   }
   return all;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A rigid body of Bullet has 700 bytes, and its boxes and pairs take more; 1.9 kB were measured.
+constexpr double kBytesOfObject = 1000;
+/// No results compress better.
+constexpr double kBestCompression = 20;
+constexpr double kSecondsOfObject = 10e-9;  // per cycle
+constexpr double kSecondsOfRun = 1e-3;      // for its process and its record
+constexpr double kMostSeconds = 365.25 * 24 * 3600;
+/// Fraction of the free memory; the rest is left to the system.
+constexpr double kUsableMemory = 0.8;
+
+double BytesOf(const std::vector<const protocol::Series*>& all,
+               const protocol::RunExtents& extents) {
+  double bytes = 0;
+  for (const protocol::Series* series : all)
+    bytes +=
+        static_cast<double>(series->ItemBytes()) * static_cast<double>(series->ValueCount(extents));
+  return bytes;
+}
+
+double SecondsOf(const plan::Run& run) {
+  const plan::WorldSettings& world = run.scene.world;
+  const double cycles = static_cast<double>(world.Count("cycles") + world.Count("warmup"));
+  const double seconds =
+      kSecondsOfRun + cycles * static_cast<double>(run.scene.ObjectCount()) * kSecondsOfObject;
+  return world.WordOr("timeout").empty() ? std::min(seconds, world.Real("timeout")) : seconds;
+}
+
+/// A value of /proc/meminfo, in bytes.
+double MemoryInfo(std::string_view wanted) {
+  std::ifstream info("/proc/meminfo");
+  for (std::string name; info >> name; std::getline(info, name)) {
+    double kib = 0;
+    if (name == wanted && info >> kib) return kib * 1024;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Bytes that the control group (version 2) may use; infinite if there is no limit. Its present
+/// usage is not subtracted, because most of it may be cache.
+double GroupLimit() {
+  std::ifstream file("/sys/fs/cgroup/memory.max");
+  double bytes = 0;
+  return file >> bytes ? bytes : std::numeric_limits<double>::infinity();
+}
+
+/// Throws SceneError for a model that is not on this machine. `checked`: words already looked up.
+void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
+  if (const schema::Distribution* drawn = schema::AsDistribution(type))
+    for (const schema::Value& choice : drawn->arguments) CheckModelsOf(choice, checked);
+  const schema::Word* word = schema::AsWord(type);
+  if (word == nullptr || !checked.insert(word->text).second) return;
+  if (const meshes::Model* model = meshes::FindModel(word->text))
+    meshes::PathOf(*model, meshes::ModelFolders());
+}
+
+}  // namespace
+
+Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs) {
+  Demand demand;
+  protocol::RecordedSeriesOf recorded_by;
+  for (const plan::Run* run : runs) {
+    const double series = BytesOf(recorded_by.Find(run->scene), protocol::ExtentsOf(run->scene));
+    double samples = 0;
+    if (const auto shape = protocol::SampleShapeOf(run->scene))
+      samples = static_cast<double>(shape->Count() * sizeof(double));
+    // Recording and record exist at the same time; samples are those of the run, of its reference
+    // and of its perturbed run.
+    demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
+    demand.disk += 2 / kBestCompression * series;
+    demand.time += SecondsOf(*run);
+    if (analysis::TraceOf(run->scene)) continue;  // a run on a trace places nothing
+    demand.objects = std::max(demand.objects, static_cast<double>(run->scene.ObjectCount()));
+  }
+  demand.scene = demand.objects * kBytesOfObject;
+  demand.time /= static_cast<double>(jobs);
+  return demand;
+}
+
+Demand LeastDemand(const plan::Plan& plan, std::uint64_t jobs, std::uint64_t parts) {
+  const auto pointers = [](const auto& runs) {
+    std::vector<const plan::Run*> all;
+    for (const plan::Run& run : runs) all.push_back(&run);
+    return all;
+  };
+  Demand demand = LeastDemand(pointers(plan.Bounds()), 1);
+  if (plan.whole) {
+    demand.disk = LeastDemand(pointers(plan.runs), 1).disk;
+    demand.time = static_cast<double>(plan.RunCount()) * kSecondsOfRun;
+    for (const plan::Run& run : plan.Bounds()) demand.time = std::max(demand.time, SecondsOf(run));
+  }
+  demand.time /= static_cast<double>(jobs * parts);
+  demand.disk /= static_cast<double>(parts);
+  return demand;
+}
+
+Capacity WholeMachine() {
+  return {std::min(MemoryInfo("MemTotal:"), GroupLimit()), std::numeric_limits<double>::infinity()};
+}
+
+Capacity FreeNow(const fs::path& folder) {
+  Capacity capacity;
+  capacity.memory = kUsableMemory * std::min(MemoryInfo("MemAvailable:"), GroupLimit());
+  std::error_code error;
+  fs::path at = fs::absolute(folder, error);
+  while (!error && !fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  struct statvfs status = {};
+  if (statvfs(at.c_str(), &status) == 0)
+    capacity.disk = static_cast<double>(status.f_bavail) * static_cast<double>(status.f_frsize);
+  return capacity;
+}
+
+std::string WhyTooLarge(const Demand& demand, const Capacity& capacity) {
+  if (demand.recorded + demand.scene > capacity.memory)
+    return fmt::format(
+        "one run records up to {} and its {:.4g} objects need {} or more, but only {} of memory "
+        "are available; use fewer cycles or objects, or record less",
+        protocol::BytesText(demand.recorded), demand.objects, protocol::BytesText(demand.scene),
+        protocol::BytesText(capacity.memory));
+  if (demand.disk > capacity.disk)
+    return fmt::format(
+        "its results need {} of disk or more, but only {} are available; record less, use fewer "
+        "runs or cycles, or another disk (-o)",
+        protocol::BytesText(demand.disk), protocol::BytesText(capacity.disk));
+  if (demand.time > kMostSeconds)
+    return fmt::format(
+        "its runs take {:.3g} years or more, at {:g} ns per object and cycle; use fewer runs, "
+        "objects or cycles, or set a timeout",
+        demand.time / kMostSeconds, kSecondsOfObject * 1e9);
+  return {};
+}
+
+void CheckFits(const std::string& benchmark, const Demand& demand, const fs::path& folder) {
+  const std::string why = WhyTooLarge(demand, FreeNow(folder));
+  if (!why.empty())
+    throw process::ScheduleError(fmt::format("{}: {}; nothing was started", benchmark, why));
+}
+
+void CheckModels(const std::string& benchmark, const std::vector<const plan::Run*>& runs) {
+  std::set<std::string> checked;
+  try {
+    for (const plan::Run* run : runs)
+      for (const plan::Group& group : run->scene.groups)
+        if (group.settings.Count("quantity") > 0)
+          CheckModelsOf(group.settings.Get("type"), checked);
+  } catch (const library::SceneError& error) {
+    throw process::ScheduleError(
+        fmt::format("{}: nothing was started: {}", benchmark, error.what()));
+  }
 }
 
 }  // namespace cdb::schedule

@@ -11,8 +11,8 @@
 
 #include "dsl/text/check.h"
 #include "runtime/sweep/process/worker.h"
-#include "runtime/sweep/schedule/bounds.h"
 #include "runtime/sweep/schedule/folder.h"
+#include "runtime/sweep/schedule/order.h"
 
 namespace cdb::schedule {
 namespace {

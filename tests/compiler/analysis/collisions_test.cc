@@ -1,8 +1,8 @@
-#include "compiler/analysis/collisions.h"
+#include "compiler/analysis/expectation.h"
 
 #include <gtest/gtest.h>
 
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

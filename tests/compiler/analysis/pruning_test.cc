@@ -8,7 +8,7 @@
 #include <string>
 
 #include "compiler/schema/schema.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

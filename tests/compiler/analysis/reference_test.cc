@@ -7,7 +7,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

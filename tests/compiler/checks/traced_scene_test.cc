@@ -2,7 +2,7 @@
 
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

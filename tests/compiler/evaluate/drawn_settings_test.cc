@@ -1,11 +1,11 @@
 // Settings that refer to others which are drawn for each object: `mass 2 * size ^ 3`.
-#include "compiler/evaluate/drawn_settings.h"
+#include "compiler/evaluate/convert.h"
 
 #include <gtest/gtest.h>
 
 #include "compiler/schema/formula.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

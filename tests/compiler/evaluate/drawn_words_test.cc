@@ -5,7 +5,7 @@
 
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

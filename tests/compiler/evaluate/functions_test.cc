@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "compiler/plan/plan.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

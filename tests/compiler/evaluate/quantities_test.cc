@@ -1,12 +1,12 @@
 // Units: values in SI, and dimensions that do not fit.
-#include "compiler/evaluate/quantities.h"
+#include "compiler/evaluate/dimensions.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "compiler/plan/plan.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

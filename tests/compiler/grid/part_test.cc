@@ -9,10 +9,10 @@
 #include <set>
 #include <string>
 
-#include "compiler/analysis/capacity.h"
+#include "compiler/analysis/reference.h"
 #include "compiler/compile.h"
 #include "compiler/yaml/short_plan.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 
 namespace cdb::tests {
 namespace {

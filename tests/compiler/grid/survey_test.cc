@@ -10,7 +10,7 @@
 
 #include "compiler/compile.h"
 #include "compiler/scenario/diagnostic_kinds.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 
 namespace cdb::tests {
 namespace {

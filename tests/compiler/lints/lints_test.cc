@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "compiler/lints/bounds.h"
+#include "compiler/lints/lint_facts.h"
 #include "compiler/schema/schema.h"
 #include "tests/support/compile_text.h"
 

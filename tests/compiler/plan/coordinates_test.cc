@@ -1,4 +1,4 @@
-#include "compiler/plan/coordinates.h"
+#include "compiler/plan/plan.h"
 
 #include <gtest/gtest.h>
 

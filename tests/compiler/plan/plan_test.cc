@@ -6,11 +6,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "compiler/yaml/brief_runs.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "compiler/yaml/plan_yaml_writer.h"
 #include "compiler/yaml/short_plan.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"

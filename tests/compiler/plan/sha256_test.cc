@@ -1,4 +1,4 @@
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "compiler/schema/result_names.h"
+#include "compiler/schema/metrics.h"
 
 #include <gtest/gtest.h>
 

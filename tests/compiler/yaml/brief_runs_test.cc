@@ -1,5 +1,5 @@
 // The short summary of a plan agrees with the plan as read in full.
-#include "compiler/yaml/brief_runs.h"
+#include "compiler/yaml/short_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "library/layouts/hash_grid.h"
+#include "library/layouts/clearance.h"
 
 #include <gtest/gtest.h>
 

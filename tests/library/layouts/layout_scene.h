@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "library/layouts/initial_state.h"
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 #include "library/scene_error.h"
 #include "tests/support/scene.h"
 

@@ -1,10 +1,10 @@
-#include "library/layouts/path.h"
+#include "library/layouts/pose_table.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/support/files.h"
 

@@ -7,9 +7,8 @@
 #include <numbers>
 
 #include "library/distributions/stream.h"
-#include "library/layouts/free_voxels.h"
-#include "library/layouts/grid.h"
-#include "library/objects/overlap.h"
+#include "library/layouts/clearance.h"
+#include "library/objects/distance.h"
 #include "library/scene_error.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/support/sanitizers.h"

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/support/files.h"

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "library/meshes/decompose.h"
 #include "library/meshes/mass_properties.h"
-#include "library/meshes/overlap_volume.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
 #include "tests/library/meshes/test_meshes.h"

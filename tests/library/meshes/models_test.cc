@@ -6,8 +6,8 @@
 
 #include <cstdlib>
 
+#include "library/meshes/decompose.h"
 #include "library/meshes/mass_properties.h"
-#include "library/meshes/overlap_volume.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"

@@ -1,4 +1,4 @@
-#include "library/objects/box_tree.h"
+#include "library/objects/compound.h"
 
 #include <gtest/gtest.h>
 

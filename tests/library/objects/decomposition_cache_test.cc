@@ -1,4 +1,4 @@
-#include "library/objects/decomposition_cache.h"
+#include "library/objects/solid_factory.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "library/objects/overlap.h"
 #include "tests/library/objects/random_solids.h"
 #include "tests/support/sanitizers.h"
 

@@ -1,4 +1,4 @@
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,10 @@
-#include "library/objects/penetration.h"
+#include "library/objects/distance.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "library/objects/overlap.h"
 #include "tests/library/objects/random_solids.h"
 #include "tests/support/sanitizers.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
 #include "tests/library/meshes/test_meshes.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 #include "library/objects/solid_factory.h"
 #include "library/objects/solid_pair.h"
 #include "library/scene_error.h"

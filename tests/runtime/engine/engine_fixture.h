@@ -14,7 +14,6 @@
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
-#include "runtime/engine/world/precision.h"
 #include "tests/support/scene.h"
 
 namespace cdb::tests {

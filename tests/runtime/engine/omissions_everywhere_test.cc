@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "compiler/compile.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "library/layouts/pose_table.h"
 #include "library/meshes/models.h"
 #include "library/scene_error.h"

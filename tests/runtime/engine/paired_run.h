@@ -9,7 +9,7 @@
 #include <string>
 
 #include "runtime/engine/probes/state_hash.h"
-#include "runtime/engine/world/kinematics.h"
+#include "runtime/engine/world/engine.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "compiler/compile.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/folders.h"

@@ -1,4 +1,4 @@
-#include "runtime/figures/selection.h"
+#include "runtime/figures/points.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/printers/compare.h"
-#include "runtime/printers/show_parts.h"
+#include "runtime/printers/show.h"
 #include "tests/runtime/figures/compared_results.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/files.h"

@@ -1,4 +1,4 @@
-#include "runtime/printers/notes.h"
+#include "runtime/printers/document.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,8 +10,7 @@
 #include "compiler/compile.h"
 #include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
-#include "dsl/diagnostic_kinds.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "library/closed_forms/scene_fault.h"
 
 namespace cdb::tests {

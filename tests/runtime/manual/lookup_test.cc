@@ -8,9 +8,9 @@
 #include "compiler/schema/language_words.h"
 #include "compiler/schema/schema.h"
 #include "compiler/schema/value.h"
-#include "dsl/render.h"
+#include "dsl/diagnostics.h"
 #include "runtime/manual/page.h"
-#include "runtime/terminal/wrap.h"
+#include "runtime/terminal/console.h"
 #include "tests/support/compile_text.h"
 
 namespace cdb::tests {

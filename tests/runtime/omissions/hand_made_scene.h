@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "library/layouts/initial_state.h"
-#include "runtime/omissions/reachability.h"
+#include "runtime/omissions/omissions.h"
 #include "tests/support/scene.h"
 
 namespace cdb::tests {

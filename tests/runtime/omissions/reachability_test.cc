@@ -1,4 +1,4 @@
-#include "runtime/omissions/reachability.h"
+#include "runtime/omissions/omissions.h"
 
 #include <gtest/gtest.h>
 

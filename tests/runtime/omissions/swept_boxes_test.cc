@@ -1,4 +1,4 @@
-#include "runtime/omissions/swept_boxes.h"
+#include "runtime/omissions/trajectory.h"
 
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/selection.h"
+#include "runtime/figures/points.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/printers/show.h"
 #include "tests/runtime/figures/made_up_file.h"

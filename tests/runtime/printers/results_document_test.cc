@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/printers/json_parts.h"
+#include "runtime/printers/json_points.h"
 #include "tests/runtime/figures/made_up_file.h"
 #include "tests/support/program.h"
 

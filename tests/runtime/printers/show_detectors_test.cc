@@ -13,7 +13,6 @@
 #include "compiler/schema/catalogue.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/printers/show.h"
-#include "runtime/printers/show_parts.h"
 #include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
 

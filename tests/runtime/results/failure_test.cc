@@ -15,7 +15,7 @@
 #include <random>
 #include <thread>
 
-#include "runtime/results/files/temporary_file.h"
+#include "runtime/results/files/safe_file.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"
 #include "runtime/results/trace_file.h"

@@ -1,12 +1,12 @@
 // The names that an axis must not have are exactly those of the layout.
-#include "compiler/schema/result_names.h"
+#include "compiler/schema/metrics.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
 
-#include "compiler/analysis/requested_errors.h"
+#include "compiler/analysis/reference.h"
 #include "runtime/results/layout.h"
 #include "tests/runtime/results/store_fixture.h"
 
@@ -48,7 +48,7 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   const std::set<std::string> used = NamesBesideAxes(plan);
   for (const std::string& name : used)
     EXPECT_TRUE(schema::FindNameClash(name, errors))
-        << name << " is in the results and missing in compiler/schema/result_names.cc";
+        << name << " is in the results and missing in compiler/schema/metrics.cc";
   std::set<std::string> listed;
   for (const schema::ResultNames& row : schema::ReservedNames()) {
     for (const std::string_view name : row.names) {

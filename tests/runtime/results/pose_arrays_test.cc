@@ -1,4 +1,4 @@
-#include "runtime/results/pose_arrays.h"
+#include "runtime/results/store.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "runtime/results/hdf5/file.h"
-#include "runtime/results/store.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {

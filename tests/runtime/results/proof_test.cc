@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "compiler/yaml/plan_yaml.h"
+#include "runtime/results/examine.h"
 #include "runtime/results/files/limited_process.h"
 #include "runtime/results/files/seal.h"
-#include "runtime/results/proof.h"
 #include "runtime/results/store.h"
 #include "tests/runtime/results/store_fixture.h"
 #include "tests/support/folders.h"

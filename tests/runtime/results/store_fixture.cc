@@ -5,9 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "compiler/analysis/capacity.h"
 #include "compiler/analysis/reference.h"
-#include "compiler/analysis/requested_errors.h"
 #include "runtime/results/journal/journals.h"
 #include "tests/runtime/results/journal/change_facts.h"
 

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "library/detectors/catalogue_entry.h"
-#include "library/detectors/kernels/finite_boxes.h"
+#include "library/detectors/kernels/soa_boxes.h"
 
 namespace cdb::third_party {
 namespace {

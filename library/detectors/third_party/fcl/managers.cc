@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "library/detectors/kernels/finite_boxes.h"
+#include "library/detectors/kernels/soa_boxes.h"
 
 namespace cdb::third_party {
 namespace {

@@ -1,5 +1,5 @@
 // The editor of a scenario: its parameters from the schema, its text, its scene, and a run of it.
-// The server is `cdb view --serve`; runtime/pages/serve/editor.h defines its answers.
+// The server is `cdb view --serve`; runtime/pages/serve/server.h defines its answers.
 import { App } from './app.js';
 import { element } from './text.js';
 

@@ -85,7 +85,7 @@ export class Recording {
     for (let i = 0; i < 3; ++i) out[i] = this.position[at + i];
     return out;
   }
-  // Writes x y z w (runtime/pages/view/packing.h).
+  // Writes x y z w (runtime/pages/view/scene_document.h).
   orientationOf(frame, body, out) {
     const at = 3 * (frame * this.count + body);
     const words = this.orientation;

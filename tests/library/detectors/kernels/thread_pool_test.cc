@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "library/detectors/kernels/pair_parts.h"
+#include "library/detectors/kernels/pair_buffer.h"
 
 namespace cdb::kernels {
 namespace {

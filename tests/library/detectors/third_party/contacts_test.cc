@@ -7,7 +7,7 @@
 #include <string>
 
 #include "library/distributions/stream.h"
-#include "library/objects/penetration.h"
+#include "library/objects/distance.h"
 #include "tests/library/detectors/third_party/third_party.h"
 #include "tests/library/detectors/third_party/two_bodies.h"
 #include "tests/library/objects/random_solids.h"

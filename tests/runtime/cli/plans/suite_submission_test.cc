@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/plans/suite_folder.h"
 #include "runtime/cli/plans/suite_plan.h"
 #include "runtime/results/files/safe_file.h"
 #include "tests/runtime/figures/suite_results.h"

@@ -1,6 +1,6 @@
 // `cdb run --until`: the fewest repeats that make each interval narrow enough, the same number for
 // all points.
-#include "runtime/cli/plans/until.h"
+#include "runtime/cli/plans/plan_runner.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "compiler/analysis/reference.h"
-#include "runtime/engine/probes/exact_geometry.h"
+#include "runtime/engine/probes/pair_referee.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {

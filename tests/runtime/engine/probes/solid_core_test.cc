@@ -1,10 +1,10 @@
 // Points and paths in solids compared with the exact overlap test.
-#include "runtime/engine/probes/solid_core.h"
+#include "runtime/engine/probes/press_watch.h"
 
 #include <gtest/gtest.h>
 
 #include "library/distributions/stream.h"
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 
 namespace cdb::tests {
 namespace {

@@ -1,5 +1,5 @@
 // Contacts of pairs that do not move are kept; a pair that moves gets new ones.
-#include "runtime/engine/worker/contact_reuse.h"
+#include "runtime/engine/worker/come_to_rest.h"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,8 @@
 
 #include "library/scene_error.h"
 #include "runtime/engine/detection/broad_phase.h"
-#include "runtime/engine/probes/memory.h"
 #include "runtime/engine/probes/probes.h"
+#include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "tests/runtime/engine/engine_fixture.h"
 

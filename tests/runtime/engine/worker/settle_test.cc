@@ -8,7 +8,7 @@
 #include <fstream>
 #include <vector>
 
-#include "library/objects/overlap.h"
+#include "library/objects/distance.h"
 #include "library/scene_error.h"
 #include "runtime/engine/world/manifolds.h"
 #include "tests/library/layouts/layout_scene.h"

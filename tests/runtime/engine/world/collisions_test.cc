@@ -7,7 +7,7 @@
 #include <set>
 
 #include "library/scene_error.h"
-#include "runtime/engine/probes/exact_geometry.h"
+#include "runtime/engine/probes/pair_referee.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/detector_names.h"

@@ -1,12 +1,12 @@
 // Kinematic objects, which move regardless of collisions.
-#include "runtime/engine/world/kinematics.h"
+#include "runtime/engine/world/engine.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "compiler/analysis/expectation.h"
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/library/layouts/layout_scene.h"

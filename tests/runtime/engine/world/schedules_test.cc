@@ -1,5 +1,5 @@
 // Accelerations and velocities that change during a run.
-#include "runtime/engine/world/schedules.h"
+#include "runtime/engine/world/engine.h"
 
 #include <gtest/gtest.h>
 

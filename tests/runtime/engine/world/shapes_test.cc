@@ -4,7 +4,7 @@
 
 #include "library/distributions/stream.h"
 #include "library/scene_error.h"
-#include "runtime/engine/world/precision.h"
+#include "runtime/engine/world/engine.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <tuple>
 
-#include "compiler/plan/sha256.h"
+#include "compiler/plan/input_file.h"
 #include "compiler/schema/catalogue.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/library/layouts/layout_scene.h"

@@ -1,4 +1,4 @@
-#include "runtime/pages/view/packing.h"
+#include "runtime/pages/view/scene_document.h"
 
 #include <gtest/gtest.h>
 

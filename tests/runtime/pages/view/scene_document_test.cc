@@ -9,7 +9,6 @@
 
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/pages/view/glb.h"
-#include "runtime/pages/view/packing.h"
 #include "tests/runtime/pages/view/unpack.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"

@@ -1,4 +1,4 @@
-#include "runtime/protocol/machine/host.h"
+#include "runtime/protocol/machine/machine.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -1,4 +1,4 @@
-#include "runtime/protocol/machine/noise_floor.h"
+#include "runtime/protocol/machine/noise.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Temporary files: locks determine which are in use, and only files are ever overwritten.
-#include "runtime/results/files/temporary_file.h"
+#include "runtime/results/files/safe_file.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/results/files/safe_file.h"
 #include "runtime/results/store.h"
 #include "tests/support/files.h"
 

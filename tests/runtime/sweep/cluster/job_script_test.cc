@@ -1,5 +1,5 @@
 // Job scripts, executed by the shell with a stub for cdb.
-#include "runtime/sweep/cluster/job_script.h"
+#include "runtime/sweep/cluster/submission.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "runtime/sweep/cluster/program.h"
+#include "runtime/sweep/cluster/slurm.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {

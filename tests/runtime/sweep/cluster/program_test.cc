@@ -1,4 +1,4 @@
-#include "runtime/sweep/cluster/program.h"
+#include "runtime/sweep/cluster/slurm.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "runtime/sweep/process/worker.h"
-#include "runtime/protocol/machine/host.h"
-#include "runtime/sweep/process/collect.h"
+#include "runtime/protocol/machine/machine.h"
+#include "runtime/sweep/process/launcher.h"
 #include "runtime/sweep/process/process.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "runtime/sweep/schedule/bounds.h"
+#include "runtime/sweep/schedule/order.h"
 
 #include <gtest/gtest.h>
 

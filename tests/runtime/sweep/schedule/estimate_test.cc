@@ -1,4 +1,4 @@
-#include "runtime/sweep/schedule/estimate.h"
+#include "runtime/sweep/schedule/progress.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "runtime/sweep/schedule/shared_omissions.h"
+#include "runtime/sweep/schedule/schedule.h"
 
 #include <gtest/gtest.h>
 
