@@ -140,7 +140,7 @@ TEST(Check, EveryCommandSaysTheSameOfOtherRunsThanThePlanHas) {
   bytes.resize(bytes.size() - sizeof(files::Seal));
   int replaced = 0;
   for (std::size_t at = bytes.find(id); at != std::string::npos; at = bytes.find(id, at + 1)) {
-    if (bytes.substr(at - 4, 4) == "id: ") continue;  // in the plan
+    if (bytes.substr(at - 5, 5) == "id: \"") continue;  // in the plan
     bytes.replace(at, id.size(), "0123456789abcdef");
     ++replaced;
   }
@@ -150,7 +150,7 @@ TEST(Check, EveryCommandSaysTheSameOfOtherRunsThanThePlanHas) {
   for (const char* command : {"check", "show", "report"}) {
     const Finished other = program.Run({command, "a.h5"});
     EXPECT_EQ(other.status, 2) << command;
-    EXPECT_NE(other.err.find("it holds the run 0123456789abcdef where its plan has " + id),
+    EXPECT_NE(other.err.find("the run 0123456789abcdef where its plan has " + id),
               std::string::npos)
         << command << ": " << other.err;
   }

@@ -60,8 +60,8 @@ Mean of a cycle
   ------------------------------------------------------------------------------
   simple    step   998.2 ns  999.2 ns  1.001  0.9998 .. 1.002  same within 0.2 %
   sap       step   998.2 ns   1079 ns  1.081   1.078 .. 1.083  SLOWER
-  Fastest of 4 repeats per cycle, averaged over all choices of that many (of 5 and 5), then mean over
-      cycles. Below 1: b.h5 is faster.
+  Fastest of 4 repeats per cycle, averaged over all choices of that many (of 5 and 5), then mean
+      over cycles. Below 1: b.h5 is faster.
   Intervals by bootstrap over the repeats of each file by itself. Slower, faster: by more than 1 %,
       with Holm's correction for all groups and phases (5 %): cdb doc compare.
 )");
