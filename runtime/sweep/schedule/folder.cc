@@ -214,8 +214,11 @@ std::optional<journal::RunInfo> SweepFolder::Find(const plan::Run& run, Warnings
 
 bool SweepFolder::Has(const plan::Run& run) {
   Warnings ignored;
-  return First(ignored, [&](journal::Journal& from) { return std::optional(from.Has(run.id)); })
-      .value_or(false);
+  return First(ignored,
+               [&](journal::Journal& from) {
+                 return from.Has(run.id) ? std::optional(true) : std::nullopt;
+               })
+      .has_value();
 }
 
 journal::Record SweepFolder::Read(const std::string& run_id) {
