@@ -33,7 +33,7 @@ struct TraceName {
 std::optional<TraceName> TraceOf(const plan::Scene& scene);
 
 // Facts about the table named by `location poses("start.csv")` or `location path("lift.csv")`.
-// Compiler and library share them; the library reads tables (library/layouts/pose_table.h, path.h),
+// Compiler and library share them; the library reads tables (library/layouts/pose_table.h),
 // the command line reads HDF5.
 
 struct PoseFacts {

@@ -317,9 +317,6 @@ std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evalua
 
 namespace {
 
-using dsl::Expr;
-using dsl::ExprKind;
-
 /// Collects sweeps; visits each let and each parameter once.
 class Collector {
  public:

@@ -190,9 +190,7 @@ std::optional<Value> Configuration::ValueOf(const scenario::ParameterKey& key) {
 namespace {
 
 using dsl::Expr;
-using dsl::ExprKind;
 using schema::Number;
-using schema::Value;
 
 bool CompareNumbers(const std::string& op, const Number& left, const Number& right) {
   const auto order = Compare(left, right);

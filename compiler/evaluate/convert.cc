@@ -353,7 +353,6 @@ std::optional<Value> ConvertList(const std::vector<std::pair<Value, text::Span>>
 namespace {
 
 using schema::Formula;
-using schema::Value;
 
 std::string_view TextOf(const text::Span& span) {
   return span.source->text().substr(span.begin, span.end - span.begin);

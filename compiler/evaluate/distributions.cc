@@ -233,9 +233,6 @@ std::optional<Value> EvaluateDistribution(const Expr& call, DistributionKind kin
 
 namespace {
 
-using schema::DistributionKind;
-using schema::Value;
-
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// An argument and its range.

@@ -322,9 +322,7 @@ std::optional<Value> Evaluator::ConvertFor(const schema::Parameter& parameter, c
 
 namespace {
 
-using dsl::Expr;
 using Eigen::Vector3d;
-using schema::Value;
 
 /// Nullopt if the operator is not defined for the two kinds.
 std::optional<Value> Apply(char op, const Value& left, const Value& right) {
@@ -400,8 +398,6 @@ std::optional<Value> EvaluateBinary(const Expr& expr, const scenario::Scope& sco
 namespace {
 
 using schema::Function;
-using schema::Number;
-using schema::Value;
 
 bool CheckForm(const dsl::Expr& call, const Function& function, Evaluator& evaluator) {
   for (const dsl::Argument& argument : call.arguments) {

@@ -127,7 +127,6 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
 namespace {
 
 using schema::Integer;
-using schema::Number;
 
 using Numbers = std::vector<Number>;
 

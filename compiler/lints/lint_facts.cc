@@ -235,8 +235,6 @@ bool MayBeOn(const GroupFacts& objects, schema::GroupParameter name) {
 
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr double kLeastPart = 1e-3;
 /// The maximum number of settings by which a formula is searched.
 constexpr std::size_t kMostNamed = 6;

@@ -127,7 +127,7 @@ Formula NarrowFoot;
 Formula Overlap;
 Formula ShortRun;
 
-// Chains: chain_lints.cc.
+// Chains: stacking_lints.cc.
 Formula HeavyEnd;
 Formula StiffSpring;
 
@@ -144,7 +144,7 @@ Formula SpinDrift;
 Formula HugeBox;
 Formula EarlySleep;
 
-// Rounding: precision_lints.cc.
+// Rounding: motion_lints.cc.
 Formula CoarsePlace;
 Formula LostMotion;
 Formula LostFall;

@@ -93,8 +93,6 @@ std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& ob
 
 namespace {
 
-using Eigen::Vector3d;
-
 // Measured.
 constexpr double kCoarsePlace = 0.012, kLostMotion = 0.4, kLostFall = 0.3;
 constexpr double kHeavySingle = 1.45e7, kHeavyDouble = 7e15;

@@ -1,4 +1,4 @@
-// Reads plans; plan_yaml_writer.cc writes them.
+// Reads plans; plan_yaml.cc writes them.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 

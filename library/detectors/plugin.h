@@ -26,7 +26,7 @@ class PluginError : public std::runtime_error {
 /// restored after them. Threads: any.
 const Plugin& LoadPlugin(const std::string& path);
 
-// The checks of LoadPlugin, and of ReadManifest (manifest.h) on the file: each throws PluginError
+// The checks of LoadPlugin, and of ReadManifest on the file: each throws PluginError
 // if it fails.
 void CheckAbi(std::uint32_t abi, const std::string& path);
 /// `shown`: a printable form of the name for messages.

@@ -134,8 +134,6 @@ bool Coverage::IsCoveredBySlabs(const Probe& probe, const objects::Box& voxel) c
   return false;
 }
 
-using Eigen::Vector3d;
-
 PackingFraction::PackingFraction(const Bodies& bodies) : bodies_(bodies) {
   for (const GroupRange& range : bodies.groups()) {
     const bool stands = HasExactLayout(*range.group);
@@ -223,8 +221,6 @@ void PackingFraction::TooFull(std::size_t index, std::string_view when) const {
 }
 
 namespace {
-
-using Eigen::Vector3d;
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 

@@ -181,7 +181,7 @@ analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256) {
   return {sha256, 1, path.has_orientation(), true, path.has_orientation()};
 }
 
-// The CSV files of pose_table.h and path.h.
+// The CSV files of poses and paths.
 
 namespace {
 

@@ -192,7 +192,6 @@ std::string DecomposerVersion() {
 namespace {
 
 using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 struct Crossing {
   std::uint32_t ray;

@@ -59,7 +59,6 @@ bool Overlap(const Solid& a, const Pose& pose_a, const Solid& b, const Pose& pos
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 /// Sine of the angle up to which two directions of separation count as one.
 constexpr double kSameWay = 1e-3;

@@ -2,7 +2,7 @@
 //
 // Errors: SceneError if a model or a file is missing, is not a solid or differs from the file at
 // planning. Threads: one at a time for each factory. A mesh takes seconds the first time on a
-// machine (decomposition_cache.h).
+// machine.
 #pragma once
 
 #include <filesystem>

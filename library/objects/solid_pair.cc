@@ -129,8 +129,6 @@ Gap SolidPair::PieceGap(std::size_t piece_a, std::size_t piece_b, const Vector3d
 
 namespace {
 
-using Eigen::Vector3d;
-
 /// The nearest of several parts of a simplex.
 struct Best {
   Simplex part;

@@ -146,7 +146,6 @@ std::vector<std::string> KnownNames() {
 
 namespace {
 
-using schema::Parameter;
 using schema::ParametrisedWord;
 
 /// `stack(height: all, gap: fit, spacing: fit)`, `at(x, y, z)`.

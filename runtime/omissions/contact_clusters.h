@@ -2,7 +2,7 @@
 // after a contact.
 //
 // From the earliest possible contact on, a member of a cluster may move in any way that the energy
-// of the cluster permits (cluster_energy.h): each member is inside a ball that grows with time. An
+// of the cluster permits (ClusterEnergy): each member is inside a ball that grows with time. An
 // object that the ball reaches may touch the cluster from then on and joins it; all balls then grow
 // as fast as the new energy permits. Contacts are processed in order of time.
 //

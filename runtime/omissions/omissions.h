@@ -50,7 +50,7 @@ Omissions KeepEverything(const plan::Scene& scene);
 //
 // `nothing_touches` is proven without assumptions, because then nothing ever leaves free flight.
 // The consequences of contacts rest on the assumption that Bullet adds no more energy than
-// cluster_energy.cc allows for; runs that rely on it need an omission guard.
+// ClusterEnergy allows for; runs that rely on it need an omission guard.
 
 /// If more objects than these may meet one another, the analysis gives up: contacts that share an
 /// object are likely, and a run without its walls would soon have to be restarted with all of them.

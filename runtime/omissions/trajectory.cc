@@ -278,8 +278,6 @@ Approach BoxApproachOf(const Trajectory& a, const Trajectory& b, double end) {
   return {.meets = true, .time = FirstTime(end, [&](double t) { return !(gap(t) > 0); })};
 }
 
-using Eigen::Vector3d;
-
 Box Grown(const Box& box, double by) { return {box.min().array() - by, box.max().array() + by}; }
 
 double Region::Radius(double time) const {

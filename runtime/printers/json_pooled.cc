@@ -172,10 +172,6 @@ class PooledTable {
   std::map<Point, std::vector<const figures::GridPoint*>> places_;
 };
 
-using figures::Comparison;
-using figures::Model;
-using protocol::Phase;
-
 Json ColumnsOf(const Comparison& comparison, Phase phase) {
   const Model& model = *comparison.model;
   const std::size_t n = model.grid().size();

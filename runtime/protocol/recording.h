@@ -97,7 +97,6 @@ struct RecordingHeader {
   std::atomic<std::uint64_t> cycles_done;
   std::atomic<WorkerOutcome> outcome;
   std::atomic<std::uint32_t> plugin_call;       ///< the current call into a plug-in
-                                                ///< (measure/plugin_call.h)
   std::atomic<std::uint32_t> is_out_of_memory;  ///< nonzero once an allocation has failed
   Settling settling;
   FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before

@@ -294,8 +294,6 @@ Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t 
 
 namespace {
 
-using hdf5::Type;
-
 std::string VerdictNames() {
   std::string names;
   for (const protocol::VerdictInfo& info : protocol::Verdicts())
@@ -484,8 +482,6 @@ const std::vector<RunText>& RunTexts() {
 }
 
 namespace {
-
-using hdf5::Type;
 
 /// netCDF's mark for a dimension without a coordinate, from its file format specification.
 constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";

@@ -11,7 +11,7 @@ namespace cdb::builtin {
 namespace {
 
 /// Upper bound for the usual cost of a body in a cycle of a first list. In nanoseconds, as in
-/// skin_costs.h.
+/// the costs of skin.h.
 constexpr double kMostOfGuess = 2.15;
 /// Fraction of a cycle's usual work that building the next list may add: normally, and at most.
 /// More than the normal fraction is used only if building would otherwise take longer than

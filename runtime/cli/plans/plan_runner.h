@@ -62,7 +62,7 @@ struct PlanRunnerOptions {
                                           ///< names
   RetryChoice retry = {};                 ///< finished runs to run again
   std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
-  /// Stop repeating once every interval is within this fraction of its mean step (until.h).
+  /// Stop repeating once every interval is within this fraction of its mean step.
   std::optional<double> until = {};
 };
 

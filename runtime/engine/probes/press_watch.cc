@@ -163,7 +163,6 @@ std::int32_t PressWatch::CountInverted() const {
 
 namespace {
 
-using Eigen::Vector3d;
 using objects::Shape;
 using objects::Solid;
 

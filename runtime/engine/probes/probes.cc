@@ -314,7 +314,6 @@ void Probes::RecordBoxes(std::uint64_t cycle) {
 
 namespace {
 
-using Eigen::Vector3d;
 using Wrench = SleepWatch::Wrench;
 
 /// Limits of the residual weight, in weights: with normal forces only, beyond it the ground slopes;

@@ -1,6 +1,6 @@
 // The document that the page of `cdb view` draws: one or two runs as JSON.
 //
-// Arrays are base64 (packing.h). For each run: `meshes`; `parts` with a row of `place` (scale,
+// Arrays are base64. For each run: `meshes`; `parts` with a row of `place` (scale,
 // rotation x y z w, offset along y) for each; `bodies`; `frames`: positions as float32,
 // orientations as three words; `contacts` and `boxes`, null where they were not recorded; and the
 // series of all cycles. runtime/pages/page/view/recording.js reads it.

@@ -83,7 +83,6 @@ std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
 
 namespace {
 
-using files::StoreError;
 using results::ResultFile;
 
 constexpr std::size_t kPose = protocol::kPoseSize, kBox = protocol::kBoxSize;

@@ -60,8 +60,6 @@ void WritePieces(const std::function<void(const std::function<void(std::string_v
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::string_view kTemporaryEnd = ".tmp";
 
 std::string SystemText(int error) { return std::generic_category().message(error); }

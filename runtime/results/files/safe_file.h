@@ -18,7 +18,7 @@ namespace cdb::files {
 /// Throws StoreError if `folder` is not a folder. `use`: its expected contents, for the message.
 void RequireFolder(const std::filesystem::path& folder, std::string_view use);
 
-/// Writes `text` to `final_name` atomically; a symbolic link there is followed (temporary_file.h).
+/// Writes `text` to `final_name` atomically; a symbolic link there is followed.
 /// Throws StoreError, with nothing changed.
 void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
 

@@ -57,8 +57,6 @@ void RemoveSubmission(const fs::path& folder) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::string_view kLogBegin = "slurm-", kLogEnding = ".log";
 
 /// A network file system shows new files to other nodes within a minute (acdirmax of nfs(5)).

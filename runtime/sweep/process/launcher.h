@@ -33,9 +33,9 @@ struct Ending {
 /// Progress of a running worker.
 struct Pulse {
   std::uint64_t cycles = 0;   ///< recorded so far
-  std::string plugin_call;    ///< the current call into a plug-in (measure/plugin_call.h); empty
+  std::string plugin_call;    ///< the current call into a plug-in; empty
                               ///< for none
-  std::string settling = {};  ///< progress of settling piles (measure/settling.h); empty if none
+  std::string settling = {};  ///< progress of settling piles; empty if none
                               ///< settles
 };
 

@@ -29,7 +29,7 @@ std::vector<std::uint64_t> FindUnmarkedShards(const plan::Plan& plan,
 /// one part is listed at a time. A part that has ended is marked in the journal, and a later call
 /// does not list it again. If the journals hold fewer runs than the marks say, the marks are
 /// discarded and every run is looked for. Components that runs of one part had to keep are not
-/// known to runs of others (shared_omissions.h).
+/// known to runs of others (SharedOmissions).
 Summary ExecuteParts(const plan::Plan& plan, const ListPart& list, const ExecuteOptions& options,
                      process::Launcher& launcher, ProgressListener& listener,
                      std::uint64_t part_runs = kPartRuns);

@@ -47,7 +47,7 @@ struct ExecuteOptions {
 /// it.
 struct Summary {
   std::size_t done = 0, failed = 0, crashed = 0, timed_out = 0;
-  std::size_t spoiled = 0;  ///< number of done runs with void timings (measure/verdict.h)
+  std::size_t spoiled = 0;  ///< number of done runs with void timings (protocol/verdict.h)
   std::size_t resumed = 0;  ///< number of all runs that were found in the folder
   std::size_t left = 0;     ///< number of runs not executed, because the user requested a stop
   int signal = 0;           ///< signal that requested the stop; 0 if there was none
@@ -92,7 +92,7 @@ class ProgressListener {
 
 /// Executes the plan. A run with an intact record in a journal of the folder is not run again,
 /// whatever its status, unless it omitted a component that a run compared with it keeps
-/// (shared_omissions.h), because its times would then be of different work. Runs whose record is
+/// (SharedOmissions), because its times would then be of different work. Runs whose record is
 /// damaged are run again, with a warning. Every run is on the disk before the next one starts in
 /// its slot. A stop ends the workers and keeps finished runs. With several jobs, each slot has a
 /// separate processor if there are enough. Throws ScheduleError (no worker program, cannot start a
