@@ -2,7 +2,9 @@
 """Checks the structure that the sources promise, by reading their includes.
 
 - A top folder includes only itself and the folders below it: dsl, compiler, library, runtime, from the bottom up.
+- A room of runtime includes only rooms on the floors below it; `--picture` prints the includes between rooms for Mermaid.
 - No two folders include each other, directly or through others.
+- Files of the repository that comments and READMEs name exist.
 - Only the command line and the reports know the compiler beyond the schema, the plan and its analysis.
 - A folder holds at most thirty sources, so that its list fits a screen.
 - A file's namespace is cdb:: and the name of its folder.
@@ -11,6 +13,7 @@
 import collections
 import pathlib
 import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -20,6 +23,20 @@ NAMESPACE = re.compile(r"^namespace (cdb[\w:]*) \{", re.M)
 MOST_SOURCES = 30  # in a folder
 FOLDERS = ("dsl", "compiler", "library", "runtime")  # from the bottom up
 
+# The rooms of runtime, a line a floor, from the bottom up. A room includes rooms of the floors below only.
+FLOORS = (
+    ("protocol", "omissions", "terminal"),
+    ("engine", "manual", "results"),
+    ("editor", "figures", "sweep"),
+    ("pages", "printers"),
+    ("cli",),
+)
+FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
+
+# A file that a comment names; NAME stands for any, 20b.cdb for a scenario of the reader's.
+CITED = re.compile(r"(?<![\w./$*{-])(?!NAME)((?:[\w-]+/)*(?!NAME)[\w-]+\.(?:h|cc|js|py|md))(?![\w*])")
+FOREIGN = {"linux/landlock.h", "cdb/detector.h"}  # of the system; as installed
+
 WHOLE_COMPILER = ("runtime/cli/", "runtime/editor/", "runtime/manual/")
 CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/yaml")
 
@@ -27,7 +44,7 @@ CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/y
 EXTERNAL = [
     (r"(hdf5|H5.*)\.h$", ("runtime/results/hdf5/",)),
     (r"^zlib", ("runtime/results/hdf5/",)),
-    (r"^sqlite3", ("runtime/results/journal/journal.cc",)),
+    (r"^sqlite3", ("runtime/results/journal/database.",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
     (r"^fcl/", ("library/detectors/third_party/fcl/",)),
@@ -78,6 +95,50 @@ def check_file(file, text, graph):
             yield f"{file}: namespace {namespace} should be {namespace_of(file)}"
 
 
+def between_rooms(graph):
+    """The first include from each room of runtime to each other one, by the two rooms."""
+    found = {}
+    for folder, others in sorted(graph.items()):
+        for other, include in sorted(others.items()):
+            if folder.startswith("runtime/") and other.startswith("runtime/"):
+                rooms = folder.split("/")[1], other.split("/")[1]
+                if rooms[0] != rooms[1]:
+                    found.setdefault(rooms, include)
+    return found
+
+
+def picture(rooms):
+    """A flow chart of Mermaid, the top floor first, without the arrows that follow from others."""
+    below = {a: {b for c, b in rooms if c == a} for a in FLOOR}
+
+    def reaches(a, b):
+        return b in below[a] or any(reaches(c, b) for c in below[a])
+
+    lines = ["flowchart TD"]
+    for floor, names in reversed(list(enumerate(FLOORS))):
+        lines.append(f"  subgraph {floor + 1}")
+        lines += [f"    {name}" for name in names]
+        lines.append("  end")
+    lines += [f"  {a} --> {b}" for a, b in sorted(rooms) if not any(reaches(c, b) for c in below[a])]
+    return "\n".join(lines)
+
+
+def check_citations():
+    files = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=False).stdout.split()
+    by_name = collections.defaultdict(list)
+    for file in files:
+        by_name[file.rsplit("/", 1)[-1]].append("/" + file)
+    for file in files:
+        if not file.endswith((".h", ".cc", ".js", ".md")) or file.startswith(("tests/golden/", "tests/fuzz/")):
+            continue
+        for number, line in enumerate((ROOT / file).read_text(encoding="utf-8").split("\n"), 1):
+            if not file.endswith(".md"):
+                line = line.partition("//")[2]
+            for cited in CITED.findall(line):
+                if cited not in FOREIGN and not any(other.endswith("/" + cited) for other in by_name[cited.rsplit("/", 1)[-1]]):
+                    yield f"{file}:{number}: there is no {cited}"
+
+
 def find_cycle(graph):
     """A list of folders each of which includes the next, the last the first; None where there is none."""
     done, path = set(), []
@@ -114,6 +175,16 @@ def main():
                 wrong += check_file(path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8"), graph)
     wrong += [f"{folder}: {count} sources; at most {MOST_SOURCES}: divide it by purpose"
               for folder, count in sorted(in_folder.items()) if count > MOST_SOURCES]
+    rooms = between_rooms(graph)
+    if sys.argv[1:] == ["--picture"]:
+        print(picture(rooms))
+        return 0
+    for (room, other), include in rooms.items():
+        if FLOOR.get(room, -1) <= FLOOR.get(other, len(FLOORS)):
+            wrong.append(f"{include}: {room} is not above {other}")
+    if picture(rooms) not in (ROOT / "runtime/README.md").read_text(encoding="utf-8"):
+        wrong.append("runtime/README.md: its picture is not the output of tests/layering_test.py --picture")
+    wrong += check_citations()
     cycle = find_cycle(graph)
     if cycle:
         wrong.append("folders include each other:")

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <string_view>
 #include <system_error>
-#include <unordered_set>
 #include <utility>
 
 namespace cdb::journal {
@@ -100,13 +99,14 @@ void Journals::RequirePlan(const plan::Plan& plan, const std::string& plan_sha25
           "{}: belongs to another plan than `{}`; nothing was merged, and it was left as it is: "
           "start over with --fresh, or choose another name (-o)",
           one.path().string(), plan.benchmark));
-  std::unordered_set<std::string_view> strangers;
-  for (const auto& [id, place] : rows_) strangers.insert(id);
-  plan.ForEachRun([&](const std::string& id, const auto&, std::uint64_t) { strangers.erase(id); });
-  for (const plan::Run& run : plan.references) strangers.erase(run.id);
-  if (strangers.empty()) return;
-  const std::string stranger(*std::ranges::min_element(strangers));
-  throw DamagedRun(PathOf(stranger), stranger, "the plan has no such run");
+}
+
+void Journals::RequireRuns(const std::function<bool(const std::string&)>& is_in_plan) const {
+  const std::string* stranger = nullptr;
+  for (const auto& [id, place] : rows_)
+    if (!is_in_plan(id) && (stranger == nullptr || id < *stranger)) stranger = &id;
+  if (stranger != nullptr)
+    throw DamagedRun(PathOf(*stranger), *stranger, "the plan has no such run");
 }
 
 std::map<std::string, std::string> FindRequests(const fs::path& folder) {

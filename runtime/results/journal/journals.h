@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -35,8 +36,10 @@ class Journals {
   std::size_t size() const { return rows_.size(); }
   /// Nullopt if no journal has the run. Throws DamagedRun if none has it as it was written.
   std::optional<Record> Find(const std::string& run_id);
-  /// Throws StoreError if one is of another plan, DamagedRun for a run that the plan has not.
+  /// Throws StoreError if one is of another plan.
   void RequirePlan(const plan::Plan& plan, const std::string& plan_sha256) const;
+  /// Throws DamagedRun for a run that is not in the plan.
+  void RequireRuns(const std::function<bool(const std::string& run_id)>& is_in_plan) const;
 
  private:
   struct Place {

@@ -174,6 +174,10 @@ class Merger {
       if (is_new) runs_.push_back({id, {}});
       runs_[found->second].cells.push_back(FlatIndex(grid, at, rep));
     });
+    journals_.RequireRuns([&](const std::string& id) {
+      return index.contains(id) ||
+             std::ranges::find(plan_.references, id, &plan::Run::id) != plan_.references.end();
+    });
   }
 
   /// Rows of contacts in grid order; a run that fills two cells has them twice.
