@@ -249,6 +249,7 @@ PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Boot
   PhaseTimes times;
   times.cycles = over_cycles(std::vector<std::uint32_t>(repeats.size(), 1));
   times.mean.value = Mean(times.cycles);
+  for (const std::vector<double>& repeat : repeats) times.repeat_means.push_back(Mean(repeat));
   times.mean.things = static_cast<std::size_t>(
       std::ranges::count_if(repeats, [](const auto& repeat) { return !repeat.empty(); }));
   const bool is_other = statistic != CycleStatistic::kMean;

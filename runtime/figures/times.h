@@ -70,9 +70,10 @@ std::string PhaseName(protocol::Phase phase);
 std::vector<protocol::Phase> AllPhases();
 
 struct PhaseTimes {
-  std::vector<double> cycles;  ///< the time of each cycle
-  Estimate mean;               ///< over the cycles
-  Estimate other;              ///< another statistic over the cycles, if one is requested
+  std::vector<double> cycles;        ///< the time of each cycle
+  Estimate mean;                     ///< over the cycles
+  Estimate other;                    ///< another statistic over the cycles, if one is requested
+  std::vector<double> repeat_means;  ///< over the cycles of each repeat; NaN if it has none
 };
 /// `repeats[r][c]`: cycle c in repeat r of `bootstrap`; empty for a repeat without values. A cycle
 /// that some repeats did not reach is taken from the others. `fastest_of`: use the fastest of this

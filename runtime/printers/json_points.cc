@@ -334,12 +334,10 @@ Json QuantilesOf(std::vector<double> cycles) {
 }
 
 /// The mean over the cycles, for each repeat of a point.
-Json RepeatMeans(const results::ResultFile& file, const figures::MeasuredPoint& point,
-                 Phase phase) {
-  Json means = Json::array();
-  for (const figures::Cell& cell : point.cells)
-    means.push_back(JsonNumber(figures::Mean(file.ReadDuration(phase, cell)), kDigits));
-  return means;
+Json RepeatMeans(const figures::Model& model, const figures::MeasuredPoint& point, Phase phase) {
+  const std::vector<double>& means = model.times().Of(point, phase).repeat_means;
+  return JsonColumn(point.cells.size(),
+                    [&](std::size_t i) { return JsonNumber(means[point.cells[i].rep], kDigits); });
 }
 
 }  // namespace
@@ -374,8 +372,7 @@ Json DocumentDistributions(const figures::Model& model) {
       quantiles.push_back(measured == nullptr
                               ? Json(nullptr)
                               : QuantilesOf(model.times().Of(*measured, phase).cycles));
-      means.push_back(measured == nullptr ? Json(nullptr)
-                                          : RepeatMeans(model.file(), *measured, phase));
+      means.push_back(measured == nullptr ? Json(nullptr) : RepeatMeans(model, *measured, phase));
     }
     all["quantiles"][name] = std::move(quantiles);
     all["repeat_means"][name] = std::move(means);
