@@ -40,13 +40,15 @@ bool MustRest(const plan::Scene& scene) {
          });
 }
 
-/// Bullet multiplies the friction and the restitution of both sides of a contact; the restitution
-/// of a wall is 1.
+/// Bullet multiplies the friction and the restitution of both sides of a contact.
 bool KeepsEnergy(const plan::Scene& scene) {
+  if (scene.world.WordOr("world.walls") != "none" && scene.world.Real("world.wall_restitution") != 1)
+    return false;
   return std::ranges::all_of(scene.groups, [](const plan::Group& group) {
     const schema::Number* bounce = schema::AsNumber(group.settings.Get("restitution"));
     return bounce != nullptr && bounce->AsReal() == 1 && IsZero(group.settings.Get("friction")) &&
            IsZero(group.settings.Get("rolling_friction")) &&
+           IsZero(group.settings.Get("spinning_friction")) &&
            group.settings.WordOr("contact_stiffness") == "rigid";
   });
 }
@@ -83,6 +85,7 @@ bool OnlyContactsTakeEnergy(const plan::Scene& scene) {
   return scene.world.WordOr("expect") != "anything" && FliesFreely(scene) &&
          std::ranges::all_of(scene.groups, [](const plan::Group& group) {
            return IsZero(group.settings.Get("rolling_friction")) &&
+                  IsZero(group.settings.Get("spinning_friction")) &&
                   group.settings.WordOr("contact_stiffness") == "rigid";
          });
 }

@@ -19,7 +19,6 @@
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/initial_state.h"
-#include "library/walls.h"
 #include "runtime/protocol/file_descriptor_io.h"
 #include "runtime/protocol/fork_server.h"
 #include "runtime/protocol/recording.h"
@@ -37,7 +36,8 @@ double Now() {
 /// runner keeps time and memory. Any other setting must have its default.
 constexpr std::string_view kFollowed =
     "cycles quantity type aspect location overlap size mass acceleration linear_velocity "
-    "angular_velocity seed world.side world.walls timestep precision detector "
+    "angular_velocity seed world.side world.walls world.wall_friction world.wall_restitution timestep "
+    "precision detector "
     "solver.iterations solver.erp friction restitution orientation sleeping repeats warmup "
     "timeout memory record expect accuracy.metrics accuracy.interval accuracy.closed_form "
     "accuracy.reference.timestep accuracy.reference.precision accuracy.reference.detector "
@@ -71,6 +71,8 @@ class World {
  public:
   World(const plan::Scene& scene, const layouts::InitialState& state) : state_(state) {
     timestep_ = scene.world.Real("timestep");
+    friction_ = scene.world.Real("world.wall_friction");
+    restitution_ = scene.world.Real("world.wall_restitution");
     const Vector3d& g = state.acceleration;
     dWorldSetGravity(world_, g.x(), g.y(), g.z());
     dWorldSetERP(world_, scene.world.Real("solver.erp"));
@@ -184,10 +186,10 @@ class World {
     for (int i = 0; i < count; ++i) {
       points[i].surface = {};
       points[i].surface.mode = dContactApprox1;
-      points[i].surface.mu = (first ? first->numbers["friction"] : library::kWallFriction) *
-                             (second ? second->numbers["friction"] : library::kWallFriction);
-      const double bounce = (first ? first->numbers["restitution"] : library::kWallRestitution) *
-                            (second ? second->numbers["restitution"] : library::kWallRestitution);
+      points[i].surface.mu = (first ? first->numbers["friction"] : friction_) *
+                             (second ? second->numbers["friction"] : friction_);
+      const double bounce = (first ? first->numbers["restitution"] : restitution_) *
+                            (second ? second->numbers["restitution"] : restitution_);
       if (bounce > 0) points[i].surface.mode |= dContactBounce;
       points[i].surface.bounce = bounce;
       dJointAttach(dJointCreateContact(world_, contact_joints_, &points[i]), dGeomGetBody(a),
@@ -201,7 +203,8 @@ class World {
   dSpaceID space_ = nullptr;
   dJointGroupID contact_joints_ = dJointGroupCreate(0);
   double timestep_ = 0;
-  std::vector<dBodyID> bodies_;  ///< null where the object is fixed
+  double friction_ = 0, restitution_ = 0;  ///< of the walls
+  std::vector<dBodyID> bodies_;    ///< null where the object is fixed
   std::vector<std::pair<dGeomID, dGeomID>> pairs_;
   int contacts_ = 0;
 };

@@ -11,7 +11,6 @@
 #include <cmath>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -109,7 +108,7 @@ std::unique_ptr<BallOnFloor> MakeBallOnFloor(const Fit& fit, const Vector3d& alo
   const layouts::ObjectState& ball = fit.object(0);
   const double radius = ball.solid.sides.x() / 2;
   fit.RequireStanding(0, ball.pose.position.y() - radius - fit.WallAt(-1), 2 * radius);
-  const double grip = ball.numbers["friction"] * library::kWallFriction * fit.Pressing();
+  const double grip = ball.numbers["friction"] * fit.WallFriction() * fit.Pressing();
   auto form = std::make_unique<BallOnFloor>(fit, along, grip);
   objects::Box reach{Vector3d::Constant(-radius), Vector3d::Constant(radius)};
   reach.lower.y() = reach.upper.y() = 0;  // it stands on the floor

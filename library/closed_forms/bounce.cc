@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -46,7 +45,7 @@ class Bounce : public ClosedForm {
         axis_(axis),
         start_{object_.pose.position[axis], object_.linear_velocity[axis],
                fit.acceleration()[axis]},
-        restitution_(object_.numbers["restitution"] * library::kWallRestitution) {
+        restitution_(object_.numbers["restitution"] * fit.WallRestitution()) {
     const double radius = object_.solid.sides.x() / 2;
     for (const int sign : {-1, 1})
       walls_[sign > 0] =

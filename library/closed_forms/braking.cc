@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -58,7 +57,7 @@ std::unique_ptr<ClosedForm> MakeBraking(const Fit& fit) {
   const double height = box.solid.sides[upright];
   fit.RequireStanding(0, box.pose.position.y() - height / 2 - fit.WallAt(-1), height);
   fit.RequireLevelVelocity(0);
-  const double friction = box.numbers["friction"] * library::kWallFriction;
+  const double friction = box.numbers["friction"] * fit.WallFriction();
   if (!(friction > 0)) fit.Refuse("nothing stops the box", "make its friction greater than 0");
   // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = friction * height / 2 * box.linear_velocity.normalized();

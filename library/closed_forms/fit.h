@@ -41,6 +41,8 @@ class Fit {
   /// The coordinate of the walls along `axis` on the side of `sign`, and whether there is a wall.
   double WallAt(int sign) const { return sign * half_; }
   bool HasWall(int axis, int sign) const;
+  double WallFriction() const { return scene_.world.Real("world.wall_friction"); }
+  double WallRestitution() const { return scene_.world.Real("world.wall_restitution"); }
   /// For messages: `object 3 of 10 (group `pebbles`)`.
   std::string Name(std::size_t index) const;
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -60,7 +59,7 @@ Incline RequireIncline(const Fit& fit) {
   fit.RequireStanding(0, box.pose.position.y() - height / 2 - fit.WallAt(-1), height);
   const Vector3d downhill = fit.Downhill();
   const double tangent = downhill.norm() / fit.Pressing();
-  const double friction = box.numbers["friction"] * library::kWallFriction;
+  const double friction = box.numbers["friction"] * fit.WallFriction();
   // The force of the floor passes through the centre of mass from this point of the base.
   const Vector3d off = std::min(tangent, friction) * height / 2 * downhill.stableNormalized();
   if (!fit.IsOverBase(0, upright, off))

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -42,8 +41,8 @@ class Oblique : public ClosedForm {
     const double radius = object_.solid.sides.x() / 2;
     const Vector3d &v = object_.linear_velocity, &w = object_.angular_velocity;
     const double normal = -v.dot(hit.normal);
-    const double restitution = object_.numbers["restitution"] * library::kWallRestitution;
-    const double friction = object_.numbers["friction"] * library::kWallFriction;
+    const double restitution = object_.numbers["restitution"] * fit.WallRestitution();
+    const double friction = object_.numbers["friction"] * fit.WallFriction();
     const Vector3d slip = v + normal * hit.normal - radius * w.cross(hit.normal);
     const double brake = std::min(kSticks * slip.norm(), friction * (1 + restitution) * normal);
     const Vector3d change = -brake * slip.stableNormalized();

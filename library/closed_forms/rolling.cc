@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "library/closed_forms/fit.h"
-#include "library/walls.h"
 
 namespace cdb::closed_forms {
 namespace {
@@ -165,7 +164,7 @@ struct PlateOnBalls {
         (balls() * ball.mass * (along - downhill) + plate.mass * (2 * along - downhill)).norm();
     const double above =
         plate.numbers["friction"] * ball.numbers["friction"] * plate.mass * fit.Pressing();
-    const double below = ball.numbers["friction"] * library::kWallFriction *
+    const double below = ball.numbers["friction"] * fit.WallFriction() *
                          (plate.mass + balls() * ball.mass) * fit.Pressing();
     if (on_plate > above || on_floor > below)
       fit.Refuse(

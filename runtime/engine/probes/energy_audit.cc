@@ -26,9 +26,11 @@ Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const V
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(world::Engine& engine) : engine_(engine) {
+EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution)
+    : engine_(engine), wall_restitution_(wall_restitution) {
   for (const layouts::ObjectState& object : engine.initial_state().objects) {
     masses_.push_back(object.mass);
+    restitutions_.push_back(object.numbers["restitution"]);
     inertias_.push_back(object.solid.InertiaPerMass());
   }
 }
@@ -71,6 +73,8 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     return PointVelocity(then.velocity, then.spin, arm) +
            PointVelocity(now[index].velocity, now[index].spin, arm);
   };
+  const bool is_elastic =
+      RestitutionOf(manifold.getBody0()) * RestitutionOf(manifold.getBody1()) == 1;
   double taken = 0;
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
@@ -84,10 +88,15 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
       return -static_cast<double>(impulse) * velocity.dot(world::ToEigen(direction)) / 2;
     };
     taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
-    if (point.m_combinedRestitution < 1)
-      taken += std::max(0.0, work(point.m_appliedImpulse, point.m_normalWorldOnB));
+    if (!is_elastic) taken += std::max(0.0, work(point.m_appliedImpulse, point.m_normalWorldOnB));
   }
   return taken;
+}
+
+/// Of the scene. That of Bullet's contact point is 0 if `ccd` has foreseen the contact.
+double EnergyAudit::RestitutionOf(const btCollisionObject* body) const {
+  const auto index = static_cast<std::size_t>(body->getUserIndex());
+  return index < restitutions_.size() ? restitutions_[index] : wall_restitution_;
 }
 
 double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const {

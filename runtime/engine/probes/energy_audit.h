@@ -15,7 +15,7 @@ namespace cdb::probes {
 /// own term in the energy this is exact. The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
-  explicit EnergyAudit(world::Engine& engine);
+  EnergyAudit(world::Engine& engine, double wall_restitution);
 
   /// Call once before the first cycle, with its energies, J, which are those of the series of these
   /// names.
@@ -33,9 +33,12 @@ class EnergyAudit {
   std::vector<char> Slipping(const BodyStates& states) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;
   double KineticOf(std::size_t object, const BodyState& state) const;
+  double RestitutionOf(const btCollisionObject* body) const;
 
   world::Engine& engine_;
+  const double wall_restitution_;
   std::vector<double> masses_;             ///< kg, by object; 0 if it is fixed
+  std::vector<double> restitutions_;       ///< by object
   std::vector<Eigen::Vector3d> inertias_;  ///< principal, for 1 kg
   int cycle_ = 0;
   double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J

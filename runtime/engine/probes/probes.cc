@@ -434,7 +434,7 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       presses_(engine, least_sides,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine) {
-  if (analysis::OnlyContactsTakeEnergy(scene)) audit_.emplace(engine);
+  if (analysis::OnlyContactsTakeEnergy(scene)) audit_.emplace(engine, scene.world.Real("world.wall_restitution"));
 }
 
 void Soundness::Begin(double kinetic, double energy) {

@@ -15,7 +15,6 @@
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 #include "library/scene_error.h"
-#include "library/walls.h"
 #include "runtime/engine/detection/adapter_broad_phase.h"
 #include "runtime/engine/detection/adapter_dispatcher.h"
 #include "runtime/engine/detection/broad_phase.h"
@@ -63,6 +62,7 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
   info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
   info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
   info.m_rollingFriction = static_cast<btScalar>(object.numbers["rolling_friction"]);
+  info.m_spinningFriction = static_cast<btScalar>(object.numbers["spinning_friction"]);
   info.m_restitution = static_cast<btScalar>(object.numbers["restitution"]);
   info.m_linearDamping = static_cast<btScalar>(object.numbers["linear_damping"]);
   info.m_angularDamping = static_cast<btScalar>(object.numbers["angular_damping"]);
@@ -302,8 +302,8 @@ void Engine::MakeWall(int wall) {
   }
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, wall_shapes_.back().get());
   info.m_startWorldTransform.setOrigin(ToBullet(centre));
-  info.m_friction = static_cast<btScalar>(library::kWallFriction);
-  info.m_restitution = static_cast<btScalar>(library::kWallRestitution);
+  info.m_friction = static_cast<btScalar>(scene_.world.Real("world.wall_friction"));
+  info.m_restitution = static_cast<btScalar>(scene_.world.Real("world.wall_restitution"));
   auto body = std::make_unique<btRigidBody>(info);
   body->setUserIndex(static_cast<int>(objects_.size()) + wall);
   walls_.push_back(std::move(body));

@@ -22,7 +22,7 @@ namespace cdb::world {
 
 /// Contains only what the run does not omit; every body moves as it would without omissions.
 ///
-/// Walls are fixed bodies with the friction and restitution of library/walls.h. `plane` walls are
+/// Walls are fixed bodies with the friction and restitution of `world`. `plane` walls are
 /// infinite half-spaces; `box` walls are a tenth of the cube's side thick and reach over its edges.
 /// A fixed object does not move: its velocities are drawn but not used. A kinematic object is moved
 /// only by Kinematics, and stays at its initial pose until then. Not thread-safe.

@@ -391,6 +391,22 @@ TEST(ClosedForms, BowlRollsAtFiveSeventhsOfItsSpeed) {
   EXPECT_LT((last.velocities[0] - 0.5 * last.spins[0].cross(Vector3d::UnitY())).norm(), 1e-12);
 }
 
+TEST(ClosedForms, HaveTheCoefficientsOfTheWalls) {
+  const auto walls = [](plan::Scene scene, double friction, double restitution) {
+    SetWorld(scene, "world.wall_friction", friction);
+    SetWorld(scene, "world.wall_restitution", restitution);
+    return scene;
+  };
+  const auto same = [](std::string_view form, const plan::Scene& one, const plan::Scene& other) {
+    const closed_forms::Truth a = FormOf(form, one)->At(1.2), b = FormOf(form, other)->At(1.2);
+    return a.positions == b.positions && a.velocities == b.velocities;
+  };
+  EXPECT_TRUE(same("bounce", walls(BounceScene(1), 0.5, 0.5), BounceScene(0.5)));
+  EXPECT_FALSE(same("bounce", walls(BounceScene(1), 0.5, 0.25), BounceScene(0.5)));
+  EXPECT_TRUE(same("oblique", walls(ObliqueScene(0.1), 1, 1), ObliqueScene(0.2)));
+  EXPECT_FALSE(same("oblique", ObliqueScene(0.1), ObliqueScene(0.2)));
+}
+
 TEST(ClosedForms, ObliqueSticksOrSlips) {
   for (const double friction : {0.2, 1.0}) {
     const double mu = friction / 2;

@@ -100,12 +100,13 @@ TEST(Incline, WithoutFrictionASphereSlidesAndDoesNotRoll) {
 }
 
 TEST(Incline, FrictionDecidesBetweenStickingAndSliding) {
-  // Bullet uses the product of both frictions; the floor's is 0.5. It solves friction along two
-  // axes in 10 iterations, and a box rocks on its corners: 3 % of the distance.
-  const auto slide = [](double friction, int steps) {
+  // Bullet uses the product of both frictions. It solves friction along two axes in 10 iterations,
+  // and a box rocks on its corners: 3 % of the distance.
+  const auto slide = [](double friction, int steps, double of_floor = 0.5) {
     plan::Scene scene = InclineScene(0.35);  // tan 0.35 = 0.365
     SetGroup(scene, "type", Word("cuboid"));
     SetGroup(scene, "friction", friction);
+    SetWorld(scene, "world.wall_friction", of_floor);
     world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
     Steps(engine, steps);
     return Position(engine).x();
@@ -114,6 +115,41 @@ TEST(Incline, FrictionDecidesBetweenStickingAndSliding) {
   const double dt = 1.0 / 60, a = 9.8 * (std::sin(0.35) - 0.1 * std::cos(0.35));
   const double way = a * dt * dt * 120 * 121 / 2;
   EXPECT_NEAR(slide(0.2, 120), way, 0.03 * way);
+  EXPECT_NEAR(slide(1.0, 120, 0.1), way, 0.03 * way);
+  EXPECT_NEAR(slide(0.2, 120, 2), 0, 0.05);
+}
+
+/// A ball of radius 25 m on a level floor, with an angular velocity, after 120 steps.
+Vector3d SpinOnFloor(const Vector3d& spin, double rolling, double spinning, double of_floor) {
+  plan::Scene scene = InclineScene(0);
+  SetGroup(scene, "friction", 1.0);
+  SetGroup(scene, "rolling_friction", rolling);
+  SetGroup(scene, "spinning_friction", spinning);
+  SetGroup(scene, "angular_velocity", spin);
+  SetGroup(scene, "linear_velocity", Vector3d(-25 * spin.z(), 0, 25 * spin.x()));  // it rolls
+  SetWorld(scene, "world.wall_friction", of_floor);
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -225, 0}));
+  Steps(engine, 120);
+  return ToEigen(engine.objects()[0]->getAngularVelocity());
+}
+
+TEST(RollingFriction, IsALeverArmTimesTheFrictionOfTheOther) {
+  // The torque b mu m g brakes a rolling ball by 5 b mu g / (7 r^2) in rad/s^2.
+  for (const double of_floor : {0.5, 1.0}) {
+    const double brake = 5 * 0.1 * of_floor * 9.8 / (7 * 25 * 25);
+    const double spin = SpinOnFloor({0, 0, -1}, 0.1, 0, of_floor).z();
+    EXPECT_NEAR(spin, -1 + 2 * brake, 0.05 * 2 * brake) << of_floor;
+  }
+}
+
+TEST(SpinningFriction, BrakesTheSpinAboutTheNormalOfAContactThatHasRollingFriction) {
+  // The torque s mu m g brakes the ball by 5 s mu g / (2 r^2).
+  for (const double of_floor : {0.5, 1.0}) {
+    const double brake = 5 * 0.3 * of_floor * 9.8 / (2 * 25 * 25);
+    const double spin = SpinOnFloor({0, 1, 0}, 1e-6, 0.3, of_floor).y();
+    EXPECT_NEAR(spin, 1 - 2 * brake, 0.05 * 2 * brake) << of_floor;
+  }
+  EXPECT_NEAR(SpinOnFloor({0, 1, 0}, 0, 0.3, 0.5).y(), 1, 1e-5);
 }
 
 TEST(Spin, OfABallIsConstantAndTurnsByOmegaDt) {
@@ -177,8 +213,9 @@ TEST(HeadOnCollision, KeepsMomentumAndExchangesVelocitiesWhenElastic) {
 TEST(Bounce, OffTheFloorKeepsTheRestitutionsPart) {
   // faithful: a sphere that falls 100 m hits the floor at v and leaves at e v. Bullet adds the
   // restitution to the velocity at the start of the step, before that step's g dt.
-  for (const double kept : {0.5, 0.9}) {
+  for (const auto& [kept, of_floor] : {std::pair(0.5, 1.0), {0.9, 1.0}, {0.9, 0.5}}) {
     plan::Scene scene = EngineScene(1, 500);
+    SetWorld(scene, "world.wall_restitution", of_floor);
     SetWorld(scene, "contact", Word("faithful"));
     SetGroup(scene, "restitution", kept);
     world::Engine engine = WholeEngine(scene, OneObjectAt(scene, {0, -125, 0}));
@@ -188,7 +225,7 @@ TEST(Bounce, OffTheFloorKeepsTheRestitutionsPart) {
       fastest_down = std::min(fastest_down, Velocity(engine).y());
       fastest_up = std::max(fastest_up, Velocity(engine).y());
     }
-    EXPECT_NEAR(fastest_up, -kept * fastest_down, 2 * 9.8 / 60) << kept;
+    EXPECT_NEAR(fastest_up, -kept * of_floor * fastest_down, 2 * 9.8 / 60) << kept;
   }
 }
 

@@ -54,6 +54,21 @@ void KnownCatalogue::Losing() {
                     .at = {0, -225 + drop, 0},
                     .friction = friction,
                     .restitution = 1}));
+  Begin(Fault::kLosing, false, "elastic ball with ccd",
+        "Bullet gives the contacts that it foresees no restitution");
+  // Where the sweep foresees the impact, plain Bullet stops the ball: see bullet_facts_test.cc.
+  for (const double hz : {30.0, 60.0})
+    for (const double friction : {0.0, 0.5})
+      Add(fmt::format("{} Hz, friction {}", hz, friction),
+          KnownBuilder(30, "floor", static_cast<std::uint64_t>(10 * hz))
+              .World("sleeping", false)
+              .World("timestep", 1 / hz)
+              .World("contact", Word(hz == 60 ? "faithful" : "bullet"))
+              .Add({.sides = Vector3d::Constant(0.1),
+                    .at = {0, -5, 0},
+                    .friction = friction,
+                    .restitution = 1})
+              .Group("ccd", true));
   Begin(Fault::kLosing, false, "two elastic balls head on, Bullet's contacts",
         "they are pushed out of their overlap, which adds energy");
   for (const double phase : {0.0, 0.3, 0.6}) {

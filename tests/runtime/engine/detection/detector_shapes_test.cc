@@ -27,14 +27,14 @@ TEST(DetectorShapes, NameEachSolid) {
   EXPECT_EQ(kind(objects::Shape::kCapsule, sides), ShapeKind::kCapsule);
   EXPECT_EQ(kind(objects::Shape::kCapsule, {3, 2, 3}), ShapeKind::kEllipsoid);
   EXPECT_EQ(kind(objects::Shape::kTetrahedron, sides), ShapeKind::kHull);
-  const Shape cone = shapes.Of(Solid{objects::Shape::kCone, sides, nullptr});
+  const cdb::Shape cone = shapes.Of(Solid{objects::Shape::kCone, sides, nullptr});
   EXPECT_EQ(cone.kind, ShapeKind::kCone);
   EXPECT_EQ(VectorOf(cone.half), sides / 2);
   EXPECT_EQ(cone.centre.y, 1);
 }
 
 /// Checks that hulls extend exactly as far as the solid, and that their faces point outwards.
-void ExpectHulls(const Shape& shape, const Solid& solid) {
+void ExpectHulls(const cdb::Shape& shape, const Solid& solid) {
   ASSERT_EQ(shape.hulls.size(), solid.PieceCount());
   for (std::size_t i = 0; i < shape.hulls.size(); ++i) {
     const Hull& hull = shape.hulls[i];
@@ -65,7 +65,7 @@ TEST(DetectorShapes, HullsAreTheSolidsOwn) {
   detection::DetectorShapes shapes;
   for (const objects::Shape form : objects::kClosedShapes) {
     const Solid solid{form, {1, 2, 3}, nullptr};
-    if (const Shape shape = shapes.Of(solid); shape.kind == ShapeKind::kHull)
+    if (const cdb::Shape shape = shapes.Of(solid); shape.kind == ShapeKind::kHull)
       ExpectHulls(shape, solid);
   }
 
@@ -73,7 +73,7 @@ TEST(DetectorShapes, HullsAreTheSolidsOwn) {
   SetGroup(scene, "type", Word("torus"));
   const layouts::InitialState state = layouts::DrawObjects(scene);
   const Solid& torus = state.objects[0].solid;
-  const Shape shape = shapes.Of(torus);
+  const cdb::Shape shape = shapes.Of(torus);
   EXPECT_EQ(shape.kind, ShapeKind::kCompound);
   ExpectHulls(shape, torus);
   EXPECT_EQ(shapes.Of(torus).hulls.data(), shape.hulls.data()) << "made once";

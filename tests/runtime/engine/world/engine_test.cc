@@ -82,6 +82,7 @@ std::vector<Variations> AllVariations() {
            {"world.side", World("world.side", 281.0)},
            {"world.walls", World("world.walls", Word("floor"))},
            {"world.wall_shape", World("world.wall_shape", Word("box"))},
+           {"world.wall_friction", World("world.wall_friction", 0.4)},
            {"timestep", World("timestep", 1.0 / 61)},
            {"detector", World("detector", Word("sap32"))},
            {"pair_order", World("pair_order", Word("sorted"))},
@@ -107,6 +108,10 @@ std::vector<Variations> AllVariations() {
            {"objects.collides_with", Objects("collides_with", schema::WordList{"walls"})},
            {"objects.orientation", Objects("orientation", Word("random"))},
        }},
+      {With(crowd, Objects("restitution", 0.5)),
+       {{"world.wall_restitution", World("world.wall_restitution", 0.5)}}},
+      {With(crowd, Objects("rolling_friction", 0.1)),
+       {{"objects.spinning_friction", Objects("spinning_friction", 0.1)}}},
       {resting, {{"sleeping", World("sleeping", false)}}},
       {With(crowd, Objects("contact_stiffness", 5000.0)),
        {{"objects.contact_damping", Objects("contact_damping", 30.0)}}},
@@ -229,6 +234,8 @@ TEST(Parameters, DefaultsAreBulletsOwn) {
   const btRigidBody& body = *engine.objects()[0];
   EXPECT_EQ(body.getFriction(), plain.getFriction());
   EXPECT_EQ(body.getRollingFriction(), plain.getRollingFriction());
+  EXPECT_EQ(body.getSpinningFriction(), plain.getSpinningFriction());
+  EXPECT_EQ(engine.walls()[0]->getFriction(), plain.getFriction());
   EXPECT_EQ(body.getRestitution(), plain.getRestitution());
   EXPECT_EQ(body.getLinearDamping(), plain.getLinearDamping());
   EXPECT_EQ(body.getAngularDamping(), plain.getAngularDamping());
