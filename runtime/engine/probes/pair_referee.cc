@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <utility>
 
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
@@ -43,7 +43,7 @@ PairReferee::PairReferee(world::Engine& engine, protocol::Recording& recording)
 
 void PairReferee::BeforeStep() {
   // The detector runs before the bodies are moved.
-  if (detects_) overlaps_ = ExactOverlaps(engine_, ExactPairs(engine_));
+  if (detects_) contacts_ = ExactOverlaps(engine_, ExactPairs(engine_));
 }
 
 void PairReferee::AfterStep(std::uint64_t cycle) {
@@ -106,9 +106,11 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
 }
 
 void PairReferee::JudgeContacts(std::uint64_t cycle) {
-  const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
+  const NarrowPhaseErrors errors = CompareContacts(engine_, contacts_.overlaps);
+  recording_.Put("exact_contacts", cycle, static_cast<std::int32_t>(contacts_.overlaps.size()));
+  recording_.Put("uncompared_contacts", cycle, static_cast<std::int32_t>(contacts_.uncompared));
   recording_.Put("missed_contacts", cycle, static_cast<std::int32_t>(errors.missed));
-  const double found = static_cast<double>(overlaps_.size()) - errors.missed;
+  const double found = static_cast<double>(contacts_.overlaps.size()) - errors.missed;
   if (found > 0) recording_.Put("depth_error", cycle, errors.depth_sum / found);
   if (errors.normals > 0) recording_.Put("normal_error", cycle, errors.normal_sum / errors.normals);
 }
@@ -116,9 +118,8 @@ void PairReferee::JudgeContacts(std::uint64_t cycle) {
 namespace {
 
 using Eigen::Vector3d;
-using objects::Penetration;
 
-/// Two directions of separation are equivalent if their depths differ by at most this fraction.
+/// Normals are equivalent if their depths differ by at most this fraction.
 constexpr double kTie = 0.01;
 
 /// The pose in the engine, converted to a quaternion in double precision.
@@ -129,22 +130,51 @@ objects::Pose PoseOf(const btRigidBody& body) {
   return {world::ToEigen(transform.getOrigin()), Eigen::Quaterniond(turn).normalized()};
 }
 
-/// The walls have the shapes made by MakeWall of the engine.
-std::optional<Penetration> ContactWithWall(const objects::Solid& solid, const objects::Pose& pose,
-                                           const btRigidBody& wall) {
-  const btCollisionShape& shape = *wall.getCollisionShape();
-  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) {
-    const Vector3d normal =
-        world::ToEigen(static_cast<const btStaticPlaneShape&>(shape).getPlaneNormal());
-    return objects::ExactContact(solid, pose, normal,
-                                 normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin())));
+/// Measures pairs of bodies and collects the overlaps.
+class OverlapCollector {
+ public:
+  void Add(const BodyPair& bodies, double size, const objects::Solid& a,
+           const objects::Pose& pose_a, const objects::Solid& b, const objects::Pose& pose_b) {
+    const exact::SignedDistance distance = exact::DistanceOf(a, pose_a, b, pose_b, 0);
+    if (ExactOverlap* overlap = Add(bodies, size, distance))
+      overlap->has_one_normal = exact::HasOneNormal(a, pose_a, b, pose_b, distance, kTie);
   }
-  const auto& box = static_cast<const btBoxShape&>(shape);
-  return objects::ExactContact(
-      solid, pose,
-      {objects::Shape::kCuboid, 2 * world::ToEigen(box.getHalfExtentsWithMargin()), nullptr},
-      PoseOf(wall));
-}
+
+  /// The walls have the shapes made by MakeWall of the engine.
+  void AddWall(const BodyPair& bodies, double size, const objects::Solid& solid,
+               const objects::Pose& pose, const btRigidBody& wall) {
+    const btCollisionShape& shape = *wall.getCollisionShape();
+    if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) {
+      const Vector3d normal =
+          world::ToEigen(static_cast<const btStaticPlaneShape&>(shape).getPlaneNormal());
+      const double offset = normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin()));
+      Add(bodies, size, exact::DistanceOf(solid, pose, exact::HalfSpace{normal, offset}));
+      return;
+    }
+    const auto& box = static_cast<const btBoxShape&>(shape);
+    const Vector3d sides = 2 * world::ToEigen(box.getHalfExtentsWithMargin());
+    Add(bodies, size, solid, pose, {objects::Shape::kCuboid, sides}, PoseOf(wall));
+  }
+
+  ExactContacts Finish() {
+    std::ranges::sort(contacts_.overlaps, {}, &ExactOverlap::bodies);
+    return std::move(contacts_);
+  }
+
+ private:
+  /// Null if the two do not overlap, or are not known to.
+  ExactOverlap* Add(const BodyPair& bodies, double size, const exact::SignedDistance& distance) {
+    if (-distance.lower <= kLeastOverlap * size) return nullptr;
+    if (!distance.IsTight(size)) {
+      ++contacts_.uncompared;
+      return nullptr;
+    }
+    return &contacts_.overlaps.emplace_back(
+        ExactOverlap{bodies, distance.Depth(), distance.normal, true, size});
+  }
+
+  ExactContacts contacts_;
+};
 
 }  // namespace
 
@@ -178,23 +208,16 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   return pairs;
 }
 
-std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
-                                        const std::vector<BodyPair>& pairs) {
-  std::vector<ExactOverlap> overlaps;
+ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs) {
+  OverlapCollector collector;
   const auto& objects = engine.initial_state().objects;
-  const auto add = [&](const BodyPair& bodies, const std::optional<Penetration>& contact,
-                       double size) {
-    if (contact && contact->depth > kLeastOverlap * size)
-      overlaps.push_back({bodies, *contact, size});
-  };
   const auto size_of = [&](std::uint32_t object) { return objects[object].solid.sides.maxCoeff(); };
   for (const auto& [first, second] : pairs) {
     const btRigidBody &a = *engine.objects()[first], &b = *engine.objects()[second];
     // Linked objects may pass through each other.
     if (!a.checkCollideWith(&b)) continue;
-    add({first, second},
-        objects::ExactContact(objects[first].solid, PoseOf(a), objects[second].solid, PoseOf(b)),
-        std::min(size_of(first), size_of(second)));
+    collector.Add({first, second}, std::min(size_of(first), size_of(second)), objects[first].solid,
+                  PoseOf(a), objects[second].solid, PoseOf(b));
   }
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
@@ -202,11 +225,10 @@ std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
     for (const auto& wall : engine.walls()) {
       const auto index = static_cast<std::uint32_t>(wall->getUserIndex());
       if (engine.IsWithoutWall(i, static_cast<int>(index - objects.size()))) continue;
-      add({i, index}, ContactWithWall(objects[i].solid, pose, *wall), size_of(i));
+      collector.AddWall({i, index}, size_of(i), objects[i].solid, pose, *wall);
     }
   }
-  std::ranges::sort(overlaps, {}, &ExactOverlap::bodies);
-  return overlaps;
+  return collector.Finish();
 }
 
 NarrowPhaseErrors CompareContacts(world::Engine& engine,
@@ -233,14 +255,14 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine,
   }
   NarrowPhaseErrors errors;
   for (std::size_t i = 0; i < overlaps.size(); ++i) {
-    const Penetration& exact = overlaps[i].contact;
+    const ExactOverlap& exact = overlaps[i];
     const Found& found = founds[i];
     if (std::isinf(found.depth)) {
       ++errors.missed;
       continue;
     }
-    errors.depth_sum += std::fabs(found.depth - exact.depth) / overlaps[i].size;
-    if (exact.next_depth <= (1 + kTie) * exact.depth) continue;
+    errors.depth_sum += std::fabs(found.depth - exact.depth) / exact.size;
+    if (!exact.has_one_normal) continue;
     // The sine is accurate for small angles, the cosine for large ones.
     errors.normal_sum +=
         std::atan2(found.normal.cross(exact.normal).norm(), found.normal.dot(exact.normal));

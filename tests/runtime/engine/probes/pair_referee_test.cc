@@ -127,7 +127,7 @@ TEST(PairReferee, FindsNothingMissedByOurs) {
   }
 }
 
-TEST(PairReferee, HoldsContactsAgainstClosedForms) {
+TEST(PairReferee, ComparesContactsWithExactOnes) {
   plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "cycles", std::uint64_t{30});
   SetWorld(scene, "record", schema::WordList{"pairs"});
@@ -142,6 +142,49 @@ TEST(PairReferee, HoldsContactsAgainstClosedForms) {
   EXPECT_TRUE(std::isnan(depth[0])) << "it has not landed yet";
   EXPECT_GT(std::ranges::count_if(depth, [](double error) { return error < 1e-5; }), 0);
   EXPECT_GT(std::ranges::count_if(normal, [](double error) { return error < 1e-3; }), 0);
+}
+
+/// Two objects without walls, forces or motion, for one cycle: `upper` at `place`, `lower` at the
+/// origin.
+plan::Scene TwoObjects(const char* upper, double upper_size, const Vector3d& place,
+                       const char* lower, double lower_size) {
+  plan::Scene scene = EngineScene(1, 10);
+  SetWorld(scene, "cycles", std::uint64_t{1});
+  SetWorld(scene, "world.walls", Word("none"));
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  SetWorld(scene, "record", schema::WordList{"pairs"});
+  SetGroup(scene, "overlap", true);
+  scene.groups.push_back(scene.groups[0]);
+  scene.groups[1].name = "lower";
+  SetGroup(scene, "type", Word(upper));
+  SetGroup(scene, "size", upper_size);
+  SetGroup(scene, "location", Layout("at", {{"x", place.x()}, {"y", place.y()}, {"z", place.z()}}));
+  SetGroup(scene, "type", Word(lower), 1);
+  SetGroup(scene, "size", lower_size, 1);
+  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}), 1);
+  return scene;
+}
+
+TEST(PairReferee, SeesTheContactThatBulletMissesAtTheRimOfACylinder) {
+  // Bullet rounds the rim by its margin. The ball overlaps it by .061 mm, along the diagonal.
+  const double at = 0.135 + (0.05 - 0.061e-3) / std::sqrt(2.0);
+  const Recorded recorded = RunHere(TwoObjects("sphere", 0.1, {at, at, 0}, "cylinder", 0.27));
+  ASSERT_TRUE(recorded.done()) << recorded.message();
+  EXPECT_EQ(recorded.recording.Ints("exact_contacts")[0], 1);
+  EXPECT_EQ(recorded.recording.Ints("missed_contacts")[0], 1);
+  EXPECT_EQ(recorded.recording.Ints("uncompared_contacts")[0], 0);
+}
+
+TEST(PairReferee, CountsWhatItCannotCompare) {
+  // Two cylinders about one axis: the depth is equal along every direction of a plane.
+  plan::Scene scene = TwoObjects("cylinder", 1, {0, 0, 0}, "cylinder", 1);
+  for (std::size_t group : {0, 1})
+    SetGroup(scene, "aspect", schema::Ratio{Vector3d(1, 3, 1)}, group);
+  const Recorded recorded = RunHere(scene);
+  ASSERT_TRUE(recorded.done()) << recorded.message();
+  EXPECT_EQ(recorded.recording.Ints("exact_contacts")[0], 0);
+  EXPECT_EQ(recorded.recording.Ints("uncompared_contacts")[0], 1);
+  EXPECT_EQ(recorded.recording.Ints("missed_contacts")[0], 0);
 }
 
 TEST(PairReferee, LooksInAPassOfItsOwnWhereTimesAreTaken) {
