@@ -40,17 +40,25 @@ inline constexpr double kLeastOverlap = 1e-4;
 
 struct ExactContacts {
   std::vector<ExactOverlap> overlaps;  ///< deeper than kLeastOverlap, in the order of their bodies
-  /// Other pairs that may overlap as deeply, but whose depth is not known to a billionth of the
-  /// size of the smaller object.
-  std::size_t uncompared = 0;
+  /// Other pairs that may overlap as deeply: those whose depth is not known to a billionth of the
+  /// size of the smaller object, and those that were not drawn.
+  std::vector<BodyPair> uncompared;
 };
 
-/// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs.
-ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs);
+/// Of this many pairs, the depth is computed within about half a second.
+inline constexpr std::size_t kMostCompared = 5000;
+
+/// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs. If more than `most`
+/// may overlap, plane walls aside, so many are drawn at random; `draw` selects the draw.
+ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
+                            std::uint64_t draw = 0, std::size_t most = kMostCompared);
 
 /// Errors of the narrow phase over a set of overlaps.
 struct NarrowPhaseErrors {
-  double missed = 0;      ///< overlaps without a contact point
+  double missed = 0;    ///< overlaps without a contact point
+  double unlisted = 0;  ///< of these, those whose pair the broad phase did not list
+  double bullet = 0;    ///< overlaps of pairs whose contacts Bullet makes, not the detector
+  double bullet_missed = 0;
   double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
   double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique
   double normals = 0;     ///< number of angles in normal_sum
@@ -59,6 +67,10 @@ struct NarrowPhaseErrors {
 /// Compares each overlap with the deepest point in the manifolds, which hold the contacts of the
 /// last step.
 NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<ExactOverlap>& overlaps);
+
+/// Who made the contacts of a pair in the last step.
+enum class ContactMaker { kNone, kDetector, kBullet };  // kNone: the broad phase did not list it
+ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies);
 
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are
@@ -84,6 +96,7 @@ class PairReferee {
   protocol::Recording& recording_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
+  std::uint64_t steps_ = 0;
   ExactContacts contacts_;  ///< in the poses before the step
 };
 

@@ -180,6 +180,11 @@ inline OracleGap LargestGap(const OracleBody& a, const OracleBody& b, double mos
   return *std::min_element(found.begin(), found.end(), greater);
 }
 
+inline Eigen::Vector3d CentreOf(const OracleBody& body) {
+  if (body.solid.compound == nullptr) return body.pose.position;
+  return body.pose.position + body.pose.orientation * body.solid.compound->PieceCentre(body.piece);
+}
+
 /// The signed distance of two solids: the least of any two of their pieces. Exact to about a
 /// millionth of their size, and never more.
 inline OracleGap SearchedGap(const objects::Solid& a, const objects::Pose& pose_a,
@@ -187,7 +192,11 @@ inline OracleGap SearchedGap(const objects::Solid& a, const objects::Pose& pose_
   OracleGap least;
   for (std::size_t i = 0; i < a.PieceCount(); ++i)
     for (std::size_t j = 0; j < b.PieceCount(); ++j) {
-      const OracleGap gap = LargestGap({a, pose_a, i}, {b, pose_b, j}, least.gap);
+      const OracleBody piece_a{a, pose_a, i}, piece_b{b, pose_b, j};
+      const Eigen::Vector3d between = CentreOf(piece_a) - CentreOf(piece_b);
+      if (between.norm() > 0 && GapAlong(piece_a, piece_b, between.normalized()) > least.gap)
+        continue;
+      const OracleGap gap = LargestGap(piece_a, piece_b, least.gap);
       if (gap.gap < least.gap) least = gap;
     }
   return least;
