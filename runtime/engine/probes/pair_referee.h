@@ -45,13 +45,11 @@ struct ExactContacts {
   std::vector<BodyPair> uncompared;
 };
 
-/// Of this many pairs, the depth is computed within about half a second.
-inline constexpr std::size_t kMostCompared = 5000;
-
 /// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs. If more than `most`
 /// may overlap, plane walls aside, so many are drawn at random; `draw` selects the draw.
 ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
-                            std::uint64_t draw = 0, std::size_t most = kMostCompared);
+                            std::uint64_t draw = 0,
+                            std::size_t most = protocol::kMostComparedContacts);
 
 /// Errors of the narrow phase over a set of overlaps.
 struct NarrowPhaseErrors {

@@ -202,7 +202,7 @@ struct FirstStep {
   probes::ExactContacts exact;
   probes::NarrowPhaseErrors errors;
   FirstStep(world::Engine& engine, std::uint64_t draw = 0,
-            std::size_t most = probes::kMostCompared) {
+            std::size_t most = protocol::kMostComparedContacts) {
     exact = probes::ExactOverlaps(engine, probes::ExactPairs(engine), draw, most);
     engine.Step();
     errors = probes::CompareContacts(engine, exact.overlaps);
@@ -267,7 +267,7 @@ TEST(PairReferee, DrawsSomeOfManyOverlaps) {
     return bodies;
   };
   std::size_t rest = 0;
-  const auto all = bodies_of(1, probes::kMostCompared, rest);
+  const auto all = bodies_of(1, protocol::kMostComparedContacts, rest);
   ASSERT_GT(all.size(), 100u);
   EXPECT_EQ(rest, 0u);
   const auto some = bodies_of(1, 50, rest);
