@@ -97,7 +97,7 @@ Case DrawCase(distributions::Stream& stream, std::size_t kind_a, std::size_t kin
   const auto place = [&](double at) { c.pose_b.position = c.pose_a.position + at * way; };
   for (int i = 0; i < 50 && gap > -1; ++i) {
     place((near + far) / 2);
-    const bool is_apart = exact::DistanceOf(c.a, c.pose_a, c.b, c.pose_b, 0).lower > 0;
+    const bool is_apart = exact::DistanceOf(c.a, c.pose_a, c.b, c.pose_b, 0).upper > 0;
     (is_apart ? far : near) = (near + far) / 2;
   }
   place(gap > -1 ? far + gap * smaller : stream.Uniform(0, 0.3) * smaller);
