@@ -152,9 +152,15 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = true},
     {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = true},
     {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = true},
-    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps known in closed form that have no contact"},
-    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of overlaps known in closed form, in sizes of the smaller object", .may_be_none = true},
-    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of overlaps known in closed form", .may_be_none = true},
+    {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision"},
+    {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn"},
+    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make"},
+    {.name = "unlisted_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs that the broad phase did not list, which are missed, too"},
+    {.name = "bullet_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs whose contacts Bullet makes, not the detector"},
+    {.name = "bullet_missed_contacts", .records = "pairs", .type = kInt32, .doc = "missed contacts of these pairs"},
+    {.name = "bullet_uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "uncompared contacts of pairs whose contacts Bullet makes"},
+    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of exact contacts, in sizes of the smaller object", .may_be_none = true},
+    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .may_be_none = true},
 });
 // clang-format on
 }  // namespace series_table

@@ -42,7 +42,11 @@ bool ReadIndices(std::string_view text, std::vector<std::size_t>& indices) {
 class LineReader {
  public:
   BriefRun Begin(std::string_view id) const {
-    return {std::string(id), {}, std::string(defaults_.WordOr("detector")), 0};
+    return {std::string(id),
+            {},
+            std::string(defaults_.WordOr("detector")),
+            std::string(defaults_.WordOr("narrow_phase")),
+            0};
   }
 
   /// False if the line is malformed.
@@ -50,6 +54,7 @@ class LineReader {
     std::string_view rest;
     if (Follows(line, "    at: ", rest)) return ReadIndices(rest, run.at);
     if (Follows(line, "      detector: ", rest)) run.detector = rest;
+    if (Follows(line, "      narrow_phase: ", rest)) run.narrow_phase = rest;
     if (Follows(line, "      - name: ", rest)) run.objects += quantity_;
     if (!Follows(line, "        quantity: ", rest)) return true;
     std::uint64_t objects = 0;

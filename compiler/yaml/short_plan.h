@@ -43,7 +43,7 @@ void CheckPlanVersion(std::uint64_t version, int oldest, const std::string& name
 struct BriefRun {
   std::string id;
   std::vector<std::size_t> at;
-  std::string detector;
+  std::string detector, narrow_phase;
   std::uint64_t objects = 0;  ///< of all groups
 };
 

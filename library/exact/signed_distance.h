@@ -48,7 +48,8 @@ struct HalfSpace {
 SignedDistance DistanceOf(const objects::Solid& a, const objects::Pose& pose_a, const HalfSpace& b);
 
 /// Whether only translations along about the same normal separate the two if none may be longer
-/// than their depth by more than this fraction, which is at most a tenth. `distance`: theirs.
+/// than their depth by more than this fraction, which is at most a tenth if one has several pieces.
+/// `distance`: theirs.
 bool HasOneNormal(const objects::Solid& a, const objects::Pose& pose_a, const objects::Solid& b,
                   const objects::Pose& pose_b, const SignedDistance& distance, double fraction);
 

@@ -24,21 +24,29 @@ struct RunningMean {
   double value() const { return count > 0 ? sum / count : kNone; }
 };
 
-struct Tally {
-  DetectorFindings findings;
-  RunningMean depth, normal;
-};
+/// The values of a series; empty if the file does not have it.
+std::vector<double> Series(const results::ResultFile& file, const Cell& cell, const char* name) {
+  return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
+}
+
+/// Calls `visit` once for each run, whatever the number of its cells.
+template <typename Visit>
+void ForRuns(const results::ResultFile& file, Visit visit) {
+  std::set<std::string> seen;
+  for (const Cell& cell : AllCells(file)) {
+    const Ending ending = EndingOf(file, cell);
+    if (ending.Rank() < 0) continue;
+    const std::string id = file.ReadText("run_id", cell);
+    if (seen.insert(id).second) visit(cell, ending, id);
+  }
+}
 
 /// Cycles without a value are -1.
-void AddPairs(const results::ResultFile& file, const Cell& cell, Tally& tally) {
-  DetectorFindings& findings = tally.findings;
-  // A trace has no contacts.
-  const auto series = [&](const char* name) {
-    return file.Has(name) ? file.ReadSeries(name, cell) : std::vector<double>();
-  };
-  const auto exact = series("exact_pairs"), missed = series("missed_pairs"),
-             false_positives = series("phantom_pairs"), duplicate = series("duplicate_pairs"),
-             contacts = series("missed_contacts");
+void AddPairs(const results::ResultFile& file, const Cell& cell, DetectorFindings& findings) {
+  const auto exact = Series(file, cell, "exact_pairs"), missed = Series(file, cell, "missed_pairs"),
+             false_positives = Series(file, cell, "phantom_pairs"),
+             duplicate = Series(file, cell, "duplicate_pairs"),
+             contacts = Series(file, cell, "missed_contacts");  // a trace has none
   bool is_wrong = false, is_watched = false;
   for (std::uint64_t cycle = 0; cycle < exact.size(); ++cycle) {
     if (!(exact[cycle] >= 0)) continue;
@@ -51,19 +59,65 @@ void AddPairs(const results::ResultFile& file, const Cell& cell, Tally& tally) {
     add(findings.exact, exact);
     add(findings.false_positives, false_positives);
     const auto note = [&](std::uint64_t& sum, const std::vector<double>& values,
-                          std::optional<DetectorFindings::Place>& first) {
+                          std::optional<Place>& first) {
       if (add(sum, values) && !first) first = {cell, cycle};
     };
     note(findings.missed, missed, findings.first_missed);
     note(findings.duplicate, duplicate, findings.first_duplicate);
-    if (cycle < contacts.size() && contacts[cycle] >= 0)
-      note(findings.missed_contacts, contacts, findings.first_missed_contact);
+    if (cycle < contacts.size() && contacts[cycle] >= 0) add(findings.missed_contacts, contacts);
     is_wrong = is_wrong || missed[cycle] > 0;
   }
-  for (const double error : series("depth_error")) tally.depth.Add(error);
-  for (const double error : series("normal_error")) tally.normal.Add(error);
   findings.wrong_runs += is_wrong ? 1 : 0;
   ++(is_watched ? findings.runs : findings.unwatched_runs);
+}
+
+struct ContactTally {
+  ContactFindings findings;
+  RunningMean depth, normal;
+};
+
+/// The contacts of a run for its own narrow phase and for Bullet, which may be given all or some
+/// of the pairs.
+struct ContactCounts {
+  std::vector<double> exact, missed, uncompared, unlisted, bullet, bullet_missed, bullet_uncompared;
+  ContactCounts(const results::ResultFile& file, const Cell& cell)
+      : exact(Series(file, cell, "exact_contacts")),
+        missed(Series(file, cell, "missed_contacts")),
+        uncompared(Series(file, cell, "uncompared_contacts")),
+        unlisted(Series(file, cell, "unlisted_contacts")),
+        bullet(Series(file, cell, "bullet_contacts")),
+        bullet_missed(Series(file, cell, "bullet_missed_contacts")),
+        bullet_uncompared(Series(file, cell, "bullet_uncompared_contacts")) {}
+
+  void AddTo(ContactFindings& findings, const Cell& cell, bool is_bullet) const {
+    bool is_watched = false;
+    for (std::uint64_t i = 0; i < exact.size(); ++i) {
+      if (!(exact[i] >= 0)) continue;
+      is_watched = true;
+      ++findings.cycles;
+      const auto add = [&](std::uint64_t& sum, double of_bullet, double of_detector) {
+        const double count = is_bullet ? of_bullet : of_detector;
+        sum += static_cast<std::uint64_t>(count);
+        return count > 0;
+      };
+      add(findings.exact, bullet[i], exact[i] - bullet[i] - unlisted[i]);
+      add(findings.uncompared, bullet_uncompared[i], uncompared[i] - bullet_uncompared[i]);
+      if (add(findings.missed, bullet_missed[i], missed[i] - bullet_missed[i] - unlisted[i]) &&
+          !findings.first_missed)
+        findings.first_missed = {cell, i};
+    }
+    findings.runs += is_watched;
+  }
+};
+
+/// The narrow phase of each run, by its id: what the plan names.
+std::map<std::string, std::string> NarrowPhases(const results::ResultFile& file) {
+  std::map<std::string, std::string> phases;
+  const auto runs = yaml::FindBriefRuns(file.ReadProvenance("plan_text"));
+  if (!runs) return phases;
+  for (const yaml::BriefRun& run : *runs)
+    if (run.narrow_phase != "own") phases.emplace(run.id, run.narrow_phase);
+  return phases;
 }
 
 constexpr std::size_t kLeastPoints = 3;
@@ -146,35 +200,64 @@ void MatchCounts(std::map<Point, TimesAtPoint>& found, DetectorGrowth& growth) {
 std::vector<DetectorFindings> FindingsOf(const results::ResultFile& file) {
   const bool has_pairs = file.Has("exact_pairs");
   const CellDetectors detectors(file);
-  std::vector<Tally> tallies;
-  const auto tally_of = [&](const std::string& detector) -> Tally& {
-    const auto found = std::ranges::find(
-        tallies, detector, [](const Tally& tally) { return tally.findings.detector; });
-    if (found != tallies.end()) return *found;
-    Tally& tally = tallies.emplace_back();
-    tally.findings.detector = detector;
-    return tally;
+  std::vector<DetectorFindings> all;
+  const auto findings_of = [&](const std::string& detector) -> DetectorFindings& {
+    const auto found = std::ranges::find(all, detector, &DetectorFindings::detector);
+    if (found != all.end()) return *found;
+    all.emplace_back().detector = detector;
+    return all.back();
   };
   if (const auto axis = DetectorAxis(file))
-    for (const auto& value : file.axes()[*axis].values) tally_of(std::get<std::string>(value));
-  std::set<std::string> seen;
-  for (const Cell& cell : AllCells(file)) {
-    const Ending ending = EndingOf(file, cell);
-    if (ending.Rank() < 0) continue;
-    if (!seen.insert(file.ReadText("run_id", cell)).second) continue;
-    Tally& tally = tally_of(detectors.Of(cell));
+    for (const auto& value : file.axes()[*axis].values) findings_of(std::get<std::string>(value));
+  ForRuns(file, [&](const Cell& cell, const Ending& ending, const std::string&) {
+    DetectorFindings& findings = findings_of(detectors.Of(cell));
     if (ending.status != results::Status::kDone) {
-      ++tally.findings.failed_runs;
-      if (!tally.findings.first_failed) tally.findings.first_failed = cell;
+      ++findings.failed_runs;
+      if (!findings.first_failed) findings.first_failed = cell;
     }
-    if (has_pairs) {
-      AddPairs(file, cell, tally);
-    } else {
-      ++tally.findings.unwatched_runs;
-    }
-  }
-  std::vector<DetectorFindings> all;
-  for (Tally& tally : tallies) {
+    if (has_pairs)
+      AddPairs(file, cell, findings);
+    else
+      ++findings.unwatched_runs;
+  });
+  return all;
+}
+
+std::vector<ContactFindings> ContactFindingsOf(const results::ResultFile& file) {
+  if (!file.Has("exact_contacts")) return {};
+  const CellDetectors detectors(file);
+  const std::map<std::string, std::string> named = NarrowPhases(file);
+  std::vector<ContactTally> tallies;
+  const auto tally_of = [&](const std::string& phase) -> ContactTally& {
+    const auto found = std::ranges::find(
+        tallies, phase, [](const ContactTally& tally) { return tally.findings.narrow_phase; });
+    if (found != tallies.end()) return *found;
+    ContactTally& tally = tallies.emplace_back();
+    tally.findings.narrow_phase = phase;
+    return tally;
+  };
+  ForRuns(file, [&](const Cell& cell, const Ending&, const std::string& id) {
+    const ContactCounts counts(file, cell);
+    ContactFindings of_run, of_bullet;
+    counts.AddTo(of_run, cell, /*is_bullet=*/false);
+    counts.AddTo(of_bullet, cell, /*is_bullet=*/true);
+    if (of_run.runs == 0) return;
+    const auto name = named.find(id);
+    const std::string own = name != named.end() ? name->second : detectors.Of(cell);
+    const bool is_bullet = of_run.All() == 0;  // all contacts, or there are none
+    ContactTally& tally = tally_of(!is_bullet            ? own
+                                   : of_bullet.All() > 0 ? std::string(kBulletPhase)
+                                                         : std::string());
+    counts.AddTo(tally.findings, cell, is_bullet);
+    for (const double error : Series(file, cell, "depth_error")) tally.depth.Add(error);
+    for (const double error : Series(file, cell, "normal_error")) tally.normal.Add(error);
+    if (!is_bullet && of_bullet.All() > 0)
+      counts.AddTo(tally_of(kBulletPhase).findings, cell, /*is_bullet=*/true);
+  });
+  if (tallies.size() > 1)
+    std::erase_if(tallies, [](const ContactTally& of) { return of.findings.All() == 0; });
+  std::vector<ContactFindings> all;
+  for (ContactTally& tally : tallies) {
     tally.findings.depth_error = tally.depth.value();
     tally.findings.normal_error = tally.normal.value();
     all.push_back(std::move(tally.findings));

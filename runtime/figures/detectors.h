@@ -20,21 +20,21 @@ namespace cdb::figures {
 
 class Model;
 
+struct Place {
+  Cell cell;
+  std::uint64_t cycle;
+};
+
 /// The findings for one detector over all runs of a file; a run that fills several cells counts
 /// once.
 struct DetectorFindings {
   std::string detector;
   std::size_t runs = 0;  ///< with recorded pairs
   std::uint64_t cycles = 0;
-  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0, missed_contacts = 0;
-  /// Means over the cycles that have a value; NaN if none has.
-  double depth_error = 0, normal_error = 0;
-  std::size_t wrong_runs = 0;  ///< with a missed pair
-  struct Place {
-    Cell cell;
-    std::uint64_t cycle;
-  };
-  std::optional<Place> first_missed, first_duplicate, first_missed_contact;
+  std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0;
+  std::uint64_t missed_contacts = 0;  ///< by any phase
+  std::size_t wrong_runs = 0;         ///< with a missed pair
+  std::optional<Place> first_missed, first_duplicate;
   std::size_t failed_runs = 0;  ///< that failed, whatever they recorded
   std::optional<Cell> first_failed;
   std::size_t unwatched_runs = 0;  ///< without recorded pairs
@@ -43,6 +43,24 @@ struct DetectorFindings {
 
 /// In the order of the axis of detectors, or else of the cells. Throws StoreError.
 std::vector<DetectorFindings> FindingsOf(const results::ResultFile& file);
+
+/// The findings for one narrow phase, over the pairs that were given to it in all runs of a file.
+struct ContactFindings {
+  std::string narrow_phase;  ///< a detector, or kBulletPhase; empty if there was no contact
+  std::size_t runs = 0;      ///< with recorded contacts
+  std::uint64_t cycles = 0;
+  std::uint64_t exact = 0, missed = 0;  ///< of the overlaps that were compared
+  std::uint64_t uncompared = 0;
+  /// Means over the cycles that have a value, of all contacts of the runs; NaN if none has.
+  double depth_error = 0, normal_error = 0;
+  std::optional<Place> first_missed;
+  std::uint64_t All() const { return exact + uncompared; }
+};
+inline constexpr const char* kBulletPhase = "bullet";
+
+/// In the order of the cells, without narrow phases that had nothing to do, unless all had. Empty
+/// if the file is from before overlaps were counted. Throws StoreError.
+std::vector<ContactFindings> ContactFindingsOf(const results::ResultFile& file);
 
 /// Over all points of a row.
 struct DetectorCosts {

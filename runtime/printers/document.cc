@@ -16,6 +16,7 @@
 #include "runtime/figures/points.h"
 #include "runtime/printers/show.h"
 #include "runtime/protocol/machine/noise.h"
+#include "runtime/protocol/recording.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -284,105 +285,148 @@ std::string JobsNote(const results::ResultFile& file) {
 
 namespace {
 
-/// The fault of a detector, the worst first.
-enum class Fault { kMissesPairs, kMissesContacts, kFails, kNone };
-
-Fault FaultOf(const figures::DetectorFindings& of) {
-  if (of.missed > 0) return Fault::kMissesPairs;
-  if (of.missed_contacts > 0) return Fault::kMissesContacts;
-  return of.failed_runs > 0 ? Fault::kFails : Fault::kNone;
-}
-
-bool MissesOnlyContacts(const figures::DetectorFindings& of) {
-  return FaultOf(of) == Fault::kMissesContacts;
-}
-
-/// Boxes of objects in contact overlap.
-constexpr const char* kOnlyContacts =
-    "If no pair is missed, the narrow phase misses the contacts, not the detector.";
-
-std::string Verdict(const figures::DetectorFindings& of) {
-  switch (FaultOf(of)) {
-    case Fault::kMissesPairs:
-      return "wrong: misses pairs";
-    case Fault::kMissesContacts:
-      return "wrong: misses contacts";
-    case Fault::kFails:
-      return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
-    case Fault::kNone:
-      break;
-  }
-  if (of.cycles == 0) return "nothing to judge";
-  if (of.duplicate > 0) return "lists pairs twice";
-  return of.false_positives > 0 ? "superset" : "exact";
-}
+/// The fault of a phase, the worst first. Bullet's narrow phase is no detector's fault.
+enum class Fault { kMisses, kFails, kBullet, kNone };
 
 std::string ErrorText(double value) {
   return std::isnan(value) ? "-" : fmt::format("{:.1e}", value);
 }
 
+/// `0` only if something was compared.
+std::string MissedText(std::uint64_t missed, std::uint64_t compared) {
+  return compared > 0 ? fmt::format("{}", missed) : "-";
+}
+
+constexpr const char* kNothing = "nothing compared";
+
+/// A row: a detector's broad phase, or a narrow phase.
+struct VerifiedPhase {
+  Fault fault = Fault::kNone;
+  std::vector<std::string> row;
+  std::vector<std::string> below = {};  ///< the first occurrence of each fault, and its command
+};
+
 class Verified {
  public:
-  explicit Verified(const results::ResultFile& file)
-      : file_(file), all_(figures::FindingsOf(file)) {
-    std::erase_if(all_, [](const figures::DetectorFindings& of) { return of.AllRuns() == 0; });
-    std::ranges::stable_sort(all_, {}, FaultOf);
+  explicit Verified(const results::ResultFile& file) : file_(file) {
+    for (const figures::DetectorFindings& of : figures::FindingsOf(file))
+      if (of.AllRuns() > 0) phases_.push_back(BroadPhase(of));
+    std::ranges::stable_sort(phases_, {}, &VerifiedPhase::fault);
+    std::vector<VerifiedPhase> narrow;
+    for (const figures::ContactFindings& of : figures::ContactFindingsOf(file)) {
+      narrow.push_back(NarrowPhase(of));
+      uncompared_ += of.uncompared;
+    }
+    std::ranges::stable_sort(narrow, {}, &VerifiedPhase::fault);
+    phases_.insert(phases_.end(), narrow.begin(), narrow.end());
   }
 
   bool IsGood() const {
-    return std::ranges::all_of(all_, [](const auto& of) { return FaultOf(of) == Fault::kNone; });
+    return std::ranges::all_of(phases_, [](const VerifiedPhase& of) {
+      return of.fault == Fault::kNone || of.fault == Fault::kBullet;
+    });
   }
 
   Document Made(const std::vector<std::string>& left_out) const {
     Section section = {.title = file_.title()}, below;
     Table& table = section.table;
     table.AddColumn("detector", false);
-    for (const char* head : {"points", "cycles", "exact pairs", "missed", "phantom", "duplicate",
-                             "contacts missed", "depth error", "normal error"})
+    table.AddColumn("phase", false);
+    for (const char* head : {"points", "cycles", "compared", "missed", "phantom", "duplicate",
+                             "depth error", "normal error"})
       table.AddColumn(head, true);
     table.AddColumn("verdict", false);
-    for (const figures::DetectorFindings& of : all_) {
-      std::vector<std::string> row = {of.detector};
-      for (const std::uint64_t count : {std::uint64_t{of.AllRuns()}, of.cycles, of.exact, of.missed,
-                                        of.false_positives, of.duplicate, of.missed_contacts})
-        row.push_back(fmt::format("{}", count));
-      for (const double error : {of.depth_error, of.normal_error}) row.push_back(ErrorText(error));
-      row.push_back(Verdict(of));
-      table.rows.push_back(std::move(row));
-      AddBelow(of, below.lines);
+    for (const VerifiedPhase& of : phases_) {
+      table.rows.push_back(of.row);
+      below.lines.insert(below.lines.end(), of.below.begin(), of.below.end());
     }
-    if (std::ranges::any_of(all_, MissesOnlyContacts)) below.lines.emplace_back(kOnlyContacts);
+    if (std::ranges::count(phases_, Fault::kBullet, &VerifiedPhase::fault) > 0)
+      below.lines.emplace_back(
+          "Bullet makes the contacts that no detector makes; those that it misses are not the "
+          "fault of a detector.");
+    if (uncompared_ > 0)
+      below.lines.push_back(fmt::format(
+          "Not compared: {} possible overlaps, whose exact depth is not proven or which were not "
+          "among the {} that are drawn in a cycle.",
+          uncompared_, protocol::kMostComparedContacts));
     std::vector<std::string>& last = below.lines.empty() ? section.notes : below.lines;
     for (const std::string& line : left_out) last.push_back(fmt::format("Omitted: {}.", line));
     return below.lines.empty() ? Document{section} : Document{section, below};
   }
 
  private:
-  /// The first occurrence of each fault, and the command that reproduces it.
-  void AddBelow(const figures::DetectorFindings& of, std::vector<std::string>& lines) const {
-    const auto add = [&](const std::string& what, const figures::Cell& cell) {
-      lines.push_back(fmt::format("{} {}", of.detector, what));
-      lines.push_back("  " + figures::OnlyCommand(file_, cell));
-    };
-    const auto from = [&](const char* what,
-                          const std::optional<figures::DetectorFindings::Place>& first) {
-      if (first)
-        add(fmt::format("{} from cycle {} of {} on", what, first->cycle,
-                        figures::PlaceText(file_, first->cell)),
-            first->cell);
-    };
-    from("misses pairs", of.first_missed);
-    from("misses contacts", of.first_missed_contact);
-    from("lists pairs twice", of.first_duplicate);
+  VerifiedPhase BroadPhase(const figures::DetectorFindings& of) const {
+    VerifiedPhase phase;
+    const auto found = of.exact + of.false_positives + of.duplicate;
+    const std::string verdict = [&]() -> std::string {
+      phase.fault = of.missed > 0        ? Fault::kMisses
+                    : of.failed_runs > 0 ? Fault::kFails
+                                         : Fault::kNone;
+      if (of.missed > 0) return "wrong: misses pairs";
+      if (of.failed_runs > 0) return fmt::format("failed: {} of {}", of.failed_runs, of.AllRuns());
+      if (found == 0) return kNothing;
+      if (of.duplicate > 0) return "lists pairs twice";
+      return of.false_positives > 0 ? "superset" : "exact";
+    }();
+    // Brute force compares all pairs of a cycle.
+    phase.row = {of.detector,
+                 "broad",
+                 fmt::format("{}", of.AllRuns()),
+                 fmt::format("{}", of.cycles),
+                 fmt::format("{0} of {0}", of.exact),
+                 MissedText(of.missed, of.exact),
+                 MissedText(of.false_positives, found),
+                 MissedText(of.duplicate, found),
+                 "-",
+                 "-",
+                 verdict};
+    AddFirst(of.detector, "misses pairs", of.first_missed, phase);
+    AddFirst(of.detector, "lists pairs twice", of.first_duplicate, phase);
     if (of.first_failed)
-      add(fmt::format("{} at {}: {}", results::StatusName(file_.ReadStatus(*of.first_failed)),
-                      figures::PlaceText(file_, *of.first_failed),
-                      file_.ReadText("message", *of.first_failed)),
-          *of.first_failed);
+      AddBelow(fmt::format("{} {} at {}: {}", of.detector,
+                           results::StatusName(file_.ReadStatus(*of.first_failed)),
+                           figures::PlaceText(file_, *of.first_failed),
+                           file_.ReadText("message", *of.first_failed)),
+               *of.first_failed, phase);
+    return phase;
+  }
+
+  VerifiedPhase NarrowPhase(const figures::ContactFindings& of) const {
+    VerifiedPhase phase;
+    const bool is_bullet = of.narrow_phase == figures::kBulletPhase;
+    if (of.missed > 0) phase.fault = is_bullet ? Fault::kBullet : Fault::kMisses;
+    phase.row = {of.narrow_phase.empty() ? "-" : of.narrow_phase,
+                 "narrow",
+                 fmt::format("{}", of.runs),
+                 fmt::format("{}", of.cycles),
+                 fmt::format("{} of {}", of.exact, of.All()),
+                 MissedText(of.missed, of.exact),
+                 "-",
+                 "-",
+                 ErrorText(of.depth_error),
+                 ErrorText(of.normal_error),
+                 of.missed > 0   ? is_bullet ? "Bullet misses contacts" : "wrong: misses contacts"
+                 : of.exact == 0 ? kNothing
+                                 : "misses none"};
+    AddFirst(of.narrow_phase, "misses contacts", of.first_missed, phase);
+    return phase;
+  }
+
+  void AddBelow(std::string line, const figures::Cell& cell, VerifiedPhase& phase) const {
+    phase.below.push_back(std::move(line));
+    phase.below.push_back("  " + figures::OnlyCommand(file_, cell));
+  }
+  void AddFirst(const std::string& name, const char* what,
+                const std::optional<figures::Place>& first, VerifiedPhase& phase) const {
+    if (first)
+      AddBelow(fmt::format("{} {} from cycle {} of {} on", name, what, first->cycle,
+                           figures::PlaceText(file_, first->cell)),
+               first->cell, phase);
   }
 
   const results::ResultFile& file_;
-  std::vector<figures::DetectorFindings> all_;
+  std::vector<VerifiedPhase> phases_;
+  std::uint64_t uncompared_ = 0;
 };
 
 }  // namespace

@@ -88,6 +88,8 @@ Json DocumentWarnings(const figures::Model& model);
 Json DocumentOmissions(const figures::Model& model);
 /// `findings`: the faults that the pair referee found, by detector.
 Json DocumentFindings(const figures::Model& model);
+/// Of narrow phases: see ContactFindings.
+Json DocumentContacts(const figures::Model& model);
 /// `failures`: at most `most` of them.
 Json DocumentFailures(const figures::Model& model, std::size_t most);
 /// `noise`.

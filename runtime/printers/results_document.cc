@@ -172,6 +172,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   }
   document["omissions"] = DocumentOmissions(model);
   document["findings"] = DocumentFindings(model);
+  document["contact_findings"] = DocumentContacts(model);
   document["failures"] = DocumentFailures(
       model, options.for_page ? kMaxFailures : std::numeric_limits<std::size_t>::max());
   document["noise"] = DocumentNoise(model);
@@ -281,6 +282,19 @@ Json DocumentFindings(const figures::Model& model) {
                      {"duplicate", of.duplicate},
                      {"missed_contacts", of.missed_contacts},
                      {"wrong_runs", of.wrong_runs}});
+  return all;
+}
+
+Json DocumentContacts(const figures::Model& model) {
+  Json all = Json::array();
+  for (const figures::ContactFindings& of : figures::ContactFindingsOf(model.file()))
+    if (of.All() > 0)
+      all.push_back({{"narrow_phase", of.narrow_phase},
+                     {"runs", of.runs},
+                     {"cycles", of.cycles},
+                     {"compared", of.exact},
+                     {"of", of.All()},
+                     {"missed", of.missed}});
   return all;
 }
 

@@ -61,12 +61,14 @@ std::string StabilityMap(const results::ResultFile& file);
 
 struct VerifyText {
   std::string text;
-  bool is_good = false;  ///< nothing is missed, and every run succeeded
+  /// Every run succeeded, and no detector misses a pair or a contact. Contacts that Bullet misses
+  /// do not count: it makes those that no detector makes.
+  bool is_good = false;
 };
 
-/// A row for each detector: first those that missed pairs, then those that missed contacts, then
-/// those that failed, otherwise in the file's order. Below: the first bad cycle of each, the
-/// command that replays it, and `left_out`. The file holds runs with `record pairs`. Throws
+/// A row for the broad phase of each detector, then one for each narrow phase: first the faulty
+/// ones, otherwise in the file's order. Below: the first bad cycle of each, the command that
+/// replays it, and `left_out`. The file holds runs with `record pairs`. Throws
 /// StoreError.
 VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out);
 

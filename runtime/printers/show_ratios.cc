@@ -290,7 +290,16 @@ void AddOtherFaults(const Model& model, Document& document) {
   };
   add("Pairs listed that do not overlap", &Findings::false_positives, true);
   add("Pairs listed again", &Findings::duplicate, true);
-  add("Overlaps without a contact", &Findings::missed_contacts, false);
+  const auto contacts = figures::ContactFindingsOf(model.file());
+  std::vector<std::string> missed;
+  for (const figures::ContactFindings& of : contacts)
+    if (of.missed > 0)
+      missed.push_back(fmt::format("{} {} of {} compared", of.narrow_phase, of.missed, of.exact));
+  if (!missed.empty())
+    document.push_back(
+        {.title = fmt::format("Overlaps without a contact: {}.", fmt::join(missed, ", "))});
+  // Results from before overlaps were counted.
+  if (contacts.empty()) add("Overlaps without a contact", &Findings::missed_contacts, false);
 }
 
 // Error against run time, as tables and plots (`cdb show --error`).

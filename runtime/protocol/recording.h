@@ -23,6 +23,10 @@
 
 namespace cdb::protocol {
 
+/// The exact depth is computed for at most this many possible overlaps of a cycle, in about half a
+/// second; of more, so many are drawn at random (`record pairs`, and the metric geometry).
+inline constexpr std::size_t kMostComparedContacts = 5000;
+
 // Text of bounded size in memory that another process may have damaged.
 
 /// Truncates text that does not fit.

@@ -43,7 +43,7 @@ enum Observable {
   kPairsExact,      ///< pairs of objects whose exact boxes overlap; no value if not requested
   kPairsMissed,     ///< exact pairs that the broad phase lacks
   kPairsPhantom,    ///< pairs of the broad phase that are not exact pairs
-  kOverlapsExact,   ///< overlaps with a closed form; no value if geometry is not requested
+  kOverlapsExact,   ///< exact overlaps that were compared; no value if geometry is not requested
   kOverlapsMissed,  ///< those without a contact point
   kDepthErrorSum,   ///< sum of |depth - exact| over the others, in sizes of the smaller object
   kNormalErrorSum,  ///< sum of the angles between normals, rad, where the normal is unique

@@ -309,6 +309,7 @@ export function mixed() {
         wrong_runs: 1,
       },
     ],
+    contact_findings: [{ narrow_phase: 'bullet', runs: 1, cycles: 100, compared: 70, of: 72, missed: 5 }],
   });
 }
 

@@ -235,6 +235,7 @@ test('void points are hollow, apart and said; verdicts have names and cycles', a
     /2 of 24detector simple, speed 1, seed 1detector simple, speed 1, seed 2/,
   );
   assert.match(await text('#findings'), /sap/);
+  assert.match(await text('#findings'), /bullet\s*100\s*70\s*72\s*5/);
   await tab.click('#failures .copy');
   await tab.waitForFunction(() => document.querySelector('#failures .copy').textContent !== 'Copy');
   assert.equal(await text('#failures .copy'), 'Copied');

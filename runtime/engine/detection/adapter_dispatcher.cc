@@ -153,6 +153,10 @@ void AdapterDispatcher::Visit(btBroadphasePair& pair, const btDispatcherInfo& in
   manifolds_.push_back(kept.manifold());
 }
 
+bool AdapterDispatcher::IsDetectors(const btBroadphasePair& pair) {
+  return pair.m_internalTmpValue == kDetector;
+}
+
 void AdapterDispatcher::Ask(btOverlappingPairCache& cache) {
   detector_.detector->FindContacts(view_.For(true), asked_, contacts_);
   places_.clear();

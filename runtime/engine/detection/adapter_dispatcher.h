@@ -32,6 +32,9 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   void dispatchAllCollisionPairs(btOverlappingPairCache* cache, const btDispatcherInfo& info,
                                  btDispatcher* dispatcher) override;
 
+  /// The detector, rather than Bullet, was asked for the contacts of the pair.
+  static bool IsDetectors(const btBroadphasePair& pair);
+
  private:
   class Visitor;
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <utility>
 
+#include "library/distributions/stream.h"
+#include "library/objects/distance.h"
+#include "runtime/engine/detection/adapter_dispatcher.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
 
@@ -43,7 +46,7 @@ PairReferee::PairReferee(world::Engine& engine, protocol::Recording& recording)
 
 void PairReferee::BeforeStep() {
   // The detector runs before the bodies are moved.
-  if (detects_) overlaps_ = ExactOverlaps(engine_, ExactPairs(engine_));
+  if (detects_) contacts_ = ExactOverlaps(engine_, ExactPairs(engine_), steps_++);
 }
 
 void PairReferee::AfterStep(std::uint64_t cycle) {
@@ -106,9 +109,21 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
 }
 
 void PairReferee::JudgeContacts(std::uint64_t cycle) {
-  const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
-  recording_.Put("missed_contacts", cycle, static_cast<std::int32_t>(errors.missed));
-  const double found = static_cast<double>(overlaps_.size()) - errors.missed;
+  const NarrowPhaseErrors errors = CompareContacts(engine_, contacts_.overlaps);
+  const auto of_bullet =
+      std::ranges::count(contacts_.uncompared, ContactMaker::kBullet,
+                         [&](const BodyPair& bodies) { return ContactMakerOf(engine_, bodies); });
+  const auto put = [&](schema::IntSeries series, auto count) {
+    recording_.Put(series, cycle, static_cast<std::int32_t>(count));
+  };
+  put("exact_contacts", contacts_.overlaps.size());
+  put("uncompared_contacts", contacts_.uncompared.size());
+  put("missed_contacts", errors.missed);
+  put("unlisted_contacts", errors.unlisted);
+  put("bullet_contacts", errors.bullet);
+  put("bullet_missed_contacts", errors.bullet_missed);
+  put("bullet_uncompared_contacts", of_bullet);
+  const double found = static_cast<double>(contacts_.overlaps.size()) - errors.missed;
   if (found > 0) recording_.Put("depth_error", cycle, errors.depth_sum / found);
   if (errors.normals > 0) recording_.Put("normal_error", cycle, errors.normal_sum / errors.normals);
 }
@@ -116,9 +131,8 @@ void PairReferee::JudgeContacts(std::uint64_t cycle) {
 namespace {
 
 using Eigen::Vector3d;
-using objects::Penetration;
 
-/// Two directions of separation are equivalent if their depths differ by at most this fraction.
+/// Normals are equivalent if their depths differ by at most this fraction.
 constexpr double kTie = 0.01;
 
 /// The pose in the engine, converted to a quaternion in double precision.
@@ -129,21 +143,60 @@ objects::Pose PoseOf(const btRigidBody& body) {
   return {world::ToEigen(transform.getOrigin()), Eigen::Quaterniond(turn).normalized()};
 }
 
-/// The walls have the shapes made by MakeWall of the engine.
-std::optional<Penetration> ContactWithWall(const objects::Solid& solid, const objects::Pose& pose,
-                                           const btRigidBody& wall) {
-  const btCollisionShape& shape = *wall.getCollisionShape();
-  if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) {
-    const Vector3d normal =
-        world::ToEigen(static_cast<const btStaticPlaneShape&>(shape).getPlaneNormal());
-    return objects::ExactContact(solid, pose, normal,
-                                 normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin())));
+/// Bodies whose depth is to be computed.
+struct Candidate {
+  BodyPair bodies;
+  double size;  ///< m, of the smaller object
+  objects::Solid a, b;
+  objects::Pose pose_a, pose_b;
+};
+
+/// Leaves those that may overlap, and of these at most so many, drawn at random. The others are
+/// added to `uncompared`.
+void Draw(std::vector<Candidate>& candidates, std::uint64_t draw, std::size_t most,
+          std::vector<BodyPair>& uncompared) {
+  if (candidates.size() <= most) return;
+  std::erase_if(candidates, [](const Candidate& of) {
+    return !objects::Overlap(of.a, of.pose_a, of.b, of.pose_b);
+  });
+  if (candidates.size() <= most) return;
+  distributions::Stream stream(draw);
+  for (std::size_t i = 0; i < most; ++i) {
+    const double rest = static_cast<double>(candidates.size() - i);
+    std::swap(candidates[i], candidates[i + static_cast<std::size_t>(rest * stream.Uniform())]);
   }
-  const auto& box = static_cast<const btBoxShape&>(shape);
-  return objects::ExactContact(
-      solid, pose,
-      {objects::Shape::kCuboid, 2 * world::ToEigen(box.getHalfExtentsWithMargin()), nullptr},
-      PoseOf(wall));
+  for (std::size_t i = most; i < candidates.size(); ++i) uncompared.push_back(candidates[i].bodies);
+  candidates.resize(most);
+}
+
+/// Null if the two do not overlap, or are not known to.
+ExactOverlap* Add(const BodyPair& bodies, double size, const exact::SignedDistance& distance,
+                  ExactContacts& contacts) {
+  if (-distance.lower <= kLeastOverlap * size) return nullptr;
+  if (!distance.IsTight(size)) {
+    contacts.uncompared.push_back(bodies);
+    return nullptr;
+  }
+  return &contacts.overlaps.emplace_back(
+      ExactOverlap{bodies, distance.Depth(), distance.normal, true, size});
+}
+
+void Compute(const Candidate& of, ExactContacts& contacts) {
+  const exact::SignedDistance distance = exact::DistanceOf(of.a, of.pose_a, of.b, of.pose_b, 0);
+  if (ExactOverlap* overlap = Add(of.bodies, of.size, distance, contacts))
+    overlap->has_one_normal = exact::HasOneNormal(of.a, of.pose_a, of.b, of.pose_b, distance, kTie);
+}
+
+/// The solid that the box of a wall is, or the half space behind a plane: as MakeWall of the engine
+/// makes them.
+objects::Solid BoxWall(const btRigidBody& wall) {
+  const auto& box = static_cast<const btBoxShape&>(*wall.getCollisionShape());
+  return {objects::Shape::kCuboid, 2 * world::ToEigen(box.getHalfExtentsWithMargin())};
+}
+exact::HalfSpace PlaneWall(const btRigidBody& wall) {
+  const auto& plane = static_cast<const btStaticPlaneShape&>(*wall.getCollisionShape());
+  const Vector3d normal = world::ToEigen(plane.getPlaneNormal());
+  return {normal, normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin()))};
 }
 
 }  // namespace
@@ -178,23 +231,22 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   return pairs;
 }
 
-std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
-                                        const std::vector<BodyPair>& pairs) {
-  std::vector<ExactOverlap> overlaps;
+ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
+                            std::uint64_t draw, std::size_t most) {
+  ExactContacts contacts;
+  std::vector<Candidate> candidates;
   const auto& objects = engine.initial_state().objects;
-  const auto add = [&](const BodyPair& bodies, const std::optional<Penetration>& contact,
-                       double size) {
-    if (contact && contact->depth > kLeastOverlap * size)
-      overlaps.push_back({bodies, *contact, size});
-  };
   const auto size_of = [&](std::uint32_t object) { return objects[object].solid.sides.maxCoeff(); };
   for (const auto& [first, second] : pairs) {
     const btRigidBody &a = *engine.objects()[first], &b = *engine.objects()[second];
     // Linked objects may pass through each other.
     if (!a.checkCollideWith(&b)) continue;
-    add({first, second},
-        objects::ExactContact(objects[first].solid, PoseOf(a), objects[second].solid, PoseOf(b)),
-        std::min(size_of(first), size_of(second)));
+    candidates.push_back({{first, second},
+                          std::min(size_of(first), size_of(second)),
+                          objects[first].solid,
+                          objects[second].solid,
+                          PoseOf(a),
+                          PoseOf(b)});
   }
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
     if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
@@ -202,11 +254,33 @@ std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
     for (const auto& wall : engine.walls()) {
       const auto index = static_cast<std::uint32_t>(wall->getUserIndex());
       if (engine.IsWithoutWall(i, static_cast<int>(index - objects.size()))) continue;
-      add({i, index}, ContactWithWall(objects[i].solid, pose, *wall), size_of(i));
+      if (wall->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
+        Add({i, index}, size_of(i), exact::DistanceOf(objects[i].solid, pose, PlaneWall(*wall)),
+            contacts);
+      else
+        candidates.push_back(
+            {{i, index}, size_of(i), objects[i].solid, BoxWall(*wall), pose, PoseOf(*wall)});
     }
   }
-  std::ranges::sort(overlaps, {}, &ExactOverlap::bodies);
-  return overlaps;
+  Draw(candidates, draw, most, contacts.uncompared);
+  for (const Candidate& candidate : candidates) Compute(candidate, contacts);
+  std::ranges::sort(contacts.overlaps, {}, &ExactOverlap::bodies);
+  return contacts;
+}
+
+ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies) {
+  const auto proxy = [&](std::uint32_t index) {
+    const auto objects = engine.objects().size();
+    if (index < objects) return engine.objects()[index]->getBroadphaseHandle();
+    const auto wall = std::ranges::find(engine.walls(), static_cast<int>(index),
+                                        [](const auto& one) { return one->getUserIndex(); });
+    return (*wall)->getBroadphaseHandle();
+  };
+  const btBroadphasePair* pair =
+      engine.world().getPairCache()->findPair(proxy(bodies.first), proxy(bodies.second));
+  if (pair == nullptr) return ContactMaker::kNone;
+  return detection::AdapterDispatcher::IsDetectors(*pair) ? ContactMaker::kDetector
+                                                          : ContactMaker::kBullet;
 }
 
 NarrowPhaseErrors CompareContacts(world::Engine& engine,
@@ -233,14 +307,17 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine,
   }
   NarrowPhaseErrors errors;
   for (std::size_t i = 0; i < overlaps.size(); ++i) {
-    const Penetration& exact = overlaps[i].contact;
+    const ExactOverlap& exact = overlaps[i];
     const Found& found = founds[i];
-    if (std::isinf(found.depth)) {
-      ++errors.missed;
-      continue;
-    }
-    errors.depth_sum += std::fabs(found.depth - exact.depth) / overlaps[i].size;
-    if (exact.next_depth <= (1 + kTie) * exact.depth) continue;
+    const bool is_missed = std::isinf(found.depth);
+    const ContactMaker maker = ContactMakerOf(engine, exact.bodies);
+    errors.missed += is_missed;
+    errors.unlisted += is_missed && maker == ContactMaker::kNone;
+    errors.bullet += maker == ContactMaker::kBullet;
+    errors.bullet_missed += is_missed && maker == ContactMaker::kBullet;
+    if (is_missed) continue;
+    errors.depth_sum += std::fabs(found.depth - exact.depth) / exact.size;
+    if (!exact.has_one_normal) continue;
     // The sine is accurate for small angles, the cosine for large ones.
     errors.normal_sum +=
         std::atan2(found.normal.cross(exact.normal).norm(), found.normal.dot(exact.normal));

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "library/detectors/exact_pairs.h"
-#include "library/objects/distance.h"
+#include "library/exact/signed_distance.h"
 #include "runtime/engine/detection/adapter_broad_phase.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 
 namespace cdb::probes {
 
-// Exact pairs and overlaps of the bodies in their current poses, by brute force and closed forms,
+// Exact pairs and overlaps of the bodies in their current poses, by brute force and library/exact,
 // in double.
 //
 // Not thread-safe with respect to the engine.
@@ -29,21 +29,34 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine);
 /// Two overlapping bodies.
 struct ExactOverlap {
   BodyPair bodies;
-  objects::Penetration contact;  ///< the normal points from the second body to the first
-  double size;                   ///< m, of the smaller object; walls have none
+  double depth = 0;                                   ///< m
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitY();  ///< from the second body to the first
+  bool has_one_normal = true;  ///< false: another normal has about the same depth
+  double size = 0;             ///< m, of the smaller object; walls have none
 };
 
 /// In sizes. A shallower overlap is lost in rounding; no detector has to find it.
 inline constexpr double kLeastOverlap = 1e-4;
 
-/// Overlaps deeper than kLeastOverlap, in the order of their bodies, for pairs with a closed form:
-/// objects that may collide, and objects and walls. `pairs`: ExactPairs.
-std::vector<ExactOverlap> ExactOverlaps(const world::Engine& engine,
-                                        const std::vector<BodyPair>& pairs);
+struct ExactContacts {
+  std::vector<ExactOverlap> overlaps;  ///< deeper than kLeastOverlap, in the order of their bodies
+  /// Other pairs that may overlap as deeply: those whose depth is not known to a billionth of the
+  /// size of the smaller object, and those that were not drawn.
+  std::vector<BodyPair> uncompared;
+};
+
+/// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs. If more than `most`
+/// may overlap, plane walls aside, so many are drawn at random; `draw` selects the draw.
+ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
+                            std::uint64_t draw = 0,
+                            std::size_t most = protocol::kMostComparedContacts);
 
 /// Errors of the narrow phase over a set of overlaps.
 struct NarrowPhaseErrors {
-  double missed = 0;      ///< overlaps without a contact point
+  double missed = 0;    ///< overlaps without a contact point
+  double unlisted = 0;  ///< of these, those whose pair the broad phase did not list
+  double bullet = 0;    ///< overlaps of pairs whose contacts Bullet makes, not the detector
+  double bullet_missed = 0;
   double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
   double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique
   double normals = 0;     ///< number of angles in normal_sum
@@ -53,9 +66,13 @@ struct NarrowPhaseErrors {
 /// last step.
 NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<ExactOverlap>& overlaps);
 
+/// Who made the contacts of a pair in the last step.
+enum class ContactMaker { kNone, kDetector, kBullet };  // kNone: the broad phase did not list it
+ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies);
+
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are
-/// compared with closed forms, in the poses that the detector saw. Requires that the run records
+/// compared with exact overlaps, in the poses that the detector saw. Requires that the run records
 /// pairs. Engine and recording must outlive it. Not thread-safe.
 class PairReferee {
  public:
@@ -77,7 +94,8 @@ class PairReferee {
   protocol::Recording& recording_;
   std::vector<Box> boxes_;  ///< by user index; NaN for absent walls
   std::vector<Filter> filters_;
-  std::vector<ExactOverlap> overlaps_;  ///< in the poses before the step
+  std::uint64_t steps_ = 0;
+  ExactContacts contacts_;  ///< in the poses before the step
 };
 
 }  // namespace cdb::probes

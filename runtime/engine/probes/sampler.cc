@@ -41,7 +41,7 @@ void Sampler::BeforeStep() {
   if (!(wants_pairs_ || wants_geometry_) || IsComplete() || (steps_ + 1) % cycles_per_sample_ != 0)
     return;
   exact_ = ExactPairs(engine_);
-  if (wants_geometry_) overlaps_ = ExactOverlaps(engine_, exact_);
+  if (wants_geometry_) overlaps_ = ExactOverlaps(engine_, exact_).overlaps;
 }
 
 void Sampler::AfterStep() {

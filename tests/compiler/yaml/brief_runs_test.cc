@@ -19,7 +19,7 @@ plan::Plan PlanToLookAt(const std::string& text) {
 TEST(BriefRuns, AreThoseOfThePlan) {
   for (const char* text :
        {"benchmark b { }", "benchmark b { objects { quantity sweep(0, 3, 1000) } }",
-        "# runs:\n#   - id: \"0\"\nbenchmark b { detector sweep(dbvt, sap); repeats 2\n"
+        "# runs:\n#   - id: \"0\"\nbenchmark b { detector sweep(dbvt, sap); narrow_phase sweep(own, bullet); repeats 2\n"
         "seed sweep(1 .. 3); skip when seed == 2\n"
         "objects pebbles { quantity 4; size uniform(1, 2) }\n"
         "objects bricks { quantity sweep(1, 2); mass fixed } }"}) {
@@ -32,6 +32,7 @@ TEST(BriefRuns, AreThoseOfThePlan) {
       EXPECT_EQ((*runs)[i].id, plan.runs[i].id);
       EXPECT_EQ((*runs)[i].at, plan.runs[i].at);
       EXPECT_EQ((*runs)[i].detector, plan.runs[i].scene.world.WordOr("detector"));
+      EXPECT_EQ((*runs)[i].narrow_phase, plan.runs[i].scene.world.WordOr("narrow_phase"));
       EXPECT_EQ((*runs)[i].objects, plan.runs[i].scene.ObjectCount());
     }
   }

@@ -53,11 +53,10 @@ struct Case {
   SignedDistance Distance() const { return exact::DistanceOf(a, pose_a, b, pose_b); }
 };
 
-/// The translation of a along `normal`, the negative of a height, that just separates two pieces.
+/// The gap of the two pieces that are claimed to be the closest.
 double GapAlong(const Case& c, const SignedDistance& pieces, const Vector3d& normal) {
-  return normal.dot(c.pose_a.position - c.pose_b.position) -
-         HeightOf(c.a, pieces.piece_a, c.pose_a.orientation, -normal) -
-         HeightOf(c.b, pieces.piece_b, c.pose_b.orientation, normal);
+  return GapAlong(OracleBody{c.a, c.pose_a, pieces.piece_a},
+                  OracleBody{c.b, c.pose_b, pieces.piece_b}, normal);
 }
 
 bool HasPieces(const Case& c) { return c.a.PieceCount() * c.b.PieceCount() > 1; }
@@ -98,7 +97,7 @@ Case DrawCase(distributions::Stream& stream, std::size_t kind_a, std::size_t kin
   const auto place = [&](double at) { c.pose_b.position = c.pose_a.position + at * way; };
   for (int i = 0; i < 50 && gap > -1; ++i) {
     place((near + far) / 2);
-    const bool is_apart = exact::DistanceOf(c.a, c.pose_a, c.b, c.pose_b, 0).lower > 0;
+    const bool is_apart = exact::DistanceOf(c.a, c.pose_a, c.b, c.pose_b, 0).upper > 0;
     (is_apart ? far : near) = (near + far) / 2;
   }
   place(gap > -1 ? far + gap * smaller : stream.Uniform(0, 0.3) * smaller);
@@ -120,6 +119,26 @@ TEST_P(Certificate, HoldsForEveryPairAtEveryDepth) {
             << other << ' ' << gap << ": " << claim.lower << " .. " << claim.upper;
         Check(stream, c, claim);
         if (HasFatalFailure()) FAIL() << GetParam() << " and " << other << ", gap " << gap;
+      }
+    }
+  }
+}
+
+TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
+  distributions::Stream stream(GetParam() + 500);
+  for (std::size_t other = 0; other < kKinds; ++other) {
+    if (other == 10 && GetParam() == 10) continue;
+    for (const double gap : {-2.0, -0.1, -1e-3, 1e-3, 0.5}) {
+      for (int i = 0; i < Cases(other == 9 || GetParam() == 9 ? 1 : 2); ++i) {
+        SCOPED_TRACE(testing::Message() << GetParam() << " and " << other << ", gap " << gap);
+        const Case c = DrawCase(stream, GetParam(), other, 4, gap);
+        const SignedDistance claim = c.Distance();
+        const OracleGap searched = SearchedGap(c.a, c.pose_a, c.b, c.pose_b);
+        const double size = std::min(c.a.OuterRadius(), c.b.OuterRadius());
+        EXPECT_LE(searched.gap, claim.upper + 1e-13 * c.Scale());
+        EXPECT_GE(searched.gap, claim.lower - 1e-6 * size);
+        EXPECT_NEAR(-claim.Depth(), searched.gap, 1e-6 * size);
+        EXPECT_NEAR(GapAlong(c, claim, claim.normal), searched.gap, 1e-6 * size);
       }
     }
   }

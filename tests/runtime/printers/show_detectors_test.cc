@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,12 @@ const std::string kTitle = "A plan for tests \xE2\x80\x93 \xC2\xB5";
 class Made {
  public:
   explicit Made(const plan::Run& run) : fake_(run) {
-    for (const char* name : {"missed_pairs", "phantom_pairs", "duplicate_pairs", "missed_contacts"})
+    for (const char* name : {"missed_pairs", "phantom_pairs", "duplicate_pairs", "missed_contacts",
+                             "unlisted_contacts", "bullet_missed_contacts", "uncompared_contacts",
+                             "bullet_uncompared_contacts"})
       Ints(name, {0, 0, 0});
     Ints("exact_pairs", {10, 10, 10});
+    for (const char* name : {"exact_contacts", "bullet_contacts"}) Ints(name, {7, 7, 7});
     Reals("depth_error", {1e-5, NAN, 3e-5});
     Reals("normal_error", {NAN, NAN, NAN});
     fake_.result.message = fake_.result.omitted = fake_.result.decisions = "";
@@ -118,58 +122,102 @@ TEST(Verify, TellsTheWrongFirst) {
         return printers::VerifyTable(file, {"sap is not built"});
       });
   EXPECT_FALSE(verified.is_good);
-  EXPECT_EQ(
-      verified.text,
-      kTitle +
-          "\n  detector  points  cycles  exact pairs  missed  phantom  duplicate  contacts missed  "
-          "depth error  normal error  verdict\n"
-          "  "
-          "----------------------------------------------------------------------------------------"
-          "---"
-          "---------------------------------------\n"
-          "  null           2       6           60      23        0          0                0    "
-          "  2.0e-05             -  wrong: misses pairs\n"
-          "  broken         2       3           30       0        0          0                0    "
-          "  "
-          "2.0e-05             -  failed: 1 of 2\n"
-          "  simple         2       6           60       0        0          0                0    "
-          "  2.0e-05             -  exact\n"
-          "  dbvt           2       6           60       0        6          0                0    "
-          "  "
-          "2.0e-05             -  superset\n"
-          "  twice          2       6           60       0        0          8                0    "
-          "  2.0e-05             -  lists pairs twice\n"
-          "\n"
-          "  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on\n"
-          "    cdb run fixture.cdb -b fixture --only " +
-          IdOf(plan, 8) +
-          "\n"
-          "  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)\n"
-          "    cdb run fixture.cdb -b fixture --only " +
-          IdOf(plan, 7) +
-          "\n"
-          "  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on\n"
-          "    cdb run fixture.cdb -b fixture --only " +
-          IdOf(plan, 4) + "\n  Omitted: sap is not built.\n");
+  EXPECT_EQ(verified.text, kTitle +
+                               R"(
+  detector  phase   points  cycles    compared  missed  phantom  duplicate  depth error  normal error  verdict
+  ------------------------------------------------------------------------------------------------------------------------
+  null      broad        2       6    60 of 60      23        0          0            -             -  wrong: misses pairs
+  broken    broad        2       3    30 of 30       0        0          0            -             -  failed: 1 of 2
+  simple    broad        2       6    60 of 60       0        0          0            -             -  exact
+  dbvt      broad        2       6    60 of 60       0        6          0            -             -  superset
+  twice     broad        2       6    60 of 60       0        0          8            -             -  lists pairs twice
+  bullet    narrow       9      27  189 of 189       0        -          -      2.0e-05             -  misses none
+
+  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on
+    cdb run fixture.cdb -b fixture --only )" +
+                               IdOf(plan, 8) + R"(
+  broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)
+    cdb run fixture.cdb -b fixture --only )" +
+                               IdOf(plan, 7) + R"(
+  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on
+    cdb run fixture.cdb -b fixture --only )" +
+                               IdOf(plan, 4) + "\n  Omitted: sap is not built.\n");
 }
 
-TEST(Verify, IsGoodWhereNothingIsMissed) {
+TEST(Verify, IsGoodWhereNoDetectorMissesAnything) {
   const plan::Plan plan = PlanOf({TextAxis("detector", {"simple", "dbvt"})}, {"pairs"});
-  const auto judge = [&](const char* series, std::vector<std::int32_t> values) {
+  using Counts = std::map<const char*, std::vector<std::int32_t>>;
+  const auto judge = [&](const Counts& counts) {
     return WithFile(
-        plan, [&](const plan::Run&, Made& made) { made.Ints(series, values); },
+        plan,
+        [&](const plan::Run&, Made& made) {
+          for (const auto& [series, values] : counts) made.Ints(series, values);
+        },
         [](const results::ResultFile& file) { return printers::VerifyTable(file, {}); });
   };
-  EXPECT_TRUE(judge("phantom_pairs", {9, 9, 9}).is_good);
-  EXPECT_TRUE(judge("duplicate_pairs", {1, 0, 0}).is_good);
-  EXPECT_FALSE(judge("missed_pairs", {0, 0, 1}).is_good);
-  const printers::VerifyText contacts = judge("missed_contacts", {0, 1, 0});
-  EXPECT_FALSE(contacts.is_good);
-  EXPECT_NE(contacts.text.find("wrong: misses contacts"), std::string::npos) << contacts.text;
-  const std::string narrow = "the narrow phase misses the contacts";
-  EXPECT_NE(contacts.text.find(narrow), std::string::npos) << contacts.text;
-  EXPECT_EQ(judge("missed_pairs", {0, 0, 1}).text.find(narrow), std::string::npos);
-  EXPECT_NE(judge("exact_pairs", {-1, -1, -1}).text.find("nothing to judge"), std::string::npos);
+  EXPECT_TRUE(judge({{"phantom_pairs", {9, 9, 9}}}).is_good);
+  EXPECT_TRUE(judge({{"duplicate_pairs", {1, 0, 0}}}).is_good);
+  EXPECT_FALSE(judge({{"missed_pairs", {0, 0, 1}}}).is_good);
+  EXPECT_FALSE(judge({{"missed_contacts", {0, 1, 0}}, {"bullet_contacts", {0, 0, 0}}}).is_good);
+  EXPECT_FALSE(judge({{"missed_contacts", {0, 2, 0}},
+                      {"bullet_missed_contacts", {0, 1, 0}},
+                      {"bullet_contacts", {2, 2, 2}}})
+                   .is_good)
+      << "one of the two is the detector's";
+  EXPECT_TRUE(
+      judge({{"missed_contacts", {0, 1, 0}}, {"bullet_missed_contacts", {0, 1, 0}}}).is_good)
+      << "no detector misses anything";
+}
+
+/// The row of a phase in the table of a run with these counts, with single spaces.
+std::string RowOf(const char* phase,
+                  const std::map<const char*, std::vector<std::int32_t>>& counts) {
+  const std::string text = WithFile(
+      PlanOf({TextAxis("detector", {"grid"})}, {"pairs"}),
+      [&](const plan::Run&, Made& made) {
+        for (const auto& [series, values] : counts) made.Ints(series, values);
+      },
+      [](const results::ResultFile& file) { return printers::VerifyTable(file, {}).text; });
+  const std::size_t at = text.find(phase);
+  EXPECT_NE(at, text.npos) << text;
+  const std::size_t begin = text.rfind('\n', at) + 1;
+  std::istringstream words(text.substr(begin, text.find('\n', at) - begin));
+  std::string row;
+  for (std::string word; words >> word;) row += (row.empty() ? "" : " ") + word;
+  return row;
+}
+
+TEST(Verify, SaysHowMuchWasCompared) {
+  EXPECT_EQ(RowOf("narrow",
+                  {{"uncompared_contacts", {2, 0, 0}}, {"bullet_uncompared_contacts", {2, 0, 0}}}),
+            "bullet narrow 1 3 21 of 23 0 - - 2.0e-05 - misses none");
+  EXPECT_EQ(RowOf("narrow", {{"exact_contacts", {0, 0, 0}}, {"bullet_contacts", {0, 0, 0}}}),
+            "- narrow 1 3 0 of 0 - - - 2.0e-05 - nothing compared");
+  EXPECT_EQ(RowOf("broad", {{"exact_pairs", {0, 0, 0}}}),
+            "grid broad 1 3 0 of 0 - - - - - nothing compared");
+  EXPECT_EQ(RowOf("broad", {{"exact_pairs", {-1, -1, -1}}}),
+            "grid broad 1 0 0 of 0 - - - - - nothing compared");
+}
+
+TEST(Verify, GivesTheNarrowPhaseARowOfItsOwn) {
+  EXPECT_EQ(
+      RowOf("narrow", {{"missed_contacts", {0, 3, 0}}, {"bullet_missed_contacts", {0, 3, 0}}}),
+      "bullet narrow 1 3 21 of 21 3 - - 2.0e-05 - Bullet misses contacts");
+  EXPECT_EQ(RowOf("broad", {{"missed_contacts", {0, 3, 0}}, {"bullet_missed_contacts", {0, 3, 0}}}),
+            "grid broad 1 3 30 of 30 0 0 0 - - exact");
+  // The pair of one contact was not listed: no narrow phase was asked for it.
+  EXPECT_EQ(RowOf("narrow", {{"bullet_contacts", {0, 0, 0}},
+                             {"missed_contacts", {0, 3, 0}},
+                             {"unlisted_contacts", {0, 1, 0}}}),
+            "grid narrow 1 3 20 of 20 2 - - 2.0e-05 - wrong: misses contacts");
+  const std::map<const char*, std::vector<std::int32_t>> both = {
+      {"bullet_contacts", {2, 2, 2}},
+      {"missed_contacts", {0, 3, 0}},
+      {"bullet_missed_contacts", {0, 3, 0}}};
+  EXPECT_EQ(RowOf("grid      narrow", both),
+            "grid narrow 1 3 15 of 15 0 - - 2.0e-05 - misses none");
+  EXPECT_EQ(RowOf("bullet    narrow", both),
+            "bullet narrow 1 3 6 of 6 3 - - - - Bullet misses contacts");
 }
 
 /// The summary of three detectors at three quantities; detect grows as quantity, as quantity^2, and

@@ -235,32 +235,40 @@ export function omissions(doc) {
   ];
 }
 
+/** Rows of counts; the first column is a name. Faults are emphasised. */
+function comparedTable(list, columns, caption) {
+  const keys = columns.filter((key) => list.some((row) => row[key] !== undefined));
+  return table(
+    keys.map((key, i) => ({ label: key.replace(/_/g, ' '), isNumber: i > 0 })),
+    list.map((row) =>
+      keys.map((key) => {
+        const text = typeof row[key] === 'number' ? count(row[key]) : (row[key] ?? null);
+        return ['missed', 'duplicate', 'wrong_runs'].includes(key) && row[key] > 0 ? h('strong', {}, text) : text;
+      }),
+    ),
+    caption,
+  );
+}
+
 export function findings(doc) {
   const list = doc.raw.findings ?? [];
   if (list.length === 0) return null;
-  const keys = [
-    'detector',
-    'cycles',
-    'exact',
-    'missed',
-    'false_positives',
-    'duplicate',
-    'missed_contacts',
-    'wrong_runs',
-  ].filter((key) => list.some((row) => row[key] !== undefined));
+  const contacts = doc.raw.contact_findings ?? [];
   return [
-    table(
-      keys.map((key) => ({ label: key.replace(/_/g, ' '), isNumber: key !== 'detector' })),
-      list.map((row) =>
-        keys.map((key) => {
-          const text = typeof row[key] === 'number' ? count(row[key]) : (row[key] ?? null);
-          return ['missed', 'missed_contacts', 'duplicate', 'wrong_runs'].includes(key) && row[key] > 0
-            ? h('strong', {}, text)
-            : text;
-        }),
-      ),
+    comparedTable(
+      list,
+      ['detector', 'cycles', 'exact', 'missed', 'false_positives', 'duplicate', 'wrong_runs'],
       'Pairs compared with exact ones',
     ),
+    ...(contacts.length > 0
+      ? [
+          comparedTable(
+            contacts,
+            ['narrow_phase', 'cycles', 'compared', 'of', 'missed'],
+            'Contacts compared with exact ones',
+          ),
+        ]
+      : []),
     h(
       'p',
       { class: 'note' },

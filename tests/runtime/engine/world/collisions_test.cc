@@ -72,7 +72,7 @@ TEST_P(CollidesWith, LeavesExactlyThePairsThatMayTouch) {
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   const std::vector<probes::BodyPair> exact = probes::ExactPairs(engine);
   EXPECT_EQ(BodyPairs(exact.begin(), exact.end()), kExpected);
-  for (const probes::ExactOverlap& overlap : probes::ExactOverlaps(engine, exact))
+  for (const probes::ExactOverlap& overlap : probes::ExactOverlaps(engine, exact).overlaps)
     EXPECT_TRUE(kExpected.contains(overlap.bodies));
   engine.Step();
   EXPECT_EQ(PairsWithinObjects(engine), kExpected);
