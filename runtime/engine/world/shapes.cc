@@ -290,17 +290,13 @@ void AdjustNormal(btManifoldPoint& contact, const btCollisionObjectWrapper* body
   if (front.dot(mirrored.m_normalWorldOnB) > 1 - 100 * SIMD_EPSILON) contact = mirrored;
 }
 
-/// Moves a contact of a ball with a new normal below its centre; elsewhere it would spin the ball.
-void MoveBelow(const btCollisionObjectWrapper& ball, const btTransform& surface,
-               btManifoldPoint& contact) {
-  const btScalar radius = static_cast<const btSphereShape*>(ball.getCollisionShape())->getRadius();
-  contact.m_positionWorldOnA =
-      ball.getWorldTransform().getOrigin() - radius * contact.m_normalWorldOnB;
-  contact.m_positionWorldOnB =
-      contact.m_positionWorldOnA - contact.m_distance1 * contact.m_normalWorldOnB;
-  contact.m_localPointA =
-      ball.getCollisionObject()->getWorldTransform().invXform(contact.m_positionWorldOnA);
+/// Separates the points of a contact, so that it has no impulse and Bullet removes it.
+void Drop(const btTransform& surface, btScalar gap, btManifoldPoint& contact) {
+  contact.m_distance1 = gap;
+  contact.m_positionWorldOnB = contact.m_positionWorldOnA - gap * contact.m_normalWorldOnB;
   contact.m_localPointB = surface.invXform(contact.m_positionWorldOnB);
+  contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 =
+      0;
 }
 
 }  // namespace
@@ -318,9 +314,12 @@ bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, 
   const bool is_behind = front.dot(centre - pose * triangle.getVertexPtr(0)) < 0;
   const btVector3 before = contact.m_normalWorldOnB;
   AdjustNormal(contact, a, b, part_b, triangle_b, is_behind ? -front : front, is_behind);
-  const bool is_changed = !(contact.m_normalWorldOnB - before).fuzzyZero();
-  if (is_changed && a->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE)
-    MoveBelow(*a, pose, contact);
+  // A ball with another normal is nearest to another triangle, whose contact it has as well. Here
+  // it would touch beside its lowest point, and spin.
+  constexpr btScalar kTurned(1e-3);
+  if (a->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE &&
+      (contact.m_normalWorldOnB - before).length() > kTurned)
+    Drop(pose, 1 + 4 * a->getCollisionShape()->getMargin(), contact);
   return true;
 }
 
