@@ -269,6 +269,18 @@ double UsualEdge(const objects::Compound& surface) {
 
 namespace {
 
+/// True if the triangle turns into another one at each edge, by no more than a right angle.
+bool HasBluntEdges(const btCollisionShape& surface, int triangle) {
+  const btTriangleInfoMap* edges =
+      surface.getShapeType() == TERRAIN_SHAPE_PROXYTYPE
+          ? static_cast<const btHeightfieldTerrainShape&>(surface).getTriangleInfoMap()
+          : static_cast<const btBvhTriangleMeshShape&>(surface).getTriangleInfoMap();
+  const btTriangleInfo* found = edges->find(btHashInt(triangle));
+  return found != nullptr &&
+         std::max({btFabs(found->m_edgeV0V1Angle), btFabs(found->m_edgeV1V2Angle),
+                   btFabs(found->m_edgeV2V0Angle)}) <= SIMD_HALF_PI;
+}
+
 /// Corrects the normal of a contact with a triangle by Bullet's utility, which expects bodies in
 /// front of it, or a flag. `front`: the triangle's normal on the side of the body.
 void AdjustNormal(btManifoldPoint& contact, const btCollisionObjectWrapper* body,
@@ -280,14 +292,20 @@ void AdjustNormal(btManifoldPoint& contact, const btCollisionObjectWrapper* body
   };
   adjust(contact);
   // It leaves alone what would push the body through the surface: the shortest way out of this
-  // triangle, if it is deep in the body. If it takes the mirrored normal for that of a hit on an
-  // internal edge, it was one.
+  // triangle, if it is deep in the body. Past a sharp or an open edge that may be right, unless the
+  // utility takes the mirrored normal for that of a hit on another edge.
   const btScalar away = front.dot(contact.m_normalWorldOnB);
   if (away >= 0) return;
   btManifoldPoint mirrored = contact;
   mirrored.m_normalWorldOnB -= 2 * away * front;
   adjust(mirrored);
-  if (front.dot(mirrored.m_normalWorldOnB) > 1 - 100 * SIMD_EPSILON) contact = mirrored;
+  if (front.dot(mirrored.m_normalWorldOnB) <= 1 - 100 * SIMD_EPSILON) {
+    if (!HasBluntEdges(*triangle->getCollisionObject()->getCollisionShape(), index)) return;
+    mirrored.m_normalWorldOnB = front;
+    mirrored.m_positionWorldOnB = mirrored.m_positionWorldOnA - mirrored.m_distance1 * front;
+    mirrored.m_localPointB = triangle->getWorldTransform().invXform(mirrored.m_positionWorldOnB);
+  }
+  contact = mirrored;
 }
 
 /// Separates the points of a contact, so that it has no impulse and Bullet removes it.
