@@ -66,7 +66,10 @@ void NormalWatch::Check(const btPersistentManifold& manifold, const BodyStates& 
   if (objects_[other].mass == 0 || now[other].is_asleep) return;
   const Eigen::Quaterniond& turn = state[surface].pose.orientation;
   const objects::Compound& triangles = *state[surface].solid.compound;
-  const double precision = kOnSurface * triangles.sides().maxCoeff();
+  // Bullet computes the point in the world, in its own precision.
+  const double precision =
+      kOnSurface * triangles.sides().maxCoeff() +
+      8 * static_cast<double>(SIMD_EPSILON) * state[surface].pose.position.norm();
   const double most_depth = kMostDepth * 2 * state[other].solid.LeastHalfExtent();
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
