@@ -13,6 +13,7 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3, kLongStepOfBall = 5;
 constexpr double kThinWall = 1.5, kFastHit = 2, kSoftContact = 0.04, kThinShape = 30;
+constexpr double kManyEdges = 1;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -155,6 +156,18 @@ std::optional<Estimate> ThinShape(const SceneFacts& scene, const GroupFacts& obj
   // The depth of contacts becomes wrong, but only some runs fail because of it.
   const bool open = true;
   return Estimate{objects.elongation, kThinShape, Harmless(kThinShape), open};
+}
+
+std::optional<Estimate> InternalEdges(const SceneFacts& scene, const GroupFacts& objects) {
+  const bool meets_edges = std::ranges::any_of(scene.groups, [&](const GroupFacts& ground) {
+    return ground.is_surface && ground.settings->WordOr("edges") == "bullet" &&
+           scene.collisions->MayTouch(objects.index, ground.index);
+  });
+  if (!meets_edges || scene.rests) return std::nullopt;
+  const double way = objects.speed * scene.Time() + scene.g * std::pow(scene.Time(), 2) / 2;
+  // The triangles are not known here, nor where the object meets them.
+  const bool open = true;
+  return Estimate{way / objects.least_side, kManyEdges, 0, open};
 }
 
 }  // namespace cdb::lints

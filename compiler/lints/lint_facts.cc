@@ -169,6 +169,7 @@ SceneFacts FactsOf(const plan::Scene& scene) {
     facts.count += objects.quantity;
     if (objects.moves) facts.moving += objects.quantity;
   }
+  if (std::ranges::any_of(facts.groups, &GroupFacts::is_surface)) facts.collisions.emplace(scene);
   facts.has_ground = facts.has_walls || std::ranges::any_of(facts.groups, [](const GroupFacts& o) {
                        return !o.moves;
                      });
@@ -340,16 +341,27 @@ struct Row {
 
 /// In the order of Lint.
 constexpr Row kFormulae[] = {
-    {Lint::kTallStack, TallStack},     {Lint::kMassRatio, MassRatio},
-    {Lint::kHeavyEnd, HeavyEnd},       {Lint::kNarrowFoot, NarrowFoot},
-    {Lint::kOverlap, Overlap},         {Lint::kLongStep, LongStep},
-    {Lint::kThinWall, ThinWall},       {Lint::kFastHit, FastHit},
-    {Lint::kSoftContact, SoftContact}, {Lint::kStiffSpring, StiffSpring},
-    {Lint::kThinShape, ThinShape},     {Lint::kFastSpin, FastSpin},
-    {Lint::kSpinDrift, SpinDrift},     {Lint::kHugeBox, HugeBox},
-    {Lint::kCoarsePlace, CoarsePlace}, {Lint::kLostMotion, LostMotion},
-    {Lint::kLostFall, LostFall},       {Lint::kHeavyMass, HeavyMass},
-    {Lint::kEarlySleep, EarlySleep},   {Lint::kShortRun, ShortRun},
+    {Lint::kTallStack, TallStack},
+    {Lint::kMassRatio, MassRatio},
+    {Lint::kHeavyEnd, HeavyEnd},
+    {Lint::kNarrowFoot, NarrowFoot},
+    {Lint::kOverlap, Overlap},
+    {Lint::kLongStep, LongStep},
+    {Lint::kThinWall, ThinWall},
+    {Lint::kFastHit, FastHit},
+    {Lint::kSoftContact, SoftContact},
+    {Lint::kStiffSpring, StiffSpring},
+    {Lint::kThinShape, ThinShape},
+    {Lint::kFastSpin, FastSpin},
+    {Lint::kSpinDrift, SpinDrift},
+    {Lint::kHugeBox, HugeBox},
+    {Lint::kCoarsePlace, CoarsePlace},
+    {Lint::kLostMotion, LostMotion},
+    {Lint::kLostFall, LostFall},
+    {Lint::kHeavyMass, HeavyMass},
+    {Lint::kEarlySleep, EarlySleep},
+    {Lint::kShortRun, ShortRun},
+    {Lint::kInternalEdges, InternalEdges},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

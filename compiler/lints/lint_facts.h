@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/expectation.h"
 #include "compiler/lints/lints.h"
 #include "compiler/plan/plan.h"
 
@@ -81,6 +82,7 @@ struct SceneFacts {
   double count = 0;    ///< objects in all groups
   double moving = 0;   ///< number of objects that move if pushed
   std::vector<GroupFacts> groups;
+  std::optional<analysis::Collisions> collisions;  ///< of the scene; nullopt without surfaces
 
   double Time() const { return timestep * cycles; }
   bool MayTouch() const { return has_walls || count > 1; }
@@ -137,6 +139,7 @@ Formula ThinWall;
 Formula FastHit;
 Formula SoftContact;
 Formula ThinShape;
+Formula InternalEdges;
 
 // Motion in flight: motion_lints.cc.
 Formula FastSpin;

@@ -132,6 +132,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "objects {} not have come to rest by the end of the run",
      .remedy = "cycles {} or more",
      .about = "cycles timestep size acceleration"},
+    {.lint = Lint::kInternalEdges, .kind = {"W0321", "internal-edges"},
+     .number = "distance that an object can move / its size, if it may touch a surface with edges bullet",
+     .threshold = "1, and never certain",
+     .predicts = "the edges between the triangles of a surface {} deflect objects",
+     .remedy = "edges smooth for the surface",
+     .about = "linear_velocity acceleration location type"},
 };
 // clang-format on
 

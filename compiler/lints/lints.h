@@ -36,6 +36,7 @@ enum class Lint {
   kHeavyMass,
   kEarlySleep,
   kShortRun,
+  kInternalEdges,
 };
 
 /// One row of THE table of lints.

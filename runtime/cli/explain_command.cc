@@ -18,6 +18,7 @@ namespace {
 std::string RenderedWrong(const manual::Explanation& explanation) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(explanation.wrong);
+    if (auto text = manual::ExampleFile(path)) return text;
     why = "No such file or directory";
     return std::nullopt;
   };

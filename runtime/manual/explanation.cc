@@ -40,6 +40,12 @@ std::string ExampleText(std::string_view text) {
 
 }  // namespace
 
+std::optional<std::string> ExampleFile(std::string_view path) {
+  if (path == "masses.csv") return "1.5\n2.5 kg\n";
+  if (path == "level.obj") return "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 1 4 3 2\n";
+  return std::nullopt;
+}
+
 std::vector<const Explanation*> AllExplanations() {
   std::vector<const Explanation*> all;
   for (const auto rows : {SyntaxExplanations(), ScenarioExplanations(), LintExplanations()})
@@ -167,6 +173,17 @@ constexpr LintExample kExamples[] = {
      "  objects.linear_velocity (0.1, 0, 0)\n}\n"},
     {Lint::kShortRun, "benchmark b { cycles 3; objects { size 40; quantity 2; location stack } }\n",
      "benchmark b { cycles 300; objects { size 40; quantity 2; location stack } }\n"},
+    {Lint::kInternalEdges,
+     "benchmark b {\n  timestep 1 / 240\n  cycles 240\n  world { walls none; side 50 }\n"
+     "  objects bunny {\n    quantity 1; type bunny; size 1; location at(0, 1, 0)\n"
+     "    linear_velocity (3, 0, 0)\n  }\n"
+     "  objects ground {\n    quantity 1; type surface(\"level.obj\"); size 20; mass fixed\n"
+     "    location at(0, 0, 0)\n  }\n}\n",
+     "benchmark b {\n  timestep 1 / 240\n  cycles 240\n  world { walls none; side 50 }\n"
+     "  objects bunny {\n    quantity 1; type bunny; size 1; location at(0, 1, 0)\n"
+     "    linear_velocity (3, 0, 0)\n  }\n"
+     "  objects ground {\n    quantity 1; type surface(\"level.obj\"); size 20; mass fixed\n"
+     "    location at(0, 0, 0); edges smooth\n  }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.

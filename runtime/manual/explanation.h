@@ -26,6 +26,9 @@ std::span<const Explanation> ScenarioExplanations();
 std::span<const Explanation> LintExplanations();
 std::vector<const Explanation*> AllExplanations();
 
+/// The text of a file that an example names; nullopt if none does.
+std::optional<std::string> ExampleFile(std::string_view path);
+
 /// By code, in upper or lower case, or by name; several kinds may share a name. Empty if there is
 /// none.
 std::vector<const Explanation*> FindExplanations(std::string_view wanted);

@@ -29,8 +29,8 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "the run was not executed, or did not record stability"},
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01 or fell by 0.1; if the scene must rest, late speed > 0.02 sqrt(g S), or "
-     "an object moved by > 0.25 S"},
+     "energy rose by 0.01 or fell by 0.1; false normals of a surface deflected an object; if the "
+     "scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
      "S"},
@@ -184,7 +184,7 @@ class Case {
                         return std::abs(x - scales_.initial_energy) > kDrift * scales_.energy_scale;
                       }));
     }
-    first = Earlier(first, FirstAbove("lost_energy", kLost));
+    first = Earlier(first, Earlier(FirstAbove("lost_energy", kLost), FirstCount("deflected")));
     first = Earlier(
         first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
     if (!MustRest()) return first;

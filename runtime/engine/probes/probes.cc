@@ -148,6 +148,9 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("inverted", cycle, seen.inverted);
   recording_.Put("unheld", cycle, seen.unheld);
   recording_.Put("lost_energy", cycle, seen.lost_energy);
+  recording_.Put("false_normals", cycle, seen.normals.false_normals);
+  recording_.Put("false_impulse", cycle, seen.normals.false_impulse);
+  recording_.Put("deflected", cycle, seen.normals.deflected);
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -433,8 +436,10 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       passes_(engine),
       presses_(engine, least_sides,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
-      sleepers_(engine) {
-  if (analysis::OnlyContactsTakeEnergy(scene)) audit_.emplace(engine, scene.world.Real("world.wall_restitution"));
+      sleepers_(engine),
+      normals_(engine) {
+  if (analysis::OnlyContactsTakeEnergy(scene))
+    audit_.emplace(engine, scene.world.Real("world.wall_restitution"));
 }
 
 void Soundness::Begin(double kinetic, double energy) {
@@ -445,10 +450,13 @@ void Soundness::Begin(double kinetic, double energy) {
 Soundness::Seen Soundness::After(double kinetic, double energy) {
   ReadStates(engine_, now_);
   const PressWatch::Seen pressed = presses_.After();
-  const Seen seen{passes_.After(before_, now_), pressed.pressed, pressed.inverted,
+  const Seen seen{passes_.After(before_, now_),
+                  pressed.pressed,
+                  pressed.inverted,
                   sleepers_.After(before_, now_),
                   audit_ ? audit_->After(before_, now_, kinetic, energy)
-                         : std::numeric_limits<double>::quiet_NaN()};
+                         : std::numeric_limits<double>::quiet_NaN(),
+                  normals_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

@@ -12,6 +12,7 @@
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/probes/energy_audit.h"
 #include "runtime/engine/probes/motion_watch.h"
+#include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
 #include "runtime/engine/probes/press_watch.h"
 #include "runtime/engine/world/engine.h"
@@ -66,6 +67,7 @@ class Soundness {
   struct Seen {
     std::int32_t passed, pressed, inverted, unheld;
     double lost_energy;  ///< NaN if the scene has other ways to lose energy
+    NormalWatch::Seen normals;
   };
   /// Call after each cycle, with the energies at its end, J.
   Seen After(double kinetic, double energy);
@@ -76,6 +78,7 @@ class Soundness {
   PassWatch passes_;
   PressWatch presses_;
   SleepWatch sleepers_;
+  NormalWatch normals_;
   std::optional<EnergyAudit> audit_;
 };
 

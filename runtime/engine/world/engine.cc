@@ -250,7 +250,9 @@ bool Engine::IsKept(int wall) const {
 }
 
 void Engine::MakeObject(const ObjectState& object) {
-  btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"]);
+  const bool smooth_edges =
+      object.solid.IsSurface() && scene_.groups[object.group].settings.WordOr("edges") == "smooth";
+  btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"], smooth_edges);
   const auto info = BodyInfo(object, shape);
   CheckRange(objects_.size(), object, info.m_localInertia);
   auto body = std::make_unique<btRigidBody>(info);
@@ -263,6 +265,11 @@ void Engine::MakeObject(const ObjectState& object) {
     body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
                             btCollisionObject::CF_KINEMATIC_OBJECT);
     body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  if (smooth_edges) {
+    gContactAddedCallback = AdjustAtEdges;
+    body->setCollisionFlags(body->getCollisionFlags() |
+                            btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
   }
   if (std::isfinite(object.numbers["contact_stiffness"]))
     body->setContactStiffnessAndDamping(static_cast<btScalar>(object.numbers["contact_stiffness"]),

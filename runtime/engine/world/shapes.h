@@ -54,6 +54,12 @@ class SolidShape : public btConvexInternalShape {
 /// its own frame, including the margin.
 btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
 
+/// Bullet's gContactAddedCallback for `edges smooth`: corrects the normal of a contact with a
+/// triangle of a surface that was made with smooth edges; leaves all others alone. Bullet calls it
+/// for bodies with CF_CUSTOM_MATERIAL_CALLBACK.
+bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, int part_a,
+                   int triangle_a, const btCollisionObjectWrapper* b, int part_b, int triangle_b);
+
 /// Makes and owns shapes. Equal solids with equal margins share one, and compounds of one form
 /// share its vertices whatever their size. Not thread-safe.
 class ShapePool {
@@ -63,12 +69,14 @@ class ShapePool {
   /// ball's margin is its radius and a plane has none: `margin` then has no effect. 0.04, the
   /// default, stands for Bullet's own rule: 0.04 m, or a tenth of the least half extent (of any
   /// piece) if that is less. Any other margin is used unchanged. Throws library::SceneError if it
-  /// is not less than the least half extent.
-  btCollisionShape* Get(const objects::Solid& solid, double margin);
+  /// is not less than the least half extent. `smooth_edges`: the shape of a surface has the data
+  /// that AdjustAtEdges needs.
+  btCollisionShape* Get(const objects::Solid& solid, double margin, bool smooth_edges = false);
   std::size_t size() const { return shapes_.size(); }
 
  private:
-  using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double, double>;
+  using Key =
+      std::tuple<objects::Shape, const objects::Compound*, double, double, double, double, bool>;
   using Points = std::vector<btVector3>;  ///< of one piece
   /// The data to which the shape of a surface refers.
   struct Triangles {
@@ -76,12 +84,15 @@ class ShapePool {
     std::vector<int> indices;
     btTriangleIndexVertexArray array;
     std::vector<btScalar> heights;  ///< m, for a height field only
+    btTriangleInfoMap edges;        ///< with smooth edges only
   };
 
   std::unique_ptr<btCollisionShape> MakeCompound(const objects::Compound& compound,
                                                  btScalar margin);
-  std::unique_ptr<btCollisionShape> MakeSurface(const objects::Compound& surface, btScalar margin);
-  std::unique_ptr<btCollisionShape> MakeHeights(const objects::Compound& surface, btScalar margin);
+  std::unique_ptr<btCollisionShape> MakeSurface(const objects::Compound& surface, btScalar margin,
+                                                bool smooth_edges);
+  std::unique_ptr<btCollisionShape> MakeHeights(const objects::Compound& surface, btScalar margin,
+                                                bool smooth_edges);
   std::vector<Points>& PointsOf(const objects::ConvexDecomposition& form);
 
   std::map<const objects::ConvexDecomposition*, std::vector<Points>> points_;

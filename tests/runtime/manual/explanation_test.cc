@@ -25,11 +25,11 @@ std::vector<const dsl::DiagnosticKind*> AllKinds() {
   return kinds;
 }
 
-/// Compiles as `cdb check` does, with a table that contains a unit.
+/// Compiles as `cdb check` does.
 compiler::Compilation CompileExample(std::string_view text) {
   const auto read = [&](const std::string& path, std::string& why) -> std::optional<std::string> {
     if (path == "wrong.cdb") return std::string(text);
-    if (path == "masses.csv") return "1.5\n2.5 kg\n";
+    if (auto file = manual::ExampleFile(path)) return file;
     why = "No such file or directory";
     return std::nullopt;
   };

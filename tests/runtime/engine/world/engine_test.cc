@@ -131,6 +131,7 @@ std::vector<Variations> AllVariations() {
 const std::map<std::string, std::string> kNotTheEngines = {
     {"seed", "is in the plan's stream seeds"},
     {"precision", "chooses the worker"},
+    {"objects.edges", "is of surfaces; surface_test.cc has them"},
     {"objects.overlap", "is of layouts that are refused without it"},
     {"repeats", "is the schedule's"},
     {"trace", "is run without the engine: trace_command_test.cc"},

@@ -1,10 +1,13 @@
 // Fixed triangle meshes as ground.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <numeric>
 #include <tuple>
 
 #include "compiler/plan/input_file.h"
@@ -25,19 +28,17 @@ class Surfaces : public testing::Test {
   /// Objects of 1 m at these points, and the fixed surface about the origin, whose longest side is
   /// 20 m.
   plan::Scene SurfaceScene(const std::string& obj, const std::vector<Vector3d>& points) {
-    WriteFile(folder_ / "ground.obj", obj);
-    return GroundScene(schema::Call{"surface",
-                                    {schema::Text{(folder_ / "ground.obj").string()},
-                                     schema::Text{plan::Sha256Hex(obj)}}},
-                       points);
+    const std::string file = NewFile(".obj", obj);
+    return GroundScene(
+        schema::Call{"surface", {schema::Text{file}, schema::Text{plan::Sha256Hex(obj)}}}, points);
   }
   /// The same with a height field, whose cells are 1 wide in the unit of its heights.
   plan::Scene HeightScene(const std::string& csv, const std::vector<Vector3d>& points) {
-    WriteFile(folder_ / "ground.csv", csv);
-    return GroundScene(schema::Call{"heights",
-                                    {schema::Text{(folder_ / "ground.csv").string()},
-                                     schema::Text{plan::Sha256Hex(csv)}, Word("unit")}},
-                       points);
+    const std::string file = NewFile(".csv", csv);
+    return GroundScene(
+        schema::Call{"heights",
+                     {schema::Text{file}, schema::Text{plan::Sha256Hex(csv)}, Word("unit")}},
+        points);
   }
   plan::Scene GroundScene(schema::Value type, const std::vector<Vector3d>& points) {
     plan::Scene scene = LayoutScene(points.size(), 40, Points(points));
@@ -56,6 +57,14 @@ class Surfaces : public testing::Test {
   }
 
   TemporaryFolder folder_;
+
+ private:
+  std::string NewFile(const char* extension, const std::string& text) {
+    const auto file = folder_ / fmt::format("ground{}{}", ++files_, extension);
+    WriteFile(file, text);
+    return file.string();
+  }
+  int files_ = 0;
 };
 
 /// A square in the plane y = 0.
@@ -68,7 +77,8 @@ TEST_F(Surfaces, BearBodiesOfEveryType) {
   for (const char* type :
        {"sphere", "cuboid", "cylinder", "cone", "capsule", "tetrahedron", "torus"}) {
     SCOPED_TRACE(type);
-    plan::Scene scene = SurfaceScene(kSquare, {{1, 1.2, 2}, {-4, 1.2, 3}});
+    // Not over the diagonal of the square, where Bullet finds false normals.
+    plan::Scene scene = SurfaceScene(kSquare, {{1, 1.2, 4}, {-4, 1.2, 3}});
     SetGroup(scene, "type", Word(type));
     const Recorded run = RunHere(scene);
     ASSERT_TRUE(run.done()) << run.message();
@@ -185,6 +195,222 @@ TEST_F(Surfaces, HeightFieldsBearBodiesAndShowWhoCrossesThem) {
     EXPECT_GT(Position(*run.engine, i).y(), -5) << "and no lower";
   SetGroup(scene, "linear_velocity", Vector3d(0, -400, 0));
   EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kTunnelled);
+}
+
+using Height = std::function<double(double x, double z)>;
+
+/// 20 x 20 cells, each of two triangles.
+std::string MeshOver(const Height& height, bool are_vertices_shared) {
+  std::string vertices, faces;
+  int count = 0;
+  const auto add = [&](int x, int z) {
+    vertices += fmt::format("v {} {} {}\n", x - 10, height(x - 10, z - 10), z - 10);
+    return ++count;
+  };
+  for (int z = 0; z <= 20 && are_vertices_shared; ++z)
+    for (int x = 0; x <= 20; ++x) add(x, z);
+  const auto corner = [&](int x, int z) {
+    return are_vertices_shared ? 21 * z + x + 1 : add(x, z);
+  };
+  for (int z = 0; z < 20; ++z)
+    for (int x = 0; x < 20; ++x)
+      for (const auto& [a, b, c] : {std::tuple{0, 2, 1}, std::tuple{1, 2, 3}}) {
+        faces += "f";
+        for (const int i : {a, b, c}) faces += fmt::format(" {}", corner(x + i % 2, z + i / 2));
+        faces += "\n";
+      }
+  return vertices + faces;
+}
+/// The same as a height field.
+std::string HeightsOver(const Height& height) {
+  std::string csv;
+  for (int z = 0; z <= 20; ++z)
+    for (int x = 0; x <= 20; ++x)
+      csv += fmt::format("{}{}", height(x - 10, z - 10), x < 20 ? "," : "\n");
+  return csv;
+}
+
+struct Slider {
+  const char* type;
+  schema::Ratio aspect;
+  Vector3d turn;  ///< axis times angle
+  double height;  ///< m: of its centre when it lies
+};
+const std::vector<Slider> kSliders = {{"cylinder", {{1, 0.4, 1}}, {0, 0, 0}, 0.2},
+                                      {"sphere", {{1, 1, 1}}, {0, 0, 0}, 0.5},
+                                      {"cuboid", {{1, 0.4, 1}}, {0, 0, 0}, 0.2},
+                                      {"capsule", {{1, 2, 1}}, {M_PI / 2, 0, 0}, 0.5},
+                                      {"cone", {{1, 1, 1}}, {0, 0, 0}, 0.25}};
+
+class Sliding : public Surfaces {
+ protected:
+  /// Every kind of ground of this shape, without friction, under one object at (x, y, .37).
+  std::vector<plan::Scene> Scenes(const Height& height, double x, double y) {
+    const std::vector<Vector3d> at = {{x, y, 0.37}};
+    std::vector<plan::Scene> scenes = {HeightScene(HeightsOver(height), at)};
+    for (const bool are_shared : {true, false})
+      scenes.push_back(SurfaceScene(MeshOver(height, are_shared), at));
+    for (plan::Scene& scene : scenes) {
+      SetWorld(scene, "cycles", std::uint64_t{120});
+      for (const std::size_t group : {0u, 1u}) SetGroup(scene, "friction", 0.0, group);
+    }
+    return scenes;
+  }
+  static void Put(plan::Scene& scene, const Slider& slider) {
+    SetGroup(scene, "type", Word(slider.type));
+    SetGroup(scene, "aspect", slider.aspect);
+    SetGroup(scene, "orientation", slider.turn);
+  }
+  static int FalseNormals(const Recorded& run) {
+    const auto counts = run.recording.Ints("false_normals");
+    return std::accumulate(counts.begin(), counts.end(), 0);
+  }
+  static double FalseImpulse(const Recorded& run) {
+    const auto impulses = run.recording.Reals("false_impulse");
+    return std::accumulate(impulses.begin(), impulses.end(), 0.0);
+  }
+};
+
+TEST_F(Sliding, OnLevelGroundWithSmoothEdgesKeepsTheSpeed) {
+  for (const Slider& slider : kSliders) {
+    SCOPED_TRACE(slider.type);
+    for (plan::Scene& scene : Scenes([](double, double) { return 0; }, -8.3, slider.height)) {
+      Put(scene, slider);
+      SetGroup(scene, "linear_velocity", Vector3d(7, 0, 0));
+      SetGroup(scene, "edges", Word("smooth"), 1);
+      const Recorded run = RunHere(scene);
+      ASSERT_TRUE(run.done()) << run.message();
+      EXPECT_NEAR(Velocity(*run.engine).x(), 7, 1e-3);
+      EXPECT_NEAR(Velocity(*run.engine).z(), 0, 1e-3);
+      EXPECT_EQ(FalseNormals(run), 0);
+      EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable);
+    }
+  }
+}
+
+/// Bullet's own contacts stop the same bodies, which the verdict has to say.
+TEST_F(Sliding, OnLevelGroundIsStoppedByTheEdgesOfTheTriangles) {
+  for (const Slider& slider : kSliders) {
+    SCOPED_TRACE(slider.type);
+    for (plan::Scene& scene : Scenes([](double, double) { return 0; }, -8.3, slider.height)) {
+      Put(scene, slider);
+      SetGroup(scene, "linear_velocity", Vector3d(7, 0, 0));
+      const Recorded run = RunHere(scene);
+      const double lost = 7 - Velocity(*run.engine).x();
+      EXPECT_GT(lost, 0.35) << "Bullet has become better";
+      EXPECT_GT(FalseImpulse(run), 0.9 * lost) << "1 kg";
+      const auto judged = protocol::Judge(scene, run.recording, 120);
+      EXPECT_EQ(judged.verdict, protocol::Verdict::kDrifting);
+      EXPECT_EQ(run.recording.Ints("deflected").back(), 1);
+      // The first one is the cycle in which a twentieth of the momentum is gone.
+      const auto first = static_cast<std::size_t>(judged.first_bad_cycle);
+      ASSERT_LT(first, 120u);
+      EXPECT_EQ(run.recording.Ints("deflected")[first], 1);
+      if (first > 0) {
+        EXPECT_EQ(run.recording.Ints("deflected")[first - 1], 0);
+      }
+    }
+  }
+}
+
+TEST_F(Sliding, DownASlopeWithSmoothEdgesGainsWhatGravityGives) {
+  for (const Slider& slider : kSliders) {
+    SCOPED_TRACE(slider.type);
+    const double slope = std::atan(0.3);
+    // Starts in the air, just above the slope.
+    for (plan::Scene& scene : Scenes([](double x, double) { return -0.3 * x; }, -8.3, 3.5)) {
+      Put(scene, slider);
+      SetGroup(scene, "edges", Word("smooth"), 1);
+      const Recorded run = RunHere(scene);
+      EXPECT_EQ(FalseNormals(run), 0);
+      EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable);
+      const Vector3d along(std::cos(slope), -std::sin(slope), 0);
+      EXPECT_NEAR(Velocity(*run.engine).dot(along), 9.8 * std::sin(slope) * 2, 0.05);
+    }
+  }
+}
+
+/// Deep in a body, the shortest way out of a triangle at a corner points through the surface.
+TEST_F(Sliding, OverHillsWithSmoothEdgesIsNotDeflected) {
+  const auto hills = [](double x, double z) { return std::sin(0.6 * x) * std::cos(0.5 * z) / 2; };
+  int drifting = 0;
+  for (const Slider& slider : kSliders) {
+    SCOPED_TRACE(slider.type);
+    for (plan::Scene& scene : Scenes(hills, -1.3, 2.6)) {
+      Put(scene, slider);
+      SetGroup(scene, "linear_velocity", Vector3d(3, 0, 0));
+      drifting += VerdictOf(scene, RunHere(scene)) == protocol::Verdict::kDrifting;
+      SetGroup(scene, "edges", Word("smooth"), 1);
+      EXPECT_EQ(VerdictOf(scene, RunHere(scene)), protocol::Verdict::kStable);
+    }
+  }
+  EXPECT_GT(drifting, 7) << "of 15 with Bullet's own edges";
+}
+
+/// The sharp edge of a roof, and the bottom of a valley, each of two quadrilaterals.
+TEST_F(Sliding, BouncesOffARidgeAndRestInAValleyAreLegal) {
+  const auto roof = [](double rise) {
+    return fmt::format(
+        "v -1 {0} -1\nv 0 {1} -1\nv 1 {0} -1\nv -1 {0} 1\nv 0 {1} 1\nv 1 {0} 1\n"
+        "f 1 4 5 2\nf 2 5 6 3\n",
+        -rise, rise);
+  };
+  for (const Slider& slider : kSliders)
+    for (const double rise : {0.2, -0.2}) {
+      SCOPED_TRACE(slider.type + fmt::format(" {}", rise));
+      // So near that the edge is hit, not a face, and 5 m away from the diagonals.
+      plan::Scene scene = SurfaceScene(roof(rise), {{0.1, 10 * rise + 1.2, 0}});
+      for (const std::size_t group : {0u, 1u}) SetGroup(scene, "restitution", 0.8, group);
+      SetWorld(scene, "cycles", std::uint64_t{60});
+      Put(scene, slider);
+      const Recorded run = RunHere(scene);
+      EXPECT_GT(std::ranges::count_if(run.recording.Ints("contacts"), [](int n) { return n > 0; }),
+                0);
+      if (rise > 0 && slider.type == std::string_view("sphere")) {
+        EXPECT_GT(Velocity(*run.engine).x(), 0.1);
+      }
+      EXPECT_EQ(FalseNormals(run), 0);
+      EXPECT_EQ(run.recording.Ints("deflected").back(), 0);
+    }
+}
+
+TEST_F(Surfaces, ABallBesideAnEdgeIsDeflectedAndOneOnAFaceIsNot) {
+  for (const auto& [x, is_deflected] : {std::pair{-4.0, false}, std::pair{0.05, true}}) {
+    // Beside the diagonal x = z, or far from it.
+    plan::Scene scene = SurfaceScene(kSquare, {{x, 2, 0}});
+    const Recorded run = RunHere(scene);
+    const Vector3d end = Position(*run.engine);
+    EXPECT_EQ(std::hypot(end.x() - x, end.z()) > 0.2, is_deflected) << end.transpose();
+    EXPECT_EQ(VerdictOf(scene, run) == protocol::Verdict::kDrifting, is_deflected);
+    SetGroup(scene, "edges", Word("smooth"), 1);
+    const Recorded smooth = RunHere(scene);
+    EXPECT_NEAR(Position(*smooth.engine).x(), x, 1e-3);
+    EXPECT_EQ(VerdictOf(scene, smooth), protocol::Verdict::kStable);
+  }
+}
+
+TEST_F(Surfaces, ABoxAcrossEdgesRests) {
+  for (const char* edges : {"bullet", "smooth"}) {
+    plan::Scene scene = SurfaceScene(kSquare, {{0.1, 0.5, 0.2}});
+    SetGroup(scene, "type", Word("cuboid"));
+    SetGroup(scene, "edges", Word(edges), 1);
+    const Recorded run = RunHere(scene);
+    EXPECT_LT((Position(*run.engine) - Vector3d(0.1, 0.5, 0.2)).norm(), 0.02);
+    EXPECT_EQ(VerdictOf(scene, run), protocol::Verdict::kStable);
+  }
+}
+
+/// Bullet's own numbers of the triangles of a height field are the same for columns 1024 apart.
+TEST_F(Surfaces, SmoothEdgesHoldInWideHeightFields) {
+  std::string row;
+  for (int x = 0; x < 2100; ++x) row += x == 0 ? "0" : ",0";
+  plan::Scene scene = HeightScene(row + "\n" + row + "\n" + row + "\n", {{0, 1, 0}});
+  SetGroup(scene, "size", 2099.0, 1);
+  SetGroup(scene, "edges", Word("smooth"), 1);
+  const world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
+  auto& shape = static_cast<btHeightfieldTerrainShape&>(*engine.objects()[1]->getCollisionShape());
+  ASSERT_EQ(shape.getShapeType(), TERRAIN_SHAPE_PROXYTYPE);
+  EXPECT_EQ(shape.getTriangleInfoMap()->size(), 2099 * 2 * 2);
 }
 
 TEST_F(Surfaces, AFlatHeightFieldIsAFloor) {
