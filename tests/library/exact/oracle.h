@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "dsl/text/check.h"
 #include "library/objects/solid.h"
 
 namespace cdb::tests {
@@ -43,7 +44,7 @@ inline double HeightOf(const objects::Solid& solid, std::size_t piece,
       return std::max({s.x() + s.y() + s.z(), s.x() - s.y() - s.z(), s.y() - s.x() - s.z(),
                        s.z() - s.x() - s.y()});
     }
-    case objects::Shape::kCompound:
+    default:  // a compound
       break;
   }
   double height = -INFINITY;
@@ -102,6 +103,8 @@ inline double OutsideOf(const objects::Solid& solid, std::size_t piece, const ob
       }
       break;
     }
+    default:  // not of kOracleShapes
+      CDB_CHECK(false);
   }
   return std::max(0.0, outside);
 }
