@@ -150,14 +150,42 @@ class Case {
         values, [limit](double x) { return x > limit; }, late_);
   }
 
+  /// J, by cycle. The scale of energies is that of the start, or the largest kinetic energy so far
+  /// if that is more, without what the energy has risen: a fall gives a scale, a gain does not.
+  std::vector<double> EnergyScales() const {
+    const auto energy = Reals("energy"), kinetic = Reals("kinetic_energy");
+    std::vector<double> scales;
+    double least = scales_.initial_energy, scale = scales_.energy_scale;
+    for (std::size_t i = 0; i < energy.size(); ++i) {
+      least = std::min(least, energy[i]);
+      if (i < kinetic.size()) scale = std::max(scale, kinetic[i] - (energy[i] - least));
+      scales.push_back(scale);
+    }
+    return scales;
+  }
+
   /// The first cycle in which the energy is above its least value so far by more than the limit.
   std::int64_t FirstRise(double limit) const {
     if (expectation_ == Expectation::kDriven) return -1;
     const auto energy = Reals("energy");
+    const std::vector<double> scales = EnergyScales();
     double least = scales_.initial_energy;
     for (std::size_t i = 0; i < energy.size(); ++i) {
-      if (energy[i] - least > limit * scales_.energy_scale) return static_cast<std::int64_t>(i);
+      if (energy[i] - least > limit * scales[i]) return static_cast<std::int64_t>(i);
       least = std::min(least, energy[i]);
+    }
+    return -1;
+  }
+
+  /// The first cycle before `end` in which the energy is not that of the start, within kDrift of
+  /// the scale for a gain, and `loss` for a loss.
+  std::int64_t FirstChange(std::size_t end, double loss) const {
+    const auto energy = Reals("energy");
+    const std::vector<double> scales = EnergyScales();
+    for (std::size_t i = 0; i < std::min(end, energy.size()); ++i) {
+      const double change = energy[i] - scales_.initial_energy;
+      if (change > kDrift * scales[i] || -change > loss * scales[i])
+        return static_cast<std::int64_t>(i);
     }
     return -1;
   }
@@ -173,16 +201,12 @@ class Case {
 
   std::int64_t Drifting() const {
     std::int64_t first = FirstRise(kDrift);
-    if (expectation_ == Expectation::kEnergy || analysis::FliesFreely(scene_)) {
-      const auto energy = Reals("energy");
-      const auto contacts = Ints("contacts");
-      std::size_t end = energy.size();
-      if (expectation_ != Expectation::kEnergy && !contacts.empty())
-        if (const auto touch = FirstCount("contacts"); touch >= 0)
-          end = static_cast<std::size_t>(touch);
-      first = Earlier(first, FirstIn(energy.first(end), [&](double x) {
-                        return std::abs(x - scales_.initial_energy) > kDrift * scales_.energy_scale;
-                      }));
+    if (expectation_ == Expectation::kEnergy) {
+      first = Earlier(first, FirstChange(n_, kDrift));
+    } else if (analysis::FliesFreely(scene_)) {
+      const auto touch = FirstCount("contacts");
+      first =
+          Earlier(first, FirstChange(touch < 0 ? n_ : static_cast<std::size_t>(touch), kSpinDrift));
     }
     first = Earlier(first, Earlier(FirstAbove("lost_energy", kLost), FirstCount("deflected")));
     first = Earlier(

@@ -11,11 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The first cycles are not audited in a scene with joints: Bullet may lose energy while it adjusts
-/// the velocities to them.
-constexpr int kJerkCycles = 20;
-/// The energy of a fall by this fraction of an object's side is ignored. Joints give way.
-constexpr double kLeastFall = 0.01, kLeastFallWithJoints = 0.5;
+/// The energy of a fall by this fraction of an object's side is ignored.
+constexpr double kLeastFall = 0.01;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 
@@ -36,24 +33,20 @@ EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution)
 }
 
 void EnergyAudit::Begin(double kinetic, double energy) {
-  start_ = energy;
-  peak_ = kinetic;
+  const double jerk = engine_.links().JerkEnergy();
+  start_ = energy - jerk;
+  peak_ = kinetic - jerk;
   least_ = 0;
   const double pull = engine_.acceleration().norm();
-  const double fall = engine_.links().HasJoints() ? kLeastFallWithJoints : kLeastFall;
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
     // Besides gravity, the energy of moving by a tenth of its side per second.
-    least_ += fall * masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
+    least_ += kLeastFall * masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
   }
 }
 
 double EnergyAudit::After(const BodyStates& before, const BodyStates& now, double kinetic,
                           double energy) {
-  if (engine_.links().HasJoints() && cycle_++ < kJerkCycles) {
-    Begin(kinetic, energy);
-    return 0;
-  }
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world()))
     taken_ += TakenBy(manifold, before, now);
   taken_ += TakenBySleep(before, now);

@@ -22,9 +22,8 @@ class EnergyAudit {
   void Begin(double kinetic, double energy);
   /// Call after each cycle, with the states at its start and end. Returns the energy that was lost
   /// and not taken, relative to the largest kinetic energy so far plus the energy of a fall by a
-  /// hundredth of the objects' sizes. With joints, which give way, the fall is by half of the
-  /// sizes, and the first 20 cycles are left out: velocities that do not fit the joints end in a
-  /// jerk.
+  /// hundredth of the objects' sizes. What joints take at once from velocities that contradict them
+  /// is not lost (Links::JerkEnergy).
   double After(const BodyStates& before, const BodyStates& now, double kinetic, double energy);
 
  private:
@@ -37,10 +36,9 @@ class EnergyAudit {
 
   world::Engine& engine_;
   const double wall_restitution_;
-  std::vector<double> masses_;             ///< kg, by object; 0 if it is fixed
-  std::vector<double> restitutions_;       ///< by object
-  std::vector<Eigen::Vector3d> inertias_;  ///< principal, for 1 kg
-  int cycle_ = 0;
+  std::vector<double> masses_;                           ///< kg, by object; 0 if it is fixed
+  std::vector<double> restitutions_;                     ///< by object
+  std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
   double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J
 };
 

@@ -103,7 +103,7 @@ void Probes::SetScales() {
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
     header_.scales.energy_scale +=
-        mass * (pull * engine_.side() + std::pow(0.01 * least_sides_[i], 2) / 2);
+        mass * (pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
   header_.scales.least_side = smallest;
   header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(

@@ -14,6 +14,7 @@
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/detection/scene_view.h"
+#include "runtime/engine/world/links.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/omissions/omissions.h"

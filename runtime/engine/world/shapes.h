@@ -6,7 +6,6 @@
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
 #include <btBulletCollisionCommon.h>
-#include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Core>
 #include <map>
@@ -15,8 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/plan/plan.h"
-#include "library/layouts/initial_state.h"
 #include "library/objects/solid.h"
 
 namespace cdb::world {
@@ -100,59 +97,6 @@ class ShapePool {
   std::vector<std::unique_ptr<btCollisionShape>> pieces_;  ///< of compounds
   std::vector<std::unique_ptr<Triangles>> triangles_;      ///< of surfaces
   std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;
-};
-
-// Joints and springs between the objects of a group.
-
-/// The links of a scene, which are in its world as long as this lives. Each holds an object to the
-/// next one of its group. With `links.anchor`, the first object is also held to a point of the
-/// world, as if one more object preceded it: as far from it as the second (a single object hangs
-/// from half its height above its centre of mass). Two fixed objects are not linked. Linked objects
-/// do not collide.
-///
-///   ball, hinge, fixed  btPoint2PointConstraint, btHingeConstraint about the world's z,
-///                       btFixedConstraint; the pivot is in the middle between the centres of mass
-///   spring              between the centres of mass, along a line that turns with the first of the
-///                       two: the force is k x + c dx/dt with the state at the start of the step,
-///                       neither limited nor softened, so that it explodes if w dt exceeds 2; the
-///                       other object is held on the line by Bullet's
-///                       btGeneric6DofSpring2Constraint and turns freely
-/// Not thread-safe.
-class Links {
- public:
-  /// `objects` are those of `state`, at their initial poses. World and objects must outlive it.
-  /// Throws library::SceneError if a spring has no length, and so no line.
-  Links(const plan::Scene& scene, const layouts::InitialState& state,
-        const std::vector<std::unique_ptr<btRigidBody>>& objects, btDiscreteDynamicsWorld& world);
-  ~Links();
-  Links(const Links&) = delete;
-  Links& operator=(const Links&) = delete;
-
-  bool HasJoints() const { return joints_; }
-  /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
-  void MarkHeld(std::vector<char>& marks, char mark) const;
-  /// The largest distance between the two pivots of a joint, m; 0 without joints.
-  double LargestGap() const;
-  /// The energy of all springs, k x^2 / 2, with the integrator's own term dt F.v / 2, J.
-  double SpringEnergy(double timestep) const;
-
- private:
-  struct Link {
-    std::unique_ptr<btTypedConstraint> constraint;
-    const btRigidBody *first, *second;
-    btVector3 pivot_in_first, pivot_in_second;  ///< m; for a spring, its ends
-    btVector3 line_in_first;                    ///< unit vector of a spring; 0 for a joint
-    double length = 0;                          ///< m, at rest
-    double stiffness = 0;                       ///< N/m; 0 for a joint
-  };
-
-  /// `from`: the position of the first of the two, or where it would be.
-  void Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
-           const btVector3& from);
-
-  btDiscreteDynamicsWorld& world_;
-  std::vector<Link> links_;
-  bool joints_ = false;
 };
 
 }  // namespace cdb::world

@@ -116,6 +116,26 @@ void KnownCatalogue::Losing() {
   for (const double hz : {30.0, 60.0})
     for (const std::string_view joint : {"ball", "hinge"})
       Add(fmt::format("{} {} Hz", joint, hz), KnownChain(joint, hz));
+  Begin(Fault::kLosing, false, "short pendulum",
+        "it turns far in a step, and the joint's correction takes energy in each");
+  for (const double size : {0.05, 0.1})
+    for (const double hz : {30.0, 60.0})
+      Add(fmt::format("{} m, {} Hz", size, hz),
+          KnownBuilder(20, "none", static_cast<std::uint64_t>(20 * hz))
+              .World("sleeping", false)
+              .World("timestep", 1 / hz)
+              .Add({.sides = Vector3d::Constant(size), .velocity = {1, 0, 0}})
+              .Group("links.type", Word("ball")));
+  Begin(Fault::kLosing, false, "chain of five balls that is let go level",
+        "it comes to rest, which nothing but the joints can bring about");
+  for (const double side : {20.0, 100.0})
+    Add(fmt::format("in {} m", side),
+        KnownBuilder(side, "none", 1200)
+            .World("sleeping", false)
+            .Add({.sides = Vector3d::Constant(0.5)})
+            .Group("links.type", Word("ball"))
+            .Group("quantity", std::uint64_t{5})
+            .Group("location", Layout("line", {{"along", Vector3d(1, 0, 0)}})));
   Begin(Fault::kLosing, false, "brick that turns about its middle axis",
         "it tumbles, and each step loses (w dt)^2 of its spin");
   for (const double spin : {5.0, 10.0, 20.0, 40.0})
@@ -180,6 +200,24 @@ void KnownCatalogue::NotLosing() {
                                       .World("sleeping", false)
                                       .Add({.type = "cuboid", .velocity = {1, 0, 0}})
                                       .Group("links.type", Word(joint)));
+  Begin(Fault::kLosing, true, "short pendulum with small steps",
+        "its joint takes two sevenths at once, as its ball does not turn yet");
+  for (const double size : {0.1, 1.0})
+    Add(fmt::format("{} m", size),
+        KnownBuilder(20, "none", 960)
+            .World("sleeping", false)
+            .World("timestep", 1.0 / 4800)
+            .Add({.sides = Vector3d::Constant(size), .velocity = {1, 0, 0}})
+            .Group("links.type", Word("ball")));
+  Begin(Fault::kLosing, true, "chain that hangs at rest", "it gives way a little");
+  for (const std::string_view joint : {"ball", "hinge", "fixed"})
+    Add(std::string(joint),
+        KnownBuilder(100, "none", 300)
+            .World("sleeping", false)
+            .Add({.type = "cuboid"})
+            .Group("links.type", Word(joint))
+            .Group("quantity", std::uint64_t{5})
+            .Group("location", Layout("line", {{"along", Vector3d(0, -1, 0)}})));
   Begin(Fault::kLosing, true, "chain of four with small steps", "corrections are small");
   for (const std::string_view joint : {"ball", "hinge"})
     Add(fmt::format("{}", joint), KnownChain(joint, 480));

@@ -120,6 +120,29 @@ TEST_F(VerdictTest, ExplodedAndDriftingByRise) {
   ExpectVerdict(Verdict::kExploded, 30);
 }
 
+TEST_F(VerdictTest, AFallGivesEnergiesAScaleAndAGainDoesNot) {
+  SetCount("contacts", 0, 4);
+  Set("kinetic_energy", 5, 1000);
+  Set("energy", 20, 109);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("energy", 20, 111);
+  ExpectVerdict(Verdict::kDrifting, 20);
+  Set("energy", 0, 100);
+  Set("kinetic_energy", 0, 0);
+  Set("energy", 20, 1100);
+  Set("kinetic_energy", 20, 1000);
+  ExpectVerdict(Verdict::kExploded, 20);
+}
+
+TEST_F(VerdictTest, AFreeSpinMayLoseThreeInAHundred) {
+  Set("energy", 15, 94.1);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("energy", 15, 93.9);
+  ExpectVerdict(Verdict::kDrifting, 15);
+  SetCount("contacts", 15, 1);
+  ExpectVerdict(Verdict::kStable, -1);
+}
+
 TEST_F(VerdictTest, EnergyIsKeptWhereItMustBe) {
   SetCount("contacts", 0, 4);
   Set("energy", 15, 97.9);

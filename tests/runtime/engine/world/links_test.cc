@@ -288,5 +288,25 @@ TEST(Links, BetweenFixedObjectsAreNone) {
   EXPECT_FALSE(engine.links().HasJoints());
 }
 
+TEST(Jerk, TakesWhatThePivotCannotKeep) {
+  // A ball of radius 25 m that moves at 14 m/s without turning, on a pivot at its top: it keeps
+  // 5/7, as its moment of inertia about the pivot is 7/5 m r^2.
+  plan::Scene scene = EngineScene(1, 500);
+  SetGroup(scene, "links.type", Word("ball"));
+  SetGroup(scene, "linear_velocity", Vector3d(14, 0, 0));
+  world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
+  EXPECT_NEAR(engine.links().JerkEnergy(), 98.0 * 2 / 7, 1e-4);
+  // Bullet's solver takes the same.
+  const auto kinetic = [&] {
+    const btRigidBody& body = *engine.objects()[0];
+    return (body.getLinearVelocity().length2() +
+            0.4 * 25 * 25 * body.getAngularVelocity().length2()) /
+           2;
+  };
+  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
+  engine.Step();
+  EXPECT_NEAR(static_cast<double>(kinetic()), 98.0 * 5 / 7, 1);
+}
+
 }  // namespace
 }  // namespace cdb::tests

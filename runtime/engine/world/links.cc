@@ -1,0 +1,267 @@
+#include "runtime/engine/world/links.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "library/scene_error.h"
+#include "runtime/engine/world/conversions.h"
+
+namespace cdb::world {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Bullet's own spring limits the stiffness, aims at a velocity that ignores other forces, and
+/// drops the spring where the damper is stronger. Here its first row, the axis x, is the force
+/// itself.
+class PlainSpring : public btGeneric6DofSpring2Constraint {
+ public:
+  PlainSpring(btRigidBody& a, btRigidBody& b, const btTransform& in_a, const btTransform& in_b,
+              btScalar stiffness, btScalar damping)
+      : btGeneric6DofSpring2Constraint(a, b, in_a, in_b), stiffness_(stiffness), damping_(damping) {
+    setLimit(0, 1, -1);  // free
+    enableSpring(0, true);
+    calculateTransforms();
+    length_ = getRelativePivotPosition(0);
+  }
+
+  void getInfo2(btConstraintInfo2* info) override {
+    btGeneric6DofSpring2Constraint::getInfo2(info);
+    const btVector3 line(info->m_J1linearAxis[0], info->m_J1linearAxis[1], info->m_J1linearAxis[2]);
+    const btScalar stretch = getRelativePivotPosition(0) - length_;
+    const btScalar rate =
+        line.dot(getRigidBodyB().getLinearVelocity() - getRigidBodyA().getLinearVelocity());
+    info->m_constraintError[0] = 0;
+    info->m_lowerLimit[0] = info->m_upperLimit[0] =
+        (stiffness_ * stretch + damping_ * rate) / info->fps;
+  }
+
+ private:
+  const btScalar stiffness_, damping_;
+  btScalar length_;
+};
+
+/// A frame at `origin` with x along `line`, a unit vector.
+btTransform FrameAlong(const btVector3& line, const btVector3& origin) {
+  btVector3 y, z;
+  btPlaneSpace1(line, y, z);
+  return btTransform(
+      btMatrix3x3(line.x(), y.x(), z.x(), line.y(), y.y(), z.y(), line.z(), y.z(), z.z()), origin);
+}
+
+btVector3 InBody(const btRigidBody& body, const btVector3& point) {
+  return body.getWorldTransform().invXform(point);
+}
+
+/// The equations of joints for the velocities of their bodies: rows over the bodies' velocities and
+/// spins, and their residuals.
+class JointEquations {
+ public:
+  /// The bodies' points at `pivot` move alike along `direction`.
+  void AddPoint(const btRigidBody& first, const btRigidBody& second, const Vector3d& pivot,
+                const Vector3d& direction) {
+    const auto arm = [&](const btRigidBody& body) -> Vector3d {
+      return (pivot - ToEigen(body.getWorldTransform().getOrigin())).cross(direction);
+    };
+    Add(first, direction, arm(first));
+    Add(second, -direction, -arm(second));
+    ++rows_;
+  }
+  /// The bodies turn alike about `axis`.
+  void AddTurn(const btRigidBody& first, const btRigidBody& second, const Vector3d& axis) {
+    Add(first, Vector3d::Zero(), axis);
+    Add(second, Vector3d::Zero(), -axis);
+    ++rows_;
+  }
+
+  double JerkEnergy() const {
+    // Rows are scaled by the roots of the inverse masses, which makes the matrix a square.
+    Eigen::SparseMatrix<double> scaled(rows_, 6 * static_cast<int>(columns_.size()));
+    scaled.setFromTriplets(entries_.begin(), entries_.end());
+    const Eigen::SparseMatrix<double> square = scaled * scaled.transpose();
+    Eigen::VectorXd residuals = Eigen::VectorXd::Zero(rows_);
+    for (const auto& [row, residual] : residuals_) residuals[row] += residual;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(square);
+    const double energy = residuals.dot(solver.solve(residuals)) / 2;
+    if (solver.info() != Eigen::Success || !std::isfinite(energy))
+      throw library::SceneError("the joints of the links contradict each other");
+    return energy;
+  }
+
+ private:
+  void Add(const btRigidBody& body, const Vector3d& along, const Vector3d& about) {
+    residuals_.emplace_back(rows_, along.dot(ToEigen(body.getLinearVelocity())) +
+                                       about.dot(ToEigen(body.getAngularVelocity())));
+    if (body.isStaticOrKinematicObject()) return;
+    const auto [found, is_new] = columns_.try_emplace(&body, static_cast<int>(columns_.size()));
+    // The inverse inertia in world axes is R diag(i) R^T.
+    Eigen::Matrix3d turn;
+    for (int row = 0; row < 3; ++row)
+      turn.row(row) = ToEigen(body.getWorldTransform().getBasis()[row]);
+    const Vector3d linear = std::sqrt(static_cast<double>(body.getInvMass())) * along;
+    const Vector3d angular =
+        ToEigen(body.getInvInertiaDiagLocal()).cwiseSqrt().cwiseProduct(turn.transpose() * about);
+    for (int i = 0; i < 3; ++i) {
+      entries_.emplace_back(rows_, 6 * found->second + i, linear[i]);
+      entries_.emplace_back(rows_, 6 * found->second + 3 + i, angular[i]);
+    }
+  }
+
+  int rows_ = 0;
+  std::map<const btRigidBody*, int> columns_;
+  std::vector<Eigen::Triplet<double>> entries_;
+  std::vector<std::pair<int, double>> residuals_;
+};
+
+}  // namespace
+
+Links::Links(const plan::Scene& scene, const layouts::InitialState& state,
+             const std::vector<std::unique_ptr<btRigidBody>>& objects,
+             btDiscreteDynamicsWorld& world)
+    : world_(world) {
+  std::size_t first = 0;
+  for (const plan::Group& group : scene.groups) {
+    const std::size_t end = first + group.settings.Count("quantity");
+    if (group.HasLinks()) {
+      const auto place = [&](std::size_t i) { return objects[i]->getWorldTransform().getOrigin(); };
+      if (group.settings.On("links.anchor")) {
+        const layouts::ObjectState& object = state.objects[first];
+        const double height = objects::Bounds(object.solid, object.pose.orientation).upper.y();
+        const btVector3 from = end - first > 1 ? 2 * place(first) - place(first + 1)
+                                               : place(first) + ToBullet({0, 2 * height, 0});
+        Add(group.settings, btTypedConstraint::getFixedBody(), *objects[first], from);
+      }
+      for (std::size_t i = first; i + 1 < end; ++i)
+        Add(group.settings, *objects[i], *objects[i + 1], place(i));
+    }
+    first = end;
+  }
+}
+
+Links::~Links() {
+  for (const Link& link : links_) world_.removeConstraint(link.constraint.get());
+}
+
+void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
+                const btVector3& from) {
+  if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
+  const std::string_view type = settings.WordOr("links.type");
+  const btVector3 to = second.getWorldTransform().getOrigin();
+  Link link;
+  link.first = &first;
+  link.second = &second;
+  link.line_in_first.setZero();
+  const btVector3 pivot = (from + to) / 2;
+  link.pivot_in_first = InBody(first, pivot);
+  link.pivot_in_second = InBody(second, pivot);
+  if (type == "ball") {
+    link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
+                                                                link.pivot_in_second);
+  } else if (type == "hinge") {
+    const btVector3 axis(0, 0, 1);
+    link.constraint = std::make_unique<btHingeConstraint>(
+        first, second, link.pivot_in_first, link.pivot_in_second,
+        axis * first.getWorldTransform().getBasis(), axis * second.getWorldTransform().getBasis());
+  } else if (type == "fixed") {
+    const btTransform frame(btMatrix3x3::getIdentity(), pivot);
+    link.constraint = std::make_unique<btFixedConstraint>(
+        first, second, first.getWorldTransform().inverse() * frame,
+        second.getWorldTransform().inverse() * frame);
+  } else {
+    const btVector3 way = to - from;
+    if (!(way.length2() > 0))
+      throw library::SceneError(
+          fmt::format("object {} begins at the position of the previous object, so their spring "
+                      "has no direction; use another layout",
+                      second.getUserIndex() + 1));
+    const btVector3 line = way.normalized();
+    link.stiffness = settings.Real("links.stiffness");
+    link.length = static_cast<double>(way.length());
+    link.line_in_first = line * first.getWorldTransform().getBasis();
+    link.pivot_in_first = InBody(first, from);
+    link.pivot_in_second.setZero();
+    link.constraint = std::make_unique<PlainSpring>(
+        first, second, first.getWorldTransform().inverse() * FrameAlong(line, from),
+        second.getWorldTransform().inverse() * FrameAlong(line, to),
+        static_cast<btScalar>(link.stiffness),
+        static_cast<btScalar>(settings.Real("links.damping")));
+  }
+  joints_ = joints_ || link.stiffness == 0;
+  // The body that represents the world is shared and must not keep references to our constraints.
+  const bool between_objects = &first != &btTypedConstraint::getFixedBody();
+  world_.addConstraint(link.constraint.get(), between_objects);
+  links_.push_back(std::move(link));
+}
+
+void Links::MarkHeld(std::vector<char>& marks, char mark) const {
+  for (const Link& link : links_)
+    for (const btRigidBody* body : {link.first, link.second})
+      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
+}
+
+double Links::LargestGap() const {
+  double largest = 0;
+  for (const Link& link : links_) {
+    if (link.stiffness != 0) continue;
+    const Vector3d first = ToEigen(link.first->getWorldTransform() * link.pivot_in_first);
+    const Vector3d second = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
+    largest = std::max(largest, (second - first).norm());
+  }
+  return largest;
+}
+
+double Links::JerkEnergy() const {
+  if (!joints_) return 0;
+  JointEquations equations;
+  for (const Link& link : links_) {
+    const btTransform& pose = link.first->getWorldTransform();
+    const Vector3d pivot = ToEigen(pose * link.pivot_in_first);
+    const auto add_point = [&](const Vector3d& at, const Vector3d& direction) {
+      equations.AddPoint(*link.first, *link.second, at, direction);
+    };
+    if (link.stiffness != 0) {
+      // Its end stays on a line that turns with the first object.
+      btVector3 y, z;
+      btPlaneSpace1(pose.getBasis() * link.line_in_first, y, z);
+      const Vector3d end = ToEigen(link.second->getWorldTransform().getOrigin());
+      add_point(end, ToEigen(y));
+      add_point(end, ToEigen(z));
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis) add_point(pivot, Vector3d::Unit(axis));
+    // A hinge turns about z at the start.
+    const auto type = link.constraint->getConstraintType();
+    const int turns = type == POINT2POINT_CONSTRAINT_TYPE ? 0
+                      : type == HINGE_CONSTRAINT_TYPE     ? 2
+                                                          : 3;
+    for (int axis = 0; axis < turns; ++axis)
+      equations.AddTurn(*link.first, *link.second, Vector3d::Unit(axis));
+  }
+  return equations.JerkEnergy();
+}
+
+double Links::SpringEnergy(double timestep) const {
+  double energy = 0;
+  for (const Link& link : links_) {
+    if (link.stiffness == 0) continue;
+    const btTransform& first = link.first->getWorldTransform();
+    const Vector3d line = ToEigen(first.getBasis() * link.line_in_first);
+    const Vector3d way = ToEigen(link.second->getWorldTransform().getOrigin()) -
+                         ToEigen(first * link.pivot_in_first);
+    const Vector3d velocity =
+        ToEigen(link.second->getLinearVelocity()) - ToEigen(link.first->getLinearVelocity());
+    const double stretch = line.dot(way) - link.length;
+    // With the force F = -k x, x and v stay on the ellipse k x^2/2 + m v^2/2 - dt k x v/2.
+    energy += link.stiffness * stretch * (stretch - timestep * line.dot(velocity)) / 2;
+  }
+  return energy;
+}
+
+}  // namespace cdb::world
