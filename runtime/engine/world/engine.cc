@@ -20,6 +20,7 @@
 #include "runtime/engine/detection/broad_phase.h"
 #include "runtime/engine/detection/wall_pairs.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/internal_edges.h"
 
 namespace cdb::world {
 namespace {

@@ -1,7 +1,5 @@
 #include "runtime/engine/world/shapes.h"
 
-#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
-#include <BulletCollision/CollisionShapes/btTriangleShape.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "library/scene_error.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/internal_edges.h"
 
 namespace cdb::world {
 namespace {
@@ -215,132 +214,6 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeCompound(const objects::Compoun
   return shape;
 }
 
-namespace {
-
-/// Bullet numbers the triangles of a height field by column and row, and mixes up the edges of
-/// those more than 1024 columns apart.
-class NumberedHeights final : public btHeightfieldTerrainShape {
- public:
-  BT_DECLARE_ALIGNED_ALLOCATOR();
-
-  using btHeightfieldTerrainShape::btHeightfieldTerrainShape;
-
-  void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
-                           const btVector3& upper) const override {
-    Numbering numbering(*callback, 2 * (m_heightStickWidth - 1));
-    btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
-  }
-
- private:
-  struct Numbering final : btTriangleCallback {
-    Numbering(btTriangleCallback& to, int count) : callback(to), row(count) {}
-    void processTriangle(btVector3* corners, int column, int line) override {
-      callback.processTriangle(corners, 0, line * row + column);
-    }
-    btTriangleCallback& callback;
-    const int row;  ///< triangles in a row
-  };
-};
-
-/// Bullet's limits are in m, and meant for bodies of 1 m. `surface`: its size; `edge`: the usual
-/// length of an edge, m.
-void SetLimits(btTriangleInfoMap& edges, double surface, double edge) {
-  constexpr double kSamePoint = 1e-5, kAtEdge = 0.05;
-  edges.m_equalVertexThreshold = static_cast<btScalar>(std::pow(kSamePoint * surface, 2));
-  edges.m_edgeDistanceThreshold = static_cast<btScalar>(kAtEdge * edge);
-  edges.m_zeroAreaThreshold = 0;  // a surface has no triangles without area
-}
-
-/// m: the mean of the triangles' shortest edges.
-double UsualEdge(const objects::Compound& surface) {
-  double sum = 0;
-  const std::size_t count = surface.form().pieces.size();
-  for (std::size_t triangle = 0; triangle < count; ++triangle) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i)
-      least = std::min(
-          least, (surface.Corner(triangle, i) - surface.Corner(triangle, (i + 1) % 3)).norm());
-    sum += least;
-  }
-  return sum / static_cast<double>(count);
-}
-
-}  // namespace
-
-namespace {
-
-/// True if the triangle turns into another one at each edge, by no more than a right angle.
-bool HasBluntEdges(const btCollisionShape& surface, int triangle) {
-  const btTriangleInfoMap* edges =
-      surface.getShapeType() == TERRAIN_SHAPE_PROXYTYPE
-          ? static_cast<const btHeightfieldTerrainShape&>(surface).getTriangleInfoMap()
-          : static_cast<const btBvhTriangleMeshShape&>(surface).getTriangleInfoMap();
-  const btTriangleInfo* found = edges->find(btHashInt(triangle));
-  return found != nullptr &&
-         std::max({btFabs(found->m_edgeV0V1Angle), btFabs(found->m_edgeV1V2Angle),
-                   btFabs(found->m_edgeV2V0Angle)}) <= SIMD_HALF_PI;
-}
-
-/// Corrects the normal of a contact with a triangle by Bullet's utility, which expects bodies in
-/// front of it, or a flag. `front`: the triangle's normal on the side of the body.
-void AdjustNormal(btManifoldPoint& contact, const btCollisionObjectWrapper* body,
-                  const btCollisionObjectWrapper* triangle, int part, int index,
-                  const btVector3& front, bool is_behind) {
-  const auto adjust = [&](btManifoldPoint& point) {
-    btAdjustInternalEdgeContacts(point, triangle, body, part, index,
-                                 is_behind ? BT_TRIANGLE_CONVEX_BACKFACE_MODE : 0);
-  };
-  adjust(contact);
-  // It leaves alone what would push the body through the surface: the shortest way out of this
-  // triangle, if it is deep in the body. Past a sharp or an open edge that may be right, unless the
-  // utility takes the mirrored normal for that of a hit on another edge.
-  const btScalar away = front.dot(contact.m_normalWorldOnB);
-  if (away >= 0) return;
-  btManifoldPoint mirrored = contact;
-  mirrored.m_normalWorldOnB -= 2 * away * front;
-  adjust(mirrored);
-  if (front.dot(mirrored.m_normalWorldOnB) <= 1 - 100 * SIMD_EPSILON) {
-    if (!HasBluntEdges(*triangle->getCollisionObject()->getCollisionShape(), index)) return;
-    mirrored.m_normalWorldOnB = front;
-    mirrored.m_positionWorldOnB = mirrored.m_positionWorldOnA - mirrored.m_distance1 * front;
-    mirrored.m_localPointB = triangle->getWorldTransform().invXform(mirrored.m_positionWorldOnB);
-  }
-  contact = mirrored;
-}
-
-/// Separates the points of a contact, so that it has no impulse and Bullet removes it.
-void Drop(const btTransform& surface, btScalar gap, btManifoldPoint& contact) {
-  contact.m_distance1 = gap;
-  contact.m_positionWorldOnB = contact.m_positionWorldOnA - gap * contact.m_normalWorldOnB;
-  contact.m_localPointB = surface.invXform(contact.m_positionWorldOnB);
-  contact.m_appliedImpulse = contact.m_appliedImpulseLateral1 = contact.m_appliedImpulseLateral2 =
-      0;
-}
-
-}  // namespace
-
-// In a manifold of Bullet's, the surface is always the second body.
-bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, int, int,
-                   const btCollisionObjectWrapper* b, int part_b, int triangle_b) {
-  if (b->getCollisionShape()->getShapeType() != TRIANGLE_SHAPE_PROXYTYPE) return false;
-  const auto& triangle = static_cast<const btTriangleShape&>(*b->getCollisionShape());
-  const btTransform& pose = b->getWorldTransform();
-  btVector3 front;
-  triangle.calcNormal(front);
-  front = pose.getBasis() * front;
-  const btVector3 centre = a->getCollisionObject()->getWorldTransform().getOrigin();
-  const bool is_behind = front.dot(centre - pose * triangle.getVertexPtr(0)) < 0;
-  const btVector3 before = contact.m_normalWorldOnB;
-  AdjustNormal(contact, a, b, part_b, triangle_b, is_behind ? -front : front, is_behind);
-  // A ball with another normal is nearest to another triangle, whose contact it has as well. Here
-  // it would touch beside its lowest point, and spin.
-  constexpr btScalar kTurned(1e-3);
-  if (a->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE &&
-      (contact.m_normalWorldOnB - before).length() > kTurned)
-    Drop(pose, 1 + 4 * a->getCollisionShape()->getMargin(), contact);
-  return true;
-}
-
 std::unique_ptr<btCollisionShape> ShapePool::MakeSurface(const objects::Compound& surface,
                                                          btScalar margin, bool smooth_edges) {
   Triangles& triangles = *triangles_.emplace_back(std::make_unique<Triangles>());
@@ -360,10 +233,7 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeSurface(const objects::Compound
   triangles.array.addIndexedMesh(mesh);
   auto shape = std::make_unique<btBvhTriangleMeshShape>(&triangles.array, true);
   shape->setMargin(margin);
-  if (smooth_edges) {
-    SetLimits(triangles.edges, surface.sides().maxCoeff(), UsualEdge(surface));
-    btGenerateInternalEdgeInfo(shape.get(), &triangles.edges);
-  }
+  if (smooth_edges) FindEdges(surface, *shape, triangles.edges);
   return shape;
 }
 
@@ -389,10 +259,7 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeHeights(const objects::Compound
   shape->setLocalScaling(ToBullet(Eigen::Vector3d(surface.sides().x() / cells(grid.columns), 1,
                                                   surface.sides().z() / cells(grid.rows))));
   shape->setMargin(margin);
-  if (smooth_edges) {
-    SetLimits(triangles.edges, surface.sides().maxCoeff(), UsualEdge(surface));
-    btGenerateInternalEdgeInfo(shape.get(), &triangles.edges);
-  }
+  if (smooth_edges) FindEdges(surface, *shape, triangles.edges);
   return shape;
 }
 

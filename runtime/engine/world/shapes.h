@@ -51,12 +51,6 @@ class SolidShape : public btConvexInternalShape {
 /// its own frame, including the margin.
 btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
 
-/// Bullet's gContactAddedCallback for `edges smooth`: corrects the normal of a contact with a
-/// triangle of a surface that was made with smooth edges; leaves all others alone. Bullet calls it
-/// for bodies with CF_CUSTOM_MATERIAL_CALLBACK.
-bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, int part_a,
-                   int triangle_a, const btCollisionObjectWrapper* b, int part_b, int triangle_b);
-
 /// Makes and owns shapes. Equal solids with equal margins share one, and compounds of one form
 /// share its vertices whatever their size. Not thread-safe.
 class ShapePool {

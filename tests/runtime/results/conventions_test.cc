@@ -87,7 +87,7 @@ void ExpectAttributes(hid_t object) {
       EXPECT_EQ(std::string(TextOf(object, name.c_str())).find('\0'), std::string::npos);
       if (name == "units") {
         EXPECT_THAT(TextOf(object, "units"),
-                    testing::AnyOf("1", "ns", "s", "m", "m/s", "rad", "J", "bytes",
+                    testing::AnyOf("1", "ns", "s", "m", "m/s", "kg m/s", "rad", "J", "bytes",
                                    "seconds since 1970-01-01 00:00:00"));
       }
     } else {
