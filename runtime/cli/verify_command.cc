@@ -1,4 +1,4 @@
-// `cdb verify`: compares every detector's pairs with brute force, in every cycle of a scenario.
+// `cdb verify`: compares the pairs and contacts of every detector with exact ones, in every cycle.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ void DeclareVerify(options::Subcommand& command) {
 }  // namespace
 
 /// Compares the pairs and contacts of detectors with exact ones in each cycle, and prints a table.
-/// Exit status 3 for a missed pair or a failed run.
+/// Exit status 3 for a pair or contact that a detector misses, or a failed run.
 options::Command VerifyCommand() {
   return {.name = "verify",
           .help = "compare the pairs and contacts of every detector with exact ones, in each cycle",

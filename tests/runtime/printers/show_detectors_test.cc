@@ -264,6 +264,17 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {
   EXPECT_EQ(text.find("WRONG"), std::string::npos) << text;
 }
 
+TEST(ShowDetectors, NamesTheNarrowPhaseThatMissesContacts) {
+  const std::string text =
+      Shown({"timing", "pairs"}, {"sap", "dbvt"}, {}, [](const plan::Run& run, Made& made) {
+        if (run.at[1] == 1) made.Ints("missed_contacts", {0, 1, 1});
+        if (run.at[1] == 1) made.Ints("bullet_missed_contacts", {0, 1, 1});
+      });
+  EXPECT_NE(text.find("\nOverlaps without a contact: bullet 6 of 126 compared.\n"),
+            std::string::npos)
+      << text;
+}
+
 TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
   const std::string text =
       Shown({"timing", "pairs"}, {"sap", "dbvt", "null"}, {}, [](const plan::Run& run, Made& made) {

@@ -20,7 +20,7 @@ TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
   const Finished good = program.Run({"verify", "s.cdb", "-q"});
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_EQ(good.err, "");
-  EXPECT_NE(good.out.find("\n  simple         2      40 "), std::string::npos) << good.out;
+  EXPECT_NE(good.out.find("\n  simple    broad        2      40 "), std::string::npos) << good.out;
   EXPECT_NE(good.out.find("  exact\n"), std::string::npos) << good.out;
   EXPECT_TRUE(program.Exists("s.verify.h5"));
 
@@ -40,6 +40,27 @@ TEST(VerifyCommand, FindsNothingWrongWithBulletsAndEverythingWithNothing) {
   const Finished other = program.Run({"verify", "s.cdb", "-q", "--detector", "dvbt"});
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.err.find("did you mean 'dbvt'?"), std::string::npos) << other.err;
+}
+
+TEST(VerifyCommand, TellsTheContactsThatBulletMissesFromThoseOfADetector) {
+  // A ball that overlaps the rim of a cylinder by .061 mm, where Bullet makes no contact.
+  const Program program;
+  program.Write("rim.cdb",
+                "benchmark rim { cycles 1; world.walls none; acceleration (0, 0, 0)\n"
+                "objects ball { quantity 1; type sphere; size 0.1; overlap on\n"
+                "location at(0.1703122, 0.1703122, 0) }\n"
+                "objects drum { quantity 1; type cylinder; size 0.27; overlap on\n"
+                "location at(0, 0, 0) } }");
+  const Finished rim = program.Run({"verify", "rim.cdb", "-q"});
+  EXPECT_EQ(rim.status, 0) << "no detector misses anything";
+  EXPECT_NE(
+      rim.out.find("  1 of 1       0        0          0            -             -  exact\n"),
+      std::string::npos)
+      << rim.out;
+  EXPECT_NE(rim.out.find("  1 of 1       1        -          -            -             -  Bullet "
+                         "misses contacts\n"),
+            std::string::npos)
+      << rim.out;
 }
 
 TEST(VerifyPlan, LeavesOutWhatANamedDetectorDoesNotHold) {

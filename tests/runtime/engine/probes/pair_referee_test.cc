@@ -350,6 +350,42 @@ TEST(PairReferee, ComparesEveryPairOfTypes) {
   }
 }
 
+TEST(PairReferee, ComparesEveryTypeWithWalls) {
+  const TemporaryFolder folder;
+  distributions::Stream stream(12);
+  constexpr double kDepth = 0.03;
+  for (const char* wall_shape : {"plane", "box"}) {
+    for (const schema::Value& type : Types(folder)) {
+      plan::Scene scene = EngineScene(1, 20);
+      SetWorld(scene, "world.wall_shape", Word(wall_shape));
+      SetWorld(scene, "record", schema::WordList{"pairs"});
+      SetGroup(scene, "type", type);
+      SetGroup(scene, "size", 2.0);
+      SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}));
+      if (!std::holds_alternative<schema::Word>(type))
+        continue;  // surfaces are fixed, as walls are
+      SCOPED_TRACE(testing::Message() << std::get<schema::Word>(type).text << ' ' << wall_shape);
+      layouts::InitialState state = layouts::MakeInitialState(scene);
+      layouts::ObjectState& object = state.objects[0];
+      object.pose.orientation = stream.Turn();
+      double below = 0;  // the lowest point, from the centre
+      for (std::size_t piece = 0; piece < object.solid.PieceCount(); ++piece)
+        below = std::max(
+            below, HeightOf(object.solid, piece, object.pose.orientation, -Vector3d::UnitY()));
+      for (const double depth : {kDepth, -kDepth}) {
+        object.pose.position = {1, -10 + below - depth, 2};
+        world::Engine engine = WholeEngine(scene, state);
+        const auto overlaps = FirstStep(engine).exact.overlaps;
+        ASSERT_EQ(overlaps.size(), depth > 0 ? 1u : 0u);
+        if (depth < 0) continue;
+        EXPECT_NEAR(overlaps[0].depth, depth, 1e-9 + 20 * kEpsilon * 10);
+        EXPECT_NEAR((overlaps[0].normal - Vector3d::UnitY()).norm(), 0, 1e-6);
+        EXPECT_EQ(overlaps[0].bodies.first, 0u);
+      }
+    }
+  }
+}
+
 TEST(PairReferee, LooksInAPassOfItsOwnWhereTimesAreTaken) {
   const Recorded timed = RunHere(Gas("dbvt", {"timing", "counts"}));
   const Recorded both = RunHere(Gas("dbvt", {"timing", "counts", "memory", "pairs"}));
