@@ -19,7 +19,8 @@ plan::Plan PlanToLookAt(const std::string& text) {
 TEST(BriefRuns, AreThoseOfThePlan) {
   for (const char* text :
        {"benchmark b { }", "benchmark b { objects { quantity sweep(0, 3, 1000) } }",
-        "# runs:\n#   - id: \"0\"\nbenchmark b { detector sweep(dbvt, sap); narrow_phase sweep(own, bullet); repeats 2\n"
+        "# runs:\n#   - id: \"0\"\nbenchmark b { detector sweep(dbvt, sap); narrow_phase "
+        "sweep(own, bullet); repeats 2\n"
         "seed sweep(1 .. 3); skip when seed == 2\n"
         "objects pebbles { quantity 4; size uniform(1, 2) }\n"
         "objects bricks { quantity sweep(1, 2); mass fixed } }"}) {
