@@ -83,7 +83,7 @@ inline constexpr const char* kStartAgainKeeps = "walls";
 struct VerdictScales {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double initial_energy = kNone;  ///< J, as the series `energy`, before the first recorded cycle
-  /// J: the kinetic energy at that time plus that of each object falling by its least side.
+  /// J: the kinetic energy at that time plus that of each object falling by 25 of its least sides.
   double energy_scale = kNone;
   double least_side = kNone;   ///< m, of the smallest object
   double speed_scale = kNone;  ///< m/s, sqrt(g size) of that object

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
@@ -38,6 +39,7 @@ void EnergyAudit::Begin(double kinetic, double energy) {
   peak_ = kinetic - jerk;
   least_ = 0;
   const double pull = engine_.acceleration().norm();
+  weight_ = pull * std::accumulate(masses_.begin(), masses_.end(), 0.0);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
     // Besides gravity, the energy of moving by a tenth of its side per second.
@@ -52,7 +54,9 @@ double EnergyAudit::After(const BodyStates& before, const BodyStates& now, doubl
   taken_ += TakenBySleep(before, now);
   peak_ = std::max(peak_, kinetic);
   const double scale = peak_ + least_;
-  return scale > 0 ? (start_ - energy - taken_) / scale : 0;
+  // No object has fallen farther through the gaps of joints than their sum.
+  const double sagged = weight_ * engine_.links().MeasureGaps().sum;
+  return scale > 0 ? (start_ - energy - taken_ - sagged) / scale : 0;
 }
 
 double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStates& before,

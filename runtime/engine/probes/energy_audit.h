@@ -23,7 +23,7 @@ class EnergyAudit {
   /// Call after each cycle, with the states at its start and end. Returns the energy that was lost
   /// and not taken, relative to the largest kinetic energy so far plus the energy of a fall by a
   /// hundredth of the objects' sizes. What joints take at once from velocities that contradict them
-  /// is not lost (Links::JerkEnergy).
+  /// is not lost (Links::JerkEnergy), nor is the fall through their gaps.
   double After(const BodyStates& before, const BodyStates& now, double kinetic, double energy);
 
  private:
@@ -39,6 +39,7 @@ class EnergyAudit {
   std::vector<double> masses_;                           ///< kg, by object; 0 if it is fixed
   std::vector<double> restitutions_;                     ///< by object
   std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
+  double weight_ = 0;                                    ///< N, of all objects
   double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J
 };
 

@@ -88,6 +88,10 @@ void Probes::Begin() {
   SetScales();
 }
 
+/// Sides by which a fall gives energies a scale: a hundredth of it is the energy of pushing an
+/// object out of a penetration by a quarter of its side, the depth that is judged as a penetration.
+constexpr double kFall = 25;
+
 void Probes::SetScales() {
   const Energy energy = EnergyOf(engine_);
   const double pull = engine_.acceleration().norm();
@@ -103,7 +107,7 @@ void Probes::SetScales() {
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
     header_.scales.energy_scale +=
-        mass * (pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2);
+        mass * (kFall * pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2);
   }
   header_.scales.least_side = smallest;
   header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(
@@ -136,7 +140,7 @@ void Probes::Record(std::uint64_t cycle) {
   if (!recording_.Reals("boxes").empty()) RecordBoxes(cycle);
   // The series has no value if there is no joint.
   if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty())
-    recording_.Put("joint_gap", cycle, engine_.links().LargestGap());
+    recording_.Put("joint_gap", cycle, engine_.links().MeasureGaps().largest);
   if (soundness_) RecordSoundness(cycle);
 }
 

@@ -206,15 +206,17 @@ void Links::MarkHeld(std::vector<char>& marks, char mark) const {
       if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
 }
 
-double Links::LargestGap() const {
-  double largest = 0;
+Links::Gaps Links::MeasureGaps() const {
+  Gaps gaps;
   for (const Link& link : links_) {
     if (link.stiffness != 0) continue;
     const Vector3d first = ToEigen(link.first->getWorldTransform() * link.pivot_in_first);
     const Vector3d second = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
-    largest = std::max(largest, (second - first).norm());
+    const double gap = (second - first).norm();
+    gaps.largest = std::max(gaps.largest, gap);
+    gaps.sum += gap;
   }
-  return largest;
+  return gaps;
 }
 
 double Links::JerkEnergy() const {

@@ -38,8 +38,11 @@ class Links {
   bool HasJoints() const { return joints_; }
   /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
   void MarkHeld(std::vector<char>& marks, char mark) const;
-  /// The largest distance between the two pivots of a joint, m; 0 without joints.
-  double LargestGap() const;
+  /// Distances between the two pivots of a joint, m; 0 without joints.
+  struct Gaps {
+    double largest = 0, sum = 0;
+  };
+  Gaps MeasureGaps() const;
   /// The kinetic energy that perfect joints take at once, J, as velocities of the start that
   /// contradict them end in a jerk: with the Jacobian A of the joints and the velocities v, half of
   /// (A v)^T (A M^-1 A^T)^-1 A v. Throws SceneError if joints contradict each other.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/catalogue_table.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
@@ -54,6 +55,19 @@ TEST(DrawnWords, SpheresThatBecomeEllipsoidsAreWarnedOf) {
   EXPECT_EQ(EllipsoidWarnings("size 5"), 0);
   EXPECT_EQ(EllipsoidWarnings("type cuboid; size uniform(1, 5)"), 0);
   EXPECT_EQ(EllipsoidWarnings("type any(sphere, cuboid); size uniform(1, 5)"), 0);
+}
+
+// Golden files would change with each new type.
+TEST(Types, AreListedFromTheTableWhereAnotherKindIsWritten) {
+  for (const auto& [value, help] : {std::pair("normal(0, 1)", "any(…) draws from a list"),
+                                    {"\"rock.obj\"", "write mesh(\"rock.obj\")"}}) {
+    const compiler::Compilation result =
+        CompileText(std::string("benchmark b { objects.type ") + value + " }");
+    const std::string text = dsl::Render(result.diagnostics);
+    for (const schema::ObjectType& type : schema::kObjectTypeTable)
+      EXPECT_NE(text.find(" " + std::string(type.name) + ","), std::string::npos) << text;
+    EXPECT_NE(text.find(help), std::string::npos) << text;
+  }
 }
 
 }  // namespace

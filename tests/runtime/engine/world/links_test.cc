@@ -170,7 +170,7 @@ TEST(BallJoint, IsAPendulum) {
     }
     last = x;
     // A fifth of the gap is corrected in each step.
-    EXPECT_LT(engine.links().LargestGap(), 1e-4);
+    EXPECT_LT(engine.links().MeasureGaps().largest, 1e-4);
   }
   ASSERT_EQ(passages, 10);
   // (w dt)^2 / 24 = 1.6e-4 from the integrator, 4.5e-5 from the amplitude; Bullet loses some
@@ -244,7 +244,7 @@ TEST(Links, AreRecorded) {
     }
     if (type == std::string("ball")) {
       EXPECT_GT(gap, 0);
-      EXPECT_EQ(gap, recorded.engine->links().LargestGap());
+      EXPECT_EQ(gap, recorded.engine->links().MeasureGaps().largest);
     } else {
       EXPECT_TRUE(std::isnan(gap));
       // Gravity and springs together.
