@@ -42,7 +42,8 @@ bool MustRest(const plan::Scene& scene) {
 
 /// Bullet multiplies the friction and the restitution of both sides of a contact.
 bool KeepsEnergy(const plan::Scene& scene) {
-  if (scene.world.WordOr("world.walls") != "none" && scene.world.Real("world.wall_restitution") != 1)
+  if (scene.world.WordOr("world.walls") != "none" &&
+      scene.world.Real("world.wall_restitution") != 1)
     return false;
   return std::ranges::all_of(scene.groups, [](const plan::Group& group) {
     const schema::Number* bounce = schema::AsNumber(group.settings.Get("restitution"));

@@ -36,7 +36,8 @@ double Now() {
 /// runner keeps time and memory. Any other setting must have its default.
 constexpr std::string_view kFollowed =
     "cycles quantity type aspect location overlap size mass acceleration linear_velocity "
-    "angular_velocity seed world.side world.walls world.wall_friction world.wall_restitution timestep "
+    "angular_velocity seed world.side world.walls world.wall_friction world.wall_restitution "
+    "timestep "
     "precision detector "
     "solver.iterations solver.erp friction restitution orientation sleeping repeats warmup "
     "timeout memory record expect accuracy.metrics accuracy.interval accuracy.closed_form "
@@ -204,7 +205,7 @@ class World {
   dJointGroupID contact_joints_ = dJointGroupCreate(0);
   double timestep_ = 0;
   double friction_ = 0, restitution_ = 0;  ///< of the walls
-  std::vector<dBodyID> bodies_;    ///< null where the object is fixed
+  std::vector<dBodyID> bodies_;            ///< null where the object is fixed
   std::vector<std::pair<dGeomID, dGeomID>> pairs_;
   int contacts_ = 0;
 };
