@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3, kLongStepOfBall = 5;
 constexpr double kThinWall = 1.5, kFastHit = 2, kSoftContact = 0.04, kThinShape = 30;
-constexpr double kManyEdges = 1;
+constexpr double kManyEdges = 1, kForeseen = 1;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -168,6 +168,17 @@ std::optional<Estimate> InternalEdges(const SceneFacts& scene, const GroupFacts&
   // The triangles are not known here, nor where the object meets them.
   const bool open = true;
   return Estimate{way / objects.least_side, kManyEdges, 0, open};
+}
+
+std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!scene.MayTouch() || !MayBeOn(objects, "ccd") ||
+      !(BoundsOf(*objects.settings, "restitution").most > 0))
+    return std::nullopt;
+  // Bullet foresees the contacts of objects that move by more than their inner radius in a step.
+  const double value = scene.FastestSpeed(objects) * scene.timestep / (objects.least_side / 2);
+  if (value < kForeseen) return std::nullopt;
+  const bool open = true;  // it depends on where in the step they meet
+  return Estimate{value, kForeseen, ShorterStep(scene, value, kForeseen), open};
 }
 
 }  // namespace cdb::lints

@@ -362,6 +362,7 @@ constexpr Row kFormulae[] = {
     {Lint::kEarlySleep, EarlySleep},
     {Lint::kShortRun, ShortRun},
     {Lint::kInternalEdges, InternalEdges},
+    {Lint::kForeseenBounce, ForeseenBounce},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

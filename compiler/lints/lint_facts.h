@@ -140,6 +140,7 @@ Formula FastHit;
 Formula SoftContact;
 Formula ThinShape;
 Formula InternalEdges;
+Formula ForeseenBounce;
 
 // Motion in flight: motion_lints.cc.
 Formula FastSpin;

@@ -138,6 +138,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "the edges between the triangles of a surface {} deflect objects",
      .remedy = "edges smooth for the surface",
      .about = "linear_velocity acceleration location type"},
+    {.lint = Lint::kForeseenBounce, .kind = {"W0322", "foreseen-bounce"},
+     .number = "v timestep / half the least side, with ccd and restitution",
+     .threshold = "1, and never certain",
+     .predicts = "bounces {} lose their energy, as contacts that ccd foresees have no restitution",
+     .remedy = "timestep {} or less",
+     .about = "ccd restitution linear_velocity timestep acceleration size"},
 };
 // clang-format on
 

@@ -37,6 +37,7 @@ enum class Lint {
   kEarlySleep,
   kShortRun,
   kInternalEdges,
+  kForeseenBounce,
 };
 
 /// One row of THE table of lints.

@@ -184,6 +184,11 @@ constexpr LintExample kExamples[] = {
      "    linear_velocity (3, 0, 0)\n  }\n"
      "  objects ground {\n    quantity 1; type surface(\"level.obj\"); size 20; mass fixed\n"
      "    location at(0, 0, 0); edges smooth\n  }\n}\n"},
+    {Lint::kForeseenBounce,
+     "benchmark b {\n  world.side 20\n"
+     "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n",
+     "benchmark b {\n  world.side 20\n  timestep 1 / 240\n"
+     "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.
