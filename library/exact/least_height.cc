@@ -252,18 +252,16 @@ class Search {
     const double area = normal.norm();
     if (!(area > 0)) return kNone;
     normal /= area;
+    // Inwards of each edge by the order of the corners: in a sliver, which two equal support points
+    // give, the side of the third corner is rounding.
+    const Vector3d about = normal;
     if (normal.dot(Corner(cell, 0).direction) < 0) normal = -normal;
     double distance = std::min({normal.dot(a), normal.dot(b), normal.dot(c)});
     if (!(distance >= 0)) return kNone;
     const Vector3d foot = distance * normal;
     double room = std::numeric_limits<double>::infinity();
-    for (const auto& [from, to, other] :
-         {std::tie(a, b, c), std::tie(b, c, a), std::tie(c, a, b)}) {
-      const Vector3d along = to - from;
-      Vector3d inwards = normal.cross(along).normalized();
-      if (inwards.dot(other - from) < 0) inwards = -inwards;
-      room = std::min(room, inwards.dot(foot - from));
-    }
+    for (const auto& [from, to] : {std::tie(a, b), std::tie(b, c), std::tie(c, a)})
+      room = std::min(room, about.cross(to - from).normalized().dot(foot - from));
     if (!(room >= 0)) return kNone;
     double cosine = 1;
     for (std::size_t i = 0; i < 3; ++i)

@@ -125,20 +125,24 @@ TEST_P(Certificate, HoldsForEveryPairAtEveryDepth) {
 }
 
 TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
-  distributions::Stream stream(GetParam() + 500);
-  for (std::size_t other = 0; other < kKinds; ++other) {
-    if (other == 10 && GetParam() == 10) continue;
-    for (const double gap : {-2.0, -0.1, -1e-3, 1e-3, 0.5}) {
-      for (int i = 0; i < Cases(other == 9 || GetParam() == 9 ? 1 : 2); ++i) {
-        SCOPED_TRACE(testing::Message() << GetParam() << " and " << other << ", gap " << gap);
-        const Case c = DrawCase(stream, GetParam(), other, 4, gap);
-        const SignedDistance claim = c.Distance();
-        const OracleGap searched = SearchedGap(c.a, c.pose_a, c.b, c.pose_b);
-        const double size = std::min(c.a.OuterRadius(), c.b.OuterRadius());
-        EXPECT_LE(searched.gap, claim.upper + 1e-13 * c.Scale());
-        EXPECT_GE(searched.gap, claim.lower - 1e-6 * size);
-        EXPECT_NEAR(-claim.Depth(), searched.gap, 1e-6 * size);
-        EXPECT_NEAR(GapAlong(c, claim, claim.normal), searched.gap, 1e-6 * size);
+  // With one case for each gap, the stream of the round capsule draws a tetrahedron with two
+  // support points that are equal but for a rounding.
+  for (const int cases : {1, Cases(2)}) {
+    distributions::Stream stream(GetParam() + 500);
+    for (std::size_t other = 0; other < kKinds; ++other) {
+      if (other == 10 && GetParam() == 10) continue;
+      for (const double gap : {-2.0, -0.1, -1e-3, 1e-3, 0.5}) {
+        for (int i = 0; i < (other == 9 || GetParam() == 9 ? 1 : cases); ++i) {
+          SCOPED_TRACE(testing::Message() << GetParam() << " and " << other << ", gap " << gap);
+          const Case c = DrawCase(stream, GetParam(), other, 4, gap);
+          const SignedDistance claim = c.Distance();
+          const OracleGap searched = SearchedGap(c.a, c.pose_a, c.b, c.pose_b);
+          const double size = std::min(c.a.OuterRadius(), c.b.OuterRadius());
+          EXPECT_LE(searched.gap, claim.upper + 1e-13 * c.Scale());
+          EXPECT_GE(searched.gap, claim.lower - 1e-6 * size);
+          EXPECT_NEAR(-claim.Depth(), searched.gap, 1e-6 * size);
+          EXPECT_NEAR(GapAlong(c, claim, claim.normal), searched.gap, 1e-6 * size);
+        }
       }
     }
   }
