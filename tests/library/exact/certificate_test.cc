@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <set>
 
 #include "library/exact/signed_distance.h"
 #include "library/objects/surface.h"
@@ -127,7 +128,7 @@ TEST_P(Certificate, HoldsForEveryPairAtEveryDepth) {
 TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
   // With one case for each gap, the stream of the round capsule draws a tetrahedron with two
   // support points that are equal but for a rounding.
-  for (const int cases : {1, Cases(2)}) {
+  for (const int cases : std::set<int>{1, Cases(2)}) {
     distributions::Stream stream(GetParam() + 500);
     for (std::size_t other = 0; other < kKinds; ++other) {
       if (other == 10 && GetParam() == 10) continue;
