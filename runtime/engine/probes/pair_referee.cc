@@ -138,9 +138,8 @@ constexpr double kTie = 0.01;
 /// The pose in the engine, converted to a quaternion in double precision.
 objects::Pose PoseOf(const btRigidBody& body) {
   const btTransform& transform = body.getWorldTransform();
-  Eigen::Matrix3d turn;
-  for (int row = 0; row < 3; ++row) turn.row(row) = world::ToEigen(transform.getBasis()[row]);
-  return {world::ToEigen(transform.getOrigin()), Eigen::Quaterniond(turn).normalized()};
+  return {world::ToEigen(transform.getOrigin()),
+          Eigen::Quaterniond(world::ToEigen(transform.getBasis())).normalized()};
 }
 
 /// Bodies whose depth is to be computed.

@@ -26,6 +26,12 @@ inline Eigen::Vector3d ToEigen(const btVector3& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
 }
 
+inline Eigen::Matrix3d ToEigen(const btMatrix3x3& m) {
+  Eigen::Matrix3d matrix;
+  for (int row = 0; row < 3; ++row) matrix.row(row) = ToEigen(m[row]);
+  return matrix;
+}
+
 inline Eigen::Quaterniond ToEigen(const btQuaternion& q) {
   return Eigen::Quaterniond(static_cast<double>(q.w()), static_cast<double>(q.x()),
                             static_cast<double>(q.y()), static_cast<double>(q.z()));

@@ -70,54 +70,53 @@ class JointEquations {
     const auto arm = [&](const btRigidBody& body) -> Vector3d {
       return (pivot - ToEigen(body.getWorldTransform().getOrigin())).cross(direction);
     };
+    residuals_.push_back(0);
     Add(first, direction, arm(first));
     Add(second, -direction, -arm(second));
-    ++rows_;
   }
   /// The bodies turn alike about `axis`.
   void AddTurn(const btRigidBody& first, const btRigidBody& second, const Vector3d& axis) {
+    residuals_.push_back(0);
     Add(first, Vector3d::Zero(), axis);
     Add(second, Vector3d::Zero(), -axis);
-    ++rows_;
   }
 
   double JerkEnergy() const {
-    // Rows are scaled by the roots of the inverse masses, which makes the matrix a square.
-    Eigen::SparseMatrix<double> scaled(rows_, 6 * static_cast<int>(columns_.size()));
+    const auto rows = static_cast<Eigen::Index>(residuals_.size());
+    // Scaled by the roots of the inverse masses, which makes the matrix a square.
+    Eigen::SparseMatrix<double> scaled(rows, 6 * static_cast<Eigen::Index>(columns_.size()));
     scaled.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SparseMatrix<double> square = scaled * scaled.transpose();
-    Eigen::VectorXd residuals = Eigen::VectorXd::Zero(rows_);
-    for (const auto& [row, residual] : residuals_) residuals[row] += residual;
+    Eigen::SparseMatrix<double> square = scaled * scaled.transpose();
+    // Between fixed objects, equations may follow from others.
+    constexpr double kRegular = 1e-10;
+    const double regular = kRegular * square.diagonal().maxCoeff();
+    for (Eigen::Index row = 0; row < rows; ++row) square.coeffRef(row, row) += regular;
+    const Eigen::Map<const Eigen::VectorXd> residuals(residuals_.data(), rows);
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(square);
-    const double energy = residuals.dot(solver.solve(residuals)) / 2;
-    if (solver.info() != Eigen::Success || !std::isfinite(energy))
-      throw library::SceneError("the joints of the links contradict each other");
-    return energy;
+    return residuals.dot(solver.solve(residuals)) / 2;
   }
 
  private:
   void Add(const btRigidBody& body, const Vector3d& along, const Vector3d& about) {
-    residuals_.emplace_back(rows_, along.dot(ToEigen(body.getLinearVelocity())) +
-                                       about.dot(ToEigen(body.getAngularVelocity())));
+    residuals_.back() += along.dot(ToEigen(body.getLinearVelocity())) +
+                         about.dot(ToEigen(body.getAngularVelocity()));
     if (body.isStaticOrKinematicObject()) return;
     const auto [found, is_new] = columns_.try_emplace(&body, static_cast<int>(columns_.size()));
+    const int row = static_cast<int>(residuals_.size()) - 1;
     // The inverse inertia in world axes is R diag(i) R^T.
-    Eigen::Matrix3d turn;
-    for (int row = 0; row < 3; ++row)
-      turn.row(row) = ToEigen(body.getWorldTransform().getBasis()[row]);
+    const Eigen::Matrix3d turn = ToEigen(body.getWorldTransform().getBasis());
     const Vector3d linear = std::sqrt(static_cast<double>(body.getInvMass())) * along;
     const Vector3d angular =
         ToEigen(body.getInvInertiaDiagLocal()).cwiseSqrt().cwiseProduct(turn.transpose() * about);
     for (int i = 0; i < 3; ++i) {
-      entries_.emplace_back(rows_, 6 * found->second + i, linear[i]);
-      entries_.emplace_back(rows_, 6 * found->second + 3 + i, angular[i]);
+      entries_.emplace_back(row, 6 * found->second + i, linear[i]);
+      entries_.emplace_back(row, 6 * found->second + 3 + i, angular[i]);
     }
   }
 
-  int rows_ = 0;
   std::map<const btRigidBody*, int> columns_;
   std::vector<Eigen::Triplet<double>> entries_;
-  std::vector<std::pair<int, double>> residuals_;
+  std::vector<double> residuals_;  ///< by row
 };
 
 }  // namespace

@@ -45,7 +45,7 @@ class Links {
   Gaps MeasureGaps() const;
   /// The kinetic energy that perfect joints take at once, J, as velocities of the start that
   /// contradict them end in a jerk: with the Jacobian A of the joints and the velocities v, half of
-  /// (A v)^T (A M^-1 A^T)^-1 A v. Throws SceneError if joints contradict each other.
+  /// (A v)^T (A M^-1 A^T)^-1 A v.
   double JerkEnergy() const;
   /// The energy of all springs, k x^2 / 2, with the integrator's own term dt F.v / 2, J.
   double SpringEnergy(double timestep) const;

@@ -308,5 +308,21 @@ TEST(Jerk, TakesWhatThePivotCannotKeep) {
   EXPECT_NEAR(static_cast<double>(kinetic()), 98.0 * 5 / 7, 1);
 }
 
+TEST(Jerk, TakesAllFromAnObjectBetweenTwoThatAreFixed) {
+  // Two pivots on a line through its centre let it turn about the line only, and one of their six
+  // equations follows from the others.
+  for (const char* joint : {"ball", "hinge", "fixed"}) {
+    plan::Scene scene = EngineScene(2, 500);
+    SetGroup(scene, "links.type", Word(joint));
+    layouts::InitialState state = layouts::DrawObjects(scene);
+    state.objects[0].pose.position = {0, 0, 0};
+    state.objects[0].linear_velocity = {14, 0, 0};
+    state.objects[1].pose.position = {0, -60, 0};
+    state.objects[1].mass = 0;
+    world::Engine engine = WholeEngine(scene, state);
+    EXPECT_NEAR(engine.links().JerkEnergy(), 98, 1e-3) << joint;
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests
