@@ -37,8 +37,7 @@ double Now() {
 constexpr std::string_view kFollowed =
     "cycles quantity type aspect location overlap size mass acceleration linear_velocity "
     "angular_velocity seed world.side world.walls world.wall_friction world.wall_restitution "
-    "timestep "
-    "precision detector "
+    "timestep precision detector "
     "solver.iterations solver.erp friction restitution orientation sleeping repeats warmup "
     "timeout memory record expect accuracy.metrics accuracy.interval accuracy.closed_form "
     "accuracy.reference.timestep accuracy.reference.precision accuracy.reference.detector "

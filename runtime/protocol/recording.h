@@ -24,7 +24,7 @@
 namespace cdb::protocol {
 
 /// The exact depth is computed for at most this many possible overlaps of a cycle, in about half a
-/// second; of more, so many are drawn at random (`record pairs`, and the metric geometry).
+/// second; if there are more, for a random sample of this size (`record pairs`, metric geometry).
 inline constexpr std::size_t kMostComparedContacts = 5000;
 
 // Text of bounded size in memory that another process may have damaged.
@@ -83,7 +83,8 @@ inline constexpr const char* kStartAgainKeeps = "walls";
 struct VerdictScales {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double initial_energy = kNone;  ///< J, as the series `energy`, before the first recorded cycle
-  /// J: the kinetic energy at that time plus that of each object falling by 25 of its least sides.
+  /// J: the kinetic energy at that time plus that of each object falling by 25 times its least
+  /// side.
   double energy_scale = kNone;
   double least_side = kNone;   ///< m, of the smallest object
   double speed_scale = kNone;  ///< m/s, sqrt(g size) of that object

@@ -60,7 +60,8 @@ class Case {
         n_(n_cycles),
         late_(n_cycles -
               static_cast<std::size_t>(std::ceil(kLate * static_cast<double>(n_cycles)))),
-        expectation_(analysis::ExpectationOf(scene)) {}
+        expectation_(analysis::ExpectationOf(scene)),
+        energy_scales_(EnergyScales()) {}
 
   std::int64_t First(Verdict verdict) const {
     switch (verdict) {
@@ -168,10 +169,9 @@ class Case {
   std::int64_t FirstRise(double limit) const {
     if (expectation_ == Expectation::kDriven) return -1;
     const auto energy = Reals("energy");
-    const std::vector<double> scales = EnergyScales();
     double least = scales_.initial_energy;
     for (std::size_t i = 0; i < energy.size(); ++i) {
-      if (energy[i] - least > limit * scales[i]) return static_cast<std::int64_t>(i);
+      if (energy[i] - least > limit * energy_scales_[i]) return static_cast<std::int64_t>(i);
       least = std::min(least, energy[i]);
     }
     return -1;
@@ -181,10 +181,9 @@ class Case {
   /// the scale for a gain, and `loss` for a loss.
   std::int64_t FirstChange(std::size_t end, double loss) const {
     const auto energy = Reals("energy");
-    const std::vector<double> scales = EnergyScales();
     for (std::size_t i = 0; i < std::min(end, energy.size()); ++i) {
       const double change = energy[i] - scales_.initial_energy;
-      if (change > kDrift * scales[i] || -change > loss * scales[i])
+      if (change > kDrift * energy_scales_[i] || -change > loss * energy_scales_[i])
         return static_cast<std::int64_t>(i);
     }
     return -1;
@@ -221,6 +220,7 @@ class Case {
   const VerdictScales& scales_;
   const std::size_t n_, late_;  ///< number of cycles; first late one
   const Expectation expectation_;
+  const std::vector<double> energy_scales_;
 };
 
 }  // namespace

@@ -32,7 +32,7 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   void dispatchAllCollisionPairs(btOverlappingPairCache* cache, const btDispatcherInfo& info,
                                  btDispatcher* dispatcher) override;
 
-  /// The detector, rather than Bullet, was asked for the contacts of the pair.
+  /// True if the contacts of the pair are the detector's, not Bullet's.
   static bool IsDetectors(const btBroadphasePair& pair);
 
  private:

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 constexpr double kFalseAngle = 0.02;
 /// Of an object's momentum: a tenth of the energy of its motion, as in the verdict of lost energy.
 constexpr double kDeflects = 0.05;
-constexpr double kScaleFall =
-    0.01;  ///< of its least side: a fall with the least momentum that counts
+/// Of an object's least side: the fall that gives it the least momentum that counts.
+constexpr double kScaleFall = 0.01;
 /// A contact point lies on the triangles within this part of the surface's longest side and twice
 /// the depth, of which no more counts than this part of the object's least side.
 constexpr double kOnSurface = 1e-5, kMostDepth = 0.1;

@@ -88,8 +88,8 @@ void Probes::Begin() {
   SetScales();
 }
 
-/// Sides by which a fall gives energies a scale: a hundredth of it is the energy of pushing an
-/// object out of a penetration by a quarter of its side, the depth that is judged as a penetration.
+/// In least sides: the fall whose energy is the scale of a run at rest. A hundredth of it pushes an
+/// object out of a penetration of a quarter of its side, which has a verdict of its own.
 constexpr double kFall = 25;
 
 void Probes::SetScales() {
