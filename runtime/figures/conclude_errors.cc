@@ -45,7 +45,7 @@ class ErrorConclusions {
     return PlaceText(model_.file(), figures_.rows, row.row.at);
   }
   std::string ErrorText(const ErrorRow& row) const {
-    return fmt::format("{}{}{}", terminal::ScientificNumber(row.Known()),
+    return fmt::format("{}{}{}", terminal::ShortNumber(row.Known()),
                        error_.unit.empty() ? "" : fmt::format(" {}", error_.unit),
                        row.IsBelowFloor() ? " (its noise floor)" : "");
   }
@@ -118,7 +118,8 @@ class ErrorConclusions {
 
 void ConcludeErrors(const Model& model, std::vector<Conclusion>& all) {
   for (const auto& [error, figures] : CollectAllErrors(model)) {
-    if (figures.tables.size() > kMaxScenes) continue;
+    // Of different scenes, none is the best.
+    if (figures.tables.size() > kMaxScenes || !figures.has_fronts) continue;
     for (const auto& [scene, table] : figures.tables)
       ErrorConclusions(model, *error, figures).Add(scene, table, all);
   }

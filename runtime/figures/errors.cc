@@ -9,8 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "compiler/schema/schema.h"
-
 namespace cdb::figures {
 namespace {
 
@@ -46,7 +44,7 @@ class Collector {
       std::ranges::stable_sort(table.rows, {}, [](const ErrorRow& row) {
         return std::tuple(row.row.is_void, row.ms_per_s.value, row.Known());
       });
-      MarkFront(table.rows);
+      if (figures_.has_fronts) MarkFront(table.rows);
     }
     return std::move(figures_);
   }
@@ -69,7 +67,8 @@ class Collector {
           "scenario");
   }
 
-  /// All axes make rows, unless some are requested; seeds only on request.
+  /// All axes make rows, unless some are requested; seeds only on request. By default each scene
+  /// has a table, unless the file sweeps nothing but scenes.
   void ChooseAxes(const ErrorOptions& options) {
     std::vector<std::size_t>&rows = figures_.rows, &each = figures_.each, &seeds = figures_.seeds;
     for (const std::string& axis : options.each) each.push_back(FindAxis(file_, axis));
@@ -84,6 +83,13 @@ class Collector {
       }
     }
     std::erase_if(rows, [&](std::size_t axis) { return Lists(each, axis); });
+    const std::vector<std::size_t>& scenes = model_.scene_axes();
+    const auto is_scene = [&](std::size_t axis) { return Lists(scenes, axis); };
+    if (options.by.empty() && options.each.empty() && !std::ranges::all_of(rows, is_scene)) {
+      std::ranges::copy_if(rows, std::back_inserter(each), is_scene);
+      std::erase_if(rows, is_scene);
+    }
+    figures_.has_fronts = std::ranges::none_of(rows, is_scene);
   }
 
   /// Points with an error and a time, by their coordinates on the axes `each`; the others are
@@ -144,18 +150,6 @@ class Collector {
   ErrorFigures figures_;
 };
 
-bool IsOfScene(const plan::Axis& axis) {
-  if (axis.parameter.empty()) return axis.IsText();  // `cases`; a `let` may be either
-  for (const schema::Parameter& parameter : schema::Schema()) {
-    // A group's name precedes its parameter: `pebbles.size`.
-    const bool is_it = parameter.grouped
-                           ? axis.parameter.ends_with("." + std::string(parameter.name))
-                           : axis.parameter == parameter.name;
-    if (is_it) return parameter.concern == schema::Concern::kScene;
-  }
-  return false;
-}
-
 }  // namespace
 
 double ErrorRow::Known() const { return std::fmax(error, floor); }
@@ -179,28 +173,33 @@ void MarkFront(std::vector<ErrorRow>& rows) {
                  });
 }
 
-ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options) {
-  return Collector(model, options).Figures();
+std::vector<std::pair<const ErrorFigures::LeftOut*, std::size_t>> ByReason(
+    const std::vector<ErrorFigures::LeftOut>& points) {
+  std::vector<std::pair<const ErrorFigures::LeftOut*, std::size_t>> reasons;
+  for (const ErrorFigures::LeftOut& point : points) {
+    const auto same =
+        std::ranges::find_if(reasons, [&](const auto& of) { return of.first->why == point.why; });
+    if (same == reasons.end()) {
+      reasons.emplace_back(&point, 1);
+    } else {
+      ++same->second;
+    }
+  }
+  return reasons;
 }
 
-std::vector<std::size_t> SceneAxes(const results::ResultFile& file) {
-  std::vector<std::size_t> axes;
-  for (std::size_t i = 0; i < file.axes().size(); ++i)
-    if (IsOfScene(file.axes()[i])) axes.push_back(i);
-  return axes;
+ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options) {
+  return Collector(model, options).Figures();
 }
 
 std::vector<std::pair<const schema::ErrorInfo*, ErrorFigures>> CollectAllErrors(
     const Model& model) {
   std::vector<std::pair<const schema::ErrorInfo*, ErrorFigures>> all;
   if (!model.HasTimes()) return all;
-  ErrorOptions options;
-  for (const std::size_t axis : SceneAxes(model.file()))
-    options.each.push_back(model.axis(axis).name);
   for (const schema::ErrorInfo& error : schema::Errors()) {
-    options.error = error.name;
-    if (model.file().Has("accuracy/" + options.error))
-      all.emplace_back(&error, CollectErrors(model, options));
+    const std::string name(error.name);
+    if (model.file().Has("accuracy/" + name))
+      all.emplace_back(&error, CollectErrors(model, {.error = name, .by = {}, .each = {}}));
   }
   return all;
 }

@@ -17,7 +17,8 @@ struct ErrorOptions {
   std::string error;  ///< an array of /accuracy, for example `position`
   /// Axes that make the rows; errors and times are averaged over the others. Empty: all but seeds.
   std::vector<std::string> by;
-  /// Axes with a separate table and front for each value, because the values are different scenes.
+  /// Axes with a separate table and front for each value. If neither these nor `by` are given:
+  /// those whose values are different scenes.
   std::vector<std::string> each;
 };
 
@@ -55,8 +56,10 @@ struct ErrorFigures {
     std::string why;
   };
   std::vector<std::size_t> rows, each, seeds;  ///< axes
-  std::size_t seed_count = 0;                  ///< number of seeds in the intervals of errors
-  std::map<Point, ErrorRows> tables;           ///< by the coordinates on the axes `each`
+  /// False if the rows of a table are different scenes, none of which is better than another.
+  bool has_fronts = true;
+  std::size_t seed_count = 0;         ///< number of seeds in the intervals of errors
+  std::map<Point, ErrorRows> tables;  ///< by the coordinates on the axes `each`
   std::vector<LeftOut> left_out;
   std::vector<LeftOut> marked;  ///< void points in the tables
 };
@@ -64,12 +67,13 @@ struct ErrorFigures {
 /// Marks the front and its ties. Void rows are not on it. `rows`: the fastest first.
 void MarkFront(std::vector<ErrorRow>& rows);
 
+/// A point for each reason, the first one, with the number of points that have it.
+std::vector<std::pair<const ErrorFigures::LeftOut*, std::size_t>> ByReason(
+    const std::vector<ErrorFigures::LeftOut>& points);
+
 /// Throws StoreError, also for an error or an axis that the file does not have.
 ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options);
 
-/// The axes whose values are different scenes, which must not share a front: parameters of objects
-/// and of the world, and named cases.
-std::vector<std::size_t> SceneAxes(const results::ResultFile& file);
 /// The figures of each error of the file, with a table for each scene. None without times.
 std::vector<std::pair<const schema::ErrorInfo*, ErrorFigures>> CollectAllErrors(const Model& model);
 

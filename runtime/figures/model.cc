@@ -45,6 +45,11 @@ const CellGroups& Model::runs() const {
   return *runs_;
 }
 
+const std::vector<std::size_t>& Model::scene_axes() const {
+  if (!scene_axes_) scene_axes_ = SceneAxes(file_);
+  return *scene_axes_;
+}
+
 const std::vector<DetectorFindings>& Model::findings() const {
   if (!findings_) findings_ = FindingsOf(file_);
   return *findings_;

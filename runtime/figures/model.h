@@ -64,6 +64,8 @@ class Model {
 
   bool HasTimes() const { return file_.Has("duration"); }
   const std::optional<std::size_t>& detector_axis() const { return detector_axis_; }
+  /// The axes whose values are different scenes.
+  const std::vector<std::size_t>& scene_axes() const;
   /// The axis of detectors, if times of several can be compared.
   std::optional<std::size_t> ComparedDetectors() const;
 
@@ -98,6 +100,7 @@ class Model {
   // Computed on demand.
   mutable CycleTimes times_;
   mutable std::optional<std::vector<GridPoint>> grid_;
+  mutable std::optional<std::vector<std::size_t>> scene_axes_;
   mutable std::optional<CellGroups> runs_;
   mutable std::optional<std::vector<DetectorFindings>> findings_;
   mutable std::optional<std::vector<std::string>> reference_troubles_;

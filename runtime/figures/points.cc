@@ -472,4 +472,56 @@ void SelectPart(results::ResultFile& file, const std::vector<std::string>& selec
   }
 }
 
+namespace {
+
+/// True if the scenes simulated in two runs differ, whatever the methods.
+bool AreDifferentScenes(const plan::Scene& one, const plan::Scene& other) {
+  if (one.groups.size() != other.groups.size()) return true;
+  const auto differ = [](const plan::Settings& a, const plan::Settings& b,
+                         const schema::Parameter& parameter) {
+    return (a.Has(parameter) || b.Has(parameter)) && a.ValueOf(parameter) != b.ValueOf(parameter);
+  };
+  return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
+    if (parameter.concern != schema::Concern::kScene) return false;
+    if (!parameter.grouped) return differ(one.world, other.world, parameter);
+    for (std::size_t i = 0; i < one.groups.size(); ++i)
+      if (differ(one.groups[i].settings, other.groups[i].settings, parameter)) return true;
+    return false;
+  });
+}
+
+/// True if the scene depends on an axis that is no parameter: a `let`, or `cases`.
+bool ChangesScene(const results::ResultFile& file, std::size_t axis) {
+  const std::optional<plan::Plan> plan = ReadPlan(file);
+  if (!plan) return file.axes()[axis].IsText();
+  std::map<Point, const plan::Scene*> firsts;
+  for (const plan::Run& run : plan->runs) {
+    const auto [first, is_new] = firsts.emplace(Without(run.at, axis), &run.scene);
+    if (!is_new && AreDifferentScenes(*first->second, run.scene)) return true;
+  }
+  return false;
+}
+
+bool IsOfScene(const results::ResultFile& file, std::size_t index) {
+  const plan::Axis& axis = file.axes()[index];
+  if (axis.parameter.empty()) return ChangesScene(file, index);
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    // A group's name precedes its parameter: `pebbles.size`.
+    const bool is_it = parameter.grouped
+                           ? axis.parameter.ends_with("." + std::string(parameter.name))
+                           : axis.parameter == parameter.name;
+    if (is_it) return parameter.concern == schema::Concern::kScene;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::size_t> SceneAxes(const results::ResultFile& file) {
+  std::vector<std::size_t> axes;
+  for (std::size_t i = 0; i < file.axes().size(); ++i)
+    if (IsOfScene(file, i)) axes.push_back(i);
+  return axes;
+}
+
 }  // namespace cdb::figures

@@ -39,6 +39,9 @@ std::string OnlyCommand(const results::ResultFile& file, const Cell& cell);
 
 /// The axis of detectors; nullopt if the file does not sweep them.
 std::optional<std::size_t> DetectorAxis(const results::ResultFile& file);
+/// The axes whose values are different scenes, which must not share a front: parameters of objects
+/// and of the world, and a `let` or `cases` on which these depend. Throws StoreError.
+std::vector<std::size_t> SceneAxes(const results::ResultFile& file);
 /// The index of an axis. Throws StoreError that names the axes of the file.
 std::size_t FindAxis(const results::ResultFile& file, const std::string& name);
 std::vector<std::size_t> AllAxes(const results::ResultFile& file);

@@ -363,12 +363,16 @@ class ErrorSummary {
                  std::vector<std::string>& lines) const {
     if (points.empty()) return;
     lines.push_back(fmt::format("{} {}:", points.size(), what));
-    for (std::size_t i = 0; i < std::min(points.size(), kMaxListed); ++i) {
-      const std::string place = figures::PlaceText(file_, figures::AllAxes(file_), points[i].at);
-      lines.push_back(fmt::format("  {}: {}", place.empty() ? "the run" : place, points[i].why));
+    const auto reasons = figures::ByReason(points);
+    for (std::size_t i = 0; i < std::min(reasons.size(), kMaxListed); ++i) {
+      const auto& [first, count] = reasons[i];
+      const std::string place = figures::PlaceText(file_, figures::AllAxes(file_), first->at);
+      lines.push_back(fmt::format("  {}{}: {}", place.empty() ? "the run" : place,
+                                  count > 1 ? fmt::format(" and {} more", count - 1) : "",
+                                  first->why));
     }
-    if (points.size() > kMaxListed)
-      lines.push_back(fmt::format("  and {} more", points.size() - kMaxListed));
+    if (reasons.size() > kMaxListed)
+      lines.push_back(fmt::format("  and {} more reasons", reasons.size() - kMaxListed));
   }
 
   bool HasErrorIntervals() const { return figures_.seed_count > 1; }
@@ -428,7 +432,7 @@ class ErrorSummary {
                                       : row.on_front  ? terminal::PlotMark::kFront
                                       : row.is_tie    ? terminal::PlotMark::kTie
                                                       : terminal::PlotMark::kOff;
-      if (row.error > 0) points.push_back({row.RealTimeFactor(), row.error, mark});
+      if (row.Known() > 0) points.push_back({row.RealTimeFactor(), row.Known(), mark});
     }
     return terminal::LogPlot(points, "x real time", name_);
   }

@@ -249,7 +249,11 @@ protocol::RunErrors CollectErrors(const plan::Scene& scene, const protocol::Samp
   if (!run.IsFinite()) {
     result.message = "a state of the run is not finite";
   } else if (!is_sure && horizon < 2) {
-    result.message = "the reference is not accurate in any position, even at the first sample";
+    result.message = fmt::format(
+        "no position is known: the reference and its perturbed run differ by a tenth of a size at "
+        "the first sample already, at {} s; sample earlier (accuracy.interval), or choose metrics "
+        "that need no single trajectory, such as energy and height",
+        run.Time(1));
   } else if (!unknown.empty() && standard != nullptr) {
     result.message =
         fmt::format("the ground truth does not provide {}, or the scene has none", unknown);

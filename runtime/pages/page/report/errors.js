@@ -162,7 +162,7 @@ function rowOf(row, { each, colour, varied, least }) {
     low: row.low,
     high: row.high,
     given: row.error,
-    error: row.error > 0 ? row.error : least,
+    error: Math.max(row.error, row.floor ?? 0) || least,
     errorLow: row.error_low ?? null,
     errorHigh: row.error_high ?? null,
     floor: row.floor ?? null,
@@ -204,7 +204,7 @@ function notesOf(doc, view, rows, info) {
     `Speed: ${statistic.charAt(0).toLowerCase()}${statistic.slice(1)}, divided by the time step.`,
     rows.some((row) => row.speedLow !== null) ? intervalText(doc) : 'No intervals of the speed: one repeat.',
     ...some((row) => row.errorLow !== null, 'Bars of errors: over the seeds.'),
-    ...some((row) => row.given < row.floor, 'Errors below the noise floor cannot be told apart.'),
+    ...some((row) => row.given < row.floor, 'An error below its noise floor is not known, and is drawn at the floor.'),
     ...some((row) => row.given <= 0, 'An error of 0 is drawn at the lower edge.'),
     ...some((row) => row.isVoid, 'Hollow: the verdict voids the time.'),
   ];
@@ -232,7 +232,7 @@ export function describeErrors(doc, view, { theme, width }) {
   const info = errorInfo(doc, view.error);
   const all = fronts.flatMap((front) => front.rows ?? []);
   const { colour, varied } = styleAxes(doc, view, all);
-  const least = Math.min(...all.map((row) => row.error).filter((error) => error > 0), 1) / 2;
+  const least = Math.min(...all.map((row) => Math.max(row.error, row.floor ?? 0)).filter((error) => error > 0), 1) / 2;
   const rows = [];
   const groups = fronts.map((front) => {
     const usable = (front.rows ?? []).filter((row) => row.error !== null && row.ms_per_s > 0);
