@@ -1,5 +1,7 @@
 #include "compiler/analysis/expectation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <variant>
 
@@ -11,33 +13,34 @@ namespace {
 
 using schema::IsZero;
 
-/// Kinematic objects do work on the objects that they push.
-bool IsDriven(const plan::Scene& scene) {
-  return schema::AsCall(scene.world.Get("acceleration")) != nullptr ||
-         std::ranges::any_of(scene.groups, HasKinematic) ||
-         std::ranges::any_of(scene.groups, [](const plan::Group& group) {
-           return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
-                  schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
-         });
+bool HasSchedule(const plan::Group& group) {
+  return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
+         schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
 }
 
-/// The layout puts objects on the floor or on one another.
-bool Stands(const plan::Group& group) {
-  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-  return layout != nullptr &&
-         (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
-}
+bool IsDriven(const plan::Scene& scene) { return !DriverText(scene).empty(); }
 
-bool MustRest(const plan::Scene& scene) {
+/// The reason why the settings of the scene do not make it rest.
+std::optional<std::string> WhyMayMove(const plan::Scene& scene) {
   const auto* down = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
-  return scene.ObjectCount() > 0 && Collisions(scene).AllMayTouch() &&
-         scene.world.WordOr("world.walls") != "none" && down != nullptr && down->y() < 0 &&
-         down->x() == 0 && down->z() == 0 &&
-         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
-           return group.settings.Count("quantity") == 0 ||
-                  (Stands(group) && IsZero(group.settings.Get("linear_velocity")) &&
-                   IsZero(group.settings.Get("angular_velocity")));
-         });
+  if (scene.ObjectCount() == 0) return "there are no objects";
+  if (down == nullptr || !(down->y() < 0 && down->x() == 0 && down->z() == 0))
+    return "gravity does not point straight down";
+  if (scene.world.WordOr("world.walls") == "none") return "there are no walls";
+  if (!Collisions(scene).AllMayTouch()) return "some objects cannot touch others";
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0) continue;
+    if (!Stands(group)) {
+      const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+      return fmt::format("group {} is placed by {}", group.name,
+                         layout != nullptr ? std::string_view(layout->name)
+                                           : group.settings.WordOr("location", "coordinates"));
+    }
+    if (!IsZero(group.settings.Get("linear_velocity")) ||
+        !IsZero(group.settings.Get("angular_velocity")))
+      return fmt::format("group {} moves at the start", group.name);
+  }
+  return std::nullopt;
 }
 
 /// Bullet multiplies the friction and the restitution of both sides of a contact.
@@ -68,9 +71,34 @@ Expectation ExpectationOf(const plan::Scene& scene) {
   if (said == "rest") return Expectation::kRest;
   if (said == "energy") return Expectation::kEnergy;
   CDB_CHECK(said == "auto");
-  if (MustRest(scene)) return Expectation::kRest;
+  if (!WhyMayMove(scene)) return Expectation::kRest;
   if (KeepsEnergy(scene) && FliesFreely(scene)) return Expectation::kEnergy;
   return Expectation::kAnything;
+}
+
+bool Stands(const plan::Group& group) {
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+  return layout != nullptr &&
+         (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
+}
+
+std::optional<std::string> WhyNotAtRest(const plan::Scene& scene) {
+  if (std::string driver = DriverText(scene); !driver.empty()) return driver;
+  const std::string_view said = scene.world.WordOr("expect");
+  if (said == "rest") return std::nullopt;
+  if (said != "auto") return fmt::format("the scene says expect {}", said);
+  return WhyMayMove(scene);
+}
+
+std::string DriverText(const plan::Scene& scene) {
+  if (schema::AsCall(scene.world.Get("acceleration")) != nullptr)
+    return "a schedule changes the acceleration";
+  for (const plan::Group& group : scene.groups) {
+    // Kinematic objects do work on the objects that they push.
+    if (HasKinematic(group)) return fmt::format("group {} is kinematic", group.name);
+    if (HasSchedule(group)) return fmt::format("a schedule moves group {}", group.name);
+  }
+  return {};
 }
 
 bool FliesFreely(const plan::Scene& scene) {
@@ -80,15 +108,6 @@ bool FliesFreely(const plan::Scene& scene) {
            (group.settings.WordOr("links.type") != "spring" ||
             IsZero(group.settings.Get("links.damping")));
   });
-}
-
-bool OnlyContactsTakeEnergy(const plan::Scene& scene) {
-  return scene.world.WordOr("expect") != "anything" && FliesFreely(scene) &&
-         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
-           return IsZero(group.settings.Get("rolling_friction")) &&
-                  IsZero(group.settings.Get("spinning_friction")) &&
-                  group.settings.WordOr("contact_stiffness") == "rigid";
-         });
 }
 
 namespace {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,12 +25,18 @@ std::string_view ExpectationName(Expectation expectation);
 /// schedule is always driven.
 Expectation ExpectationOf(const plan::Scene& scene);
 
+/// True if the layout puts the objects of the group on the floor or on one another.
+bool Stands(const plan::Group& group);
+
+/// The reason why the scene need not rest: `group top is placed by at`; nullopt if it must.
+std::optional<std::string> WhyNotAtRest(const plan::Scene& scene);
+
+/// What does work on the scene besides gravity: `a schedule moves group box`; empty if nothing
+/// does.
+std::string DriverText(const plan::Scene& scene);
+
 /// True if nothing takes energy from objects without contacts: no damping, no schedule.
 bool FliesFreely(const plan::Scene& scene);
-
-/// True if only contacts can take energy from the scene, by friction and by inelastic bounces: it
-/// flies freely, nothing resists rolling, contacts are rigid, and `expect` is not `anything`.
-bool OnlyContactsTakeEnergy(const plan::Scene& scene);
 
 // Collision filter of the groups of objects: `collides_with`.
 

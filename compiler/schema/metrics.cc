@@ -101,8 +101,9 @@ const std::vector<ResultNames>& ReservedNames() {
        {"contact_body", "contact_point", "contact_normal", "contact_distance", "contact_first"}},
       {"a fact of each run in the results",
        NamesOf(
-           {"status", "verdict", "first_bad_cycle", "n_cycles", "started", "load_average", "noise",
-            "noise_cause", "state_hash", "run_id", "host", "message", "omitted", "needs"},
+           {"status", "verdict", "first_bad_cycle", "bad_objects", "n_cycles", "started", "load_average", "noise",
+            "noise_cause", "state_hash", "run_id", "host", "message", "omitted", "needs", "checked",
+            "unchecked"},
            kRunScalars)},
       {"a group of the results", {"run", "accuracy", "provenance"}},
       {"an array of /accuracy in the results", {"sample", "horizon", "step_size", "truth"}, true},

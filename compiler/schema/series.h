@@ -221,6 +221,9 @@ struct RunScalars {
   double processors = kNone;   ///< number that the process may run on
   /// Set by the runner: the number of times that the run was measured; the quietest one is kept.
   double attempts = kNone;
+  // Set by the runner, from the recording of a run that records stability.
+  double moving_objects = kNone;
+  double mean_asleep = kNone;  ///< number of objects asleep, the mean over cycles
 };
 
 struct RunScalarInfo {
@@ -246,6 +249,8 @@ inline constexpr RunScalarInfo kRunScalars[] = {
     {.name = "other_time", .unit = "ns", .doc = "processor time of other programs meanwhile, of all processors", .value = &RunScalars::others_ns},
     {.name = "processors", .doc = "processors that the run was allowed to use", .value = &RunScalars::processors, .is_count = true},
     {.name = "attempts", .doc = "times that the run was measured, of which the quietest is kept", .value = &RunScalars::attempts, .is_count = true},
+    {.name = "moving_objects", .doc = "objects that are neither fixed nor kinematic", .value = &RunScalars::moving_objects, .is_count = true},
+    {.name = "mean_asleep", .doc = "objects asleep, the mean over the cycles", .value = &RunScalars::mean_asleep},
 };
 // clang-format on
 

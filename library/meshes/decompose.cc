@@ -153,7 +153,7 @@ Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh) {
   }
   const OverlapVolume volume = OverlapVolumeOf(mesh, surfaces);
   return {std::move(hulls), std::abs(volume.second - volume.first) / volume.first,
-          volume.IntersectionOverUnion()};
+          volume.IntersectionOverUnion(), SignedVolume(mesh) / volume.first - 1};
 }
 
 Decomposition Decompose(const Mesh& mesh, std::string_view name, const DecomposeOptions& options) {

@@ -37,6 +37,9 @@ struct Decomposition {
   /// (library/meshes/decompose.h); relative to the original mesh, not the simplified one.
   double volume_error = 0;
   double iou = 0;  ///< common volume of the two divided by the volume of their union
+  /// The volume within several parts of the mesh, which its mass and inertia count more than once,
+  /// divided by the volume of the mesh.
+  double overlap = 0;
   bool operator==(const Decomposition&) const = default;
 };
 

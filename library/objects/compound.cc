@@ -53,7 +53,21 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
   for (const meshes::Hull& hull : pieces.hulls) form.pieces.push_back(PieceOf(hull, cube));
   form.volume_error = pieces.volume_error;
   form.iou = pieces.iou;
+  form.overlap = pieces.overlap;
   return form;
+}
+
+bool Compound::PieceContains(std::size_t piece, const Vector3d& point) const {
+  const ConvexPiece& hull = form_->pieces[piece];
+  // In the form and relative to the centre of the piece; scaling keeps it on its side of a plane.
+  const Vector3d in_form = (from_mesh_.transpose() * point).cwiseQuotient(sides_) + form_->centre;
+  const Vector3d relative = in_form - hull.centre;
+  if ((relative.cwiseAbs().array() > hull.half.array()).any()) return false;
+  return std::ranges::all_of(hull.faces, [&](const meshes::Triangle& face) {
+    const Vector3d &a = hull.vertices[face[0]], &b = hull.vertices[face[1]],
+                   &c = hull.vertices[face[2]];
+    return (b - a).cross(c - a).dot(relative - a) <= 0;
+  });
 }
 
 Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector3d& sides)

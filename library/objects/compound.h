@@ -81,7 +81,7 @@ struct ConvexDecomposition {
   double volume = 0;                                         ///< of the mesh; in the cube
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
-  double volume_error = 0, iou = 0;  ///< of the pieces: library/meshes/decompose.h
+  double volume_error = 0, iou = 0, overlap = 0;  ///< of the pieces: library/meshes/decompose.h
   /// For a surface (library/objects/surface.h): a tree of the boxes of its triangles. Null for
   /// solids.
   std::shared_ptr<const BoxTree> tree = nullptr;
@@ -121,6 +121,8 @@ class Compound {
     return form_->tree->AnyOf({box.min().cwiseQuotient(sides_), box.max().cwiseQuotient(sides_)},
                               visit);
   }
+  /// Whether a point is in the piece.
+  bool PieceContains(std::size_t piece, const Eigen::Vector3d& point) const;
   /// The farthest point of the piece along `direction`.
   Eigen::Vector3d Support(std::size_t piece, const Eigen::Vector3d& direction) const;
   /// The farthest point of all pieces.

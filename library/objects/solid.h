@@ -128,6 +128,11 @@ struct Solid {
   Eigen::Vector3d PieceSupport(std::size_t piece, const Eigen::Vector3d& direction) const {
     return compound ? compound->Support(piece, direction) : Support(direction);
   }
+  /// Whether a point, in the axes of the body, is in a piece.
+  bool PieceContains(std::size_t piece, const Eigen::Vector3d& point) const {
+    if (compound) return compound->PieceContains(piece, point);
+    return Visit(shape, [&](auto form) { return form.Contains(sides, point); });
+  }
   /// Radius of the largest ball about the centre of mass inside the solid (for an elliptic cone, of
   /// the circular one in it; for a compound, inside one piece: 0 if the centre is in none).
   double InnerRadius() const;

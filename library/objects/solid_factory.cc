@@ -139,6 +139,14 @@ std::vector<std::shared_ptr<const ConvexDecomposition>> SolidFactory::Forms() co
   return forms;
 }
 
+namespace {
+
+/// A smaller overlap of the parts of a mesh is not reported; rays measure volumes less exactly than
+/// this.
+constexpr double kNoticeableOverlap = 0.01;
+
+}  // namespace
+
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms) {
   std::string text;
   for (const auto& form : forms) {
@@ -147,9 +155,14 @@ std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecompositi
                           form->pieces.size() == 1 ? "" : "s");
       continue;
     }
-    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}\n", form->name,
+    const std::string twice =
+        form->overlap > kNoticeableOverlap
+            ? fmt::format(", parts overlap: mass and inertia count {:.3g} % of the volume twice",
+                          100 * form->overlap)
+            : "";
+    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}{}\n", form->name,
                         form->pieces.size(), form->pieces.size() == 1 ? "" : "s",
-                        100 * form->volume_error, form->iou);
+                        100 * form->volume_error, form->iou, twice);
   }
   return text;
 }
@@ -159,7 +172,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 /// Appends the values passed to it.
 class Writer {
@@ -220,6 +233,7 @@ void Visit(auto& archive, ConvexDecomposition& form) {
   reals(form.second_moments);
   archive.Real(form.volume_error);
   archive.Real(form.iou);
+  archive.Real(form.overlap);
   archive.Size(form.pieces);
   for (ConvexPiece& piece : form.pieces) {
     reals(piece.centre);

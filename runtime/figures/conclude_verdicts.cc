@@ -12,6 +12,7 @@
 
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
+#include "runtime/figures/coverage.h"
 #include "runtime/figures/detectors.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/ratios.h"
@@ -27,9 +28,16 @@ constexpr std::size_t kMaxLines = 4;
 class VerdictConclusion {
  public:
   explicit VerdictConclusion(const results::ResultFile& file) : file_(file) {
-    for (const Point& at : AllPoints(file))
-      if (const Ending ending = WorstEnding(file, at); ending.Rank() >= 0)
-        verdicts_[at] = ending.Word();
+    for (const Point& at : AllPoints(file)) {
+      const Ending ending = WorstEnding(file, at);
+      if (ending.Rank() < 0) continue;
+      verdicts_[at] = ending.Word();
+      for (Cell& cell : CellsThatRan(file, at)) {
+        const Ending of_run = EndingOf(file, cell);
+        if (of_run.Rank() == ending.Rank()) worst_.push_back(cell);
+        if (of_run.judgement.verdict == protocol::Verdict::kStable) sound_.push_back(cell);
+      }
+    }
   }
 
   std::optional<Conclusion> Get() const {
@@ -40,12 +48,14 @@ class VerdictConclusion {
     if (all == unknown) return std::nullopt;
     const char* question = "Is the simulation sound?";
     if (all == 1)
-      return Conclusion{
-          question,
-          stable == 1 ? "Yes: it is stable." : fmt::format("No: it is {}.", counts.begin()->first),
-          "stability", Certainty::kClear};
+      return Conclusion{question,
+                        stable == 1
+                            ? "Yes: it is stable." + OpenText()
+                            : fmt::format("No: it is {}{}.", counts.begin()->first, BadText()),
+                        "stability", Certainty::kClear};
     if (stable == all)
-      return Conclusion{question, fmt::format("Yes: all {} configurations are stable.", all),
+      return Conclusion{question,
+                        fmt::format("Yes: all {} configurations are stable.", all) + OpenText(),
                         "stability", Certainty::kClear};
     std::vector<std::string> others;
     for (const auto& [word, count] : counts)
@@ -53,11 +63,23 @@ class VerdictConclusion {
     return Conclusion{
         "Where does the simulation stop being sound?",
         fmt::format("{} of {} configurations are stable ({}).", stable, all, JoinWords(others)) +
-            Along(),
+            Along() + OpenText(),
         "stability", Certainty::kClear};
   }
 
  private:
+  /// ` Not checked: …`, of the runs that are called stable.
+  std::string OpenText() const {
+    const std::string text = OpenQuestionsText(file_, sound_);
+    return text.empty() ? text : " " + text;
+  }
+
+  /// ` (3 of 2000 objects)`, if there is one point.
+  std::string BadText() const {
+    const std::string text = BadObjectsText(file_, worst_.at(0));
+    return text.empty() ? text : fmt::format(" ({})", text);
+  }
+
   static std::size_t CountOf(const std::map<std::string, std::size_t>& counts, const char* word) {
     const auto found = counts.find(word);
     return found == counts.end() ? 0 : found->second;
@@ -148,6 +170,8 @@ class VerdictConclusion {
 
   const results::ResultFile& file_;
   std::map<Point, std::string> verdicts_;
+  /// The runs that end as the verdict of their point, and those that are stable.
+  std::vector<Cell> worst_, sound_;
 };
 
 constexpr std::string_view kCertaintyNames[] = {"clear", "tie", "unknown"};

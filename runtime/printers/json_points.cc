@@ -16,6 +16,7 @@
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/coverage.h"
 
 namespace cdb::printers {
 namespace {
@@ -129,6 +130,17 @@ class PointColumns {
     all["verdict"] = Column([](const GridPoint& point) -> Json { return point.ending.Word(); });
     all["first_bad_cycle"] =
         Column([](const GridPoint& point) { return CycleOrNull(point.ending); });
+    const auto count = [](double value) {
+      return std::isfinite(value) && value >= 0 ? Json(static_cast<std::int64_t>(value))
+                                                : Json(nullptr);
+    };
+    all["bad_objects"] = Column([&](const GridPoint& point) {
+      return count(static_cast<double>(point.ending.judgement.bad_objects));
+    });
+    all["moving_objects"] = Column([&](const GridPoint& point) {
+      const auto ran = figures::CellsThatRan(file_, point.at);
+      return count(ran.empty() ? figures::kNone : figures::MovingObjectsOf(file_, ran[0]));
+    });
     all["cycles"] = Column([&](const GridPoint& point) -> Json {
       std::uint64_t most = 0;
       for (std::uint64_t rep = 0; rep < file_.repeats(); ++rep)

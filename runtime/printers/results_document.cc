@@ -19,6 +19,8 @@
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/conclusions.h"
+#include "runtime/figures/coverage.h"
+#include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/json_points.h"
@@ -49,6 +51,13 @@ Json DocumentConclusions(const figures::Model& model) {
                    {"answer", of.answer},
                    {"kind", of.kind},
                    {"certainty", figures::CertaintyName(of.certainty)}});
+  return all;
+}
+
+Json DocumentCoverage(const figures::Model& model) {
+  Json all = Json::array();
+  for (const figures::OpenQuestion& open : figures::OpenQuestions(model.file(), model.runs().good))
+    all.push_back({{"question", open.question}, {"why", open.why}, {"runs", open.runs}});
   return all;
 }
 
@@ -156,6 +165,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["title"] = file.title();
   document["runs"] = DocumentRuns(model);
   document["warnings"] = DocumentWarnings(model);
+  document["coverage"] = DocumentCoverage(model);
   document["conclusions"] = DocumentConclusions(model);
   document["axes"] = DocumentAxes(model);
   document["detector_axis"] = model.detector_axis() ? Json(*model.detector_axis()) : Json(nullptr);
@@ -403,6 +413,8 @@ class WarningList {
     AddFindings();
     AddBadRuns();
     AddVerdicts();
+    AddUnknownErrors();
+    AddSleepers();
     AddNoise();
     AddProcessors();
     AddUnlike();
@@ -458,6 +470,26 @@ class WarningList {
           fmt::format(
               "The simulation was not sound in some runs ({}); their times are in the figures.",
               fmt::join(texts, ", ")));
+  }
+
+  /// Points that have a time, and no error.
+  void AddUnknownErrors() {
+    std::map<std::string, std::pair<std::string, std::size_t>> by_reason;
+    for (const auto& [error, figures] : figures::CollectAllErrors(model_))
+      for (const auto& [first, count] : figures::ByReason(figures.left_out)) {
+        if (model_.Find(first->at) == nullptr) continue;
+        auto& [names, most] = by_reason[first->why];
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", error->name);
+        most = std::max(most, count);
+      }
+    for (const auto& [why, of] : by_reason)
+      Add("no_error", fmt::format("{} of {} points have no error of {}: {}.", of.second,
+                                  model_.grid().size(), of.first, why));
+  }
+
+  void AddSleepers() {
+    const std::string note = figures::SleepNote(file_, groups_.good);
+    if (!note.empty()) Add("asleep", note);
   }
 
   void AddNoise() {

@@ -14,6 +14,7 @@
 #include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
+#include "runtime/figures/coverage.h"
 #include "runtime/figures/model.h"
 #include "runtime/printers/document.h"
 #include "runtime/terminal/table.h"
@@ -127,6 +128,8 @@ class Head {
     Add(lines, LeftOut());
     Add(lines, Models());
     Add(lines, Verdicts());
+    Add(lines, figures::OpenQuestionsText(file_, Judged()));
+    Add(lines, figures::SleepNote(file_, measured_));
     Add(lines, Errors());
     Add(lines, Missing());
     Add(lines, BadRuns());
@@ -189,10 +192,11 @@ class Head {
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
       if (verdict <= protocol::Verdict::kStable) continue;
-      doubts.push_back(fmt::format("  {} {}: {} from cycle {} on{}", runs.size(),
-                                   protocol::VerdictName(verdict),
-                                   figures::PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
-                                   runs.size() > 1 ? ", and others" : ""));
+      const std::string objects = figures::BadObjectsText(file_, runs[0].cell);
+      doubts.push_back(fmt::format(
+          "  {} {}: {} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
+          figures::PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
+          objects.empty() ? "" : ", " + objects, runs.size() > 1 ? "; and others" : ""));
     }
     const auto stable = groups_.verdicts.find(protocol::Verdict::kStable);
     const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();
@@ -206,6 +210,15 @@ class Head {
         doubts.begin(),
         fmt::format("{} stable; in the figures below, but not sound (cdb doc verdicts):", sound));
     return doubts;
+  }
+
+  /// The runs with a verdict.
+  std::vector<Cell> Judged() const {
+    std::vector<Cell> judged;
+    for (const Cell& cell : measured_)
+      if (figures::EndingOf(file_, cell).judgement.verdict != protocol::Verdict::kUnknown)
+        judged.push_back(cell);
+    return judged;
   }
 
   /// How well the convex hulls approximate the models of the scene, a line for each.

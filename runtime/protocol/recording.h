@@ -96,7 +96,7 @@ inline constexpr std::string_view kOutOfMemory = "out of memory";
 
 /// The header of the memory. Written by the worker, read by the runner after the worker has exited.
 struct RecordingHeader {
-  static constexpr std::uint64_t kMagic = 0x38'47'4e'49'44'52'43'00;  // "\0CRDING8"
+  static constexpr std::uint64_t kMagic = 0x39'47'4e'49'44'52'43'00;  // "\0CRDING9"
   std::uint64_t magic;
   std::uint64_t bytes;  ///< size of the whole memory
   std::atomic<std::uint64_t> cycles_done;

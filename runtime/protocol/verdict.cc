@@ -93,7 +93,40 @@ class Case {
     }
   }
 
+  /// The largest of the counts of this verdict's criteria in a cycle; -1 if it applies to no single
+  /// object.
+  std::int64_t BadObjects(Verdict verdict) const {
+    std::int64_t most = 0;
+    for (const schema::IntSeries series : CountsOf(verdict))
+      for (const std::int32_t count : Ints(series)) most = std::max<std::int64_t>(most, count);
+    return most > 0 ? most : -1;
+  }
+
  private:
+  std::vector<schema::IntSeries> CountsOf(Verdict verdict) const {
+    switch (verdict) {
+      case kNonFinite:
+        return {"non_finite"};
+      case kRemoved:
+        return {"removed"};
+      case kFrozen:
+      case kClamped:
+        return {"frozen"};
+      case kTunnelled:
+        return {"escaped", "passed"};
+      case kCollapsed:
+        if (MustRest()) return {"displaced", "unheld", "inverted"};
+        return {"unheld", "inverted"};
+      case kPenetrating:
+        return {"pressed"};
+      case kDrifting:
+        if (MustRest()) return {"displaced", "deflected"};
+        return {"deflected"};
+      default:
+        return {};
+    }
+  }
+
   bool MustRest() const { return expectation_ == Expectation::kRest; }
 
   std::span<const double> Reals(schema::RealSeries series) const {
@@ -241,7 +274,7 @@ Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint6
   for (auto verdict = static_cast<std::int8_t>(kNonFinite);
        verdict > static_cast<std::int8_t>(kStable); --verdict) {
     const std::int64_t first = here.First(Verdict{verdict});
-    if (first >= 0) return {Verdict{verdict}, first};
+    if (first >= 0) return {Verdict{verdict}, first, here.BadObjects(Verdict{verdict})};
   }
   return {kStable, -1};
 }

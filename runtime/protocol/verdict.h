@@ -46,6 +46,9 @@ constexpr bool HasVoidTimings(Verdict verdict) { return verdict >= Verdict::kFro
 struct Judgement {
   Verdict verdict = Verdict::kUnknown;
   std::int64_t first_bad_cycle = -1;  ///< recorded cycles from 0; -1 if none is bad
+  /// The number of objects, or pairs of them, to which the verdict applies; -1 for a verdict on the
+  /// scene as a whole, such as a gain of energy.
+  std::int64_t bad_objects = -1;
 };
 
 /// Judges a run from the recording of its first `n_cycles` cycles. `outcome` is the ending of its

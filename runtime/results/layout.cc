@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/metrics.h"
 #include "dsl/text/check.h"
@@ -446,6 +447,9 @@ const std::vector<RunNumber>& RunNumbers() {
       {"first_bad_cycle", Type::kInt32, "",
        "first recorded cycle at which the verdict applies; -1: none", -1,
        [](R r) { return static_cast<double>(r.judgement.first_bad_cycle); }},
+      {"bad_objects", Type::kInt32, "",
+       "number of objects, or pairs of them, to which the verdict applies; -1: it applies to none",
+       -1, [](R r) { return static_cast<double>(r.judgement.bad_objects); }},
       {"n_cycles", Type::kInt32, "", "number of cycles that ran; -1: there is no run", -1,
        [](R r) { return static_cast<double>(r.n_cycles); }},
       {"run/started", Type::kFloat64, "seconds since 1970-01-01 00:00:00", "when the run began",
@@ -477,6 +481,10 @@ const std::vector<RunText>& RunTexts() {
        [](const Run&, R r) { return r.omitted; }},
       {"run/needs", "decision about each part of the engine and its reason, one line each",
        [](const Run&, R r) { return r.decisions; }},
+      {"run/checked", "questions that the verdict answers: cdb doc verdicts",
+       [](const Run& run, R) { return CheckedText(analysis::CoverageOf(run.scene)); }},
+      {"run/unchecked", "questions that the verdict leaves open, each with the reason",
+       [](const Run& run, R) { return UncheckedText(analysis::CoverageOf(run.scene)); }},
   };
   return kTexts;
 }

@@ -330,8 +330,10 @@ protocol::Judgement ResultFile::ReadJudgement(const Cell& cell) const {
           fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
                       "is: use the cdb that wrote it",
                       impl_->name, verdict));
-    return {static_cast<protocol::Verdict>(verdict),
-            static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell))};
+    return {
+        static_cast<protocol::Verdict>(verdict),
+        static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell)),
+        Has("bad_objects") ? static_cast<std::int64_t>(impl_->Number("bad_objects", cell)) : -1};
   });
 }
 

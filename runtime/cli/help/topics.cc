@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/analysis/coverage.h"
 #include "compiler/analysis/pruning.h"
 #include "compiler/compile.h"
 #include "compiler/lints/lints.h"
@@ -89,6 +90,15 @@ std::string AllVerdicts() {
   for (auto row = rows.rbegin(); row != rows.rend(); ++row)
     table.AddRow({fmt::format("{}", static_cast<int>(row->verdict)), std::string(row->name),
                   std::string(row->doc)});
+  return table.Text();
+}
+
+std::string AllQuestions() {
+  terminal::Table table;
+  table.KeepWhole();
+  for (const char* head : {"question", "checked"}) table.AddColumn(head, false);
+  for (const analysis::QuestionInfo& info : analysis::Questions())
+    table.AddRow({std::string(info.name), std::string(info.doc)});
   return table.Text();
 }
 
@@ -192,6 +202,7 @@ constexpr Part kParts[] = {
     {"lints", AllLints},
     {"objects", manual::ObjectReference},
     {"parameters", AllParameters},
+    {"questions", AllQuestions},
     {"scenarios", Scenarios},
     {"scenes", AllStandardScenes},
     {"schedules", manual::ScheduleReference},

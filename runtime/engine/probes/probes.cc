@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/reference.h"
 #include "runtime/engine/probes/processor_time.h"
@@ -442,7 +443,7 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine),
       normals_(engine) {
-  if (analysis::OnlyContactsTakeEnergy(scene))
+  if (analysis::IsChecked(analysis::Question::kLosses, scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"));
 }
 

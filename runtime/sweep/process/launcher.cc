@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <limits>
+#include <numeric>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -164,6 +165,20 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const protocol::Reco
   }
 }
 
+/// How many objects there are to move, and to what part of the run they were asleep.
+void AddObjectCounts(const plan::Run& run, const protocol::Recording& recording,
+                     results::RunResult& result) {
+  const auto asleep =
+      recording.Ints("asleep").first(std::min(recording.Ints("asleep").size(), result.n_cycles));
+  if (asleep.empty()) return;
+  // A plug-in can write into the recording.
+  const double moving = recording.header().scales.moving_objects;
+  if (moving >= 0 && moving <= static_cast<double>(run.scene.ObjectCount()))
+    result.scalars.moving_objects = moving;
+  result.scalars.mean_asleep =
+      std::accumulate(asleep.begin(), asleep.end(), 0.0) / static_cast<double>(asleep.size());
+}
+
 /// A recording is memory that the code of a plug-in can write, and a clock can be broken: values
 /// that no run can have must not reach the results, which could then not be read.
 void DropIfImpossible(std::uint64_t cycles, results::RunResult& result) {
@@ -218,6 +233,7 @@ results::RunResult Collect(const plan::Run& run, const ProcessEnd& end,
         : result.status == results::Status::kCrashed ? protocol::Verdict::kCrashed
                                                      : protocol::Verdict::kUnknown;
     result.judgement = protocol::Judge(run.scene, recording, result.n_cycles, ending);
+    AddObjectCounts(run, recording, result);
   }
   if (result.status != results::Status::kDone)
     ClearUnfinished(recording, protocol::ExtentsOf(run.scene), result.n_cycles);

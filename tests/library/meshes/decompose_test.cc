@@ -99,6 +99,17 @@ TEST(Decompose, TheAssessmentCountsBothWays) {
   EXPECT_NEAR(aside.iou, 1.0 / 3, 1e-6);
 }
 
+TEST(Decompose, TheAssessmentNamesTheVolumeThatIsCountedTwice) {
+  const meshes::Hull hull{BoxMesh({0, 0, 0}, {3, 1, 1}).vertices};
+  const meshes::Mesh apart = Joined(BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({2, 0, 0}, {3, 1, 1}));
+  EXPECT_NEAR(meshes::Assessed({hull}, apart).overlap, 0, 1e-6);
+  // Two of 3 m^3, which have 1 of 3 m^3 in common.
+  const meshes::Mesh twice = Joined(BoxMesh({0, 0, 0}, {2, 1, 1}), BoxMesh({1, 0, 0}, {3, 1, 1}));
+  const meshes::Decomposition pieces = meshes::Assessed({hull}, twice);
+  EXPECT_NEAR(pieces.overlap, 1.0 / 3, 1e-6);
+  EXPECT_NEAR(pieces.volume_error, 0, 1e-6);
+}
+
 TEST(Primitives, TorusHullsComeCloserTheMoreThereAre) {
   double error = 1;
   for (const std::size_t segments : {6u, 12u, 24u, 48u}) {

@@ -116,6 +116,17 @@ TEST_F(MeshFile, HullIsOnePiece) {
             std::string::npos);
 }
 
+TEST_F(MeshFile, SaysIfItsPartsOverlap) {
+  const std::string shells = (cache_->folder() / "shells.off").string();
+  WriteFile(shells, ToOff(Joined(BoxMesh({0, 0, 0}, {2, 1, 1}), BoxMesh({1, 0, 0}, {3, 1, 1}))));
+  objects::SolidFactory maker;
+  maker.Make(schema::Call{"mesh", {schema::Text{shells}, Word("any")}}, Vector3d::Ones(),
+             Vector3d::Ones());
+  EXPECT_NE(objects::ModelsText(maker.Forms())
+                .find("parts overlap: mass and inertia count 33.3 % of the volume twice"),
+            std::string::npos);
+}
+
 TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
   objects::SolidFactory maker;
   const auto make = [&](const std::string& sha256) {

@@ -26,9 +26,15 @@ struct MadeUp {
   double peak_rss = 5e6;                      ///< bytes
   std::map<std::string, double> errors = {};  ///< of the metrics that the plan asks for
   results::Status status = results::Status::kDone;
+  std::int64_t bad_objects = -1;
+  double moving_objects = NAN, mean_asleep = NAN;
   std::uint64_t cycles = 4;  ///< that were executed; all of them, unless the run failed
 };
 using MakeUp = std::function<MadeUp(const plan::Run&)>;
+
+/// Ends a conclusion that made-up runs are stable, since their plans record no stability.
+inline const std::string kNothingChecked =
+    " Not checked: energy, losses, passing, sleep (record lacks stability).";
 
 /// Cycles of each run.
 inline constexpr std::uint64_t kMadeUpCycles = 4;
@@ -44,6 +50,9 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
   fake.result.judgement.verdict = made.verdict;
   fake.result.judgement.first_bad_cycle =
       made.verdict <= protocol::Verdict::kStable ? -1 : made.first_bad_cycle;
+  fake.result.judgement.bad_objects = made.bad_objects;
+  fake.result.scalars.moving_objects = made.moving_objects;
+  fake.result.scalars.mean_asleep = made.mean_asleep;
   fake.result.message = made.status == results::Status::kDone ? "" : "made up";
   fake.result.omitted = made.omitted;
   fake.result.decisions = made.decisions;

@@ -166,7 +166,8 @@ TEST(ResultsDocument, HasTheWorstVerdictOfTheRepeatsThatRan) {
   EXPECT_EQ(points["first_bad_cycle"], json({nullptr, 1, 1, nullptr, 1, 1}));
   EXPECT_EQ(StabilityIn(document),
             "2 of 6 configurations are stable (4 tunnelled). Along the number of objects (2 "
-            "cases): stable 10, tunnelled 20 .. 40.");
+            "cases): stable 10, tunnelled 20 .. 40." +
+                kNothingChecked);
 }
 
 TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
@@ -174,7 +175,8 @@ TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
     return run.at[1] == 1 ? MadeUp{.status = results::Status::kMissing} : PartlyRun(run);
   });
   EXPECT_EQ(document["points"]["verdict"], json({"stable", "tunnelled", "stable", "tunnelled"}));
-  EXPECT_EQ(StabilityIn(document), "2 of 4 configurations are stable (2 tunnelled).");
+  EXPECT_EQ(StabilityIn(document),
+            "2 of 4 configurations are stable (2 tunnelled)." + kNothingChecked);
 }
 
 TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {

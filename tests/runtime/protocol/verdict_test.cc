@@ -272,19 +272,21 @@ TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
   EXPECT_FALSE(HasVoidTimings(Verdict::kExploded));
 }
 
-TEST(OnlyContactsTakeEnergy, UnlessTheSceneHasOtherWays) {
-  const plan::Scene scene = DefaultScene(3, 500);
-  EXPECT_TRUE(analysis::OnlyContactsTakeEnergy(scene));
-  const auto with = [&scene](auto change) {
-    plan::Scene other = scene;
-    change(other);
-    return analysis::OnlyContactsTakeEnergy(other);
-  };
-  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "linear_damping", 0.1); }));
-  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "rolling_friction", 0.1); }));
-  EXPECT_FALSE(with([](auto& other) { SetGroup(other, "contact_stiffness", 1e3); }));
-  EXPECT_FALSE(with([](auto& other) { SetWorld(other, "expect", Word("anything")); }));
-  EXPECT_TRUE(with([](auto& other) { SetWorld(other, "expect", Word("energy")); }));
+TEST_F(VerdictTest, CountsTheObjectsThatItConcerns) {
+  SetCount("passed", 5, 2, 7);
+  SetCount("passed", 9, 1, 10);
+  EXPECT_EQ(Judged().verdict, Verdict::kTunnelled);
+  EXPECT_EQ(Judged().bad_objects, 2);
+  // A worse verdict has a count of its own.
+  SetCount("frozen", 12, 3);
+  EXPECT_EQ(Judged().bad_objects, 3);
+}
+
+TEST_F(VerdictTest, OnTheSceneAsAWholeConcernsNoObject) {
+  EXPECT_EQ(Judged().bad_objects, -1);
+  Set("energy", 5, 150);
+  EXPECT_EQ(Judged().verdict, Verdict::kDrifting);
+  EXPECT_EQ(Judged().bad_objects, -1);
 }
 
 TEST(ExpectationOf, FollowsFromTheScene) {

@@ -1,0 +1,170 @@
+#include "compiler/analysis/coverage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/analysis/expectation.h"
+#include "compiler/analysis/trace.h"
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::analysis {
+namespace {
+
+using plan::Group;
+using plan::Scene;
+using schema::IsZero;
+using Reason = std::optional<std::string>;
+
+/// The first group with objects for which it holds; null if there is none.
+const Group* FindGroup(const Scene& scene, auto holds) {
+  const auto found = std::ranges::find_if(scene.groups, [&](const Group& group) {
+    return group.settings.Count("quantity") > 0 && holds(group);
+  });
+  return found == scene.groups.end() ? nullptr : &*found;
+}
+
+bool IsFixed(const Group& group) { return group.settings.WordOr("mass") == "fixed"; }
+
+bool CanMove(const Scene& scene) {
+  return FindGroup(scene, [](const Group& group) { return !IsFixed(group); }) != nullptr;
+}
+
+bool Always(const Scene&) { return true; }
+Reason AlwaysChecked(const Scene&) { return std::nullopt; }
+
+Reason WhyNotEnergy(const Scene& scene) {
+  const std::string driver = DriverText(scene);
+  return driver.empty() ? Reason() : driver;
+}
+
+Reason WhyNotLosses(const Scene& scene) {
+  if (Reason driven = WhyNotEnergy(scene)) return driven;
+  if (scene.world.WordOr("expect") == "anything") return "the scene says expect anything";
+  struct Sink {
+    const char* text;
+    bool (*is_in)(const Group& group);
+  };
+  static constexpr Sink kSinks[] = {
+      {"damping",
+       [](const Group& group) {
+         return !IsZero(group.settings.Get("linear_damping")) ||
+                !IsZero(group.settings.Get("angular_damping"));
+       }},
+      {"springs with damping",
+       [](const Group& group) {
+         return group.settings.WordOr("links.type") == "spring" &&
+                !IsZero(group.settings.Get("links.damping"));
+       }},
+      {"rolling friction",
+       [](const Group& group) { return !IsZero(group.settings.Get("rolling_friction")); }},
+      {"spinning friction",
+       [](const Group& group) { return !IsZero(group.settings.Get("spinning_friction")); }},
+      {"soft contacts",
+       [](const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }},
+  };
+  for (const Sink& sink : kSinks)
+    if (const Group* group = FindGroup(scene, sink.is_in))
+      return fmt::format("group {} has {}", group->name, sink.text);
+  return std::nullopt;
+}
+
+/// Something in the scene stands, or the user says that it does.
+bool RestArises(const Scene& scene) {
+  return scene.world.WordOr("expect") == "rest" || FindGroup(scene, Stands) != nullptr;
+}
+
+bool MayBeMesh(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type)) return !IsSurface(*call);
+  const schema::Distribution* drawn = schema::AsDistribution(type);
+  return drawn != nullptr && std::ranges::any_of(drawn->arguments, MayBeMesh);
+}
+
+/// Its faces may continue one another.
+bool MayAdjoin(const Group& group) {
+  return group.settings.WordOr("type") != "sphere" &&
+         (group.settings.Count("quantity") > 1 || MayBeMesh(group.settings.Get("type")));
+}
+
+bool MovesAsGround(const Group& group) { return HasKinematic(group) && MayAdjoin(group); }
+
+bool EdgesArise(const Scene& scene) {
+  return FindGroup(scene, [](const Group& group) {
+           return HasSurface(group.settings) || MovesAsGround(group) ||
+                  (IsFixed(group) && MayAdjoin(group));
+         }) != nullptr;
+}
+
+Reason WhyNotEdges(const Scene& scene) {
+  const Group* group = FindGroup(scene, MovesAsGround);
+  if (group == nullptr) return std::nullopt;
+  return fmt::format("group {} is kinematic, and only fixed ground is examined", group->name);
+}
+
+bool HasLinks(const Scene& scene) {
+  return FindGroup(scene, [](const Group& group) { return group.HasLinks(); }) != nullptr;
+}
+
+bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }
+
+constexpr QuestionInfo kQuestions[] = {
+    {Question::kEnergy, "energy",
+     "the total energy does not rise, and is kept until something touches", Always, WhyNotEnergy},
+    {Question::kLosses, "losses",
+     "no energy is lost beyond the work of friction and of inelastic bounces", Always,
+     WhyNotLosses},
+    {Question::kRest, "rest", "objects that stand stay where they are", RestArises, WhyNotAtRest},
+    {Question::kPassing, "passing",
+     "objects do not pass through others, or leave the walls, and are not pressed in", Always,
+     AlwaysChecked},
+    {Question::kEdges, "edges",
+     "contacts at the edges between coplanar faces have the normals of these faces", EdgesArise,
+     WhyNotEdges},
+    {Question::kJoints, "joints", "joints do not open", HasLinks, AlwaysChecked},
+    {Question::kSleep, "sleep", "objects that fall asleep are held", MaySleep, AlwaysChecked},
+};
+
+const QuestionInfo& InfoOf(Question question) {
+  return kQuestions[static_cast<std::size_t>(question)];
+}
+
+}  // namespace
+
+std::span<const QuestionInfo> Questions() { return kQuestions; }
+
+Coverage CoverageOf(const plan::Scene& scene) {
+  Coverage coverage;
+  if (!CanMove(scene)) return coverage;
+  const bool is_recorded = scene.world.Lists("record", "stability");
+  for (const QuestionInfo& info : kQuestions) {
+    if (!info.arises(scene)) continue;
+    Reason why = is_recorded ? info.why_not(scene) : Reason("record lacks stability");
+    if (why) {
+      coverage.unchecked.push_back({&info, *std::move(why)});
+    } else {
+      coverage.checked.push_back(&info);
+    }
+  }
+  return coverage;
+}
+
+bool IsChecked(Question question, const plan::Scene& scene) {
+  const QuestionInfo& info = InfoOf(question);
+  return info.arises(scene) && !info.why_not(scene);
+}
+
+std::string CheckedText(const Coverage& coverage) {
+  std::string text;
+  for (const QuestionInfo* question : coverage.checked)
+    text.append(text.empty() ? "" : ", ").append(question->name);
+  return text;
+}
+
+std::string UncheckedText(const Coverage& coverage) {
+  std::string text;
+  for (const Coverage::Open& open : coverage.unchecked)
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", open.question->name, open.why);
+  return text;
+}
+
+}  // namespace cdb::analysis

@@ -1,0 +1,107 @@
+#include "runtime/figures/coverage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "runtime/terminal/table.h"
+
+namespace cdb::figures {
+namespace {
+
+/// A smaller fraction of objects asleep is not reported.
+constexpr double kNoticeableSleep = 0.1;
+
+}  // namespace
+
+std::vector<OpenQuestion> OpenQuestions(const results::ResultFile& file,
+                                        const std::vector<Cell>& cells) {
+  std::vector<OpenQuestion> all;
+  if (!file.Has("unchecked")) return all;
+  for (const Cell& cell : cells) {
+    // `question: reason; question: reason`
+    const std::string text = file.ReadText("unchecked", cell);
+    std::string_view left = text;
+    while (!left.empty()) {
+      const std::string_view one = left.substr(0, left.find("; "));
+      left.remove_prefix(std::min(left.size(), one.size() + 2));
+      const std::size_t colon = one.find(": ");
+      if (colon == std::string_view::npos) continue;
+      const std::string_view question = one.substr(0, colon), why = one.substr(colon + 2);
+      const auto found = std::ranges::find_if(all, [&](const OpenQuestion& open) {
+        return open.question == question && open.why == why;
+      });
+      if (found != all.end()) {
+        ++found->runs;
+      } else {
+        all.push_back({std::string(question), std::string(why), 1});
+      }
+    }
+  }
+  return all;
+}
+
+std::string OpenQuestionsText(const results::ResultFile& file, const std::vector<Cell>& cells) {
+  // Questions that are open for one reason in the same number of runs are named together.
+  std::vector<OpenQuestion> grouped;
+  for (OpenQuestion& open : OpenQuestions(file, cells)) {
+    const auto same = std::ranges::find_if(grouped, [&](const OpenQuestion& other) {
+      return other.why == open.why && other.runs == open.runs;
+    });
+    if (same != grouped.end()) {
+      same->question += ", " + open.question;
+    } else {
+      grouped.push_back(std::move(open));
+    }
+  }
+  std::string text;
+  for (const OpenQuestion& open : grouped) {
+    const std::string where =
+        open.runs < cells.size() ? fmt::format(" in {} of {} runs", open.runs, cells.size()) : "";
+    text += fmt::format("{}{} ({}){}", text.empty() ? "" : "; ", open.question, open.why, where);
+  }
+  return text.empty() ? text : fmt::format("Not checked: {}.", text);
+}
+
+double MovingObjectsOf(const results::ResultFile& file, const Cell& cell) {
+  if (!file.Has("moving_objects")) return std::numeric_limits<double>::quiet_NaN();
+  const double count = file.ReadReal("moving_objects", cell);
+  return count < 0 ? std::numeric_limits<double>::quiet_NaN() : count;
+}
+
+std::string BadObjectsText(const results::ResultFile& file, const Cell& cell) {
+  const std::int64_t bad = file.ReadJudgement(cell).bad_objects;
+  if (bad < 0) return {};
+  const double of = MovingObjectsOf(file, cell);
+  // Pairs may be more than the objects.
+  if (!(of >= static_cast<double>(bad)))
+    return fmt::format("{} object{}", bad, bad == 1 ? "" : "s");
+  return fmt::format("{} of {} object{}", bad, of, of == 1 ? "" : "s");
+}
+
+std::string SleepNote(const results::ResultFile& file, const std::vector<Cell>& cells) {
+  if (!file.Has("mean_asleep")) return {};
+  double most = 0, asleep = 0, objects = 0;
+  std::size_t runs = 0;
+  for (const Cell& cell : cells) {
+    const double here = file.ReadReal("mean_asleep", cell), of = MovingObjectsOf(file, cell);
+    if (!(here >= kNoticeableSleep * of)) continue;
+    ++runs;
+    if (here / of <= most) continue;
+    most = here / of;
+    asleep = here;
+    objects = of;
+  }
+  if (runs == 0) return {};
+  const std::string where =
+      cells.size() > 1 ? fmt::format(", in {} of {} runs a tenth or more", runs, cells.size()) : "";
+  return fmt::format(
+      "Asleep in the mean over cycles: {}{} of {} objects{}; a step over sleeping objects is less "
+      "work.",
+      cells.size() > 1 ? "up to " : "", terminal::ShortNumber(asleep), objects, where);
+}
+
+}  // namespace cdb::figures

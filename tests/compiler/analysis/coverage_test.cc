@@ -1,0 +1,85 @@
+#include "compiler/analysis/coverage.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "dsl/diagnostics.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+analysis::Coverage CoverageOf(const std::string& statements) {
+  const compiler::Compilation result = CompileText("benchmark b { " + statements + " }");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return analysis::CoverageOf(result.plans.at(0).runs.at(0).scene);
+}
+
+TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
+  struct Case {
+    const char *statements, *checked, *unchecked;
+  };
+  constexpr Case kCases[] = {
+      {"objects a { quantity 3 }", "energy, losses, passing, sleep", ""},
+      {"objects a { quantity 3; } sleeping off", "energy, losses, passing", ""},
+      {"objects a { quantity 3; location stack }", "energy, losses, rest, passing, sleep", ""},
+      {"objects a { quantity 3; location stack } objects top { quantity 1; location at(0, 4, 0) }",
+       "energy, losses, passing, sleep", "rest: group top is placed by at"},
+      {"objects a { quantity 3; location stack; linear_velocity (1, 0, 0) }",
+       "energy, losses, passing, sleep", "rest: group a moves at the start"},
+      {"objects a { quantity 3; location stack } acceleration (1, -9, 0)",
+       "energy, losses, passing, sleep", "rest: gravity does not point straight down"},
+      {"objects a { quantity 3; location stack } expect rest; acceleration (1, -9, 0)",
+       "energy, losses, rest, passing, sleep", ""},
+      {"objects a { quantity 3; location stack } expect anything", "energy, passing, sleep",
+       "losses: the scene says expect anything; rest: the scene says expect anything"},
+      {"objects a { quantity 3; linear_damping 0.1 }", "energy, passing, sleep",
+       "losses: group a has damping"},
+      {"objects a { quantity 3; rolling_friction 0.1 }", "energy, passing, sleep",
+       "losses: group a has rolling friction"},
+      {"objects a { quantity 3; spinning_friction 0.1 }", "energy, passing, sleep",
+       "losses: group a has spinning friction"},
+      {"objects a { quantity 3; contact_stiffness 1000 }", "energy, passing, sleep",
+       "losses: group a has soft contacts"},
+      {"objects a { quantity 3 } objects blade { quantity 1; mass kinematic }", "passing, sleep",
+       "energy: group blade is kinematic; losses: group blade is kinematic"},
+      {"objects a { quantity 3; linear_velocity every(60, (0, 1, 0)) }", "passing, sleep",
+       "energy: a schedule moves group a; losses: a schedule moves group a"},
+      {"objects a { quantity 3 } acceleration every(60, (0, 1, 0))", "passing, sleep",
+       "energy: a schedule changes the acceleration; losses: a schedule changes the acceleration"},
+      {"objects a { quantity 3; links { type ball } }", "energy, losses, passing, joints, sleep",
+       ""},
+      {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
+       "energy, losses, passing, edges, sleep", ""},
+      {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass kinematic }",
+       "passing, sleep",
+       "energy: group floor is kinematic; losses: group floor is kinematic; edges: group floor is "
+       "kinematic, and only fixed ground is examined"},
+      {"objects a { quantity 3 } objects floor { quantity 1; type cuboid; mass fixed }",
+       "energy, losses, passing, sleep", ""},
+      {"objects floor { quantity 2; mass fixed }", "", ""},
+      {"objects a { quantity 3; location stack } record timing", "",
+       "energy: record lacks stability; losses: record lacks stability; rest: record lacks "
+       "stability; passing: record lacks stability; sleep: record lacks stability"},
+  };
+  for (const Case& row : kCases) {
+    const analysis::Coverage coverage = CoverageOf(row.statements);
+    EXPECT_EQ(CheckedText(coverage), row.checked) << row.statements;
+    EXPECT_EQ(UncheckedText(coverage), row.unchecked) << row.statements;
+  }
+}
+
+TEST(Coverage, HasOneRowForEachQuestion) {
+  std::set<std::string_view> names;
+  std::size_t next = 0;
+  for (const analysis::QuestionInfo& info : analysis::Questions()) {
+    EXPECT_EQ(static_cast<std::size_t>(info.question), next++);
+    EXPECT_TRUE(names.insert(info.name).second) << info.name;
+    // Texts are separated by these.
+    EXPECT_EQ(info.name.find_first_of(":;, "), std::string_view::npos) << info.name;
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

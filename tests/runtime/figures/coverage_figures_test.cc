@@ -1,0 +1,77 @@
+// The questions that the verdicts of a file leave open, in figures and conclusions.
+#include <gtest/gtest.h>
+
+#include "dsl/diagnostics.h"
+#include "runtime/figures/conclusions.h"
+#include "runtime/figures/coverage.h"
+#include "runtime/figures/model.h"
+#include "tests/runtime/figures/made_up_file.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+using figures::Cell;
+
+struct Answers {
+  std::string open, bad, sleep, conclusion;
+};
+
+/// Of a file in which all runs end as `made`.
+Answers AnswersOf(const std::string& statements, const MadeUp& made) {
+  const compiler::Compilation compiled =
+      CompileText("benchmark b { cycles 4; " + statements + " }");
+  EXPECT_FALSE(compiled.diagnostics.has_errors()) << dsl::Render(compiled.diagnostics);
+  return WithMadeUpFile(
+      compiled.plans.at(0), [&](const plan::Run&) { return made; },
+      [](const results::ResultFile& file) {
+        const std::vector<Cell> cells = figures::AllCells(file);
+        Answers answers{figures::OpenQuestionsText(file, cells),
+                        figures::BadObjectsText(file, cells[0]),
+                        figures::SleepNote(file, cells),
+                        {}};
+        for (const figures::Conclusion& of : figures::Conclusions(figures::Model(file)))
+          if (of.kind == "stability") answers.conclusion = of.answer;
+        return answers;
+      });
+}
+
+TEST(OpenQuestions, AreNamedWithTheirReasons) {
+  EXPECT_EQ(AnswersOf("objects { quantity 2 }", {}).open, "");
+  const Answers driven = AnswersOf("objects { quantity 2; mass kinematic }", {});
+  EXPECT_EQ(driven.open, "Not checked: energy, losses (group objects is kinematic).");
+  EXPECT_EQ(driven.conclusion,
+            "Yes: it is stable. Not checked: energy, losses (group objects is kinematic).");
+  EXPECT_EQ(
+      AnswersOf("objects { quantity 2; linear_damping sweep(0, 0.1); rolling_friction 0.5 }", {})
+          .open,
+      "Not checked: losses (group objects has rolling friction) in 1 of 2 runs; losses (group "
+      "objects has damping) in 1 of 2 runs.");
+}
+
+TEST(OpenQuestions, AreAllOfThemWithoutStability) {
+  EXPECT_EQ(AnswersOf("objects { quantity 2 } record timing", {}).open,
+            "Not checked: energy, losses, passing, sleep (record lacks stability).");
+}
+
+TEST(BadObjects, AreCountedOfThoseThatMove) {
+  MadeUp made{.verdict = protocol::Verdict::kTunnelled};
+  EXPECT_EQ(AnswersOf("objects { quantity 2000 }", made).bad, "");
+  made.bad_objects = 439;
+  made.moving_objects = 2000;
+  const Answers many = AnswersOf("objects { quantity 2000 }", made);
+  EXPECT_EQ(many.bad, "439 of 2000 objects");
+  EXPECT_EQ(many.conclusion, "No: it is tunnelled (439 of 2000 objects).");
+}
+
+TEST(Sleep, IsSaidFromATenthOfTheObjectsOn) {
+  MadeUp made{.moving_objects = 60, .mean_asleep = 5.5};
+  EXPECT_EQ(AnswersOf("objects { quantity 60 }", made).sleep, "");
+  made.mean_asleep = 51.25;
+  EXPECT_EQ(AnswersOf("objects { quantity 60 }", made).sleep,
+            "Asleep in the mean over cycles: 51.2 of 60 objects; a step over sleeping objects is "
+            "less work.");
+}
+
+}  // namespace
+}  // namespace cdb::tests
