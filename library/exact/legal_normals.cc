@@ -119,6 +119,118 @@ class NormalSearch {
 
 }  // namespace
 
+namespace {
+
+/// Around a point of a solid's surface: how high other solids rise above the plane across a normal.
+class Skyline {
+ public:
+  Skyline(const Region& own, const Region& others, const Vector3d& normal, double radius)
+      : own_(own), others_(others), normal_(normal), radius_(radius) {
+    const Vector3d across = normal.unitOrthogonal(), along = normal.cross(across);
+    for (int i = 0; i < kAzimuths; ++i) {
+      const double angle = 2 * M_PI * i / kAzimuths;
+      tangents_[static_cast<std::size_t>(i)] = std::cos(angle) * across + std::sin(angle) * along;
+    }
+  }
+
+  /// The point along the normal through `point`, within `reach`, at which it leaves the solid: the
+  /// highest of those of close lines, because the one through the point may only touch the solid.
+  std::optional<Vector3d> SurfaceAt(const Vector3d& point, double reach) const {
+    std::optional<Vector3d> highest = SurfaceAlong(point, reach);
+    for (std::size_t i = 0; i < tangents_.size(); i += tangents_.size() / 8) {
+      const auto other = SurfaceAlong(point + kClose * radius_ * tangents_[i], reach);
+      if (other && (!highest || other->dot(normal_) > highest->dot(normal_))) highest = other;
+    }
+    return highest;
+  }
+
+  /// The highest direction in each azimuth that leads from `place` into another solid.
+  std::vector<Vector3d> DirectionsAt(const Vector3d& place) const {
+    std::vector<Vector3d> directions;
+    for (const Vector3d& tangent : tangents_) {
+      const auto at = [&](double angle) -> Vector3d {
+        return place + radius_ * (std::cos(angle) * tangent + std::sin(angle) * normal_);
+      };
+      std::optional<double> inside;
+      for (int i = kSteps; i > -kSteps && !inside; --i)
+        if (others_(at(M_PI / 2 * i / kSteps))) inside = M_PI / 2 * i / kSteps;
+      if (!inside) continue;
+      const double highest =
+          LastIn(others_, at, *inside, std::min(*inside + M_PI / 2 / kSteps, M_PI / 2), kFine);
+      directions.push_back((at(highest) - place) / radius_);
+    }
+    return directions;
+  }
+
+  bool IsFree(const std::vector<Vector3d>& directions) const {
+    return std::ranges::all_of(
+        directions, [&](const Vector3d& direction) { return direction.dot(normal_) <= kFlush; });
+  }
+
+  /// Whether the normal is legal there, or at a point beside it on the same face or edge.
+  bool IsLegalNear(const Vector3d& place) const {
+    if (IsFree(DirectionsAt(place))) return true;
+    for (std::size_t i = 0; i < tangents_.size(); i += tangents_.size() / 8) {
+      const Vector3d beside = place + 3 * radius_ * tangents_[i];
+      const Vector3d up = kFlush * radius_ * normal_;
+      if (own_(beside - up) && !own_(beside + up) && IsFree(DirectionsAt(beside))) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::optional<Vector3d> SurfaceAlong(const Vector3d& point, double reach) const {
+    const auto at = [&](double height) -> Vector3d { return point + height * normal_; };
+    std::optional<double> inside;
+    for (int i = kSteps; i >= -kSteps && !inside; --i)
+      if (own_(at(reach * i / kSteps))) inside = reach * i / kSteps;
+    if (!inside || own_(at(*inside + reach))) return std::nullopt;
+    return at(LastIn(own_, at, *inside, *inside + reach, kFine * radius_));
+  }
+
+  /// The last x, from `inside` on, for which the point `at(x)` is in the region.
+  static double LastIn(const Region& region, const auto& at, double inside, double outside,
+                       double fineness) {
+    while (outside - inside > fineness) {
+      const double middle = (inside + outside) / 2;
+      (region(at(middle)) ? inside : outside) = middle;
+    }
+    return inside;
+  }
+
+  static constexpr int kAzimuths = 32, kSteps = 8;
+  static constexpr double kFine = 1e-3, kClose = 1e-2;
+  static constexpr double kFlush = 0.02;  ///< sine of an angle; less does not rise
+
+  const Region &own_, &others_;
+  const Vector3d normal_;
+  const double radius_;
+  std::array<Vector3d, kAzimuths> tangents_;
+};
+
+}  // namespace
+
+std::optional<Vector3d> NearestLegalNormal(const Region& own, const Region& others,
+                                           const Vector3d& point, const Vector3d& normal,
+                                           double reach, double radius) {
+  const Skyline skyline(own, others, normal, radius);
+  const std::optional<Vector3d> place = skyline.SurfaceAt(point, reach);
+  if (!place) return std::nullopt;
+  if (skyline.IsLegalNear(*place)) return normal;
+  // Onto the cone of the vectors that have no component along any direction into another solid.
+  constexpr double kSmall = 0.02;
+  const std::vector<Vector3d> directions = skyline.DirectionsAt(*place);
+  Vector3d legal = normal;
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d& steepest = *std::ranges::max_element(
+        directions, {}, [&](const Vector3d& direction) { return direction.dot(legal); });
+    const double rise = steepest.dot(legal);
+    if (rise <= 1e-3) break;
+    legal -= rise * steepest;
+  }
+  return legal.norm() > kSmall ? legal.normalized() : Vector3d::Zero();
+}
+
 std::optional<Vector3d> NearestLegalNormal(const objects::Compound& surface, const Vector3d& point,
                                            const Vector3d& normal, double reach) {
   return NormalSearch(surface, point, normal, reach).Run();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 
 #include "library/objects/compound.h"
@@ -21,5 +22,19 @@ namespace cdb::exact {
 std::optional<Eigen::Vector3d> NearestLegalNormal(const objects::Compound& surface,
                                                   const Eigen::Vector3d& point,
                                                   const Eigen::Vector3d& normal, double reach);
+
+/// Whether a point (m) is in a region of space.
+using Region = std::function<bool(const Eigen::Vector3d&)>;
+
+/// The same for ground made of convex solids, such as tiles of a floor and the hulls of a mesh.
+/// `own` is the solid that has the contact and `others` are those around it. Of the solid alone,
+/// the normal is taken to be legal; the result is nearest to it of those along which no other solid
+/// rises within `radius` of the contact: zero if all around it is covered; nullopt if the point is
+/// not within `reach` of the surface of `own`. Where solids meet at a concave edge, the normals
+/// beside it are legal. Elevations are resolved to about 0.01 rad.
+std::optional<Eigen::Vector3d> NearestLegalNormal(const Region& own, const Region& others,
+                                                  const Eigen::Vector3d& point,
+                                                  const Eigen::Vector3d& normal, double reach,
+                                                  double radius);
 
 }  // namespace cdb::exact

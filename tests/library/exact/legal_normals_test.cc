@@ -125,5 +125,71 @@ TEST(LegalNormals, AwayFromTheSurfaceThereAreNone) {
   EXPECT_TRUE(NearestLegalNormal(Roof(1), Vector3d(0, 0.6, 0), Vector3d(0, 1, 0), 0.15));
 }
 
+/// An axis-aligned box.
+exact::Region Tile(const Vector3d& low, const Vector3d& high) {
+  return
+      [box = Eigen::AlignedBox3d(low, high)](const Vector3d& point) { return box.contains(point); };
+}
+
+/// The nearest legal normal beside `others`; zero if there is none.
+Vector3d BesideTiles(const exact::Region& own, const exact::Region& others, const Vector3d& point,
+                     const Vector3d& normal) {
+  // In any axes: turned as a whole, the result turns too.
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vector3d(0.3, -0.8, 0.5).normalized()));
+  const auto turned = [&](const exact::Region& region) -> exact::Region {
+    return [&turn, region](const Vector3d& place) { return region(turn.conjugate() * place); };
+  };
+  const auto legal = NearestLegalNormal(turned(own), turned(others), turn * point,
+                                        turn * normal.normalized(), 2e-3, 1e-3);
+  EXPECT_TRUE(legal);
+  return legal ? turn.conjugate() * *legal : Vector3d::Zero();
+}
+
+constexpr double kCoarse = 0.03;
+
+TEST(LegalNormalsOfSolids, TilesHaveOnlyTheNormalOfTheFloorWhereTheyMeet) {
+  const Vector3d up(0, 1, 0), aside(1, 0, 0);
+  const exact::Region left = Tile({-1, -1, -1}, {0, 0, 1});
+  // Beside it: of the same size, larger, one of several, below another one.
+  for (const exact::Region& right :
+       {Tile({0, -1, -1}, {1, 0, 1}), Tile({0, -3, -5}, {7, 0, 4}),
+        Tile({1e-9, -1, -1}, {1, -1e-9, 1}), Tile({-1e-6, -1, -1}, {1, 0, 1})}) {
+    for (const double z : {-0.7, 0.0, 0.9}) {
+      EXPECT_LT((BesideTiles(left, right, {0, 0, z}, up) - up).norm(), 1e-9);
+      EXPECT_LT(BesideTiles(left, right, {0, 0, z}, aside).norm(), kCoarse);
+      EXPECT_LT(BesideTiles(left, right, {0, -0.001, z}, aside).norm(), kCoarse);
+      EXPECT_LT((BesideTiles(left, right, {0, 0, z}, {1, 1, 0}) - up).norm(), 3 * kCoarse);
+      EXPECT_LT((BesideTiles(left, right, {0, 0, z}, {0.3, 1, 0}) - up).norm(), 3 * kCoarse);
+    }
+  }
+}
+
+TEST(LegalNormalsOfSolids, AStepHasTheNormalsOfItsSide) {
+  const Vector3d up(0, 1, 0), aside(1, 0, 0), between(1, 1, 0);
+  const exact::Region high = Tile({-1, -1, -1}, {0, 0, 1});
+  for (const double step : {0.01, 0.3}) {
+    const exact::Region low = Tile({0, -1, -1}, {1, -step, 1});
+    EXPECT_EQ(BesideTiles(high, low, {0, 0, 0.2}, up).dot(up) > 1 - 1e-9, true);
+    EXPECT_GT(BesideTiles(high, low, {0, -step / 2, 0.2}, aside).dot(aside), 1 - 1e-9);
+    EXPECT_GT(BesideTiles(high, low, {0, 0, 0.2}, between).dot(between.normalized()), 1 - 1e-9);
+    // On the lower one, at the foot of the step.
+    EXPECT_GT(BesideTiles(low, high, {0, -step, 0.2}, up).dot(up), 1 - 1e-9);
+  }
+}
+
+TEST(LegalNormalsOfSolids, ACornerOfAWallHasThoseOfBothSides) {
+  const Vector3d up(0, 1, 0), aside(-1, 0, 0);
+  const exact::Region floor = Tile({-1, -1, -1}, {1, 0, 1}), wall = Tile({0.5, 0, -1}, {1, 2, 1});
+  EXPECT_GT(BesideTiles(floor, wall, {0.5, 0, 0}, up).dot(up), 1 - 1e-9);
+  EXPECT_GT(BesideTiles(wall, floor, {0.5, 0, 0}, aside).dot(aside), 1 - 1e-9);
+  // Below the wall, the floor has no surface.
+  EXPECT_LT(BesideTiles(floor, wall, {0.8, 0, 0}, up).norm(), kCoarse);
+}
+
+TEST(LegalNormalsOfSolids, APointInTheAirHasNone) {
+  EXPECT_FALSE(NearestLegalNormal(Tile({-1, -1, -1}, {0, 0, 1}), Tile({0, -1, -1}, {1, 0, 1}),
+                                  {0, 0.1, 0}, {0, 1, 0}, 2e-3, 1e-3));
+}
+
 }  // namespace
 }  // namespace cdb::tests
