@@ -138,7 +138,7 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "lost_way", .records = "stability", .doc = "largest distance that rounding added to or took from the motion of an object since it was last pushed, over its least side"},
     {.name = "turn_ratio", .records = "stability", .doc = "least angle turned over the expected angle, of the objects that rotate", .may_be_none = true},
     {.name = "spin_ratio", .records = "stability", .doc = "rotational energy over that before the first cycle, of the object without any contact since then for which this is farthest from 1", .may_be_none = true},
-    {.name = "passed", .records = "stability", .type = kInt32, .doc = "objects whose centre of mass has passed through another object, detected in this cycle"},
+    {.name = "passed", .records = "stability", .type = kInt32, .doc = "objects that passed through another one, or through a surface, detected in this cycle; of two, the smaller that is free to move"},
     {.name = "pressed", .records = "stability", .type = kInt32, .doc = "pairs of bodies that a load presses into each other, by more than a quarter of the smaller one's least side"},
     {.name = "inverted", .records = "stability", .type = kInt32, .doc = "pairs of objects in which the object that lay on top is now below the other"},
     {.name = "unheld", .records = "stability", .type = kInt32, .doc = "objects asleep in the air or on a slope that does not hold them"},

@@ -27,6 +27,9 @@ struct HeightGoal {
   /// Directions with a greater scalar product with `avoided`, a unit vector, do not count.
   Eigen::Vector3d avoided = Eigen::Vector3d::Zero();
   double largest_cosine = 1;  ///< at least 0
+  /// If the origin is inside: by the expanding polytope, which is fast for coarse tolerances and
+  /// long bodies, instead of by branch and bound. `nearest` is not found then.
+  bool by_polytope = false;
 };
 
 struct LeastHeight {
