@@ -76,7 +76,7 @@ class Search {
 
   LeastHeight Run() {
     ApproachOrigin();
-    if (!IsDone(floor_) && !(goal_.by_polytope && ExpandPolytope())) BranchAndBound();
+    if (!IsDone(floor_)) goal_.by_polytope ? ExpandPolytope() : BranchAndBound();
     best_.height = best_.upper;
     best_.upper += rounding_;
     best_.lower -= rounding_;
@@ -119,7 +119,7 @@ class Search {
     std::array<Difference, 4> kept;
     objects::Simplex& simplex = simplex_;
     floor_ = -std::numeric_limits<double>::infinity();
-    Vector3d towards = -Vector3d::UnitX();
+    Vector3d towards = goal_.guess;
     constexpr int kMaxSteps = 256;
     for (int step = 0; step < kMaxSteps; ++step) {
       const Difference found = Try(towards);
@@ -170,6 +170,9 @@ class Search {
     return static_cast<std::uint32_t>(samples_.size() - 1);
   }
 
+  /// Of the tolerance: a point less above a face counts as in its plane, and no face is narrower.
+  static constexpr double kSeen = 0.01;
+
   struct Face {
     std::array<Vector3d, 3> corners;
     Vector3d normal;  ///< unit, outwards
@@ -212,25 +215,30 @@ class Search {
     return AddFace(a, b, c) && AddFace(a, d, b) && AddFace(b, d, c) && AddFace(c, d, a);
   }
 
-  /// EPA. Returns false if rounding errors or the number of steps end it.
-  bool ExpandPolytope() {
-    if (!BeginPolytope()) return false;
-    constexpr int kMostExpansions = 200;
-    for (int i = 0; i < kMostExpansions; ++i) {
-      const Face lowest = *std::ranges::min_element(faces_, {}, &Face::height);
-      const Vector3d point = Try(lowest.normal).Value();
-      if (IsDone(lowest.height) || lowest.normal.dot(point) - lowest.height <= rounding_)
-        return true;
-      if (!AddCorner(point)) return false;
-    }
-    return false;
+  /// Of a closed convex polytope with so many corners, by Euler's formula; more: it has folded.
+  static constexpr std::size_t MostFaces(int corners) {
+    return 2 * static_cast<std::size_t>(corners) - 4;
   }
 
-  /// Replaces the faces that the point sees.
+  /// EPA.
+  void ExpandPolytope() {
+    if (!BeginPolytope()) return;
+    constexpr int kMostExpansions = 200;
+    for (int i = 0; i < kMostExpansions && !faces_.empty(); ++i) {
+      const Face lowest = *std::ranges::min_element(faces_, {}, &Face::height);
+      const Vector3d point = Try(lowest.normal).Value();
+      if (IsDone(lowest.height) ||
+          !(lowest.normal.dot(point) > lowest.height + kSeen * goal_.tolerance) ||
+          !AddCorner(point) || faces_.size() > MostFaces(i + 5))
+        return;
+    }
+  }
+
+  /// Replaces the faces that the point sees. Returns false if a new one is flat.
   bool AddCorner(const Vector3d& point) {
     std::vector<std::pair<Vector3d, Vector3d>> rim;
     std::erase_if(faces_, [&](const Face& face) {
-      if (!(face.normal.dot(point) > face.height)) return false;
+      if (!(face.normal.dot(point) > face.height + kSeen * goal_.tolerance)) return false;
       for (std::size_t k = 0; k < 3; ++k) {
         const Vector3d &from = face.corners[k], &to = face.corners[(k + 1) % 3];
         const auto back = std::ranges::find(rim, std::pair(to, from));

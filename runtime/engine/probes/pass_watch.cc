@@ -27,40 +27,36 @@ Vector3d TurnOf(const btRigidBody& body, const objects::Pose& from, const object
   return sine > 0 ? Vector3d(2 * std::atan2(sine, turn.w()) / sine * turn.vec()) : Vector3d::Zero();
 }
 
-/// From the centre of mass.
-objects::Box BoxOf(const objects::Solid& solid, const Eigen::Quaterniond& turn) {
-  if (!solid.compound && !solid.IsBall()) return objects::Bounds(solid, turn);
-  const Vector3d outer = Vector3d::Constant(solid.OuterRadius());
-  return {-outer, outer};
+double SpinAngle(const btRigidBody& body, double timestep) {
+  return timestep * static_cast<double>(body.getAngularVelocity().length());
 }
 
 }  // namespace
 
 PassWatch::PassWatch(const world::Engine& engine)
-    : engine_(engine), passed_(engine.objects().size(), 0) {
-  for (std::uint32_t i = 0; i < passed_.size(); ++i)
-    if (engine.initial_state().objects[i].solid.IsSurface()) surfaces_.push_back(i);
+    : engine_(engine), paths_(engine.objects().size()), passed_(engine.objects().size(), 0) {
+  for (std::uint32_t i = 0; i < passed_.size(); ++i) {
+    const objects::Solid& solid = engine.initial_state().objects[i].solid;
+    if (solid.IsSurface()) surfaces_.push_back(i);
+    const objects::Box box = objects::Bounds(solid, Eigen::Quaterniond::Identity());
+    const double outer = solid.OuterRadius();
+    sizes_.push_back({box.upper.cwiseMax(-box.lower), outer, solid.IsBall() ? 0 : outer,
+                      2 * solid.LeastHalfExtent()});
+  }
 }
 
-std::int32_t PassWatch::After(const BodyStates& before, const BodyStates& now) {
+PassWatch::Seen PassWatch::After(const BodyStates& before, const BodyStates& now) {
   ++cycle_;
-  std::ranges::fill(passed_, 0);
+  unfollowed_ = 0;
   CrossSurfaces(before, now);
-  paths_.clear();
-  bool any_moves = false;
-  for (std::uint32_t i = 0; i < passed_.size(); ++i) {
-    if (engine_.initial_state().objects[i].solid.IsSurface()) continue;
-    const Path path = PathOf(i, before, now);
-    if (!path.lower.allFinite() || !path.upper.allFinite()) continue;
-    any_moves = any_moves || path.moves;
-    paths_.push_back(path);
-  }
-  if (any_moves) {
+  if (ReadPaths(before, now) || !overlaps_.empty()) {
     SortPaths();
-    ComparePaths();
-    std::erase_if(pairs_, [&](const auto& pair) { return pair.second.cycle != cycle_; });
+    ComparePaths(before, now);
+    std::erase_if(overlaps_, [&](const auto& pair) {
+      return pair.second.cycle != cycle_ || !pair.second.passage.Overlaps();
+    });
   }
-  return static_cast<std::int32_t>(std::ranges::count(passed_, 1));
+  return {static_cast<std::int32_t>(std::ranges::count(passed_, 1)), unfollowed_};
 }
 
 /// For objects whose centre of mass is in their solid; a ring may lie around a spike.
@@ -83,59 +79,115 @@ void PassWatch::CrossSurfaces(const BodyStates& before, const BodyStates& now) {
   }
 }
 
-PassWatch::Path PassWatch::PathOf(std::uint32_t object, const BodyStates& before,
-                                  const BodyStates& now) const {
-  const objects::Solid& solid = engine_.initial_state().objects[object].solid;
-  const objects::Pose from = world::ToPose(before[object].pose),
-                      to = world::ToPose(now[object].pose);
-  Path path{{from, to.position - from.position,
-             TurnOf(*engine_.objects()[object], from, to, engine_.timestep())},
-            {},
-            {},
-            object,
-            false};
-  const double angle = solid.IsBall() ? 0 : path.motion.turn.norm();
-  path.moves = path.motion.way.squaredNorm() > 0 || angle > 0;
-  const objects::Box first = BoxOf(solid, from.orientation),
-                     last = path.moves ? BoxOf(solid, to.orientation) : first;
+/// Returns true if any two objects moved far enough for an overlap to begin.
+bool PassWatch::ReadPaths(const BodyStates& before, const BodyStates& now) {
+  ends_.clear();
+  double most = 0;
+  for (std::uint32_t i = 0; i < passed_.size(); ++i) {
+    if (engine_.initial_state().objects[i].solid.IsSurface()) continue;
+    paths_[i] = PathOf(i, before[i], now[i]);
+    if (!paths_[i].lower.allFinite() || !paths_[i].upper.allFinite()) continue;
+    most = std::max(most, paths_[i].most);
+    ends_.push_back({0, i});
+  }
+  return std::ranges::any_of(ends_, [&](const End& end) {
+    return paths_[end.object].most + most >= exact::Passage::kLeastMotion * sizes_[end.object].side;
+  });
+}
+
+PassWatch::Path PassWatch::PathOf(std::uint32_t object, const BodyState& before,
+                                  const BodyState& now) const {
+  const Size& size = sizes_[object];
+  const btRigidBody& body = *engine_.objects()[object];
+  const Vector3d from = world::ToEigen(before.pose.getOrigin()),
+                 to = world::ToEigen(now.pose.getOrigin());
+  Path path{from.cwiseMin(to), from.cwiseMax(to), (to - from).norm()};
+  if (!(size.turn_radius > 0)) {
+    path.lower.array() -= size.outer;
+    path.upper.array() += size.outer;
+    return path;
+  }
+  Vector3d far_before, far_now;
+  double trace = 0;
+  for (int row = 0; row < 3; ++row) {
+    const Vector3d old = world::ToEigen(before.pose.getBasis()[row]),
+                   current = world::ToEigen(now.pose.getBasis()[row]);
+    far_before[row] = old.cwiseAbs().dot(size.far);
+    far_now[row] = current.cwiseAbs().dot(size.far);
+    trace += old.dot(current);
+  }
+  // 2 sin(angle / 2): the way of a point at distance 1 from the axis, as the crow flies.
+  const double chord = std::sqrt(std::clamp(3 - trace, 0.0, 4.0));
   // A point that turns strays from its chord.
-  const double stray =
-      solid.OuterRadius() * (angle < std::numbers::pi ? 1 - std::cos(angle / 2) : 2);
-  path.lower = (from.position + first.lower).cwiseMin(to.position + last.lower).array() - stray;
-  path.upper = (from.position + first.upper).cwiseMax(to.position + last.upper).array() + stray;
+  double angle = chord * std::numbers::pi / 2,
+         stray = size.turn_radius * (1 - std::sqrt(1 - chord * chord / 4));
+  if (body.isKinematicObject()) {
+    angle = SpinAngle(body, engine_.timestep());
+    stray = angle > 0 ? 2 * size.outer : 0;
+  }
+  const Vector3d far = far_before.cwiseMax(far_now).array() + stray;
+  path.most += angle * size.turn_radius;
+  path.lower -= far;
+  path.upper += far;
   return path;
 }
 
 void PassWatch::SortPaths() {
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
-  for (const Path& path : paths_) {
-    sum += path.lower;
-    squares += path.lower.cwiseAbs2();
+  for (const End& end : ends_) {
+    const Vector3d& lower = paths_[end.object].lower;
+    sum += lower;
+    squares += lower.cwiseAbs2();
   }
-  int axis = 0;
-  (squares - sum.cwiseAbs2() / static_cast<double>(paths_.size())).maxCoeff(&axis);
-  axis_ = axis;
-  std::ranges::sort(paths_, {}, [axis](const Path& path) { return path.lower[axis]; });
+  (squares - sum.cwiseAbs2() / static_cast<double>(ends_.size())).maxCoeff(&axis_);
+  for (End& end : ends_) end.lower = paths_[end.object].lower[axis_];
+  std::ranges::sort(ends_, {}, &End::lower);
 }
 
-void PassWatch::ComparePaths() {
-  for (auto a = paths_.begin(); a != paths_.end(); ++a)
-    for (auto b = a + 1; b != paths_.end() && b->lower[axis_] <= a->upper[axis_]; ++b)
-      if ((a->lower.array() <= b->upper.array()).all() &&
-          (b->lower.array() <= a->upper.array()).all())
-        a->object < b->object ? Follow(*a, *b) : Follow(*b, *a);
+void PassWatch::ComparePaths(const BodyStates& before, const BodyStates& now) {
+  for (auto first = ends_.begin(); first != ends_.end(); ++first) {
+    const std::uint32_t i = first->object;
+    const Path& a = paths_[i];
+    for (auto second = first + 1; second != ends_.end() && second->lower <= a.upper[axis_];
+         ++second) {
+      const std::uint32_t j = second->object;
+      const Path& b = paths_[j];
+      if ((a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all())
+        Follow(std::min(i, j), std::max(i, j), before, now);
+    }
+  }
 }
 
-void PassWatch::Follow(const Path& first, const Path& second) {
-  const std::uint32_t i = first.object, j = second.object;
-  const auto [found, is_new] = pairs_.try_emplace(std::uint64_t{i} << 32 | j);
-  Pair& pair = found->second;
-  pair.cycle = cycle_;
-  if (is_new) pair.collide = MayCollide(i, j);
-  if (!pair.collide) return;
+void PassWatch::Follow(std::uint32_t first, std::uint32_t second, const BodyStates& before,
+                       const BodyStates& now) {
+  if (passed_[Passer(first, second)]) return;
+  const auto found = overlaps_.empty() ? overlaps_.end() : overlaps_.find(std::pair(first, second));
+  exact::Passage passage;
+  if (found != overlaps_.end()) {
+    passage = found->second.passage;
+  } else if (paths_[first].most + paths_[second].most <
+                 exact::Passage::kLeastMotion * std::min(sizes_[first].side, sizes_[second].side) ||
+             !MayCollide(first, second)) {
+    return;
+  }
   const auto& states = engine_.initial_state().objects;
-  if (pair.passage.Follow(states[i].solid, first.motion, states[j].solid, second.motion))
-    passed_[Passer(i, j)] = 1;
+  const exact::Passing passing =
+      passage.Follow(states[first].solid, MotionOf(first, before, now), states[second].solid,
+                     MotionOf(second, before, now));
+  if (passing == exact::Passing::kPassed) passed_[Passer(first, second)] = 1;
+  unfollowed_ += passing == exact::Passing::kUnknown;
+  if (passage.Overlaps())
+    overlaps_.insert_or_assign(std::pair(first, second), Pair{passage, cycle_});
+}
+
+exact::Motion PassWatch::MotionOf(std::uint32_t object, const BodyStates& before,
+                                  const BodyStates& now) const {
+  const objects::Pose from = world::ToPose(before[object].pose),
+                      to = world::ToPose(now[object].pose);
+  return {from, to.position - from.position,
+          sizes_[object].turn_radius > 0
+              ? TurnOf(*engine_.objects()[object], from, to, engine_.timestep())
+              : Vector3d::Zero()};
 }
 
 bool PassWatch::MayCollide(std::uint32_t object, std::uint32_t other) const {
