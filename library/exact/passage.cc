@@ -220,12 +220,12 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
     slack_ -= most;
     return Passing::kNone;
   }
-  if (!overlaps_ && (most < kLeastMotion * side || pair.PassAfar())) return Passing::kNone;
+  if (!overlaps_ && most < kLeastMotion * side) return Passing::kNone;
   if (!(pair.Scale() < kFarthest * side)) {
     overlaps_ = false;
     return Passing::kUnknown;
   }
-  if (!overlaps_ && pair.StayApart()) return Passing::kNone;
+  if (!overlaps_ && (pair.PassAfar() || pair.StayApart())) return Passing::kNone;
   bool is_known = true;
   int poses = 0;
   Closest closest;
@@ -250,7 +250,7 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
       is_known = overlaps_ = false;
       break;
     }
-    part = std::min(1.0, part + std::max(step, (overlaps_ ? kLeastStep : kDeep) * side / most));
+    part = std::min(1.0, part + std::max(step, kLeastStep * side / most));
   }
   spans_cycles_ = overlaps_;
   return is_known ? Passing::kNone : Passing::kUnknown;

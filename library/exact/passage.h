@@ -35,7 +35,8 @@ enum class Passing {
 /// is more than a right angle away from the direction at the beginning. If they bounce, or slip off
 /// an edge, it is not. Within one cycle, an overlap as deep as the whole side is a pass wherever it
 /// ends: no contact can have acted on it. No overlap begins in a cycle in which they move by less
-/// than a quarter of the side relative to each other, because contacts act on it before it is deep.
+/// than the side relative to each other: such a cycle ends before their middles meet, and contacts
+/// push them back.
 ///
 /// All fractions are of the thinner solid, because solids that go through each other overlap at
 /// least that deeply unless they only graze; so the criterion has no scale, and is the same for
