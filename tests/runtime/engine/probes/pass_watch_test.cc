@@ -116,8 +116,8 @@ Known Balls(Stream& stream) {
   return known;
 }
 
-/// Boxes along the axes, of any sides: plates, rods and blocks. They move along x and overlap by
-/// `y` and `z`, which are negative if they miss.
+/// Boxes along the axes, of any sides: plates, rods and blocks. They move along x; across, they
+/// overlap by at least 0.4 of the least side, or graze by at most 0.08 of it, or miss.
 Known Boxes(Stream& stream) {
   const auto side = [&] { return std::pow(10, stream.Uniform(-1, 1)); };
   Vector3d a, b;
@@ -138,7 +138,7 @@ Known Boxes(Stream& stream) {
              .is_kinematic = is_kinematic},
             {2 * run, 0, 0}},
            {{.type = "cuboid", .sides = b}}},
-          std::min(y, z) > 0};
+          std::min(y, z) > 0.1 * least};
 }
 
 /// A cylinder or capsule along y that moves along x across one along z.
@@ -147,12 +147,10 @@ Known Rods(Stream& stream) {
   const double width = stream.Uniform(0.05, 0.5), other = stream.Uniform(0.05, 0.5);
   const double length = stream.Uniform(2, 20), least = std::min(width, other);
   const double along = stream.Uniform(-0.4, 0.4) * length;
-  // Between the end of the rod and the side of the pole, and the end of the pole and the side of
-  // the rod; the round end of a capsule counts fully only a radius from it.
-  double y = stream.Uniform(0.6, 1) * length / 2 + other / 2;
+  // The end of the rod grazes the side of the pole by at most 0.05 of the thinner, or misses it.
   const bool misses = stream.Uniform(0, 1) < 0.5;
-  if (misses) y = length / 2 + other / 2 + least * stream.Uniform(-0.05, 0.3);
-  if (!misses) y = stream.Uniform(0, 0.5) * length;
+  const double y = misses ? (length + other) / 2 + least * stream.Uniform(-0.05, 0.3)
+                          : stream.Uniform(0, 0.35) * length;
   const double run = stream.Uniform(1, 20) * (width + other);
   return {{{{.type = type,
              .sides = {width, length, width},
@@ -175,17 +173,15 @@ Known Blades(Stream& stream) {
   const double turn = is_kinematic ? stream.Uniform(0.5, 20) : stream.Uniform(0.5, 2.8);
   const double at = stream.Uniform(0, kPi);
   const double half = std::asin((bar.z() / 2 + radius + 0.02 * least) / far);
-  // Angles from the start to the next time that an arm points at the ball.
   Known known{{{{.type = "cuboid", .sides = bar, .is_kinematic = is_kinematic}, {0, 0, 0}, turn},
                {{.sides = Vector3d::Constant(2 * radius),
                  .at = far * Vector3d(std::cos(at), 0, -std::sin(at))}}},
               {}};
-  const double begin = std::fmod(at + kPi, kPi);
   if (far > bar.x() / 2)
     known.passes = false;
-  else if (begin > half && begin < kPi - half && turn > begin + half)
+  else if (at > half && at < kPi - half && turn > at + half)
     known.passes = true;
-  else if (begin > half && begin < kPi - half && turn < begin - half)
+  else if (at > half && at < kPi - half && turn < at - half)
     known.passes = false;
   return known;
 }
