@@ -9,6 +9,8 @@
 #include "library/distributions/stream.h"
 #include "library/exact/signed_distance.h"
 #include "library/objects/distance.h"
+#include "library/objects/solid_factory.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {
@@ -172,17 +174,25 @@ TEST(Passage, IsUnknownBeyondRounding) {
   }
 }
 
-// Pieces of a torus have parallel faces: their differences have many corners in one plane.
-TEST(Passage, OfPiecesWithParallelFacesIsBounded) {
-  const Solid a{Shape::kCuboid, {1, 0.2, 1}}, b{Shape::kCuboid, {1, 0.2, 0.6}};
-  for (int i = 0; i < 100; ++i) {
-    Motion motion, none;
-    motion.from.position = {0.01 * i, 0, 0.005 * i};
-    motion.way = {0, 0.3, 0};
-    motion.from.position.y() = -0.003 * i;
+// The differences of their pieces have many corners in one plane, where a polytope may fold.
+TEST(Passage, OfToriIsKnown) {
+  distributions::Stream stream(3);
+  objects::SolidFactory maker;
+  const Solid torus = maker.Make(Word("torus"), Vector3d::Ones(), Vector3d::Ones());
+  int passes = 0;
+  for (int i = 0; i < 200; ++i) {
+    Meeting meeting = AnyMeeting(stream);
+    // Every second time with parallel axes.
+    if (i % 2 == 0) {
+      meeting.motion_a.from.orientation = meeting.motion_b.from.orientation;
+      meeting.motion_a.turn = meeting.motion_b.turn = Vector3d::Zero();
+    }
     exact::Passage passage;
-    EXPECT_NE(passage.Follow(a, motion, b, none), exact::Passing::kUnknown) << i;
+    const exact::Passing passing = passage.Follow(torus, meeting.motion_a, torus, meeting.motion_b);
+    EXPECT_NE(passing, exact::Passing::kUnknown) << i;
+    passes += passing == exact::Passing::kPassed;
   }
+  EXPECT_GT(passes, 20);
 }
 
 TEST(Passage, FollowsSeveralTurns) {
