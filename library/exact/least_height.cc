@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <queue>
+#include <utility>
 #include <vector>
 
 #include "library/objects/solid_pair.h"
@@ -75,7 +76,7 @@ class Search {
 
   LeastHeight Run() {
     ApproachOrigin();
-    if (!IsDone(floor_)) BranchAndBound();
+    if (!IsDone(floor_)) goal_.by_polytope ? ExpandPolytope() : BranchAndBound();
     best_.height = best_.upper;
     best_.upper += rounding_;
     best_.lower -= rounding_;
@@ -116,9 +117,9 @@ class Search {
   /// GJK: the point of the set nearest to the origin. No height is below minus its distance.
   void ApproachOrigin() {
     std::array<Difference, 4> kept;
-    objects::Simplex simplex;
+    objects::Simplex& simplex = simplex_;
     floor_ = -std::numeric_limits<double>::infinity();
-    Vector3d towards = -Vector3d::UnitX();
+    Vector3d towards = goal_.guess;
     constexpr int kMaxSteps = 256;
     for (int step = 0; step < kMaxSteps; ++step) {
       const Difference found = Try(towards);
@@ -141,7 +142,7 @@ class Search {
       const double distance = nearest.norm();
       if (-distance <= floor_) return;
       floor_ = -distance;
-      TakeNearest(simplex, kept, nearest);
+      if (!goal_.by_polytope) TakeNearest(simplex, kept, nearest);
       if (distance <= rounding_ || simplex.size == 4) return;
       towards = -nearest / distance;
     }
@@ -167,6 +168,89 @@ class Search {
   std::uint32_t AddSample(const Vector3d& direction) {
     samples_.push_back({direction, Try(direction).Value()});
     return static_cast<std::uint32_t>(samples_.size() - 1);
+  }
+
+  /// Of the tolerance: a point less above a face counts as in its plane, and no face is narrower.
+  static constexpr double kSeen = 0.01;
+
+  struct Face {
+    std::array<Vector3d, 3> corners;
+    Vector3d normal;  ///< unit, outwards
+    double height;    ///< of the face's plane
+  };
+
+  /// A flat one has no normal: returns false.
+  bool AddFace(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+    const Vector3d normal = (b - a).cross(c - a);
+    const double area = normal.norm();
+    const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+    if (!(area > rounding_ * longest)) return false;
+    faces_.push_back({{a, b, c}, normal / area, normal.dot(a) / area});
+    return true;
+  }
+
+  /// Adds points to the simplex around the origin until it is a tetrahedron, and takes its faces.
+  /// Returns false if the set is flat.
+  bool BeginPolytope() {
+    auto& points = simplex_.points;
+    if (simplex_.size < 2) return false;
+    const auto add = [&](const Vector3d& way) {
+      for (const double sign : {1.0, -1.0}) {
+        const Vector3d point = Try(sign * way).Value();
+        if (std::abs(way.dot(point - points[0])) <= 1e3 * rounding_) continue;
+        points[static_cast<std::size_t>(simplex_.size++)] = point;
+        return true;
+      }
+      return false;
+    };
+    if (simplex_.size == 2) {
+      const Vector3d across = (points[1] - points[0]).unitOrthogonal();
+      if (!add(across) && !add(across.cross(points[1] - points[0]).normalized())) return false;
+    }
+    const Vector3d normal = (points[1] - points[0]).cross(points[2] - points[0]);
+    if (!(normal.norm() > 0)) return false;
+    if (simplex_.size == 3 && !add(normal.normalized())) return false;
+    if (normal.dot(points[3] - points[0]) > 0) std::swap(points[1], points[2]);
+    const auto& [a, b, c, d] = points;
+    return AddFace(a, b, c) && AddFace(a, d, b) && AddFace(b, d, c) && AddFace(c, d, a);
+  }
+
+  /// Of a closed convex polytope with so many corners, by Euler's formula; more: it has folded.
+  static constexpr std::size_t MostFaces(int corners) {
+    return 2 * static_cast<std::size_t>(corners) - 4;
+  }
+
+  /// EPA.
+  void ExpandPolytope() {
+    if (!BeginPolytope()) return;
+    constexpr int kMostExpansions = 200;
+    for (int i = 0; i < kMostExpansions && !faces_.empty(); ++i) {
+      const Face lowest = *std::ranges::min_element(faces_, {}, &Face::height);
+      const Vector3d point = Try(lowest.normal).Value();
+      if (IsDone(lowest.height) ||
+          !(lowest.normal.dot(point) > lowest.height + kSeen * goal_.tolerance) ||
+          !AddCorner(point) || faces_.size() > MostFaces(i + 5))
+        return;
+    }
+  }
+
+  /// Replaces the faces that the point sees. Returns false if a new one is flat.
+  bool AddCorner(const Vector3d& point) {
+    std::vector<std::pair<Vector3d, Vector3d>> rim;
+    std::erase_if(faces_, [&](const Face& face) {
+      if (!(face.normal.dot(point) > face.height + kSeen * goal_.tolerance)) return false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector3d &from = face.corners[k], &to = face.corners[(k + 1) % 3];
+        const auto back = std::ranges::find(rim, std::pair(to, from));
+        if (back == rim.end())
+          rim.emplace_back(from, to);
+        else
+          rim.erase(back);
+      }
+      return true;
+    });
+    return std::ranges::all_of(
+        rim, [&](const auto& edge) { return AddFace(edge.first, edge.second, point); });
   }
 
   void BranchAndBound() {
@@ -275,6 +359,8 @@ class Search {
   const double rounding_;
   double floor_ = 0;  ///< of all heights: minus the distance of a point of the set
   LeastHeight best_;
+  objects::Simplex simplex_;  ///< around the origin, if it is inside
+  std::vector<Face> faces_;   ///< of the polytope
   std::vector<Sample> samples_;
   std::priority_queue<Cell> cells_;
 };

@@ -27,6 +27,12 @@ struct HeightGoal {
   /// Directions with a greater scalar product with `avoided`, a unit vector, do not count.
   Eigen::Vector3d avoided = Eigen::Vector3d::Zero();
   double largest_cosine = 1;  ///< at least 0
+  /// The first direction that is tried, a unit vector.
+  Eigen::Vector3d guess = -Eigen::Vector3d::UnitX();
+  /// If the origin is inside: by the expanding polytope instead of by branch and bound, which takes
+  /// 40,000 points where a body is long. `nearest` is not found then; where rounding errors or its
+  /// 200 steps end it, the bounds are farther apart than the tolerance.
+  bool by_polytope = false;
 };
 
 struct LeastHeight {

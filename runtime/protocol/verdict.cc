@@ -40,7 +40,7 @@ constexpr VerdictInfo kVerdicts[] = {
     {kClamped, "clamped",
      "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",
-     "a centre of mass passed through another object, or is beyond a wall at the end"},
+     "an object passed through another, or its centre of mass is beyond a wall at the end"},
     {kExploded, "exploded", "energy rose by more than its scale"},
     {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
     {kRemoved, "removed",

@@ -1,61 +1,80 @@
-// Finds objects that passed through one another: within a cycle, the path of one's centre of mass
-// runs through the other solid, or leaves it on another side than it entered. The same is checked
-// for the ball about the centre with half the inner radius, if it is clear of the solid before and
-// after.
+// Finds objects that went through one another, in one cycle or in several.
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
+#include "library/exact/passage.h"
 #include "runtime/engine/probes/body_states.h"
 
 namespace cdb::probes {
 
-/// Paths are straight, as Bullet moves bodies; a rotation of the other solid is followed in steps
-/// of a tenth of a radian. A surface is passed if the path of a centre of mass crosses it, at any
-/// speed. For solids, only objects that moved by at least half their inner radius in the cycle are
-/// compared with others, along the axis on which the objects are spread most: near linear in their
-/// number. Not checked: linked objects, which do not collide; objects whose centre of mass lies
-/// outside their solid, such as a torus; walls. The engine must outlive it. Not thread-safe.
+/// Sweeps the solids of each pair of objects through each cycle (library/exact/passage.h); paths
+/// are straight and spins constant, as Bullet moves bodies. A surface is passed if the path of a
+/// centre of mass crosses it. Pairs are found by sorting boxes around the paths along the axis on
+/// which the objects are spread most; pairs that moved too little for an overlap to begin are left
+/// out. Not checked: linked objects, which do not collide; surfaces against objects whose centre of
+/// mass lies outside their solid, such as a torus; walls. The engine must outlive it. Not
+/// thread-safe.
 class PassWatch {
  public:
   explicit PassWatch(const world::Engine& engine);
 
-  /// Call after each cycle, with the states at its start and end. Returns the number of passes that
-  /// ended.
-  std::int32_t After(const BodyStates& before, const BodyStates& now);
+  struct Seen {
+    /// Objects that have passed through a surface, or through another object, since the beginning;
+    /// of two that are free to move, the smaller one counts.
+    std::int32_t passed = 0;
+    /// Pairs of which it is not known whether they passed through each other in this cycle.
+    std::int32_t unfollowed = 0;
+  };
+  /// Call after each cycle, with the states at its start and end.
+  Seen After(const BodyStates& before, const BodyStates& now);
 
  private:
+  /// m; of the object in its own axes.
   struct Size {
-    double inner, outer;  ///< m: radii about the centre of mass
-    double fast_way;      ///< m per cycle, half the inner radius
-    double turn_radius;   ///< m: `outer`, or 0 for a ball
+    Eigen::Vector3d far;  ///< the farthest coordinates
+    double outer, turn_radius, side;
   };
-  /// The space swept in a cycle, as balls about the centre of mass.
-  struct Swept {
+  /// The box that an object sweeps in the cycle.
+  struct Path {
     Eigen::Vector3d lower, upper;
-    std::uint32_t object;
-    bool is_fast;
+    double most = 0;  ///< m: no point moves farther
   };
-  /// The centre of `object` entered `other`; `entry`: its position before, in the other's axes.
-  struct Entry {
-    std::uint32_t object, other;
-    Eigen::Vector3d entry;
+  /// The lower end of a path along the axis of sorting.
+  struct End {
+    double lower;
+    std::uint32_t object;
+  };
+  struct Pair {
+    exact::Passage passage;
+    std::uint64_t cycle;  ///< the last one in which it was followed
   };
 
-  bool IsFast(std::size_t object, const BodyState& before, const BodyState& now) const;
-  bool AnyIsFast(const BodyStates& before, const BodyStates& now) const;
-  void SweepAll(const BodyStates& before, const BodyStates& now);
-  std::int32_t CrossSurfaces(const BodyStates& before, const BodyStates& now) const;
-  bool Passed(const BodyStates& before, std::uint32_t object, std::uint32_t other);
-  std::int32_t FollowEntries();
-  std::int32_t ComparePaths(const BodyStates& before);
+  void CrossSurfaces(const BodyStates& before, const BodyStates& now);
+  bool ReadPaths(const BodyStates& before, const BodyStates& now);
+  Path PathOf(std::uint32_t object, const BodyState& before, const BodyState& now) const;
+  void SortPaths();
+  void ComparePaths(const BodyStates& before, const BodyStates& now);
+  void Follow(std::uint32_t first, std::uint32_t second, const BodyStates& before,
+              const BodyStates& now);
+  exact::Motion MotionOf(std::uint32_t object, const BodyStates& before,
+                         const BodyStates& now) const;
+  bool MayCollide(std::uint32_t object, std::uint32_t other) const;
+  std::uint32_t Passer(std::uint32_t object, std::uint32_t other) const;
 
   const world::Engine& engine_;
   std::vector<Size> sizes_;  ///< by object
   std::vector<std::uint32_t> surfaces_;
-  std::vector<Swept> swept_;    ///< of this cycle
-  std::vector<Entry> entries_;  ///< centres that are inside another object
+  std::uint64_t cycle_ = 0;
+  std::vector<Path> paths_;                                           ///< by object: of this cycle
+  std::vector<End> ends_;                                             ///< sorted, without surfaces
+  int axis_ = 0;                                                      ///< of sorting
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Pair> overlaps_;  ///< the smaller index first
+  std::vector<char> passed_;                                          ///< by object
+  std::int32_t unfollowed_ = 0;                                       ///< in this cycle
 };
 
 }  // namespace cdb::probes

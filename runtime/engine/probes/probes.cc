@@ -148,7 +148,8 @@ void Probes::Record(std::uint64_t cycle) {
 void Probes::RecordSoundness(std::uint64_t cycle) {
   const Soundness::Seen seen = soundness_->After(recording_.Reals("kinetic_energy")[cycle],
                                                  recording_.Reals("energy")[cycle]);
-  recording_.Put("passed", cycle, seen.passed);
+  recording_.Put("passed", cycle, seen.passes.passed);
+  recording_.Put("unfollowed", cycle, seen.passes.unfollowed);
   recording_.Put("pressed", cycle, seen.pressed);
   recording_.Put("inverted", cycle, seen.inverted);
   recording_.Put("unheld", cycle, seen.unheld);

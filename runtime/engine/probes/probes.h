@@ -65,7 +65,8 @@ class Soundness {
   void Begin(double kinetic, double energy);
 
   struct Seen {
-    std::int32_t passed, pressed, inverted, unheld;
+    PassWatch::Seen passes;
+    std::int32_t pressed, inverted, unheld;
     double lost_energy;  ///< NaN if the scene has other ways to lose energy
     NormalWatch::Seen normals;
   };

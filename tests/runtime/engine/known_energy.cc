@@ -316,7 +316,9 @@ void KnownCatalogue::NotSleeping() {
 std::vector<KnownScene> KnownScenes() {
   KnownCatalogue catalogue;
   catalogue.Passing();
+  catalogue.PassingOffCentre();
   catalogue.NotPassing();
+  catalogue.NotPassingOffCentre();
   catalogue.Crushing();
   catalogue.NotCrushing();
   catalogue.Losing();

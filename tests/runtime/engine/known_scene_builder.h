@@ -24,6 +24,7 @@ struct KnownBody {
   double mass = 1;  ///< kg; 0: fixed
   double friction = 0.5, restitution = 0;
   bool ccd = false;
+  bool is_kinematic = false;
 };
 
 /// Starts without walls, or with the given ones; adds each object as a separate group.
@@ -54,7 +55,9 @@ class KnownBuilder {
     Group("linear_velocity", body.velocity);
     Group("angular_velocity", body.spin);
     Group("orientation", body.turn);
-    Group("mass", body.mass > 0 ? schema::Value(body.mass) : Word("fixed"));
+    Group("mass", body.is_kinematic ? Word("kinematic")
+                  : body.mass > 0   ? schema::Value(body.mass)
+                                    : Word("fixed"));
     Group("friction", body.friction);
     Group("restitution", body.restitution);
     Group("ccd", body.ccd);
@@ -76,7 +79,9 @@ class KnownCatalogue {
   std::vector<KnownScene> scenes;
 
   void Passing();
+  void PassingOffCentre();
   void NotPassing();
+  void NotPassingOffCentre();
   void Crushing();
   void NotCrushing();
   void Losing();
