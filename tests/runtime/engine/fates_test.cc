@@ -12,6 +12,8 @@
 
 #include "compiler/compile.h"
 #include "dsl/diagnostics.h"
+#include "library/closed_forms/scene_fault.h"
+#include "library/layouts/pose_table.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/foresight.h"
 #include "tests/support/folders.h"
@@ -39,7 +41,10 @@ class Fates {
       if (entry.path().extension() == ".cdb") files.push_back(entry.path());
     std::ranges::sort(files);
     for (const std::string& file : files) {
-      const auto compiled = compiler::Compile(file, compiler::ReadFromDisk, {folder, {}});
+      compiler::CompileOptions options;
+      options.find_fault = closed_forms::FindSceneFault;
+      options.read_poses = layouts::ReadPoseFacts;
+      const auto compiled = compiler::Compile(file, compiler::ReadFromDisk, options);
       ASSERT_FALSE(compiled.diagnostics.has_errors()) << dsl::Render(compiled.diagnostics);
       for (const plan::Plan& plan : compiled.plans)
         for (std::size_t i = 0; i < std::min(kMostRuns, plan.runs.size()); ++i)
