@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "library/layouts/pose_table.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
@@ -40,7 +41,7 @@ std::optional<Foresight> Foresee(const plan::Scene& scene, std::string* why) {
   const protocol::Judgement judged =
       protocol::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
   EXPECT_NE(judged.verdict, protocol::Verdict::kUnknown);
-  return Foresight{lints::LintScene(scene), judged.verdict};
+  return Foresight{lints::LintScene(scene, layouts::ReadPoseFacts), judged.verdict};
 }
 
 double Confusion::Agreement(Prediction prediction, bool stable) const {
