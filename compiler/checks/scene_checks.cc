@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string_view>
 
@@ -295,28 +294,9 @@ std::optional<MotionFault> FindMarginFault(const plan::Group& group) {
                      "remove the margin"};
 }
 
-/// A pile settles on the floor, under a constant acceleration.
-std::optional<MotionFault> FindPileFault(const plan::Scene& scene, const plan::Group& group) {
-  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-  if (layout == nullptr || layout->name != "pile") return std::nullopt;
-  if (group.settings.WordOr("mass") == "fixed")
-    return MotionFault{"location",
-                       fmt::format("the {} are fixed and cannot settle into a pile", group.name),
-                       "give them a mass, or another location"};
-  if (scene.world.WordOr("world.walls") == "none")
-    return MotionFault{"location", "a pile needs a floor", "write world.walls floor or all"};
-  const auto* g = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
-  if (g != nullptr &&
-      (!(g->y() < 0) || std::hypot(g->x(), g->z()) > analysis::kMostTiltOfPiles * -g->y()))
-    return MotionFault{"location", "a pile needs an acceleration that points down to the floor",
-                       "write acceleration (0, -9.8, 0)"};
-  return std::nullopt;
-}
-
-std::optional<MotionFault> FindMotionFault(const plan::Scene& scene, const plan::Group& group) {
+std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
   const plan::GroupSettings& settings = group.settings;
   if (settings.Count("quantity") == 0) return std::nullopt;
-  if (auto fault = FindPileFault(scene, group)) return fault;
   if (analysis::HasSurface(settings) && settings.WordOr("mass") != "fixed")
     return MotionFault{
         settings.WordOr("mass") == analysis::kKinematicWord ? schema::GroupParameter("mass")
@@ -353,7 +333,7 @@ std::optional<MotionFault> FindMotionFault(const plan::Scene& scene, const plan:
 bool SceneChecks::CheckMotion(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
   for (const plan::Group& group : scene.groups) {
-    const auto fault = FindMotionFault(scene, group);
+    const auto fault = FindMotionFault(group);
     if (!fault) continue;
     good = false;
     if (misplaced_.emplace(group.name, fault->message).second)

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/input_file.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/placement.h"
 #include "library/meshes/convex_hull.h"
@@ -46,6 +48,7 @@ void CheckMesh(const schema::Value& type) {
   const schema::Call* call = schema::AsCall(type);
   if (call == nullptr || analysis::IsSurface(*call)) return;
   const auto& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
+  if (!plan::WhyNotReadable(file).empty()) return;  // the compiler has read it, elsewhere
   const meshes::Mesh mesh = meshes::ReadMesh(file);
   if (call->name == "mesh") {
     meshes::Watertight(mesh, file);
@@ -78,10 +81,30 @@ void CheckCcd(const plan::Scene& scene) {
           (!solid.IsSurface() && solid.compound->form().pieces.size() == 1))
         continue;
       throw library::SceneError(
-          fmt::format("ccd is for convex types, and the {} of `{}` are {}s", schema::ToText(type),
+          fmt::format("ccd is for convex types, but the {} of `{}` is a {}", schema::ToText(type),
                       group.name, solid.IsSurface() ? "surface" : "compound"),
           "set ccd off for this group", group.name, "ccd");
     }
+  }
+}
+
+/// A pile settles on the floor, under a constant acceleration.
+void CheckPiles(const plan::Scene& scene) {
+  const auto* g = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
+  const bool falls_aside =
+      g != nullptr &&
+      !(g->y() < 0 && std::hypot(g->x(), g->z()) <= analysis::kMostTiltOfPiles * -g->y());
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0 || !layouts::IsPile(group)) continue;
+    const auto refuse = [&](const char* cause, const char* remedy) {
+      throw library::SceneError(cause, remedy, group.name, "location");
+    };
+    if (group.settings.WordOr("mass") == "fixed")
+      refuse("fixed objects cannot settle into a pile", "give them a mass, or another layout");
+    if (scene.world.WordOr("world.walls") == "none")
+      refuse("a pile needs a floor", "set world.walls to floor or all");
+    if (falls_aside)
+      refuse("a pile needs an acceleration that points down to the floor", "such as (0, -9.8, 0)");
   }
 }
 
@@ -134,6 +157,7 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
     try {
       CheckMeshes(scene);
       CheckCcd(scene);
+      CheckPiles(scene);
       CheckPlacement(scene);
     } catch (const library::SceneError& error) {
       return FaultOf(error, kPlacement);

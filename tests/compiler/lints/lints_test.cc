@@ -215,7 +215,9 @@ TEST(Lints, LetSmallBallsLie) {
   const std::string marble = "world.side 0.2; objects { quantity 1; size 0.01; location ";
   EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, marble + "at(0, -0.095, 0) }"));
   EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, marble + "stack }"));
-  EXPECT_TRUE(NumberOf(lints::Lint::kLongStep, marble + "at(0, -0.09, 0) }")->IsBad());
+  // One that falls may be pushed out of the floor without flying up.
+  const auto falls = NumberOf(lints::Lint::kLongStep, marble + "at(0, -0.09, 0) }");
+  EXPECT_TRUE(falls->IsDoubtful() && !falls->IsBad());
   EXPECT_TRUE(NumberOf(lints::Lint::kLongStep, marble + "stack; type cuboid }")->IsBad());
   const auto on_box =
       NumberOf(lints::Lint::kLongStep, "world.wall_shape box; " + marble + "stack }");
@@ -245,10 +247,11 @@ TEST(Lints, SeeTheFirstFallThatRoundingHides) {
 }
 
 TEST(Lints, WithTheirRemedyAreHarmless) {
-  const auto bad = NumberOf(lints::Lint::kLongStep, "objects.size 0.05");
+  const auto bad = NumberOf(lints::Lint::kLongStep, "objects { type cuboid; size 0.05 }");
   ASSERT_TRUE(bad && bad->IsBad());
-  const auto mended = NumberOf(lints::Lint::kLongStep,
-                               "objects.size 0.05; timestep " + schema::FormatReal(bad->remedy));
+  const auto mended =
+      NumberOf(lints::Lint::kLongStep,
+               "objects { type cuboid; size 0.05 }; timestep " + schema::FormatReal(bad->remedy));
   EXPECT_FALSE(mended->IsDoubtful());
   EXPECT_LT(mended->Severity(), lints::LintNumber::kDoubtful);
 }
