@@ -12,6 +12,7 @@
 #include "compiler/analysis/trace.h"
 #include "compiler/plan/input_file.h"
 #include "library/closed_forms/closed_form.h"
+#include "library/layouts/exact_layouts.h"
 #include "library/layouts/placement.h"
 #include "library/meshes/convex_hull.h"
 #include "library/meshes/models.h"
@@ -22,17 +23,13 @@
 namespace cdb::closed_forms {
 namespace {
 
-/// Decomposing a mesh takes seconds; a surface is only read.
+/// True for a type that is decomposed; a surface is only read.
 bool MayBeMesh(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))
     return meshes::FindModel(word->text) != nullptr;
   const auto* drawn = std::get_if<schema::Distribution>(&type);
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
-}
-
-bool HasMeshes(const plan::Group& group) {
-  return group.settings.Count("quantity") > 0 && MayBeMesh(group.settings.Get("type"));
 }
 
 /// The types that a group may have.
@@ -43,12 +40,26 @@ std::vector<schema::Value> TypesOf(const plan::Group& group) {
   return drawn != nullptr ? drawn->arguments : std::vector<schema::Value>{type};
 }
 
+/// False if a type names a file that is not here: the compiler may have read it elsewhere.
+bool AreFilesHere(const plan::Group& group) {
+  return std::ranges::none_of(TypesOf(group), [](const schema::Value& type) {
+    const schema::Call* call = schema::AsCall(type);
+    return call != nullptr &&
+           !plan::WhyNotReadable(std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text)
+                .empty();
+  });
+}
+
+/// True if no object of the group needs a decomposition, which takes seconds.
+bool IsMadeAtOnce(const plan::Group& group) {
+  return AreFilesHere(group) && std::ranges::none_of(TypesOf(group), MayBeMesh);
+}
+
 /// Throws if the mesh of a `mesh` or `hull` cannot become a solid. It is not decomposed.
 void CheckMesh(const schema::Value& type) {
   const schema::Call* call = schema::AsCall(type);
   if (call == nullptr || analysis::IsSurface(*call)) return;
   const auto& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
-  if (!plan::WhyNotReadable(file).empty()) return;  // the compiler has read it, elsewhere
   const meshes::Mesh mesh = meshes::ReadMesh(file);
   if (call->name == "mesh") {
     meshes::Watertight(mesh, file);
@@ -59,6 +70,7 @@ void CheckMesh(const schema::Value& type) {
 
 void CheckMeshes(const plan::Scene& scene) {
   for (const plan::Group& group : scene.groups) {
+    if (!AreFilesHere(group)) continue;
     try {
       for (const schema::Value& type : TypesOf(group)) CheckMesh(type);
     } catch (const library::SceneError& error) {
@@ -72,7 +84,7 @@ void CheckCcd(const plan::Scene& scene) {
   objects::SolidFactory factory;
   for (const plan::Group& group : scene.groups) {
     const auto* ccd = std::get_if<bool>(&group.settings.Get("ccd"));
-    if (ccd != nullptr && !*ccd) continue;
+    if ((ccd != nullptr && !*ccd) || !AreFilesHere(group)) continue;
     for (const schema::Value& type : TypesOf(group)) {
       const objects::Solid solid =
           factory.Make(type, Eigen::Vector3d::Ones(),
@@ -111,7 +123,7 @@ void CheckPiles(const plan::Scene& scene) {
 /// Places what needs no decomposition of a mesh.
 void CheckPlacement(plan::Scene scene) {
   for (plan::Group& group : scene.groups)
-    if (HasMeshes(group)) group.settings.Set("quantity", schema::Number::Whole(0));
+    if (!IsMadeAtOnce(group)) group.settings.Set("quantity", schema::Number::Whole(0));
   layouts::CheckPlacement(scene);
 }
 
