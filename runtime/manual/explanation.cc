@@ -185,9 +185,9 @@ constexpr LintExample kExamples[] = {
      "  objects ground {\n    quantity 1; type surface(\"level.obj\"); size 20; mass fixed\n"
      "    location at(0, 0, 0); edges smooth\n  }\n}\n"},
     {Lint::kForeseenBounce,
-     "benchmark b {\n  world.side 20\n"
+     "benchmark b {\n  world.side 20\n  contact faithful\n"
      "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n",
-     "benchmark b {\n  world.side 20\n  timestep 1 / 240\n"
+     "benchmark b {\n  world.side 20\n  contact faithful\n  timestep 1 / 240\n"
      "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n"},
     {Lint::kLossyBounce,
      "benchmark b {\n  world.side 20\n"
@@ -195,9 +195,9 @@ constexpr LintExample kExamples[] = {
      "benchmark b {\n  world.side 20\n  contact faithful\n"
      "  objects { quantity 1; size 1; location at(0, 0, 0); restitution 1 }\n}\n"},
     {Lint::kLongChain,
-     "benchmark b {\n  world { side 100; walls none }\n"
+     "benchmark b {\n  world { side 100; walls none }\n  cycles 200\n"
      "  objects { quantity 50; type cuboid; size 1; location line; links.type ball }\n}\n",
-     "benchmark b {\n  world { side 100; walls none }\n  timestep 1 / 480\n"
+     "benchmark b {\n  world { side 100; walls none }\n  cycles 200\n  timestep 1 / 480\n"
      "  objects { quantity 50; type cuboid; size 1; location line; links.type ball }\n}\n"},
     {Lint::kSwingingJoint,
      "benchmark b {\n  world { side 100; walls none }\n  objects {\n"
