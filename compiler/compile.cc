@@ -454,7 +454,8 @@ void GridChecks::Check() {
 grid::AxisSet GridChecks::AxesOfPlacement() const {
   grid::AxisSet axes;
   constexpr schema::WorldParameter kClosedForm = "accuracy.closed_form", kSeed = "seed",
-                                   kSide = "world.side", kTrace = "trace";
+                                   kSide = "world.side", kWalls = "world.walls",
+                                   kAcceleration = "acceleration", kTrace = "trace";
   bool has_closed_form = false;
   for (const grid::Block& block : grid_.blocks) {
     has_closed_form = has_closed_form || block.base.world.WordOr("accuracy.closed_form") != "none";
@@ -462,6 +463,7 @@ grid::AxisSet GridChecks::AxesOfPlacement() const {
       const schema::Parameter* parameter = setting.parameter;
       has_closed_form = has_closed_form || parameter == kClosedForm.get();
       if (parameter->grouped || parameter == kSeed.get() || parameter == kSide.get() ||
+          parameter == kWalls.get() || parameter == kAcceleration.get() ||
           parameter == kTrace.get())
         axes = grid::Union(axes, setting.by.axes());
     }

@@ -67,6 +67,9 @@ std::uint64_t BodyCount(const plan::Scene& scene);
 /// The largest number of bodies of any run.
 std::uint64_t MaxBodyCount(const plan::Plan& plan);
 
+/// The largest part of the acceleration that may point aside while a pile settles.
+inline constexpr double kMostTiltOfPiles = 0.1;
+
 // Constants of Bullet and of the walls that lints, pruning and the engine rely on.
 
 /// The walls of a cube; pruning and results list them as -x +x -y +y -z +z.

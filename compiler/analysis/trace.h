@@ -2,6 +2,7 @@
 // share them; the store reads traces.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -41,6 +42,9 @@ struct PoseFacts {
   std::string sha256;
   std::uint64_t count = 0;  ///< objects
   bool has_orientation = false, has_linear_velocity = false, has_angular_velocity = false;
+  /// Of a path: the bounds of its positions, and the largest speed, m/s.
+  Eigen::Vector3d least = Eigen::Vector3d::Zero(), most = Eigen::Vector3d::Zero();
+  double fastest = 0;
 };
 
 /// The reason why a table cannot be used.

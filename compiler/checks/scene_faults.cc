@@ -21,7 +21,11 @@ constexpr double kSmall = 0.1;
 
 /// All settings that determine the placement of objects.
 std::string PlacementKey(const plan::Scene& scene) {
-  std::string key = schema::ToText(scene.world.Get("world.side"));
+  std::string key;
+  for (const WorldParameter parameter :
+       {WorldParameter("world.side"), WorldParameter("world.walls"),
+        WorldParameter("acceleration")})
+    key += "\n" + plan::CanonicalLine(parameter.name(), scene.world.Get(parameter));
   for (const plan::Group& group : scene.groups) {
     key += "\n" + group.name;
     for (const auto& [name, value] : group.settings) key += "\n" + plan::CanonicalLine(name, value);
@@ -77,6 +81,7 @@ void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene
   finding.fault = *fault;
   finding.span = SpanOf(configuration, *fault);
   finding.is_default_size = fault->kind == Kind::kPlacement && !fault->group.empty() &&
+                            fault->parameter.empty() &&
                             !configuration.IsSet({fault->group, GroupParameter("size").get()});
 }
 

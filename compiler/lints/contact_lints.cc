@@ -13,7 +13,12 @@ using Eigen::Vector3d;
 // Measured.
 constexpr double kLongStepOnPlane = 0.04, kLongStepOnBox = 0.3, kLongStepOfBall = 5;
 constexpr double kThinWall = 1.5, kFastHit = 2, kSoftContact = 0.04, kThinShape = 30;
-constexpr double kManyEdges = 1, kForeseen = 1;
+constexpr double kManyEdges = 1, kForeseen = 1, kLossy = 1;
+/// On a plane, a box that slides has one contact at a time, at which it sinks in.
+constexpr double kLongStepOfSlider = 0.0125;
+/// m/s; Bullet gives no restitution to slower contacts
+/// (btContactSolverInfo::m_restitutionVelocityThreshold).
+constexpr double kSlowContact = 0.2;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -71,6 +76,12 @@ std::optional<Impact> FlightTo(const SceneFacts& scene, const GroupFacts& object
   return Impact{speed, fixed.least_sides[axis], true};
 }
 
+/// Along an axis, of any point of a kinematic object.
+double KinematicSpeed(const GroupFacts& objects, int axis) {
+  const double of_path = objects.path ? objects.path->fastest : 0;
+  return objects.velocity[axis] + objects.spin * objects.most_sides.norm() / 2 + of_path;
+}
+
 /// The value of the lint for the fixed and the kinematic objects of a scene.
 Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   Estimate worst{0, kThinWall};
@@ -79,13 +90,13 @@ Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   const Vector3d gained =
       scene.g > 0 ? Vector3d(fallen / scene.g * scene.acceleration) : Vector3d(Vector3d::Zero());
   for (const GroupFacts& fixed : scene.groups) {
-    if (fixed.moves) continue;
+    if (fixed.moves || !scene.collisions->MayTouch(objects.index, fixed.index)) continue;
     const auto turn = ConstantOf(fixed.settings->Get("orientation"));
     const bool is_turned = !turn || !turn->isZero(0);
     // A surface is thin everywhere.
     const double least = fixed.is_surface ? 0 : fixed.least_side;
     for (int axis = 0; axis < 3; ++axis) {
-      const double approach = fixed.is_kinematic ? fixed.velocity[axis] : 0;
+      const double approach = fixed.is_kinematic ? KinematicSpeed(fixed, axis) : 0;
       const Impact unknown{std::hypot(objects.velocity[axis], gained[axis]) + approach,
                            is_turned || fixed.is_surface ? least : fixed.least_sides[axis], false};
       const Impact impact = fixed.is_kinematic || fixed.is_surface
@@ -99,23 +110,40 @@ Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   return worst;
 }
 
+/// True if a box on the floor slides from the start, or all the time, as its weight has a component
+/// along the floor that friction does not hold.
+bool Slides(const SceneFacts& scene, const GroupFacts& objects) {
+  if (IsBall(objects) || scene.rests) return false;
+  const double friction =
+      BoundsOf(*objects.settings, "friction").least * scene.world->Real("world.wall_friction");
+  const bool is_steep = scene.pull && std::hypot(scene.pull->x(), scene.pull->z()) >
+                                          friction * std::abs(scene.pull->y());
+  return is_steep || std::hypot(objects.velocity.x(), objects.velocity.z()) > 0;
+}
+
 }  // namespace
 
 std::optional<Estimate> LongStep(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.HasWeight()) return std::nullopt;
+  if (!scene.HasWeight(objects)) return std::nullopt;
   const double value = scene.g * scene.timestep * scene.timestep / objects.least_side;
   const bool on_plane = scene.has_walls && !scene.has_box_walls;
   const bool lies = LiesAsBall(scene, objects);
   // On a plane such a ball keeps its position with any time step.
   if (lies && on_plane) return std::nullopt;
-  const double threshold = lies ? kLongStepOfBall : on_plane ? kLongStepOnPlane : kLongStepOnBox;
-  return Estimate{value, threshold, ShorterStepSquared(scene, value, threshold)};
+  const bool slides = on_plane && value < kLongStepOnPlane && Slides(scene, objects);
+  const double threshold = lies       ? kLongStepOfBall
+                           : slides   ? kLongStepOfSlider
+                           : on_plane ? kLongStepOnPlane
+                                      : kLongStepOnBox;
+  // A slider may stop, and a ball that falls is pushed out of some depths without flying up.
+  const bool open = slides || (IsBall(objects) && !lies);
+  return Estimate{value, threshold, ShorterStepSquared(scene, value, threshold), open};
 }
 
 std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& objects) {
-  if (MayBeOn(objects, "ccd")) return std::nullopt;
+  if (!objects.may_touch || MayBeOn(objects, "ccd")) return std::nullopt;
   const Estimate object = ThinObject(scene, objects);
-  if (!scene.has_box_walls) return object;
+  if (!scene.has_box_walls || !scene.collisions->MayTouchWalls(objects.index)) return object;
   // Walls are perpendicular to the axes.
   const double value = scene.FastestComponent(objects) * scene.timestep /
                        (objects.least_side + analysis::kWallThickness * scene.side);
@@ -124,7 +152,7 @@ std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& obje
 }
 
 std::optional<Estimate> FastHit(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.MayTouch() || MayBeOn(objects, "ccd")) return std::nullopt;
+  if (!objects.may_touch || MayBeOn(objects, "ccd")) return std::nullopt;
   // A ball that falls on a fixed object or hits it head-on does not spin.
   const bool is_ball = IsBall(objects);
   if (is_ball && scene.moving == 1 && IsAlongOneAxis(objects.velocity)) return std::nullopt;
@@ -136,7 +164,7 @@ std::optional<Estimate> FastHit(const SceneFacts& scene, const GroupFacts& objec
 }
 
 std::optional<Estimate> SoftContact(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.HasWeight()) return std::nullopt;
+  if (!scene.HasWeight(objects)) return std::nullopt;
   const double softest = BoundsOf(*objects.settings, "contact_stiffness").least;
   if (!(softest > 0)) return std::nullopt;
   const double sinks = objects.stacked * objects.mass.most * scene.g / softest;
@@ -147,7 +175,7 @@ std::optional<Estimate> SoftContact(const SceneFacts& scene, const GroupFacts& o
 }
 
 std::optional<Estimate> ThinShape(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.MayTouch()) return std::nullopt;
+  if (!objects.may_touch) return std::nullopt;
   const schema::Value& type = objects.settings->Get("type");
   const bool is_round = MayBe(type, "sphere") && objects.elongation == 1;
   if (is_round) return std::nullopt;
@@ -171,7 +199,7 @@ std::optional<Estimate> InternalEdges(const SceneFacts& scene, const GroupFacts&
 }
 
 std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.MayTouch() || !MayBeOn(objects, "ccd") ||
+  if (!objects.may_touch || !MayBeOn(objects, "ccd") ||
       !(BoundsOf(*objects.settings, "restitution").most > 0))
     return std::nullopt;
   // Bullet foresees the contacts of objects that move by more than their inner radius in a step.
@@ -179,6 +207,20 @@ std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts
   if (value < kForeseen) return std::nullopt;
   const bool open = true;  // it depends on where in the step they meet
   return Estimate{value, kForeseen, ShorterStep(scene, value, kForeseen), open};
+}
+
+std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!objects.may_touch || scene.rests || !scene.only_contacts_take_energy ||
+      BoundsOf(*objects.settings, "restitution").most < 1)
+    return std::nullopt;
+  const double speed = scene.FastestSpeed(objects);
+  if (!(speed > 0)) return std::nullopt;
+  const bool is_faithful = scene.world->WordOr("contact") == "faithful";
+  const double value =
+      is_faithful ? kSlowContact / speed : speed * scene.Time() / objects.least_side;
+  // It depends on where in a step they meet, or on the angle.
+  const bool open = true;
+  return Estimate{value, kLossy, kSlowContact / Harmless(kLossy), open};
 }
 
 }  // namespace cdb::lints

@@ -97,7 +97,23 @@ Bounds FillBounds(const schema::Value& types) {
   return fills;
 }
 
-GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side) {
+/// The listed places, and the path.
+void AddPlaces(const analysis::ReadPoses& read, GroupFacts& objects) {
+  const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
+  if (layout == nullptr) return;
+  if (layout->name == schema::kPathCall && read) {
+    analysis::PoseFault why;
+    objects.path = read(*layout, why);
+  } else if (schema::ListsPoints(*layout)) {
+    for (const schema::Value& point : layout->arguments)
+      objects.places.push_back(*schema::AsVector(point));
+  } else if (const auto position = FixedPositionOf(objects)) {
+    objects.places = {*position};
+  }
+}
+
+GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side,
+                        const analysis::ReadPoses& read) {
   GroupFacts objects;
   objects.settings = &settings;
   objects.index = index;
@@ -122,6 +138,7 @@ GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, 
   objects.is_surface = analysis::HasSurface(settings);
   AddLinks(objects);
   AddLayout(side, objects);
+  AddPlaces(read, objects);
   return objects;
 }
 
@@ -142,7 +159,7 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
   return bounds;
 }
 
-SceneFacts FactsOf(const plan::Scene& scene) {
+SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
   SceneFacts facts;
   const plan::WorldSettings& world = scene.world;
   facts.world = &world;
@@ -156,6 +173,7 @@ SceneFacts FactsOf(const plan::Scene& scene) {
   facts.pull = ConstantOf(world.Get("acceleration"));
   facts.has_walls = world.WordOr("world.walls") != "none";
   facts.has_box_walls = facts.has_walls && world.WordOr("world.wall_shape") == "box";
+  facts.only_contacts_take_energy = analysis::OnlyContactsTakeEnergy(scene);
   facts.is_single = world.WordOr("precision") == "single";
   facts.epsilon = facts.is_single ? std::numeric_limits<float>::epsilon()
                                   : std::numeric_limits<double>::epsilon();
@@ -163,24 +181,29 @@ SceneFacts FactsOf(const plan::Scene& scene) {
   for (std::size_t i = 0; i < scene.groups.size(); ++i) {
     const plan::GroupSettings& settings = scene.groups[i].settings;
     if (settings.Count("quantity") > 0)
-      facts.groups.push_back(GroupFactsOf(settings, i, facts.side));
+      facts.groups.push_back(GroupFactsOf(settings, i, facts.side, read));
   }
   for (const GroupFacts& objects : facts.groups) {
     facts.count += objects.quantity;
     if (objects.moves) facts.moving += objects.quantity;
   }
-  if (std::ranges::any_of(facts.groups, &GroupFacts::is_surface)) facts.collisions.emplace(scene);
+  facts.collisions.emplace(scene);
   facts.has_ground = facts.has_walls || std::ranges::any_of(facts.groups, [](const GroupFacts& o) {
                        return !o.moves;
                      });
+  FindTowers(facts);
+  FindContacts(facts);
   return facts;
 }
 
 double SceneFacts::FallHeight(const GroupFacts& objects) const {
   const bool is_straight = pull && pull->x() == 0 && pull->z() == 0 && pull->y() < 0;
   if (!is_straight) return side;
-  if (const auto position = FixedPositionOf(objects))
-    return std::clamp(position->y() + side / 2 - objects.least_side / 2, 0.0, side);
+  if (!objects.places.empty()) {
+    double highest = -side / 2;
+    for (const Vector3d& place : objects.places) highest = std::max(highest, place.y());
+    return std::clamp(highest + side / 2 - objects.least_side / 2, 0.0, side);
+  }
   if (objects.tower > 1)
     return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
   return side;
@@ -363,6 +386,11 @@ constexpr Row kFormulae[] = {
     {Lint::kShortRun, ShortRun},
     {Lint::kInternalEdges, InternalEdges},
     {Lint::kForeseenBounce, ForeseenBounce},
+    {Lint::kLossyBounce, LossyBounce},
+    {Lint::kLongChain, LongChain},
+    {Lint::kSwingingJoint, SwingingJoint},
+    {Lint::kCrush, Crush},
+    {Lint::kCreep, Creep},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {
@@ -388,8 +416,8 @@ double ShorterStepSquared(const SceneFacts& scene, double value, double threshol
   return scene.timestep / std::sqrt(Excess(value, threshold));
 }
 
-std::vector<LintNumber> LintScene(const plan::Scene& scene) {
-  const SceneFacts facts = FactsOf(scene);
+std::vector<LintNumber> LintScene(const plan::Scene& scene, const analysis::ReadPoses& read) {
+  const SceneFacts facts = FactsOf(scene, read);
   std::vector<LintNumber> numbers;
   for (const Row& row : kFormulae)
     if (const auto worst = WorstNumber(row, facts)) numbers.push_back(*worst);

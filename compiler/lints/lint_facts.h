@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
 #include "compiler/plan/plan.h"
 
@@ -54,9 +55,13 @@ struct GroupFacts {
   Eigen::Vector3d velocity;  ///< largest components
   double speed = 0, spin = 0;
   Eigen::Vector3d position;  ///< largest coordinates at the start
-  double stacked = 1;        ///< number of objects on top of one another
-  double tower = 1;          ///< height, in objects, of a stack that is equally unstable
-  double load = 1;           ///< mass of the end of a chain divided by that of the others
+  /// The centres of the objects at the start; empty if `location` does not list them.
+  std::vector<Eigen::Vector3d> places;
+  std::optional<analysis::PoseFacts> path;  ///< of a kinematic object
+  bool may_touch = false;  ///< an object may touch anything in the course of the run
+  double stacked = 1;      ///< number of objects on top of one another
+  double tower = 1;        ///< height, in objects, of a stack that is equally unstable
+  double load = 1;         ///< mass of the end of a chain divided by that of the others
   bool linked = false, springs = false;
   double overlap = 0;  ///< m, between neighbours at the start
   double gap = 0;      ///< m, the initial fall of the objects of a stack
@@ -76,18 +81,20 @@ struct SceneFacts {
   /// The constant acceleration, signed; nullopt if it is drawn or on a schedule.
   std::optional<Eigen::Vector3d> pull;
   bool has_walls = false, has_box_walls = false;
-  bool has_ground = false;  ///< walls, fixed or kinematic objects
+  bool has_ground = false;                 ///< walls, fixed or kinematic objects
+  bool only_contacts_take_energy = false;  ///< analysis::OnlyContactsTakeEnergy
   bool is_single = false;
   double epsilon = 0;  ///< of the precision
   double count = 0;    ///< objects in all groups
   double moving = 0;   ///< number of objects that move if pushed
   std::vector<GroupFacts> groups;
-  std::optional<analysis::Collisions> collisions;  ///< of the scene; nullopt without surfaces
+  std::optional<analysis::Collisions> collisions;  ///< of the scene
 
   double Time() const { return timestep * cycles; }
-  bool MayTouch() const { return has_walls || count > 1; }
-  /// True if gravity presses objects against a support.
-  bool HasWeight() const { return g > 0 && has_ground; }
+  /// True if gravity presses the objects against a support.
+  bool HasWeight(const GroupFacts& objects) const {
+    return g > 0 && has_ground && objects.may_touch;
+  }
 
   /// Upper bounds: of the height that objects fall between walls, of the speed gained by the fall,
   /// of the speed, and of its largest component.
@@ -97,8 +104,15 @@ struct SceneFacts {
   double FastestComponent(const GroupFacts& objects) const;
 };
 
-/// `scene` must outlive the facts.
-SceneFacts FactsOf(const plan::Scene& scene);
+/// `scene` must outlive the facts. `read`: as for LintScene.
+SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read = {});
+
+// Facts about several groups: touching.cc.
+
+/// Listed objects that stand on each other are a stack, whatever their groups.
+void FindTowers(SceneFacts& scene);
+/// Sets GroupFacts::may_touch.
+void FindContacts(SceneFacts& scene);
 
 /// The position at which `location at(…)` places the group's object.
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);
@@ -128,9 +142,12 @@ Formula MassRatio;
 Formula NarrowFoot;
 Formula Overlap;
 Formula ShortRun;
+Formula Creep;
 
-// Chains: stacking_lints.cc.
+// Chains: chain_lints.cc.
 Formula HeavyEnd;
+Formula LongChain;
+Formula SwingingJoint;
 Formula StiffSpring;
 
 // Contacts: contact_lints.cc.
@@ -141,6 +158,10 @@ Formula SoftContact;
 Formula ThinShape;
 Formula InternalEdges;
 Formula ForeseenBounce;
+Formula LossyBounce;
+
+// Kinematic objects: kinematic_lints.cc.
+Formula Crush;
 
 // Motion in flight: motion_lints.cc.
 Formula FastSpin;

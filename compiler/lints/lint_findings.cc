@@ -9,7 +9,10 @@ namespace cdb::lints {
 
 void LintFindings::Add(configure::Configuration& configuration, const plan::Scene& scene,
                        std::size_t runs) {
-  for (const LintNumber& number : LintScene(scene)) {
+  const auto read = [&](const schema::Call& path, analysis::PoseFault& why) {
+    return configuration.scenario().PosesAt(path, why);
+  };
+  for (const LintNumber& number : LintScene(scene, read)) {
     if (!number.IsDoubtful()) continue;
     const auto [at, is_first] = findings_.try_emplace(number.lint);
     Finding& finding = at->second;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/trace.h"
 #include "compiler/plan/plan.h"
 #include "dsl/diagnostics.h"
 
@@ -38,6 +39,11 @@ enum class Lint {
   kShortRun,
   kInternalEdges,
   kForeseenBounce,
+  kLossyBounce,
+  kLongChain,
+  kSwingingJoint,
+  kCrush,
+  kCreep,
 };
 
 /// One row of THE table of lints.
@@ -75,9 +81,10 @@ struct LintNumber {
 };
 
 /// The worst number of each lint that applies to the scene, in the order of the table. From the
-/// bounds of drawn values (compiler/lints/lint_facts.h); nothing is drawn or placed. Any thread;
-/// about two microseconds per group.
-std::vector<LintNumber> LintScene(const plan::Scene& scene);
+/// bounds of drawn values (compiler/lints/lint_facts.h); nothing is drawn or placed. `read` gives
+/// the facts about paths; without it they are unknown. Any thread that may call `read`; some
+/// microseconds per group.
+std::vector<LintNumber> LintScene(const plan::Scene& scene, const analysis::ReadPoses& read = {});
 
 /// `the stack will slide or fall: 0.2 is above the limit of 0.025 for ...`, and the remedy.
 std::string LintMessage(const LintNumber& number);

@@ -38,14 +38,36 @@ double TwistOf(const GroupFacts& objects, double along_y) {
   return spin->cross(momentum).norm() / (spin->norm() * momentum.norm());
 }
 
-/// The largest twist of the shapes that may be drawn. 0 about an axis of the body.
-double Twist(const GroupFacts& objects) {
+/// About the axes of a box, in an arbitrary unit.
+Vector3d InertiaOf(const GroupFacts& objects) {
+  const Vector3d squares = objects.most_sides.cwiseAbs2();
+  return Vector3d::Constant(squares.sum()) - squares;
+}
+
+/// The rate, 1/s, at which a deviation from a spin about the middle axis grows; 0 for other spins.
+double GrowthOfTwist(const GroupFacts& objects) {
+  const auto* spin = std::get_if<Vector3d>(&objects.settings->Get("angular_velocity"));
+  if (spin == nullptr) return 0;
+  const Vector3d inertia = InertiaOf(objects);
+  int axis = 0;
+  spin->cwiseAbs().maxCoeff(&axis);
+  const double least = inertia.minCoeff(), most = inertia.maxCoeff();
+  const double square = (most - inertia[axis]) * (inertia[axis] - least) / (least * most);
+  return std::abs((*spin)[axis]) * std::sqrt(square);
+}
+
+/// The largest twist in `time` of the shapes that may be drawn. 0 about an axis of the body.
+double Twist(const GroupFacts& objects, double time) {
   if (!(objects.spin > 0)) return 0;
   // The second moment of a cylinder is larger by 4/3 along its axis.
   const bool has_cylinders = MayBe(objects.settings->Get("type"), "cylinder");
   const double most =
       std::max(TwistOf(objects, 1), has_cylinders ? TwistOf(objects, 4.0 / 3) : 0.0);
-  return most > kRounding ? most : 0;
+  if (!(most > kRounding)) return 0;
+  constexpr double kMostGrowth = 50;
+  const double grown = most * std::exp(std::min(kMostGrowth, GrowthOfTwist(objects) * time));
+  const double worst = 1 - InertiaOf(objects).minCoeff() / InertiaOf(objects).maxCoeff();
+  return std::min(grown, std::max(most, worst));
 }
 
 }  // namespace
@@ -57,7 +79,7 @@ std::optional<Estimate> FastSpin(const SceneFacts& scene, const GroupFacts& obje
 
 std::optional<Estimate> SpinDrift(const SceneFacts& scene, const GroupFacts& objects) {
   if (objects.linked) return std::nullopt;
-  const double twist = Twist(objects);
+  const double twist = Twist(objects, scene.Time());
   if (!(twist > 0)) return std::nullopt;
   const double turn = objects.spin * scene.timestep;
   // The fraction of the spin in the energy by which the verdict scales drift.
@@ -79,13 +101,13 @@ std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& ob
   const double speed = objects.speed + scene.g * kSleepAfter;
   if (!(speed > 0 || objects.spin > 0)) return std::nullopt;
   // Objects that hit something earlier are not in flight.
-  if (scene.MayTouch() && objects.speed * kSleepAfter > scene.side / 4 / std::cbrt(scene.count))
+  if (objects.may_touch && objects.speed * kSleepAfter > scene.side / 4 / std::cbrt(scene.count))
     return std::nullopt;
   const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
                                objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
   if (slow < 1) return std::nullopt;
   // Another object may wake it.
-  const bool open = scene.MayTouch() && scene.count > 1;
+  const bool open = objects.may_touch && scene.count > 1;
   return Estimate{slow, 1, 0, open};
 }
 
@@ -109,7 +131,7 @@ double StepAt(double value, double epsilon) {
 }  // namespace
 
 std::optional<Estimate> CoarsePlace(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.MayTouch()) return std::nullopt;
+  if (!objects.may_touch) return std::nullopt;
   const double place = objects.position.maxCoeff();
   const double coarse = StepAt(place, scene.epsilon) / objects.least_side;
   // At half a side, rounding alone moves an object by a quarter of it. Below, many objects stay in
@@ -154,13 +176,17 @@ std::optional<Estimate> LostFall(const SceneFacts& scene, const GroupFacts& obje
   // Objects on the floor do not fall.
   if (scene.has_walls && scene.FallHeight(objects) <= noticed) return std::nullopt;
   const double way = std::max(noticed, scene.g * scene.timestep * scene.timestep);
-  const double place = objects.position.maxCoeff();
+  // Along the axes of the fall.
+  double place = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    if (scene.acceleration[axis] > kNoticed * scene.g)
+      place = std::max(place, objects.position[axis]);
   const double value = StepAt(place, scene.epsilon) / way;
   return Estimate{value, kLostFall, place / Excess(value, kLostFall)};
 }
 
 std::optional<Estimate> HeavyMass(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.MayTouch()) return std::nullopt;
+  if (!objects.may_touch) return std::nullopt;
   const double limit = scene.is_single ? kHeavySingle : kHeavyDouble;
   return Estimate{objects.mass.most, limit, Harmless(limit)};
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "compiler/analysis/reference.h"
 #include "compiler/lints/lint_facts.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -15,7 +15,10 @@ using Eigen::Vector3d;
 
 // Measured.
 constexpr double kTallStack = 0.025, kMassRatio = 12, kNarrowFoot = 30, kOverlap = 0.3;
-constexpr double kShortRun = 35;
+constexpr double kShortRun = 35, kCreep = 0.25;
+/// m/s; boxes at rest creep by up to this in single precision, with any time step, acceleration
+/// and number of iterations. Measured.
+constexpr double kCreepSpeed = 5e-4;
 /// A stack of n objects carries a load worse than one object by this times n. Measured.
 constexpr double kLoadedStack = 0.6;
 
@@ -46,28 +49,38 @@ bool IsOverStanding(const Vector3d& above, const GroupFacts& load, const GroupFa
          std::abs(above.z() - NearestColumn(above.z(), edge, spacing)) < column_reach.z();
 }
 
+/// True if a listed object is above one of the other group.
+bool IsOver(const GroupFacts& load, const GroupFacts& bearer) {
+  const Vector3d reach = (load.most_sides + bearer.most_sides) / 2;
+  return std::ranges::any_of(load.places, [&](const Vector3d& above) {
+    return std::ranges::any_of(bearer.places, [&](const Vector3d& below) {
+      return above.y() > below.y() && std::abs(above.x() - below.x()) < reach.x() &&
+             std::abs(above.z() - below.z()) < reach.z();
+    });
+  });
+}
+
 }  // namespace
 
 std::optional<Estimate> TallStack(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.HasWeight() || objects.stacked < 2) return std::nullopt;
+  if (!scene.HasWeight(objects) || objects.stacked < 2) return std::nullopt;
   const double n = objects.tower;
   const double value =
       n * n * scene.g * scene.timestep * scene.timestep / (objects.least_side * scene.iterations);
   return Estimate{value, kTallStack, ShorterStepSquared(scene, value, kTallStack)};
 }
 
-/// For objects in one stack, for groups at known positions, of which the higher is the load, and
-/// for the load of another group on a stack or pyramid. Heaps carry much higher ratios, and the
+/// For objects in one stack, for listed objects of which one is above the other, and for the load
+/// of another group on a stack or pyramid. Heaps carry much higher ratios, and the
 /// order of objects in them is random.
 std::optional<Estimate> MassRatio(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.HasWeight()) return std::nullopt;
+  if (!scene.HasWeight(objects)) return std::nullopt;
   const auto above = FixedPositionOf(objects);
   double ratio = 0;
   for (const GroupFacts& bearer : scene.groups) {
-    if (!bearer.moves) continue;
-    const auto below = FixedPositionOf(bearer);
+    if (!bearer.moves || !scene.collisions->MayTouch(objects.index, bearer.index)) continue;
     const bool in_one_stack = &objects == &bearer && objects.quantity > 1 && objects.stacked > 1;
-    const bool is_above = &objects != &bearer && above && below && above->y() > below->y();
+    const bool is_above = &objects != &bearer && IsOver(objects, bearer);
     const bool is_on_stack =
         &objects != &bearer && above && IsOverStanding(*above, objects, bearer);
     if (!in_one_stack && !is_above && !is_on_stack) continue;
@@ -100,7 +113,7 @@ std::optional<Estimate> Overlap(const SceneFacts&, const GroupFacts& objects) {
 }
 
 std::optional<Estimate> ShortRun(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!scene.HasWeight() || !scene.rests) return std::nullopt;
+  if (!scene.HasWeight(objects) || !scene.rests) return std::nullopt;
   double least_side = std::numeric_limits<double>::infinity();
   for (const GroupFacts& other : scene.groups) least_side = std::min(least_side, other.least_side);
   const double n = objects.stacked;
@@ -109,41 +122,16 @@ std::optional<Estimate> ShortRun(const SceneFacts& scene, const GroupFacts& obje
   return Estimate{value, kShortRun, scene.cycles * Excess(value, kShortRun)};
 }
 
-// Lints about chains of objects: joints that open, springs that explode.
-
-namespace {
-
-// Measured.
-constexpr double kHeavyEnd = 0.1, kStiffSpring = 2;
-
-}  // namespace
-
-/// The distance that joints open in one step, divided by the distance corrected in one step.
-std::optional<Estimate> HeavyEnd(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!(scene.g > 0) || !objects.linked || objects.springs ||
-      !objects.settings->On("links.anchor") || objects.quantity < 2)
+std::optional<Estimate> Creep(const SceneFacts& scene, const GroupFacts& objects) {
+  const bool is_round = MayBe(objects.settings->Get("type"), "sphere");
+  if (!scene.is_single || !scene.rests || is_round || !scene.HasWeight(objects))
     return std::nullopt;
-  // The joints open no faster than the end falls.
-  const bool open = scene.g * scene.Time() * scene.Time() < objects.least_side;
-  const double sag = scene.g * scene.timestep * scene.timestep / objects.least_side;
-  const double value = objects.load * sag / (scene.iterations * scene.world->Real("solver.erp"));
-  return Estimate{value, kHeavyEnd, ShorterStepSquared(scene, value, kHeavyEnd), open};
-}
-
-/// The highest frequency of a chain of n equal masses is 2 sqrt(k/m) times a sine, and explicit
-/// integration diverges if (w dt)^2 + 2 c dt / m exceeds 4.
-std::optional<Estimate> StiffSpring(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!objects.springs) return std::nullopt;
-  const double n = objects.quantity;
-  const bool anchored = objects.settings->On("links.anchor");
-  if (!anchored && n < 2) return std::nullopt;
-  const double fastest =
-      2 * std::sin(std::numbers::pi / 2 * (anchored ? (2 * n - 1) / (2 * n + 1) : (n - 1) / n));
-  const double k = objects.settings->Real("links.stiffness");
-  const double c = objects.settings->Real("links.damping");
-  const double value =
-      fastest * std::sqrt((k * scene.timestep + 2 * c) * scene.timestep / objects.mass.least);
-  return Estimate{value, kStiffSpring, ShorterStep(scene, value, kStiffSpring)};
+  const double time =
+      scene.world->On("sleeping") ? std::min(scene.Time(), analysis::kSleepAfter) : scene.Time();
+  const double value = kCreepSpeed * time / objects.least_side;
+  // Some boxes stay where they are.
+  const bool open = true;
+  return Estimate{value, kCreep, objects.least_side * Excess(value, kCreep), open};
 }
 
 }  // namespace cdb::lints

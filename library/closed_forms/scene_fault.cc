@@ -1,19 +1,29 @@
 #include "library/closed_forms/scene_fault.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/input_file.h"
 #include "library/closed_forms/closed_form.h"
+#include "library/layouts/exact_layouts.h"
 #include "library/layouts/placement.h"
+#include "library/meshes/convex_hull.h"
 #include "library/meshes/models.h"
+#include "library/meshes/topology.h"
+#include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 
 namespace cdb::closed_forms {
 namespace {
 
-/// Decomposing a mesh takes seconds; a surface is only read.
+/// True for a type that is decomposed; a surface is only read.
 bool MayBeMesh(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))
@@ -22,10 +32,128 @@ bool MayBeMesh(const schema::Value& type) {
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
 }
 
-bool HasMeshes(const plan::Scene& scene) {
-  return std::ranges::any_of(scene.groups, [](const plan::Group& group) {
-    return group.settings.Count("quantity") > 0 && MayBeMesh(group.settings.Get("type"));
+/// The types that a group may have.
+std::vector<schema::Value> TypesOf(const plan::Group& group) {
+  const schema::Value& type = group.settings.Get("type");
+  if (group.settings.Count("quantity") == 0) return {};
+  const schema::Distribution* drawn = schema::AsDistribution(type);
+  return drawn != nullptr ? drawn->arguments : std::vector<schema::Value>{type};
+}
+
+/// False if a type names a file that is not here: the compiler may have read it elsewhere.
+bool AreFilesHere(const plan::Group& group) {
+  return std::ranges::none_of(TypesOf(group), [](const schema::Value& type) {
+    const schema::Call* call = schema::AsCall(type);
+    return call != nullptr &&
+           !plan::WhyNotReadable(std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text)
+                .empty();
   });
+}
+
+/// True if no object of the group needs a decomposition, which takes seconds.
+bool IsMadeAtOnce(const plan::Group& group) {
+  return AreFilesHere(group) && std::ranges::none_of(TypesOf(group), MayBeMesh);
+}
+
+/// Throws if the mesh of a `mesh` or `hull` cannot become a solid. It is not decomposed.
+void CheckMesh(const schema::Value& type) {
+  const schema::Call* call = schema::AsCall(type);
+  if (call == nullptr || analysis::IsSurface(*call)) return;
+  const auto& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
+  const meshes::Mesh mesh = meshes::ReadMesh(file);
+  if (call->name == "mesh") {
+    meshes::Watertight(mesh, file);
+  } else {
+    meshes::ConvexHull(mesh, file);
+  }
+}
+
+void CheckMeshes(const plan::Scene& scene) {
+  for (const plan::Group& group : scene.groups) {
+    if (!AreFilesHere(group)) continue;
+    try {
+      for (const schema::Value& type : TypesOf(group)) CheckMesh(type);
+    } catch (const library::SceneError& error) {
+      throw library::SceneError(error.cause(), error.remedy(), group.name, "type");
+    }
+  }
+}
+
+/// Bullet sweeps only convex shapes.
+void CheckCcd(const plan::Scene& scene) {
+  objects::SolidFactory factory;
+  for (const plan::Group& group : scene.groups) {
+    const auto* ccd = std::get_if<bool>(&group.settings.Get("ccd"));
+    if ((ccd != nullptr && !*ccd) || !AreFilesHere(group)) continue;
+    for (const schema::Value& type : TypesOf(group)) {
+      const objects::Solid solid =
+          factory.Make(type, Eigen::Vector3d::Ones(),
+                       std::get<schema::Ratio>(group.settings.Get("aspect")).parts);
+      if (solid.compound == nullptr ||
+          (!solid.IsSurface() && solid.compound->form().pieces.size() == 1))
+        continue;
+      throw library::SceneError(
+          fmt::format("ccd is for convex types, but the {} of `{}` is a {}", schema::ToText(type),
+                      group.name, solid.IsSurface() ? "surface" : "compound"),
+          "set ccd off for this group", group.name, "ccd");
+    }
+  }
+}
+
+/// A pile settles on the floor, under a constant acceleration.
+void CheckPiles(const plan::Scene& scene) {
+  const auto* g = std::get_if<Eigen::Vector3d>(&scene.world.Get("acceleration"));
+  const bool falls_aside =
+      g != nullptr &&
+      !(g->y() < 0 && std::hypot(g->x(), g->z()) <= analysis::kMostTiltOfPiles * -g->y());
+  for (const plan::Group& group : scene.groups) {
+    if (group.settings.Count("quantity") == 0 || !layouts::IsPile(group)) continue;
+    const auto refuse = [&](const char* cause, const char* remedy) {
+      throw library::SceneError(cause, remedy, group.name, "location");
+    };
+    if (group.settings.WordOr("mass") == "fixed")
+      refuse("fixed objects cannot settle into a pile", "give them a mass, or another layout");
+    if (scene.world.WordOr("world.walls") == "none")
+      refuse("a pile needs a floor", "set world.walls to floor or all");
+    if (falls_aside)
+      refuse("a pile needs an acceleration that points down to the floor", "such as (0, -9.8, 0)");
+  }
+}
+
+/// Places what needs no decomposition of a mesh.
+void CheckPlacement(plan::Scene scene) {
+  for (plan::Group& group : scene.groups)
+    if (!IsMadeAtOnce(group)) group.settings.Set("quantity", schema::Number::Whole(0));
+  layouts::CheckPlacement(scene);
+}
+
+/// The requested errors that the closed form does not determine.
+std::string UnknownErrors(const ClosedForm& form, const plan::Scene& scene) {
+  const Truth truth = form.At(0);
+  const auto knows = [&](schema::ErrorKind kind) {
+    using enum schema::ErrorKind;
+    switch (kind) {
+      case kVelocity:
+        return !truth.velocities.empty();
+      case kRotation:
+        return !truth.orientations.empty();
+      case kEnergy:
+        return truth.energy.has_value();
+      case kMomentum:
+        return truth.momentum.has_value();
+      case kAngularMomentum:
+        return truth.angular_momentum.has_value();
+      case kContacts:
+        return false;
+      default:
+        return !truth.positions.empty();
+    }
+  };
+  std::string unknown;
+  for (const schema::ErrorInfo* error : analysis::ErrorsOf(scene))
+    if (error->needs_truth && !knows(error->kind))
+      unknown += fmt::format("{}{}", unknown.empty() ? "" : ", ", error->name);
+  return unknown;
 }
 
 analysis::SceneFault FaultOf(const library::SceneError& error, analysis::SceneFault::Kind kind) {
@@ -39,7 +167,10 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
   const std::string_view form = scene.world.WordOr("accuracy.closed_form");
   if (form == "none" || analysis::ErrorsOf(scene).empty()) {
     try {
-      if (!HasMeshes(scene)) layouts::CheckPlacement(scene);
+      CheckMeshes(scene);
+      CheckCcd(scene);
+      CheckPiles(scene);
+      CheckPlacement(scene);
     } catch (const library::SceneError& error) {
       return FaultOf(error, kPlacement);
     }
@@ -52,7 +183,13 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
     return FaultOf(error, kPlacement);
   }
   try {
-    MakeClosedForm(form, scene, state);
+    const auto made = MakeClosedForm(form, scene, state);
+    if (const std::string unknown = UnknownErrors(*made, scene); !unknown.empty())
+      return analysis::SceneFault{
+          kClosedForm,
+          {},
+          fmt::format("closed_form {} does not determine {}", form, unknown),
+          "remove them from accuracy.metrics, or closed_form for a reference run"};
   } catch (const library::SceneError& error) {
     return FaultOf(error, kClosedForm);
   }

@@ -82,6 +82,15 @@ objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& typ
   }
 }
 
+void CheckMargin(const ObjectState& object, const std::string& group) {
+  const double margin = object.numbers["margin"], least = object.solid.LeastHalfExtent();
+  if (margin < least || margin == kBulletMargin || !object.solid.HasMargin()) return;
+  throw library::SceneError(
+      fmt::format("margin {:.6g} m is too large for an object whose least half extent is {:.6g} m",
+                  margin, least),
+      "make it smaller", group, "margin");
+}
+
 void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactory& solids,
                std::vector<ObjectState>& objects) {
   const plan::Group& group = scene.groups[index];
@@ -110,6 +119,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.numbers.ForEach([&](const schema::Parameter& parameter, double& number) {
       number = numbers.Find(parameter).value_or(parameter.number_of_word);
     });
+    CheckMargin(object, group.name);
   }
   TakeTable(group, std::span(objects).last(quantity));
   TakePath(group, std::span(objects).last(quantity));

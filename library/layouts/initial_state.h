@@ -23,6 +23,10 @@ inline constexpr auto kNumberSlots = [] {
   return slots;
 }();
 
+/// m; the schema's default, which Bullet reduces for small objects. A margin that is written as
+/// 0.04 means the same.
+inline constexpr double kBulletMargin = 0.04;
+
 /// The numbers drawn for an object, by parameter: `numbers["friction"]`. A misspelt one is a
 /// compile error. A word is the number that its row gives; a switch is 0 or 1. SI units.
 class DrawnNumbers {

@@ -86,8 +86,13 @@ std::optional<analysis::PoseFacts> ReadPoseFacts(const schema::Call& poses,
       FailToRead(FileOf(poses), fault);
     const auto [table, sha256] = ReadWithHash(poses);
     if (poses.name == schema::kPathCall) return FactsOfPath(Path(poses, table), sha256);
-    return analysis::PoseFacts{sha256, table.rows.size(), table.has_orientation,
-                               table.has_linear_velocity, table.has_angular_velocity};
+    analysis::PoseFacts facts;
+    facts.sha256 = sha256;
+    facts.count = table.rows.size();
+    facts.has_orientation = table.has_orientation;
+    facts.has_linear_velocity = table.has_linear_velocity;
+    facts.has_angular_velocity = table.has_angular_velocity;
+    return facts;
   } catch (const SceneError& error) {
     why = {dynamic_cast<const Unreadable*>(&error) != nullptr, error.cause(), error.remedy()};
     return std::nullopt;
@@ -178,7 +183,20 @@ Eigen::Quaterniond Path::OrientationAt(double time) const {
 Path ReadPath(const schema::Call& call) { return {call, ReadPoseTable(call)}; }
 
 analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256) {
-  return {sha256, 1, path.has_orientation(), true, path.has_orientation()};
+  analysis::PoseFacts facts;
+  facts.sha256 = sha256;
+  facts.count = 1;
+  facts.has_orientation = facts.has_angular_velocity = path.has_orientation();
+  facts.has_linear_velocity = true;
+  const std::vector<PoseRow>& rows = path.rows();
+  facts.least = facts.most = rows.front().position;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const Vector3d &from = rows[i - 1].position, &to = rows[i].position;
+    facts.least = facts.least.cwiseMin(to);
+    facts.most = facts.most.cwiseMax(to);
+    facts.fastest = std::max(facts.fastest, (to - from).norm() / (rows[i].time - rows[i - 1].time));
+  }
+  return facts;
 }
 
 // The CSV files of poses and paths.

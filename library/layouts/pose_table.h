@@ -77,6 +77,7 @@ class Path {
   Path(const schema::Call& call, const PoseTable& table);
 
   bool has_orientation() const { return has_orientation_; }
+  const std::vector<PoseRow>& rows() const { return rows_; }
   Eigen::Vector3d PositionAt(double time) const;
   /// The identity if the table has no orientations.
   Eigen::Quaterniond OrientationAt(double time) const;

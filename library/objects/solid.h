@@ -144,6 +144,11 @@ struct Solid {
   }
   /// True for the triangles of a mesh, without an inside.
   bool IsSurface() const { return compound != nullptr && compound->form().IsSurface(); }
+  bool IsRoundCapsule() const {
+    return shape == Shape::kCapsule && sides.x() == sides.z() && sides.y() >= sides.x();
+  }
+  /// False for Bullet's sphere and capsule, which consist of margin only, and for surfaces.
+  bool HasMargin() const { return !IsBall() && !IsRoundCapsule() && !IsSurface(); }
   bool IsBall() const {
     return shape == Shape::kEllipsoid && sides.x() == sides.y() && sides.y() == sides.z();
   }

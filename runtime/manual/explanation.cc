@@ -185,10 +185,42 @@ constexpr LintExample kExamples[] = {
      "  objects ground {\n    quantity 1; type surface(\"level.obj\"); size 20; mass fixed\n"
      "    location at(0, 0, 0); edges smooth\n  }\n}\n"},
     {Lint::kForeseenBounce,
-     "benchmark b {\n  world.side 20\n"
+     "benchmark b {\n  world.side 20\n  contact faithful\n"
      "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n",
-     "benchmark b {\n  world.side 20\n  timestep 1 / 240\n"
+     "benchmark b {\n  world.side 20\n  contact faithful\n  timestep 1 / 240\n"
      "  objects { quantity 1; size 0.3; location at(0, 0, 0); restitution 1; ccd on }\n}\n"},
+    {Lint::kLossyBounce,
+     "benchmark b {\n  world.side 20\n"
+     "  objects { quantity 1; size 1; location at(0, 0, 0); restitution 1 }\n}\n",
+     "benchmark b {\n  world.side 20\n  contact faithful\n"
+     "  objects { quantity 1; size 1; location at(0, 0, 0); restitution 1 }\n}\n"},
+    {Lint::kLongChain,
+     "benchmark b {\n  world { side 100; walls none }\n  cycles 200\n"
+     "  objects { quantity 50; type cuboid; size 1; location line; links.type ball }\n}\n",
+     "benchmark b {\n  world { side 100; walls none }\n  cycles 200\n  timestep 1 / 480\n"
+     "  objects { quantity 50; type cuboid; size 1; location line; links.type ball }\n}\n"},
+    {Lint::kSwingingJoint,
+     "benchmark b {\n  world { side 100; walls none }\n  objects {\n"
+     "    quantity 4; type cuboid; size 1; location line(along: (1, 0, 0)); links.type ball\n  "
+     "}\n}\n",
+     "benchmark b {\n  world { side 100; walls none }\n  timestep 1 / 960\n  objects {\n"
+     "    quantity 4; type cuboid; size 1; location line(along: (1, 0, 0)); links.type ball\n  "
+     "}\n}\n"},
+    {Lint::kCrush,
+     "benchmark b {\n  cycles 180\n  world { side 20; walls floor }\n"
+     "  objects ball { quantity 1; size 1; location at(0, -9.4, 0) }\n  objects press {\n"
+     "    quantity 1; type cuboid; size 4; mass kinematic; location at(0, -6.8, 0)\n"
+     "    linear_velocity (0, -1, 0)\n  }\n}\n",
+     "benchmark b {\n  cycles 180\n  world { side 20; walls floor }\n"
+     "  objects ball { quantity 1; size 1; location at(0, -9.4, 0) }\n  objects press {\n"
+     "    quantity 1; type cuboid; size 4; mass kinematic; location at(0, -6.8, 0)\n"
+     "    linear_velocity (0, -0.02, 0)\n  }\n}\n"},
+    {Lint::kCreep,
+     "benchmark b {\n  world.side 0.1\n  timestep 1 / 3840\n  cycles 7680\n"
+     "  objects { quantity 1; type cuboid; size 0.002; location stack }\n}\n",
+     "benchmark b {\n  world.side 0.1\n  timestep 1 / 3840\n  cycles 7680\n"
+     "  precision double\n"
+     "  objects { quantity 1; type cuboid; size 0.002; location stack }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.

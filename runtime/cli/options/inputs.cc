@@ -49,6 +49,35 @@ std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::strin
       fmt::join(names, ", "), file);
 }
 
+/// Warnings by kind: the first ones in full, the lines of the others.
+std::string GroupedText(std::span<const dsl::Diagnostic* const> warnings) {
+  constexpr std::size_t kInFull = 2, kMostPlaces = 8;
+  std::vector<std::pair<const dsl::DiagnosticKind*, std::vector<const dsl::Diagnostic*>>> kinds;
+  for (const dsl::Diagnostic* warning : warnings) {
+    auto kind =
+        std::ranges::find(kinds, warning->kind, [](const auto& each) { return each.first; });
+    if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {warning->kind, {}});
+    kind->second.push_back(warning);
+  }
+  std::string text;
+  for (const auto& [kind, alike] : kinds) {
+    std::vector<std::string> places;
+    for (std::size_t i = 0; i < alike.size(); ++i) {
+      const text::Span& span = alike[i]->span;
+      if (i < kInFull)
+        text += dsl::Render(*alike[i], RenderOptionsForTerminal());
+      else if (places.size() < kMostPlaces && span.source != nullptr)
+        places.push_back(
+            fmt::format("{}:{}", span.source->name(), span.source->PositionAt(span.begin).line));
+    }
+    if (alike.size() <= kInFull) continue;
+    const std::size_t rest = alike.size() - kInFull;
+    text += fmt::format("… and {} more of {} {}: {}{}\n", rest, kind->code, kind->id,
+                        fmt::join(places, ", "), places.size() < rest ? ", …" : "");
+  }
+  return text;
+}
+
 /// The path is removed from the message, because the compiler names the file itself.
 std::optional<analysis::TraceFacts> ReadTraceAt(const std::string& path, std::string& why) {
   try {
@@ -143,12 +172,15 @@ compiler::Compilation CompileAndReport(const std::string& file,
                                        const scenario::ReadFile& read) {
   compiler::Compilation result =
       CompileWith(FindScenario(file), read, benchmark, plugins, lists_runs);
-  dsl::Diagnostics shown;
-  for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
-    if (lints == LintText::kWhole || !lints::IsLint(*diagnostic.kind))
-      shown.Report(*diagnostic.kind, diagnostic.span, diagnostic.message, diagnostic.help,
-                   diagnostic.notes);
-  terminal::SayExact(dsl::Render(shown, RenderOptionsForTerminal()));
+  dsl::Diagnostics errors;
+  std::vector<const dsl::Diagnostic*> warnings;
+  for (const dsl::Diagnostic* diagnostic : dsl::InOrder(result.diagnostics))
+    if (diagnostic->kind->severity() == dsl::Severity::kError)
+      errors.Report(*diagnostic->kind, diagnostic->span, diagnostic->message, diagnostic->help,
+                    diagnostic->notes);
+    else if (lints == LintText::kWhole || !lints::IsLint(*diagnostic->kind))
+      warnings.push_back(diagnostic);
+  terminal::SayExact(dsl::Render(errors, RenderOptionsForTerminal()) + GroupedText(warnings));
   if (lints == LintText::kOneLine) terminal::Say(LintsInOneLine(result.diagnostics, file));
   return result;
 }

@@ -81,7 +81,7 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
   if (scene.world.WordOr("world.walls") == "none")
     throw SceneError("a pile needs a floor: set world.walls to floor or all");
   const Vector3d& g = dropped.acceleration;
-  if (!(g.y() < 0) || std::hypot(g.x(), g.z()) > 0.1 * -g.y())
+  if (!(g.y() < 0) || std::hypot(g.x(), g.z()) > analysis::kMostTiltOfPiles * -g.y())
     throw SceneError(
         "a pile needs an acceleration that points down to the floor, such as (0, -9.8, 0)");
   falling.gravity = -g.y();

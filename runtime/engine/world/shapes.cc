@@ -1,12 +1,11 @@
 #include "runtime/engine/world/shapes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "library/scene_error.h"
+#include "dsl/text/check.h"
+#include "library/layouts/initial_state.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/internal_edges.h"
 
@@ -15,9 +14,6 @@ namespace {
 
 using objects::Shape;
 using objects::Solid;
-
-/// The schema's default; a margin that is written as 0.04 means the same.
-constexpr double kBulletMargin = 0.04;
 
 /// Support points in the engine's precision, as shapes::ExactPoints.
 struct BulletPoints {
@@ -73,22 +69,11 @@ std::unique_ptr<btCollisionShape> MakePiece(std::vector<btVector3>& points,
   return piece;
 }
 
-bool IsRoundCapsule(const Solid& solid) {
-  return solid.shape == Shape::kCapsule && solid.sides.x() == solid.sides.z() &&
-         solid.sides.y() >= solid.sides.x();
-}
-
 double EffectiveMargin(const Solid& solid, double margin) {
-  // Bullet's sphere and capsule consist of margin only.
-  if (solid.IsBall() || IsRoundCapsule(solid)) return 0;
-  if (solid.IsSurface()) return 0;
+  if (!solid.HasMargin()) return 0;
   const double least = solid.LeastHalfExtent();
-  if (margin == kBulletMargin) return std::min(margin, least / 10);
-  if (margin >= least)
-    throw library::SceneError(
-        fmt::format("margin {:.6g} m is too large for an object whose least half extent is {:.6g} "
-                    "m; make it smaller",
-                    margin, least));
+  if (margin == layouts::kBulletMargin) return std::min(margin, least / 10);
+  CDB_CHECK(margin < least);  // layouts::DrawObjects
   return margin;
 }
 
@@ -278,7 +263,7 @@ btCollisionShape* ShapePool::Get(const Solid& solid, double margin, bool smooth_
     shape = MakeCompound(*solid.compound, bullet_margin);
   } else if (solid.IsBall()) {
     shape = std::make_unique<btSphereShape>(half.x());
-  } else if (IsRoundCapsule(solid)) {
+  } else if (solid.IsRoundCapsule()) {
     shape = std::make_unique<btCapsuleShape>(
         half.x(), static_cast<btScalar>(2 * shapes::Capsule::StraightHalf(solid.sides)));
   } else if (solid.shape == Shape::kCuboid) {
