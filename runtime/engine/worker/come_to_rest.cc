@@ -110,6 +110,7 @@ Unrest WatchUnrest(world::Engine& engine, const Falling& falling) {
   for (int i = 0; i < steps; ++i) engine.Step();
   Unrest unrest;
   unrest.seconds = steps * timestep;
+  const double most = std::min(kMostRestWay, kRestWay * unrest.seconds / unit);
   for (std::size_t k = 0; k < start.size(); ++k) {
     const std::uint32_t i = falling.objects[k];
     const objects::Solid& solid = engine.initial_state().objects[i].solid;
@@ -117,7 +118,7 @@ Unrest WatchUnrest(world::Engine& engine, const Falling& falling) {
         Displacement(start[k], engine.objects()[i]->getWorldTransform(), solid.OuterRadius()) /
         (2 * solid.LeastHalfExtent());
     // A state that is not finite is not at rest.
-    unrest.objects += !(way <= kRestWay * unrest.seconds / unit);
+    unrest.objects += !(way <= most);
     if (!(way <= unrest.way)) unrest.way = way;
   }
   return unrest;

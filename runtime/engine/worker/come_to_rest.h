@@ -73,9 +73,9 @@ void FallDown(world::Engine& engine, const Falling& falling, std::vector<Contact
 
 // The referee of rest.
 
-/// An object is at rest if no point of it moves farther than this in a unit of time, in least sides
-/// of its thinnest convex piece.
-inline constexpr double kRestWay = 0.04;
+/// An object is at rest if no point of it moves farther than this in a unit of time, nor farther
+/// than kMostRestWay while it is watched, in least sides of its thinnest convex piece.
+inline constexpr double kRestWay = 0.04, kMostRestWay = 0.1;
 /// Objects are watched for a second, or a unit of time if that is more.
 inline constexpr double kRestSpan = 1;
 

@@ -269,7 +269,8 @@ InitialState Rested(const Settling& settling, InitialState state) {
     world::Engine engine(scene, QuietState(settling, state), omissions::KeepEverything(scene));
     unrest = WatchUnrest(engine, settling.falling);
     settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.objects);
-    if (unrest.objects == 0) return state;
+    // The first round closes the gaps that are left by the drop.
+    if (unrest.objects == 0 && round > 0) return state;
     state = StateOf(settling, engine);
     seconds += unrest.seconds;
     steps += unrest.seconds / static_cast<double>(engine.timestep());

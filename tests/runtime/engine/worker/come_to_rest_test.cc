@@ -48,8 +48,8 @@ TEST_F(ComeToRest, TheRefereeCountsThoseThatMove) {
   EXPECT_EQ(unrest.objects, 0u);
   EXPECT_LT(unrest.way, 0.01);
   EXPECT_NEAR(unrest.seconds, worker::kRestSpan, kFalling.Timestep());
-  engine_->objects()[1]->setAngularVelocity({0, 1, 0});
-  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 1u) << "it turns";
+  engine_->objects()[1]->setLinearVelocity({0, 0, 2});
+  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 1u) << "it slides";
 }
 
 }  // namespace
