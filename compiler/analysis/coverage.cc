@@ -120,7 +120,7 @@ constexpr QuestionInfo kQuestions[] = {
     {Question::kEdges, "edges",
      "contacts at the edges between coplanar faces have the normals of these faces", EdgesArise,
      WhyNotEdges},
-    {Question::kJoints, "joints", "joints do not open", HasLinks, AlwaysChecked},
+    {Question::kJoints, "joints", "joints do not open, bend or stretch", HasLinks, AlwaysChecked},
     {Question::kSleep, "sleep", "objects that fall asleep are held", MaySleep, AlwaysChecked},
 };
 

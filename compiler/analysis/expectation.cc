@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 
@@ -30,7 +31,7 @@ std::optional<std::string> WhyMayMove(const plan::Scene& scene) {
   if (!Collisions(scene).AllMayTouch()) return "some objects cannot touch others";
   for (const plan::Group& group : scene.groups) {
     if (group.settings.Count("quantity") == 0) continue;
-    if (!Stands(group)) {
+    if (!Stands(group) && !StandsOnOthers(scene, group)) {
       const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
       return fmt::format("group {} is placed by {}", group.name,
                          layout != nullptr ? std::string_view(layout->name)

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 
@@ -308,10 +309,44 @@ std::string ToYaml(const plan::Plan& plan) {
 
 namespace {
 
-void EraseIgnored(bool grouped, plan::Settings& settings) {
+using DerivedScenes = unsigned;
+constexpr DerivedScenes kRest = schema::Parameter::kPile;
+constexpr DerivedScenes kFall = schema::Parameter::kPile | schema::Parameter::kDrop;
+
+bool IsIgnored(const schema::Parameter& parameter, DerivedScenes by) {
+  return (parameter.ignored_by & by) != 0;
+}
+
+void EraseIgnored(bool grouped, DerivedScenes by, plan::Settings& settings) {
   for (const schema::Parameter& parameter : schema::Schema())
-    if (parameter.grouped == grouped && parameter.IsIgnoredBy(schema::Parameter::kPile))
-      settings.EraseValue(parameter);
+    if (parameter.grouped == grouped && IsIgnored(parameter, by)) settings.EraseValue(parameter);
+}
+
+plan::Scene QuietScene(const plan::Scene& scene, DerivedScenes ignored) {
+  plan::Scene quiet = scene;
+  quiet.role = plan::Role::kMeasured;
+  EraseIgnored(false, ignored, quiet.world);
+  quiet.world.Set("omit", schema::WordList{"none"});
+  quiet.world.Set("record", schema::WordList{});
+  quiet.world.Set("sleeping", false);
+  quiet.KeepUsedPlugins();
+  return quiet;
+}
+
+/// `pile`: DropScene or RestScene of the scene.
+std::string TextOf(plan::Scene pile, DerivedScenes ignored) {
+  for (plan::Group& group : pile.groups) {
+    if (!HasPile(group)) continue;
+    EraseIgnored(true, ignored, group.settings);
+    for (const schema::Parameter& parameter : schema::Schema())
+      if (parameter.grouped && IsIgnored(parameter, ignored))
+        pile.seeds.erase(group.name + "." + std::string(parameter.name));
+  }
+  // Of a perturbed run, whose objects are moved after the pile has settled.
+  pile.seeds.erase("nudge");
+  plan::Run run;
+  run.scene = std::move(pile);
+  return RunToYaml(run);
 }
 
 }  // namespace
@@ -325,32 +360,30 @@ bool HasPile(const plan::Scene& scene) {
   return std::ranges::any_of(scene.groups, [](const plan::Group& group) { return HasPile(group); });
 }
 
-plan::Scene SettlingScene(const plan::Scene& scene) {
-  plan::Scene settling = scene;
-  settling.role = plan::Role::kMeasured;
-  EraseIgnored(false, settling.world);
-  settling.world.Set("precision", schema::Word{"double"});
-  settling.world.Set("omit", schema::WordList{"none"});
-  settling.world.Set("record", schema::WordList{});
-  settling.world.Set("sleeping", false);
-  settling.KeepUsedPlugins();
-  return settling;
+bool SharesPile(const plan::Scene& scene) {
+  return scene.role != plan::Role::kMeasured || analysis::NeedsReference(scene);
 }
 
+plan::Scene DropScene(const plan::Scene& scene) {
+  plan::Scene drop = QuietScene(scene, kFall);
+  drop.world.Set("precision", schema::Word{"double"});
+  return drop;
+}
+
+plan::Scene RestScene(const plan::Scene& scene) {
+  plan::Scene rest = QuietScene(scene, kRest);
+  if (!SharesPile(scene)) return rest;
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (!parameter.of_reference.empty())
+      rest.world.EraseValue(*schema::FindParameter(parameter.of_reference, false));
+  rest.world.Set("precision", schema::Word{"double"});
+  return rest;
+}
+
+std::string DropText(const plan::Scene& scene) { return TextOf(DropScene(scene), kFall); }
+
 std::string PileText(const plan::Scene& scene) {
-  plan::Run run;
-  plan::Scene& pile = run.scene;
-  pile = SettlingScene(scene);
-  for (plan::Group& group : pile.groups) {
-    if (!HasPile(group)) continue;
-    EraseIgnored(true, group.settings);
-    for (const schema::Parameter& parameter : schema::Schema())
-      if (parameter.grouped && parameter.IsIgnoredBy(schema::Parameter::kPile))
-        pile.seeds.erase(group.name + "." + std::string(parameter.name));
-  }
-  pile.seeds.erase(
-      "nudge");  // of a perturbed run, whose objects are moved after the pile has settled
-  return RunToYaml(run);
+  return TextOf(RestScene(scene), kRest) + (SharesPile(scene) ? "shared\n" : "");
 }
 
 }  // namespace cdb::yaml

@@ -119,12 +119,24 @@ class PlanWriter {
 bool HasPile(const plan::Group& group);
 bool HasPile(const plan::Scene& scene);
 
-/// The scene in which its piles settle: in double precision, with a fixed detector and solver,
-/// recording nothing. What piles ignore is at its default (schema::Parameter::ignored_by).
-plan::Scene SettlingScene(const plan::Scene& scene);
+/// The scene in which the objects of its piles drop: in double precision, with a fixed detector and
+/// solver, recording nothing. What the drop ignores is at its default
+/// (schema::Parameter::ignored_by).
+plan::Scene DropScene(const plan::Scene& scene);
 
-/// Everything that determines the piles of a scene, as text: scenes with the same text have the
-/// same piles. It also determines the time step of settling.
+/// The scene in which its piles come to rest: with the precision, time step, solver and contact
+/// settings of the run, but a fixed detector, and never asleep. Runs that are compared with a
+/// reference, and the reference, all begin with the pile of SharesPile.
+plan::Scene RestScene(const plan::Scene& scene);
+
+/// True if other runs, with other values of the settings that a reference replaces, must begin with
+/// the same pile. These settings have their defaults then, except for `precision double` and a time
+/// step that depends on the objects.
+bool SharesPile(const plan::Scene& scene);
+
+/// Everything that determines the drop, and the piles, of a scene, as text: scenes with the same
+/// text have the same piles.
+std::string DropText(const plan::Scene& scene);
 std::string PileText(const plan::Scene& scene);
 
 }  // namespace cdb::yaml

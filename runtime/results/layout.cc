@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <ctime>
 #include <limits>
 #include <span>
@@ -322,6 +324,22 @@ std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
   return numbers;
 }
 
+/// The questions that the scene leaves open, and those that the run did.
+std::string UncheckedOf(const plan::Scene& scene, const RunResult& result) {
+  std::string text = UncheckedText(analysis::CoverageOf(scene));
+  std::int64_t unfollowed = 0;
+  for (const auto& [series, bytes] : result.series) {
+    if (series->name != "unfollowed") continue;
+    std::vector<std::int32_t> counts(bytes.size() / sizeof(std::int32_t));
+    std::memcpy(counts.data(), bytes.data(), bytes.size());
+    for (const std::int32_t count : counts) unfollowed += std::max(count, 0);
+  }
+  if (unfollowed > 0)
+    text += fmt::format("{}passing: some pairs of objects could not be followed",
+                        text.empty() ? "" : "; ");
+  return text;
+}
+
 double ErrorOf(const RunResult& result, const std::string& name) {
   const auto found = result.errors.values.find(name);
   return found == result.errors.values.end() || found->second.size() != 1 ? kNaN : found->second[0];
@@ -484,7 +502,7 @@ const std::vector<RunText>& RunTexts() {
       {"run/checked", "questions that the verdict answers: cdb doc verdicts",
        [](const Run& run, R) { return CheckedText(analysis::CoverageOf(run.scene)); }},
       {"run/unchecked", "questions that the verdict leaves open, each with the reason",
-       [](const Run& run, R) { return UncheckedText(analysis::CoverageOf(run.scene)); }},
+       [](const Run& run, R r) { return UncheckedOf(run.scene, r); }},
   };
   return kTexts;
 }

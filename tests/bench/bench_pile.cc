@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "library/layouts/initial_state.h"
+#include "library/scene_error.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/conversions.h"
@@ -45,6 +46,7 @@ struct PileType {
 std::vector<PileType> PileTypes() {
   return {{"mixed", tests::AnyType()},
           {"sphere", tests::Word("sphere")},
+          {"cylinder", tests::Word("cylinder")},
           {"cuboid", tests::Word("cuboid")},
           {"thin", tests::Word("cuboid"), {1, 0.1, 1}}};
 }
@@ -136,11 +138,20 @@ void MeasurePile(const PileType& type, std::uint64_t quantity, std::uint64_t see
   for (const layouts::ObjectState& object : state.objects)
     diameter += 2 * object.solid.OuterRadius() / static_cast<double>(quantity);
   const double begin = ProcessorTime();
-  worker::SettlePiles(scene, state);
+  std::string failure;
+  try {
+    worker::SettlePiles(scene, state);
+  } catch (const library::SceneError& error) {
+    failure = error.what();
+  }
   const double seconds = ProcessorTime() - begin;
+  if (!failure.empty()) {
+    fmt::print("  {:<8} {:>6} {:>4} {:>8.2f} {}\n", type.name, quantity, seed, seconds, failure);
+    return;
+  }
   const Height height = HeightOf(state, -scene.world.Real("world.side") / 2);
   const Stillness still = FirstSecond(scene, state, diameter);
-  fmt::print("  {:<7} {:>6} {:>4} {:>8.2f} {:>7.2f} {:>7.3f} {:>9.4f} {:>9.4f} {:>6} {:>9.4f} {}\n",
+  fmt::print("  {:<8} {:>6} {:>4} {:>8.2f} {:>7.2f} {:>7.3f} {:>9.4f} {:>9.4f} {:>6} {:>9.4f} {}\n",
              type.name, quantity, seed, seconds, height.top / diameter, height.mean / diameter,
              still.fastest, still.farthest, still.moved, still.deepest,
              protocol::VerdictName(VerdictOf(scene)));
@@ -173,7 +184,7 @@ int Main(int argc, char** argv) {
   if (quantities.empty()) quantities = {200, 1000};
   std::optional<tests::TemporaryCache> cache;
   if (!keeps) cache.emplace();
-  fmt::print("{} precision\n  {:<7} {:>6} {:>4} {:>8} {:>7} {:>7} {:>9} {:>9} {:>6} {:>9}\n",
+  fmt::print("{} precision\n  {:<8} {:>6} {:>4} {:>8} {:>7} {:>7} {:>9} {:>9} {:>6} {:>9}\n",
              world::EnginePrecision(), "", "n", "seed", "s", "top", "mean", "fastest", "farthest",
              "moved", "deepest");
   for (const PileType& type : PileTypes())

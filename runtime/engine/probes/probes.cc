@@ -140,9 +140,15 @@ void Probes::Record(std::uint64_t cycle) {
   if (!recording_.Reals("poses").empty()) RecordPoses(cycle);
   if (!recording_.Reals("boxes").empty()) RecordBoxes(cycle);
   // The series has no value if there is no joint.
-  if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty())
-    recording_.Put("joint_gap", cycle, engine_.links().MeasureGaps().largest);
+  if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty()) RecordJoints(cycle);
   if (soundness_) RecordSoundness(cycle);
+}
+
+void Probes::RecordJoints(std::uint64_t cycle) {
+  const world::Links::Gaps gaps = engine_.links().MeasureGaps();
+  recording_.Put("joint_gap", cycle, gaps.largest);
+  recording_.Put("joint_bend", cycle, gaps.bend);
+  recording_.Put("joint_stretch", cycle, gaps.stretch);
 }
 
 void Probes::RecordSoundness(std::uint64_t cycle) {
@@ -336,8 +342,13 @@ using Wrench = SleepWatch::Wrench;
 /// Limits of the residual weight, in weights: with normal forces only, beyond it the ground slopes;
 /// with friction, beyond it the object slides; with forces and torques, beyond it the object rolls.
 constexpr double kSlopes = 0.005, kSlides = 0.005, kRolls = 0.0035;
-/// In sqrt(g S): a slower object rests.
-constexpr double kRests = 0.005;
+/// The same for a ball on walls, boxes and balls, whose normals are exact.
+constexpr double kExactSlope = 2e-4;
+/// In sqrt(g S), and in g dt, which a resting object has while Bullet's contacts let it fall: a
+/// slower object rests.
+constexpr double kRests = 0.005, kTrembles = 1.1;
+/// In least sides and radians a second: without gravity, a slower object rests.
+constexpr double kDrifts = 1e-3;
 constexpr int kDirections = 8;  ///< edges of a friction cone
 constexpr int kSweeps = 500;
 
@@ -394,7 +405,7 @@ std::int32_t SleepWatch::After(const BodyStates& before, const BodyStates& now) 
       supports_.try_emplace(i);
   }
   is_first_ = false;
-  if (!supports_.empty() && engine_.acceleration().norm() > 0) {
+  if (!supports_.empty()) {
     CollectSupports();
     for (const auto& [object, support] : supports_)
       unheld_[object] = !IsHeld(object, before[object], support);
@@ -404,10 +415,17 @@ std::int32_t SleepWatch::After(const BodyStates& before, const BodyStates& now) 
 
 void SleepWatch::CollectSupports() {
   const Vector3d up = -engine_.acceleration().normalized();
+  const auto is_exact = [&](const btCollisionObject& body) {
+    const auto index = static_cast<std::size_t>(body.getUserIndex());
+    if (index >= linked_.size()) return true;
+    const objects::Solid& solid = engine_.initial_state().objects[index].solid;
+    return solid.IsBall() || solid.shape == objects::Shape::kCuboid;
+  };
   const auto add = [&](const btPersistentManifold& manifold, const btCollisionObject* body,
-                       double sign) {
+                       const btCollisionObject* other, double sign) {
     const auto found = supports_.find(static_cast<std::size_t>(body->getUserIndex()));
     if (found == supports_.end()) return;
+    found->second.is_exact = found->second.is_exact && is_exact(*other);
     const Vector3d origin = world::ToEigen(body->getWorldTransform().getOrigin());
     const double half = HalfOf(found->first);
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
@@ -418,8 +436,8 @@ void SleepWatch::CollectSupports() {
     }
   };
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
-    add(manifold, manifold.getBody0(), 1);
-    add(manifold, manifold.getBody1(), -1);
+    add(manifold, manifold.getBody0(), manifold.getBody1(), 1);
+    add(manifold, manifold.getBody1(), manifold.getBody0(), -1);
   }
 }
 
@@ -430,15 +448,23 @@ double SleepWatch::HalfOf(std::size_t object) const {
 bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Support& support) const {
   const double pull = engine_.acceleration().norm();
   const layouts::ObjectState& state = engine_.initial_state().objects[object];
-  if (support.normals.empty()) return false;
-  // A ball cannot lie on a slope, however slow it was.
+  const double speed = world::ToEigen(before.velocity).norm();
+  if (!(pull > 0))
+    return !support.normals.empty() ||
+           (speed < kDrifts * 2 * HalfOf(object) && world::ToEigen(before.spin).norm() < kDrifts);
+  const double tremble = kTrembles * pull * static_cast<double>(engine_.timestep());
   const bool fell_asleep_unseen = before.is_asleep;
-  if (fell_asleep_unseen
-          ? !state.solid.IsBall()
-          : world::ToEigen(before.velocity).norm() < kRests * std::sqrt(pull * 2 * HalfOf(object)))
-    return true;
+  if (support.normals.empty()) return !fell_asleep_unseen && speed < tremble;
   Wrench weight = Wrench::Zero();
   weight.head<3>() = -engine_.acceleration() / pull;
+  const bool rolls_freely = state.solid.IsBall() && !(state.numbers["rolling_friction"] > 0);
+  // A ball cannot lie on a slope, however slow it was.
+  if (rolls_freely && support.is_exact)
+    return Residual(support.normals, weight, 3) < kExactSlope ||
+           Residual(support.cones, weight, 6) < kExactSlope;
+  if (fell_asleep_unseen ? !state.solid.IsBall()
+                         : speed < std::max(tremble, kRests * std::sqrt(pull * 2 * HalfOf(object))))
+    return true;
   if (Residual(support.normals, weight, 3) < kSlopes) return true;
   if (Residual(support.cones, weight, 3) > kSlides) return false;
   return state.numbers["rolling_friction"] > 0 || Residual(support.cones, weight, 6) < kRolls;

@@ -25,9 +25,11 @@ namespace cdb::probes {
 
 /// An object is judged by its contacts in the cycle in which it falls asleep, or in the first one.
 /// It is held if forces inside the friction cones balance its weight; if it still moved, torques
-/// must be balanced too, unless rolling friction acts. Objects held by a link are left out. Static
-/// equilibrium is a non-negative least squares problem, solved by coordinate descent. The engine
-/// must outlive it. Not thread-safe.
+/// must be balanced too, unless rolling friction acts. A ball without rolling friction on walls,
+/// boxes and balls is judged however slow it was, and may lie on no slope at all. Without gravity,
+/// an object without contacts is held if it hardly moved. Objects held by a link are left out.
+/// Static equilibrium is a non-negative least squares problem, solved by coordinate descent. The
+/// engine must outlive it. Not thread-safe.
 class SleepWatch {
  public:
   explicit SleepWatch(world::Engine& engine);
@@ -40,6 +42,7 @@ class SleepWatch {
   /// The forces that contacts can exert on an object.
   struct Support {
     std::vector<Wrench> normals, cones;
+    bool is_exact = true;  ///< the normals, as far as Bullet knows the shapes
   };
 
  private:
@@ -105,6 +108,7 @@ class Probes {
   void RecordFilters();
   std::size_t PlaceOfWall(const btRigidBody& wall) const;
   void RecordMotion(std::uint64_t cycle);
+  void RecordJoints(std::uint64_t cycle);
   void RecordSoundness(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
   bool IsTooLarge(const btRigidBody& body) const;

@@ -1,22 +1,18 @@
 #include "runtime/engine/worker/come_to_rest.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "dsl/text/check.h"
-#include "library/scene_error.h"
 
 namespace cdb::worker {
 namespace {
 
 constexpr double kStepsOfUnit = 20;
-/// g dt^2 as a fraction of the enlargement of the least half extent: objects sink into one another
-/// in proportion to it. An enlargement above kMostEnlargement permits no longer time step.
-constexpr double kFallOfStep = 0.75, kMostEnlargement = 0.02;
+/// g dt^2 in least half extents: objects sink into one another in proportion to it.
+constexpr double kFallOfStep = 0.015;
 
 /// In mean diameters. An object that moves farther in a unit of time is falling.
 constexpr double kFallDisplacement = 0.3;
@@ -77,41 +73,55 @@ class Resting {
 
 }  // namespace
 
-double Falling::Timestep(double growth) const {
-  const double enlargement = std::min(growth - 1, kMostEnlargement) * least_half_extent;
-  return std::min(UnitOfTime() / kStepsOfUnit, std::sqrt(kFallOfStep * enlargement / gravity));
+double Falling::Timestep() const {
+  return std::min(UnitOfTime() / kStepsOfUnit,
+                  std::sqrt(kFallOfStep * least_half_extent / gravity));
 }
 
-bool ComeToRest(world::Engine& engine, const Falling& falling,
-                std::vector<ContactReuse::Body> bodies, int clearing_time,
-                const std::function<void(std::size_t at_rest)>& tell,
-                const std::function<bool()>& is_clear) {
+void FallDown(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies,
+              const std::function<void(std::size_t at_rest)>& tell) {
   const std::size_t count = falling.objects.size();
   const auto few = static_cast<std::size_t>(kRestless * static_cast<double>(count));
   const double fall = std::sqrt(2 * engine.side() / falling.gravity);
-  const double seconds = kSettleTime * falling.UnitOfTime() + fall;
+  const double seconds = kFallTime * falling.UnitOfTime() + fall;
   const auto timestep = static_cast<double>(engine.timestep());
   const int steps = static_cast<int>(std::ceil(falling.UnitOfTime() / timestep));
   Resting resting(engine, falling, std::move(bodies));
   double left = kLeftAtFirst;
-  std::size_t restless = count;
   int checks = 0;
   bool is_fallen = false;
-  for (double time = 0; time < seconds; time += steps * timestep) {
-    if (checks >= kRestChecks && is_clear()) return true;
-    if (checks >= kRestChecks + clearing_time) return false;
+  for (double time = 0; time < seconds && checks < kRestChecks; time += steps * timestep) {
     resting.StepUnit(left, steps);
-    restless = resting.CountFarther(kRestDisplacement);
+    const std::size_t restless = resting.CountFarther(kRestDisplacement);
     tell(count - restless);
     checks = restless <= few ? checks + 1 : 0;
     is_fallen = is_fallen || resting.CountFarther(kFallDisplacement) <= few;
     if (is_fallen) left = std::max(kLeastLeft, left * kLessLeft);
   }
-  if (checks >= kRestChecks) return is_clear();
-  throw library::SceneError(
-      fmt::format("the pile does not come to rest: after {:.4g} s, {} of {} objects still move; "
-                  "use more friction or rolling_friction, or fewer objects",
-                  seconds, restless, count));
+}
+
+Unrest WatchUnrest(world::Engine& engine, const Falling& falling) {
+  const auto timestep = static_cast<double>(engine.timestep());
+  const double unit = falling.UnitOfTime();
+  const int steps = static_cast<int>(std::ceil(std::max(kRestSpan, unit) / timestep));
+  std::vector<btTransform> start;
+  for (const std::uint32_t i : falling.objects)
+    start.push_back(engine.objects()[i]->getWorldTransform());
+  for (int i = 0; i < steps; ++i) engine.Step();
+  Unrest unrest;
+  unrest.seconds = steps * timestep;
+  const double most = std::min(kMostRestWay, kRestWay * unrest.seconds / unit);
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    const std::uint32_t i = falling.objects[k];
+    const objects::Solid& solid = engine.initial_state().objects[i].solid;
+    const double way =
+        Displacement(start[k], engine.objects()[i]->getWorldTransform(), solid.OuterRadius()) /
+        (2 * solid.LeastHalfExtent());
+    // A state that is not finite is not at rest.
+    unrest.objects += !(way <= most);
+    if (!(way <= unrest.way)) unrest.way = way;
+  }
+  return unrest;
 }
 
 namespace {

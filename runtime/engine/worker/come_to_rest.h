@@ -42,14 +42,13 @@ class ContactReuse {
   std::vector<btTransform> counted_;  ///< of each object: the pose when it last counted as moved
 };
 
-/// In mean diameters. The objects are at rest if no point of any of them, except for a fraction
-/// kRestless that may roll or tremble, moves farther in a unit of time, for kRestChecks units in a
-/// row.
+/// In mean diameters. The fall ends when no point of any object, except for a fraction kRestless,
+/// moves farther in a unit of time, for kRestChecks units in a row.
 inline constexpr double kRestDisplacement = 0.03;
 inline constexpr double kRestless = 0.02;  ///< fraction of the objects
 inline constexpr int kRestChecks = 3;
-/// Units of time, in addition to that of the fall, after which settling fails.
-inline constexpr double kSettleTime = 400;
+/// Units of time, in addition to that of the fall, after which it ends in any case.
+inline constexpr double kFallTime = 200;
 
 /// Objects that fall in an engine in which all others stand still.
 struct Falling {
@@ -61,21 +60,32 @@ struct Falling {
 
   /// The time in which an object falls half a diameter from rest, s.
   double UnitOfTime() const { return std::sqrt(diameter / gravity); }
-  /// Short enough for impacts, and to keep objects that are enlarged by the factor `growth` from
-  /// sinking into one another at their true size; s.
-  double Timestep(double growth) const;
+  /// Short enough for impacts, and to keep objects from sinking into one another; s.
+  double Timestep() const;
 };
 
-/// Steps `engine`, whose time step is that of `falling`, until the objects are at rest and
-/// `is_clear`, which is asked only then. Damping is so weak that they find their places, and is
-/// increased once nearly all have stopped falling; an object that nothing holds still falls.
-/// `bodies` are all objects of the engine. Calls `tell` with the number of objects at rest, once
-/// per unit of time. False if they stay at rest for `clearing_time` units but do not come clear:
-/// the few that still roll may press into what they hit. Throws library::SceneError if they do not
-/// come to rest.
-bool ComeToRest(world::Engine& engine, const Falling& falling,
-                std::vector<ContactReuse::Body> bodies, int clearing_time,
-                const std::function<void(std::size_t at_rest)>& tell,
-                const std::function<bool()>& is_clear);
+/// Steps `engine`, whose time step is that of `falling`, until nearly all objects are at rest.
+/// Damping is so weak that they find their places, and is increased once nearly all have stopped
+/// falling; an object that nothing holds still falls. `bodies` are all objects of the engine. Calls
+/// `tell` with the number of objects at rest, once per unit of time.
+void FallDown(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies,
+              const std::function<void(std::size_t at_rest)>& tell);
+
+// The referee of rest.
+
+/// An object is at rest if no point of it moves farther than this in a unit of time, nor farther
+/// than kMostRestWay while it is watched, in least sides of its thinnest convex piece.
+inline constexpr double kRestWay = 0.04, kMostRestWay = 0.1;
+/// Objects are watched for a second, or a unit of time if that is more.
+inline constexpr double kRestSpan = 1;
+
+struct Unrest {
+  std::size_t objects = 0;  ///< that are not at rest
+  double way = 0;           ///< of the one that went farthest, in its least sides
+  double seconds = 0;       ///< for which they were watched
+};
+/// Steps `engine` as a run would, for the time that it watches. Where nothing moves, this is the
+/// motion with which a run begins that starts like the engine.
+Unrest WatchUnrest(world::Engine& engine, const Falling& falling);
 
 }  // namespace cdb::worker

@@ -14,19 +14,15 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <map>
-#include <memory>
+#include <functional>
 #include <new>
-#include <numeric>
-#include <span>
+#include <optional>
 #include <string>
 #include <system_error>
 
 #include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
 #include "library/distributions/draw.h"
-#include "library/layouts/bodies.h"
-#include "library/layouts/clearance.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/meshes/decompose.h"
 #include "library/objects/solid_factory.h"
@@ -44,10 +40,11 @@ using layouts::InitialState;
 using layouts::ObjectState;
 using library::SceneError;
 
-// As fractions of the growth of an object.
-constexpr double kSettleMargin = 0.4, kReuseTolerance = 0.25;
+/// While they drop, in least half extents: Bullet's margin, and the way that an object moves before
+/// its contacts are found anew.
+constexpr double kDropMargin = 0.008, kReuseTolerance = 0.005;
 
-/// The data shared by all tries.
+/// The data shared by all stages.
 struct Settling {
   const plan::Scene& scene;
   const InitialState& dropped;
@@ -88,32 +85,25 @@ Settling PrepareToSettle(const plan::Scene& scene, const InitialState& dropped) 
   return settling;
 }
 
-plan::Scene QuietScene(const Settling& settling, double growth) {
-  plan::Scene scene = yaml::SettlingScene(settling.scene);
-  scene.world.Set("timestep", settling.falling.Timestep(growth));
-  return scene;
-}
-
-/// The objects without bounces; those outside the pile stand still.
-InitialState QuietState(const Settling& settling) {
-  InitialState state = settling.dropped;
+/// `poses` with only the objects of the piles able to move, and without velocities.
+InitialState QuietState(const Settling& settling, const InitialState& poses) {
+  InitialState state = poses;
   for (ObjectState& object : state.objects) {
     object.mass = 0;
     object.is_kinematic = false;
   }
   for (const std::uint32_t i : settling.falling.objects) {
     ObjectState& object = state.objects[i];
-    object.mass = settling.dropped.objects[i].mass;
-    object.numbers.ForEach([](const schema::Parameter& parameter, double& number) {
-      if (parameter.IsIgnoredBy(schema::Parameter::kPile)) number = 0;
-    });
+    object.mass = poses.objects[i].mass;
+    object.linear_velocity.setZero();
+    object.angular_velocity.setZero();
   }
   return state;
 }
 
-/// Pushed to the side and spinning.
+/// Pushed to the side and spinning, without bounces.
 InitialState PushedState(const Settling& settling) {
-  InitialState state = QuietState(settling);
+  InitialState state = QuietState(settling, settling.dropped);
   const Falling& falling = settling.falling;
   const double push = 0.5 * std::sqrt(falling.gravity * falling.diameter);
   for (const std::uint32_t i : falling.objects) {
@@ -126,65 +116,20 @@ InitialState PushedState(const Settling& settling) {
     object.linear_velocity = {drawn(push), 0, drawn(push)};
     const double spin = push / falling.diameter;
     object.angular_velocity = {drawn(spin), drawn(spin), drawn(spin)};
+    object.numbers.ForEach([](const schema::Parameter& parameter, double& number) {
+      if (parameter.IsIgnoredBy(schema::Parameter::kDrop)) number = 0;
+    });
+    object.numbers["margin"] = kDropMargin * object.solid.LeastHalfExtent();
   }
   return state;
 }
 
-/// Without motion, in the poses of `settled`.
-InitialState RestingState(const Settling& settling, const InitialState& settled) {
-  InitialState state = QuietState(settling);
-  for (const std::uint32_t i : settling.falling.objects) {
-    ObjectState& object = state.objects[i];
-    object.pose = settled.objects[i].pose;
-    object.linear_velocity.setZero();
-    object.angular_velocity.setZero();
-  }
-  return state;
-}
-
-InitialState Enlarged(const Settling& settling, InitialState state, double growth) {
-  std::map<const objects::Compound*, std::shared_ptr<const objects::Compound>> grown;
-  for (const std::uint32_t i : settling.falling.objects) {
-    ObjectState& object = state.objects[i];
-    object.solid.sides *= growth;
-    if (const auto& compound = settling.dropped.objects[i].solid.compound) {
-      auto& shared = grown[compound.get()];
-      if (shared == nullptr)
-        shared =
-            std::make_shared<const objects::Compound>(compound->shared_form(), object.solid.sides);
-      object.solid.compound = shared;
-    }
-    // Corners rounded by Bullet's margin would sink into the object below.
-    object.numbers["margin"] = kSettleMargin * (growth - 1) * object.solid.LeastHalfExtent();
-  }
-  return state;
-}
-
-/// All objects, with the sizes of `growth`.
-std::vector<ContactReuse::Body> BodiesOf(const InitialState& state, double growth) {
-  std::vector<ContactReuse::Body> bodies;
-  for (const ObjectState& object : state.objects) {
-    const objects::Solid& solid = object.solid;
-    bodies.push_back(
-        {growth * solid.OuterRadius(), kReuseTolerance * (growth - 1) * solid.LeastHalfExtent()});
-  }
-  return bodies;
-}
-
-/// The dropped objects with their poses in the engine.
+/// The objects with their poses in the engine.
 InitialState StateOf(const Settling& settling, const world::Engine& engine) {
   InitialState state = settling.dropped;
   for (const std::uint32_t i : settling.falling.objects)
     state.objects[i].pose = world::ToPose(engine.objects()[i]->getWorldTransform());
   return state;
-}
-
-/// Throws SceneError if objects overlap or reach through a wall.
-void CheckClearance(const plan::Scene& scene, InitialState& state) {
-  const layouts::Bodies bodies(scene, state);
-  std::vector<std::uint32_t> all(state.objects.size());
-  std::iota(all.begin(), all.end(), 0u);
-  layouts::CheckClearance(bodies, all);
 }
 
 constexpr std::size_t kPoseSize = 7;  ///< position, and w, x, y, z of the orientation
@@ -296,54 +241,56 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   return answer;
 }
 
-/// Where the objects come to rest from `start`, enlarged by the first of `growths` that keeps them
-/// clear of one another. Throws SceneError if none does, or if they do not come to rest.
-InitialState Rested(const Settling& settling, const InitialState& start,
-                    std::span<const double> growths, int clearing_time) {
-  InitialState rested;
-  std::string overlap;
-  for (const double growth : growths) {
-    const plan::Scene quiet = QuietScene(settling, growth);
-    world::Engine engine(quiet, Enlarged(settling, start, growth),
-                         omissions::KeepEverything(quiet));
-    const auto is_clear = [&] {
-      rested = StateOf(settling, engine);
-      try {
-        CheckClearance(settling.scene, rested);
-        return true;
-      } catch (const SceneError& error) {
-        overlap = error.what();
-        return false;
-      }
-    };
-    const auto tell = [&](std::size_t at_rest) {
-      settling.Tell(protocol::SettlingPhase::kSettling, at_rest);
-    };
-    if (ComeToRest(engine, settling.falling, BodiesOf(settling.dropped, growth), clearing_time,
-                   tell, is_clear))
-      return rested;
-  }
-  throw SceneError(fmt::format("the objects of the pile penetrate one another: {}", overlap));
+/// The poses in which the objects lie after their fall.
+InitialState Dropped(const Settling& settling) {
+  plan::Scene scene = yaml::DropScene(settling.scene);
+  scene.world.Set("timestep", settling.falling.Timestep());
+  world::Engine engine(scene, PushedState(settling), omissions::KeepEverything(scene));
+  std::vector<ContactReuse::Body> bodies;
+  for (const ObjectState& object : settling.dropped.objects)
+    bodies.push_back(
+        {object.solid.OuterRadius(), kReuseTolerance * object.solid.LeastHalfExtent()});
+  FallDown(engine, settling.falling, std::move(bodies), [&](std::size_t at_rest) {
+    settling.Tell(protocol::SettlingPhase::kSettling, at_rest);
+  });
+  return StateOf(settling, engine);
 }
 
-InitialState Settled(const Settling& settling) {
-  InitialState settled =
-      Rested(settling, PushedState(settling), kSettleGrowth, kSettleClearingTime);
-  try {
-    settled = Rested(settling, RestingState(settling, settled), kCloseGrowth, kCloseClearingTime);
-  } catch (const SceneError&) {
-    // The pile keeps its wider gaps.
+/// The poses from which nothing moves, in the engine of the run. Throws SceneError if there are
+/// none.
+InitialState Rested(const Settling& settling, InitialState state) {
+  plan::Scene scene = yaml::RestScene(settling.scene);
+  if (yaml::SharesPile(settling.scene)) scene.world.Set("timestep", settling.falling.Timestep());
+  const std::size_t count = settling.falling.objects.size();
+  double seconds = 0, steps = 0;
+  Unrest unrest;
+  for (int round = 0; round < kLeastRounds || (round < kMostRounds && steps < kMostSteps);
+       ++round) {
+    world::Engine engine(scene, QuietState(settling, state), omissions::KeepEverything(scene));
+    unrest = WatchUnrest(engine, settling.falling);
+    settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.objects);
+    // The first round closes the gaps that are left by the drop.
+    if (unrest.objects == 0 && round > 0) return state;
+    state = StateOf(settling, engine);
+    seconds += unrest.seconds;
+    steps += unrest.seconds / static_cast<double>(engine.timestep());
   }
-  return settled;
+  if (scene.world.WordOr("expect") == "anything") return state;
+  throw SceneError(fmt::format(
+      "the pile does not come to rest: after {:.3g} s, {} of {} objects still move, one "
+      "by {:.2g} of its least side in {:.2g} s; Bullet may never hold it still with "
+      "these settings: use a shorter timestep, more friction or rolling_friction, "
+      "larger or fewer objects, or `expect anything` to begin with a pile that moves",
+      seconds, unrest.objects, count, unrest.way, unrest.seconds));
 }
 
-constexpr std::string_view kKind = "pile";
+constexpr std::string_view kDropKind = "drop", kPileKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "5";
+constexpr std::string_view kVersion = "6";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.
-std::string NumbersOf(const InitialState& state) {
+std::string NumbersOf(const InitialState& state, std::string_view kind) {
   std::string bytes;
   const auto add = [&](double number) {
     bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
@@ -352,7 +299,7 @@ std::string NumbersOf(const InitialState& state) {
     add(object.mass);
     layouts::DrawnNumbers numbers = object.numbers;
     numbers.ForEach([&](const schema::Parameter& parameter, double number) {
-      if (!parameter.IsIgnoredBy(schema::Parameter::kPile)) add(number);
+      if (kind == kPileKind || !parameter.IsIgnoredBy(schema::Parameter::kDrop)) add(number);
     });
   }
   return bytes + PosesOf(state);
@@ -360,26 +307,61 @@ std::string NumbersOf(const InitialState& state) {
 
 /// The cache key, from everything that determines the poses: the scene, the dropped objects, and
 /// the programs.
-std::string KeyOf(const Settling& settling) {
-  return library::CacheKeyOf(
-      fmt::format("{}\nBullet {}\n{}\n{}\n{}{}\n{}", kVersion, btGetVersion(), __VERSION__,
-                  meshes::DecomposerVersion(), objects::ModelsText(settling.dropped.forms),
-                  yaml::PileText(settling.scene), NumbersOf(settling.dropped)));
+std::string KeyOf(const Settling& settling, std::string_view kind) {
+  return library::CacheKeyOf(fmt::format(
+      "{}\nBullet {}\n{}\n{}\n{}{}\n{}", kVersion, btGetVersion(), __VERSION__,
+      meshes::DecomposerVersion(), objects::ModelsText(settling.dropped.forms),
+      kind == kPileKind ? yaml::PileText(settling.scene) : yaml::DropText(settling.scene),
+      NumbersOf(settling.dropped, kind)));
+}
+
+std::optional<InitialState> Kept(const Settling& settling, std::string_view kind) {
+  InitialState state = settling.dropped;
+  const auto kept = library::FindCached(library::CacheFolder(), kind, KeyOf(settling, kind));
+  if (kept && TakePoses(*kept, state)) return state;
+  return std::nullopt;
 }
 
 /// Takes the result from the cache, or makes and stores it. Only one process makes it; others that
 /// need it wait.
-InitialState FoundOrSettled(const Settling& settling, const std::filesystem::path& folder,
-                            const std::string& key) {
-  const library::CacheLock lock(folder, kKind, key,
+InitialState KeptOrMade(const Settling& settling, std::string_view kind,
+                        const std::function<InitialState()>& make) {
+  if (auto kept = Kept(settling, kind)) return *std::move(kept);
+  const std::string key = KeyOf(settling, kind);
+  const library::CacheLock lock(library::CacheFolder(), kind, key,
                                 [&] { settling.Tell(protocol::SettlingPhase::kWaiting, 0); });
-  InitialState state = settling.dropped;
-  if (const auto kept = library::FindCached(folder, kKind, key))
-    if (TakePoses(*kept, state)) return state;
+  if (auto kept = Kept(settling, kind)) return *std::move(kept);
   settling.Tell(protocol::SettlingPhase::kSettling, 0);
-  state = Settled(settling);
-  library::StoreCached(folder, kKind, key, PosesOf(state));
+  const InitialState state = make();
+  library::StoreCached(library::CacheFolder(), kind, key, PosesOf(state));
   return state;
+}
+
+/// True if the piles come to rest in the precision of this worker.
+bool RestsHere(const plan::Scene& scene) {
+  return yaml::RestScene(scene).world.WordOr("precision") == world::EnginePrecision();
+}
+
+/// `kind`: the result that the double-precision worker is asked for.
+InitialState KeptOrAsked(const Settling& settling, std::string_view kind) {
+  if (auto kept = Kept(settling, kind)) return *std::move(kept);
+  const std::string answer = AskDoubleWorker(settling.scene, settling.listener);
+  if (!answer.starts_with(kSettled)) throw SceneError(answer);
+  InitialState state = settling.dropped;
+  if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
+    throw std::runtime_error("the settled pile is incomplete");
+  return state;
+}
+
+InitialState AfterDrop(const Settling& settling) {
+  if (std::string_view(world::EnginePrecision()) != "double")
+    return KeptOrAsked(settling, kDropKind);
+  return KeptOrMade(settling, kDropKind, [&] { return Dropped(settling); });
+}
+
+InitialState AtRest(const Settling& settling) {
+  if (!RestsHere(settling.scene)) return KeptOrAsked(settling, kPileKind);
+  return KeptOrMade(settling, kPileKind, [&] { return Rested(settling, AfterDrop(settling)); });
 }
 
 }  // namespace
@@ -388,28 +370,18 @@ void SettlePiles(const plan::Scene& scene, InitialState& state, const SettlingLi
   const InitialState dropped = state;
   Settling settling = PrepareToSettle(scene, dropped);
   settling.listener = listener;
-  const std::filesystem::path folder = library::CacheFolder();
-  const std::string key = KeyOf(settling);
-  if (const auto kept = library::FindCached(folder, kKind, key))
-    if (TakePoses(*kept, state)) return;
-  if (std::string_view(world::EnginePrecision()) != "double") {
-    const std::string answer = AskDoubleWorker(scene, listener);
-    if (!answer.starts_with(kSettled)) throw SceneError(answer);
-    if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
-      throw std::runtime_error("the settled pile is incomplete");
-    return;
-  }
-  state = FoundOrSettled(settling, folder, key);
+  state = AtRest(settling);
 }
 
 void SettleForAnother(const plan::Run& run, int fd) {
   std::string answer(kSettled);
   try {
-    InitialState state = layouts::MakeInitialState(run.scene);
-    SettlePiles(run.scene, state, [fd](const SettlingProgress& progress) {
+    const InitialState dropped = layouts::MakeInitialState(run.scene);
+    Settling settling = PrepareToSettle(run.scene, dropped);
+    settling.listener = [fd](const SettlingProgress& progress) {
       protocol::WriteAll(fd, ProgressLine(progress));
-    });
-    answer += PosesOf(state);
+    };
+    answer += PosesOf(RestsHere(run.scene) ? AtRest(settling) : AfterDrop(settling));
   } catch (const std::bad_alloc&) {
     answer = kOutOfMemory;
   } catch (const std::exception& error) {

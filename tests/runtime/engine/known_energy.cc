@@ -257,7 +257,7 @@ void KnownCatalogue::Sleeping() {
       Add(fmt::format("slope {}, {}", slope, is_slab ? "slab" : "floor"), builder);
     }
   Begin(Fault::kSleeping, false, "ball on a slight slope", "it rolls, and is asleep as above");
-  for (const double slope : {0.015, 0.025, 0.033})
+  for (const double slope : {0.001, 0.0049, 0.015, 0.025, 0.033})
     for (const bool is_slab : {false, true}) {
       KnownBuilder builder = OnSlope(ball, slope, is_slab);
       Add(fmt::format("slope {}, {}", slope, is_slab ? "slab" : "floor"), builder);
@@ -271,6 +271,13 @@ void KnownCatalogue::Sleeping() {
   for (const double gravity : {0.05, 0.1, 0.3})
     Add(fmt::format("g {}", gravity),
         KnownBuilder(100, "floor", 240).World("acceleration", Vector3d(0, -gravity, 0)).Add(ball));
+  Begin(Fault::kSleeping, false, "object that drifts without gravity", "it is slow, not at rest");
+  for (const double speed : {0.01, 0.5})
+    Add(fmt::format("{} m/s", speed), KnownBuilder(100, "none", 240)
+                                          .Weightless()
+                                          .Add({.at = {0, 0, 0}, .velocity = {speed, 0, 0}}));
+  Add("spin",
+      KnownBuilder(100, "none", 240).Weightless().Add({.type = "cuboid", .spin = {0, 0.2, 0}}));
   Begin(Fault::kSleeping, false, "lying capsule on a slight slope", "it rolls, as a ball");
   for (const double slope : {0.015, 0.03}) {
     KnownBody capsule{.type = "capsule", .sides = {1, 3, 1}};
@@ -307,6 +314,8 @@ void KnownCatalogue::NotSleeping() {
     KnownBuilder builder = OnSlope(ball, slope, false);
     Add(fmt::format("slope {}", slope), builder.Group("rolling_friction", 0.5));
   }
+  Begin(Fault::kSleeping, true, "object at rest without gravity", "nothing moves it");
+  Add("", KnownBuilder(100, "none", 240).Weightless().Add(box));
   Begin(Fault::kSleeping, true, "object at rest on the floor", "the floor bears it");
   for (const std::string_view type : {"sphere", "cuboid", "cylinder", "cone", "capsule"})
     Add(std::string(type),

@@ -9,7 +9,6 @@
 namespace cdb::tests {
 namespace {
 
-constexpr int kClearingTime = 10;
 constexpr worker::Falling kFalling = {
     .objects = {}, .diameter = 1, .least_half_extent = 0.5, .gravity = 9.8};
 
@@ -18,7 +17,7 @@ class ComeToRest : public testing::Test {
  protected:
   ComeToRest() {
     scene_ = EngineScene(3, 10);
-    SetWorld(scene_, "timestep", kFalling.Timestep(1.02));
+    SetWorld(scene_, "timestep", kFalling.Timestep());
     SetWorld(scene_, "world.walls", Word("floor"));
     SetWorld(scene_, "sleeping", false);
     SetGroup(scene_, "type", Word("cuboid"));
@@ -26,41 +25,31 @@ class ComeToRest : public testing::Test {
     SeedStreams(scene_);
     engine_ = std::make_unique<world::Engine>(scene_, layouts::MakeInitialState(scene_),
                                               omissions::KeepEverything(scene_));
-  }
-
-  /// Lets them come to rest; they are clear when asked for the `clear_at`th time.
-  bool Rest(int clear_at) {
-    worker::Falling falling = kFalling;
-    falling.objects = {0, 1, 2};
-    return worker::ComeToRest(
-        *engine_, falling, {3, {0.9, 1e-3}}, kClearingTime,
-        [this](std::size_t at_rest) { at_rest_ = at_rest; },
-        [&] {
-          EXPECT_EQ(at_rest_, 3u);
-          return ++asked_ == clear_at;
-        });
+    falling_.objects = {0, 1, 2};
   }
 
   plan::Scene scene_;
   std::unique_ptr<world::Engine> engine_;
-  std::size_t at_rest_ = 0;
-  int asked_ = 0;
+  worker::Falling falling_ = kFalling;
 };
 
-TEST_F(ComeToRest, ClearObjectsAreAskedForOnce) {
-  EXPECT_TRUE(Rest(1));
-  EXPECT_EQ(asked_, 1);
+TEST_F(ComeToRest, TheyFallAndLie) {
+  std::size_t at_rest = 0;
+  worker::FallDown(*engine_, falling_, {3, {0.9, 1e-3}},
+                   [&](std::size_t count) { at_rest = count; });
+  EXPECT_EQ(at_rest, 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(Position(*engine_, i).y(), -4.5, 0.01);
 }
 
-TEST_F(ComeToRest, GoesOnUntilTheyAreClear) {
-  EXPECT_TRUE(Rest(5));
-  EXPECT_EQ(asked_, 5);
-}
-
-TEST_F(ComeToRest, GivesUpIfTheyDoNotComeClear) {
-  EXPECT_FALSE(Rest(0));
-  EXPECT_EQ(asked_, kClearingTime + 1);
+TEST_F(ComeToRest, TheRefereeCountsThoseThatMove) {
+  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 3u) << "they fall";
+  Steps(*engine_, 300);
+  const worker::Unrest unrest = worker::WatchUnrest(*engine_, falling_);
+  EXPECT_EQ(unrest.objects, 0u);
+  EXPECT_LT(unrest.way, 0.01);
+  EXPECT_NEAR(unrest.seconds, worker::kRestSpan, kFalling.Timestep());
+  engine_->objects()[1]->setLinearVelocity({0, 0, 2});
+  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 1u) << "it slides";
 }
 
 }  // namespace
