@@ -125,7 +125,11 @@ TEST(Shapes, BulletsOwnWhereItHasOne) {
 TEST(Shapes, MarginsThatLeaveNothingAreRefused) {
   world::ShapePool pool;
   const Solid small{Shape::kCuboid, {0.1, 1, 1}};
-  EXPECT_THROW(pool.Get(small, 0.05), library::SceneError);
+  plan::Scene scene = EngineScene(1, 10);
+  SetGroup(scene, "type", Word("cuboid"));
+  SetGroup(scene, "size", 0.1);
+  SetGroup(scene, "margin", 0.05);
+  EXPECT_THROW(layouts::DrawObjects(scene), library::SceneError);
   // With 0.04, Bullet's rule applies: a tenth of the smallest half extent.
   EXPECT_NEAR(pool.Get(small, 0.04)->getMargin(), 0.005, 0.005 * kEpsilon);
   EXPECT_NEAR(pool.Get(small, 0.041)->getMargin(), 0.041, 0.041 * kEpsilon);
