@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 
@@ -33,9 +34,10 @@ bool MustRest(const plan::Scene& scene) {
   return scene.ObjectCount() > 0 && Collisions(scene).AllMayTouch() &&
          scene.world.WordOr("world.walls") != "none" && down != nullptr && down->y() < 0 &&
          down->x() == 0 && down->z() == 0 &&
-         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+         std::ranges::all_of(scene.groups, [&](const plan::Group& group) {
            return group.settings.Count("quantity") == 0 ||
-                  (Stands(group) && IsZero(group.settings.Get("linear_velocity")) &&
+                  ((Stands(group) || StandsOnOthers(scene, group)) &&
+                   IsZero(group.settings.Get("linear_velocity")) &&
                    IsZero(group.settings.Get("angular_velocity")));
          });
 }

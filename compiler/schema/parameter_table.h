@@ -205,7 +205,7 @@ struct ParameterTable {
      .also = "output store measure metrics",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference},
     {.name = "expect", .type = kWord, .first_default = "auto", .words = "auto anything rest energy",
-     .doc = "expected behaviour of the scene, for its verdict; auto: stacks, pyramids and piles rest, elastic scenes without friction conserve their energy",
+     .doc = "expected behaviour of the scene, for its verdict; auto: stacks, pyramids, piles and what stands on stacks rest, elastic scenes without friction conserve their energy",
      .also = "should verdict",
      .concern = Concern::kMethod, .ignored_by = kDrop | kTrace},
     {.name = "omit", .type = kWords, .first_default = "auto", .words = "auto none", .word_source = kComponents,

@@ -21,6 +21,7 @@ constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kSpinDrift = 0.03;
 constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
+constexpr double kBend = 0.05, kStretch = 0.02;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
@@ -32,7 +33,8 @@ constexpr VerdictInfo kVerdicts[] = {
      "energy rose by 0.01 or fell by 0.1; false normals of a surface deflected an object; if the "
      "scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
-     "late depth or joint gap > 0.05 S; pressed in, or, if the scene must rest, any depth > 0.25 "
+     "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
+     "pressed in, or, if the scene must rest, any depth > 0.25 "
      "S"},
     {kCollapsed, "collapsed",
      "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
@@ -82,8 +84,7 @@ class Case {
         return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
                        MustRest() ? FirstShare("displaced", kCollapsedPart) : -1);
       case kPenetrating:
-        return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth),
-                               LateAbove("joint_gap", kLateDepth * scales_.least_side)),
+        return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth), LooseJoints()),
                        Earlier(FirstCount("pressed"),
                                MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1));
       case kDrifting:
@@ -149,6 +150,11 @@ class Case {
     if (!(*middle > limit)) return -1;
     return FirstIn(
         values, [limit](double x) { return x > limit; }, late_);
+  }
+
+  std::int64_t LooseJoints() const {
+    return Earlier(LateAbove("joint_gap", kLateDepth * scales_.least_side),
+                   Earlier(LateAbove("joint_bend", kBend), LateAbove("joint_stretch", kStretch)));
   }
 
   /// J, by cycle. The scale of energies is that of the start, or the largest kinetic energy so far

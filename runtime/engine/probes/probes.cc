@@ -139,9 +139,15 @@ void Probes::Record(std::uint64_t cycle) {
   if (!recording_.Reals("poses").empty()) RecordPoses(cycle);
   if (!recording_.Reals("boxes").empty()) RecordBoxes(cycle);
   // The series has no value if there is no joint.
-  if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty())
-    recording_.Put("joint_gap", cycle, engine_.links().MeasureGaps().largest);
+  if (engine_.links().HasJoints() && !recording_.Reals("joint_gap").empty()) RecordJoints(cycle);
   if (soundness_) RecordSoundness(cycle);
+}
+
+void Probes::RecordJoints(std::uint64_t cycle) {
+  const world::Links::Gaps gaps = engine_.links().MeasureGaps();
+  recording_.Put("joint_gap", cycle, gaps.largest);
+  recording_.Put("joint_bend", cycle, gaps.bend);
+  recording_.Put("joint_stretch", cycle, gaps.stretch);
 }
 
 void Probes::RecordSoundness(std::uint64_t cycle) {

@@ -107,6 +107,7 @@ class Probes {
   void RecordFilters();
   std::size_t PlaceOfWall(const btRigidBody& wall) const;
   void RecordMotion(std::uint64_t cycle);
+  void RecordJoints(std::uint64_t cycle);
   void RecordSoundness(std::uint64_t cycle);
   bool IsBeyondWall(const btVector3& centre) const;
   bool IsTooLarge(const btRigidBody& body) const;

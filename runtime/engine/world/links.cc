@@ -193,6 +193,10 @@ void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigid
         static_cast<btScalar>(settings.Real("links.damping")));
   }
   joints_ = joints_ || link.stiffness == 0;
+  const bool continues = !links_.empty() && links_.back().second == &first;
+  link.root = continues ? links_.back().root : links_.size();
+  link.chain = (continues ? links_.back().chain : 0) + static_cast<double>((to - from).length());
+  link.second_in_root = InBody(continues ? *links_[link.root].first : first, to);
   // The body that represents the world is shared and must not keep references to our constraints.
   const bool between_objects = &first != &btTypedConstraint::getFixedBody();
   world_.addConstraint(link.constraint.get(), between_objects);
@@ -205,15 +209,38 @@ void Links::MarkHeld(std::vector<char>& marks, char mark) const {
       if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
 }
 
+double Links::BendOf(const Link& link) const {
+  const btTransform &first = link.first->getWorldTransform(),
+                    &second = link.second->getWorldTransform();
+  if (link.constraint->getConstraintType() == HINGE_CONSTRAINT_TYPE) {
+    const auto& hinge = static_cast<const btHingeConstraint&>(*link.constraint);
+    const Vector3d in_first = ToEigen(first.getBasis() * hinge.getAFrame().getBasis().getColumn(2));
+    const Vector3d in_second =
+        ToEigen(second.getBasis() * hinge.getBFrame().getBasis().getColumn(2));
+    return std::atan2(in_first.cross(in_second).norm(), std::abs(in_first.dot(in_second)));
+  }
+  if (link.constraint->getConstraintType() == POINT2POINT_CONSTRAINT_TYPE) return 0;
+  const Link& root = links_[link.root];
+  const btTransform& pose = root.first->getWorldTransform();
+  const Vector3d held = ToEigen(pose * link.second_in_root);
+  const double arm = (held - ToEigen(pose * root.pivot_in_first)).norm();
+  return arm > 0 ? (ToEigen(second.getOrigin()) - held).norm() / arm : 0;
+}
+
 Links::Gaps Links::MeasureGaps() const {
   Gaps gaps;
-  for (const Link& link : links_) {
+  double chain = 0;  // sum of its gaps up to here
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    const Link& link = links_[i];
     if (link.stiffness != 0) continue;
     const Vector3d first = ToEigen(link.first->getWorldTransform() * link.pivot_in_first);
     const Vector3d second = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
     const double gap = (second - first).norm();
+    chain = (link.root == i ? 0 : chain) + gap;
     gaps.largest = std::max(gaps.largest, gap);
     gaps.sum += gap;
+    gaps.stretch = std::max(gaps.stretch, chain / link.chain);
+    gaps.bend = std::max(gaps.bend, BendOf(link));
   }
   return gaps;
 }

@@ -38,9 +38,14 @@ class Links {
   bool HasJoints() const { return joints_; }
   /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
   void MarkHeld(std::vector<char>& marks, char mark) const;
-  /// Distances between the two pivots of a joint, m; 0 without joints.
+  /// Distances between the two pivots of a joint, m, and what they add up to along a chain of
+  /// joints; 0 without joints.
   struct Gaps {
     double largest = 0, sum = 0;
+    double stretch = 0;  ///< largest sum of the gaps of a chain over its length
+    /// Largest angle, rad: of an object from where the first body of its chain would hold it by
+    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other.
+    double bend = 0;
   };
   Gaps MeasureGaps() const;
   /// The kinetic energy that perfect joints take at once, J, as velocities of the start that
@@ -58,7 +63,12 @@ class Links {
     btVector3 line_in_first;                    ///< unit vector of a spring; 0 for a joint
     double length = 0;                          ///< m, at rest
     double stiffness = 0;                       ///< N/m; 0 for a joint
+    std::size_t root = 0;                       ///< the first link of its chain
+    double chain = 0;                           ///< m: length of the chain up to its end
+    btVector3 second_in_root;                   ///< m: in the first body of the root, at the start
   };
+
+  double BendOf(const Link& link) const;
 
   /// `from`: the position of the first of the two, or where it would be.
   void Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,

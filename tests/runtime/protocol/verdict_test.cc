@@ -206,6 +206,17 @@ TEST_F(VerdictTest, JointsThatOpenLate) {
   ExpectVerdict(Verdict::kPenetrating, 32);
 }
 
+TEST_F(VerdictTest, JointsThatBendOrStretch) {
+  Set("joint_bend", 0, 0.06, 29);
+  Set("joint_stretch", 29, 0.019);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("joint_bend", 32, 0.06);
+  ExpectVerdict(Verdict::kPenetrating, 32);
+  Set("joint_bend", 0, 0);
+  Set("joint_stretch", 31, 0.021);
+  ExpectVerdict(Verdict::kPenetrating, 31);
+}
+
 TEST_F(VerdictTest, SpeedLateAtRest) {
   Set("max_speed", 0, 0.21);
   ExpectVerdict(Verdict::kStable, -1);

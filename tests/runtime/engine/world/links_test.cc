@@ -211,6 +211,34 @@ TEST(FixedJoint, KeepsDistanceAndTurn) {
   EXPECT_GT(static_cast<double>(engine.objects()[0]->getAngularVelocity().norm()), 0.3);
 }
 
+/// A horizontal chain with the given mass at its end, for two seconds.
+Recorded RunOfChain(const char* type, const Vector3d& along, double end_mass) {
+  plan::Scene scene = LinkedScene(4, type);
+  SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
+  SetWorld(scene, "record", schema::WordList{"stability"});
+  SetWorld(scene, "cycles", std::uint64_t{120});
+  SetGroup(scene, "type", Word("cuboid"));
+  SetGroup(scene, "location", Layout("line", {{"along", along}}));
+  SetGroup(scene, "links.end_mass", end_mass);
+  return RunHere(scene);
+}
+
+TEST(Links, TellHowFarTheyBendAndStretch) {
+  const Recorded beam = RunOfChain("fixed", {1, 0, 0}, 1);
+  ASSERT_TRUE(beam.done()) << beam.message();
+  const double bend = beam.recording.Reals("joint_bend")[119];
+  const Vector3d end = beam.engine->initial_state().objects[3].pose.position;
+  const double sunk = (Position(*beam.engine, 3) - end).norm();
+  EXPECT_GT(bend, 0.05);
+  EXPECT_NEAR(bend, sunk / 3.85, 0.02) << "over the length of the beam";
+  EXPECT_LT(beam.recording.Reals("joint_gap")[119], 0.05);
+  const Recorded hanging = RunOfChain("fixed", {0, -1, 0}, 1);
+  EXPECT_LT(hanging.recording.Reals("joint_bend")[119], 0.01);
+  const Recorded rope = RunOfChain("ball", {0, -1, 0}, 100);
+  EXPECT_GT(rope.recording.Reals("joint_stretch")[119], 0.02);
+  EXPECT_EQ(rope.recording.Reals("joint_bend")[119], 0);
+}
+
 TEST(Links, DoNotLetNeighboursCollide) {
   plan::Scene scene = LinkedScene(2, "ball");
   SetGroup(scene, "location", Layout("line", {{"gap", -0.5}}));
