@@ -35,7 +35,7 @@ TEST(Standing, OnAStackRests) {
        })
     EXPECT_EQ(ExpectationWith(group), "rest") << group;
   EXPECT_EQ(ExpectationWith("objects top { quantity 1\n type cuboid\n size 1\n location at(0.75, "
-                            "-1.49, 0) }",
+                            "-1.49, -0.75) }",
                             "stack(height: 2, gap: 0)"),
             "rest")
       << "on a column";
