@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
@@ -173,7 +174,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
   facts.pull = ConstantOf(world.Get("acceleration"));
   facts.has_walls = world.WordOr("world.walls") != "none";
   facts.has_box_walls = facts.has_walls && world.WordOr("world.wall_shape") == "box";
-  facts.only_contacts_take_energy = analysis::OnlyContactsTakeEnergy(scene);
+  facts.only_contacts_take_energy = analysis::IsChecked(analysis::Question::kLosses, scene);
   facts.is_single = world.WordOr("precision") == "single";
   facts.epsilon = facts.is_single ? std::numeric_limits<float>::epsilon()
                                   : std::numeric_limits<double>::epsilon();

@@ -62,7 +62,7 @@ TEST_F(Pile, LiesOnTheFloorAndOverlapsHardly) {
     EXPECT_GT(a.pose.position.y() + box.lower.y(), -20.02);
     highest = std::max(highest, a.pose.position.y() + box.upper.y());
     objects::Solid smaller = a.solid;
-    smaller.sides *= 0.95;
+    smaller.sides *= 0.9;  // Bullet rounds edges by its margin
     for (std::size_t k = 0; k < i; ++k) {
       const auto& b = state.objects[k];
       EXPECT_FALSE(objects::Overlap(smaller, a.pose, b.solid, b.pose)) << i << " and " << k;
