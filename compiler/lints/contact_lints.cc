@@ -19,6 +19,8 @@ constexpr double kLongStepOfSlider = 0.0125;
 /// m/s; Bullet gives no restitution to slower contacts
 /// (btContactSolverInfo::m_restitutionVelocityThreshold).
 constexpr double kSlowContact = 0.2;
+/// Bullet's contact threshold over the side, and the fraction of energy whose loss is drifting.
+constexpr double kContactGap = 0.015, kLostEnergy = 0.1;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -188,12 +190,13 @@ std::optional<Estimate> ThinShape(const SceneFacts& scene, const GroupFacts& obj
 
 std::optional<Estimate> InternalEdges(const SceneFacts& scene, const GroupFacts& objects) {
   const bool meets_edges = std::ranges::any_of(scene.groups, [&](const GroupFacts& ground) {
-    return ground.is_surface && ground.settings->WordOr("edges") == "bullet" &&
-           scene.collisions->MayTouch(objects.index, ground.index);
+    const bool has_edges =
+        ground.adjoins || (ground.is_surface && ground.settings->WordOr("edges") == "bullet");
+    return has_edges && scene.collisions->MayTouch(objects.index, ground.index);
   });
   if (!meets_edges || scene.rests) return std::nullopt;
   const double way = objects.speed * scene.Time() + scene.g * std::pow(scene.Time(), 2) / 2;
-  // The triangles are not known here, nor where the object meets them.
+  // Where the object meets the edges is not known here.
   const bool open = true;
   return Estimate{way / objects.least_side, kManyEdges, 0, open};
 }
@@ -210,14 +213,21 @@ std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts
 }
 
 std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!objects.may_touch || scene.rests || !scene.only_contacts_take_energy ||
-      BoundsOf(*objects.settings, "restitution").most < 1)
+  const bool is_faithful = scene.world->WordOr("contact") == "faithful";
+  const double restitution = BoundsOf(*objects.settings, "restitution").most;
+  if (!objects.may_touch || scene.rests || !scene.only_contacts_take_energy || !(restitution > 0) ||
+      (is_faithful && restitution < 1))
     return std::nullopt;
   const double speed = scene.FastestSpeed(objects);
   if (!(speed > 0)) return std::nullopt;
-  const bool is_faithful = scene.world->WordOr("contact") == "faithful";
-  const double value =
-      is_faithful ? kSlowContact / speed : speed * scene.Time() / objects.least_side;
+  // Bullet stops an object at a contact that is up to kContactGap sides away before it gives it the
+  // speed of the rebound, which this gap shortens. Elastic objects also gain energy.
+  const double eaten = kContactGap * objects.longest_side / scene.timestep / speed;
+  const double left = std::max(0.0, restitution - eaten);
+  const double change = (std::pow(restitution, 2) - std::pow(left, 2)) / kLostEnergy;
+  const double value = is_faithful        ? kSlowContact / speed
+                       : restitution == 1 ? std::max(change, kLossy)
+                                          : change;
   // It depends on where in a step they meet, or on the angle.
   const bool open = true;
   return Estimate{value, kLossy, kSlowContact / Harmless(kLossy), open};

@@ -39,6 +39,7 @@ void EnergyAudit::Begin(double kinetic, double energy) {
   peak_ = kinetic - jerk;
   least_ = 0;
   const double pull = engine_.acceleration().norm();
+  fall_ = pull * static_cast<double>(engine_.timestep());
   weight_ = pull * std::accumulate(masses_.begin(), masses_.end(), 0.0);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
@@ -61,31 +62,41 @@ double EnergyAudit::After(const BodyStates& before, const BodyStates& now, doubl
 
 double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
                             const BodyStates& now) const {
-  // Twice the mean velocity of a point of the body during the cycle.
-  const auto twice_mean = [&](const btCollisionObject* body, const Vector3d& point) -> Vector3d {
+  const auto velocity_in = [&](const BodyStates& states, const btCollisionObject* body,
+                               const Vector3d& point) -> Vector3d {
     const auto index = static_cast<std::size_t>(body->getUserIndex());
     if (index >= masses_.size() || masses_[index] == 0) return Vector3d::Zero();
-    const BodyState& then = before[index];
-    const Vector3d arm = point - world::ToEigen(then.pose.getOrigin());
-    return PointVelocity(then.velocity, then.spin, arm) +
-           PointVelocity(now[index].velocity, now[index].spin, arm);
+    const Vector3d arm = point - world::ToEigen(before[index].pose.getOrigin());
+    return PointVelocity(states[index].velocity, states[index].spin, arm);
   };
-  const bool is_elastic =
-      RestitutionOf(manifold.getBody0()) * RestitutionOf(manifold.getBody1()) == 1;
+  const double restitution =
+      RestitutionOf(manifold.getBody0()) * RestitutionOf(manifold.getBody1());
   double taken = 0;
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
     // Points beyond the threshold had no impulse in this cycle, and keep an old one.
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
     if (point.m_appliedImpulse == 0) continue;
-    const Vector3d velocity =
-        twice_mean(manifold.getBody0(), world::ToEigen(point.getPositionWorldOnA())) -
-        twice_mean(manifold.getBody1(), world::ToEigen(point.getPositionWorldOnB()));
-    const auto work = [&](btScalar impulse, const btVector3& direction) {
-      return -static_cast<double>(impulse) * velocity.dot(world::ToEigen(direction)) / 2;
+    const auto relative = [&](const BodyStates& states) -> Vector3d {
+      return velocity_in(states, manifold.getBody0(), world::ToEigen(point.getPositionWorldOnA())) -
+             velocity_in(states, manifold.getBody1(), world::ToEigen(point.getPositionWorldOnB()));
     };
-    taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
-    if (!is_elastic) taken += std::max(0.0, work(point.m_appliedImpulse, point.m_normalWorldOnB));
+    const Vector3d at_start = relative(before), at_end = relative(now);
+    const auto work = [&](btScalar impulse, const btVector3& direction) {
+      return std::max(0.0, -static_cast<double>(impulse) *
+                               (at_start + at_end).dot(world::ToEigen(direction)) / 2);
+    };
+    taken += work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1);
+    const double impact = work(point.m_appliedImpulse, point.m_normalWorldOnB);
+    if (restitution == 0) {
+      taken += impact;
+    } else {
+      const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
+      const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
+                   mass = static_cast<double>(point.m_appliedImpulse) /
+                          (approach + std::max(0.0, at_end.dot(normal)));
+      taken += std::min(impact, mass * std::pow(approach, 2) * (1 - std::pow(restitution, 2)) / 2);
+    }
   }
   return taken;
 }

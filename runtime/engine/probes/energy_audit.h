@@ -8,11 +8,14 @@
 
 namespace cdb::probes {
 
-/// Of the energy that a scene has lost, contacts may have taken the work of friction and, if they
-/// are not elastic, that of their normal impulses. Falling asleep may have taken the kinetic energy
-/// of objects that slip, but not of those that roll or fly. The work of an impulse J is J (v + v')
-/// / 2, with the velocities of its point along it before and after the cycle; with the integrator's
-/// own term in the energy this is exact. The engine must outlive it. Not thread-safe.
+/// Of the energy that a scene has lost, contacts may have taken the work of friction and that of
+/// their normal impulses: of one that turns an approach at the speed v into a separation, m v^2 (1
+/// - e^2) / 2 with the coefficient of restitution e of the scene (Newton's law), where m is the
+/// mass that the change of speed shows; with e = 0 all of its work, since it may take several
+/// cycles. Falling asleep may have taken the kinetic energy of objects that slip, but not of those
+/// that roll or fly. The work of an impulse J is J (v + v') / 2, with the velocities of its point
+/// along it before and after the cycle; with the integrator's own term in the energy this is exact.
+/// The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
   EnergyAudit(world::Engine& engine, double wall_restitution);
@@ -40,6 +43,7 @@ class EnergyAudit {
   std::vector<double> restitutions_;                     ///< by object
   std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
   double weight_ = 0;                                    ///< N, of all objects
+  double fall_ = 0;                                      ///< m/s: gained by a fall in a cycle
   double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J
 };
 

@@ -69,6 +69,14 @@ void KnownCatalogue::Losing() {
                     .friction = friction,
                     .restitution = 1})
               .Group("ccd", true));
+  Begin(Fault::kLosing, false, "ball that bounces in part, with ccd",
+        "the contact that ccd foresees takes all of its energy");
+  for (const double restitution : {0.4, 0.5, 0.8})
+    Add(fmt::format("restitution {}", restitution),
+        KnownBuilder(30, "floor", 300)
+            .World("contact", Word("faithful"))
+            .Add({.sides = Vector3d::Constant(0.1), .at = {0, -5, 0}, .restitution = restitution})
+            .Group("ccd", true));
   Begin(Fault::kLosing, false, "two elastic balls head on, Bullet's contacts",
         "they are pushed out of their overlap, which adds energy");
   for (const double phase : {0.0, 0.3, 0.6}) {
@@ -168,6 +176,16 @@ void KnownCatalogue::NotLosing() {
   for (const double restitution : {0.0, 0.5, 0.9})
     Add(fmt::format("restitution {}", restitution),
         KnownBuilder(50, "floor", 600).Add({.at = {0, -20, 0}, .restitution = restitution}));
+  Begin(Fault::kLosing, true, "tumbling box that bounces in part", "bounces take the energy");
+  for (const double restitution : {0.2, 0.5, 0.8})
+    Add(fmt::format("restitution {}", restitution), KnownBuilder(50, "floor", 600)
+                                                        .World("contact", Word("faithful"))
+                                                        .Add({.type = "cuboid",
+                                                              .sides = {1, 2, 1.5},
+                                                              .at = {0, -20, 0},
+                                                              .velocity = {3, 0, 1},
+                                                              .spin = {1, 2, 3},
+                                                              .restitution = restitution}));
   Begin(Fault::kLosing, true, "sliding box", "friction takes the energy");
   for (const double speed : {2.0, 5.0, 10.0}) {
     KnownBody box = Standing("cuboid", {2, 0.5, 2}, 0, 1);
