@@ -194,6 +194,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
                      });
   FindTowers(facts);
   FindContacts(facts);
+  FindAdjoining(facts);
   return facts;
 }
 

@@ -59,6 +59,7 @@ struct GroupFacts {
   std::vector<Eigen::Vector3d> places;
   std::optional<analysis::PoseFacts> path;  ///< of a kinematic object
   bool may_touch = false;  ///< an object may touch anything in the course of the run
+  bool adjoins = false;    ///< some of its fixed boxes stand side by side with others
   double stacked = 1;      ///< number of objects on top of one another
   double tower = 1;        ///< height, in objects, of a stack that is equally unstable
   double load = 1;         ///< mass of the end of a chain divided by that of the others
@@ -82,7 +83,7 @@ struct SceneFacts {
   std::optional<Eigen::Vector3d> pull;
   bool has_walls = false, has_box_walls = false;
   bool has_ground = false;                 ///< walls, fixed or kinematic objects
-  bool only_contacts_take_energy = false;  ///< analysis::OnlyContactsTakeEnergy
+  bool only_contacts_take_energy = false;  ///< analysis::Question::kLosses is checked
   bool is_single = false;
   double epsilon = 0;  ///< of the precision
   double count = 0;    ///< objects in all groups
@@ -113,6 +114,8 @@ SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read = {
 void FindTowers(SceneFacts& scene);
 /// Sets GroupFacts::may_touch.
 void FindContacts(SceneFacts& scene);
+/// Sets GroupFacts::adjoins.
+void FindAdjoining(SceneFacts& scene);
 
 /// The position at which `location at(…)` places the group's object.
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);

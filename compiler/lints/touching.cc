@@ -132,6 +132,8 @@ namespace {
 constexpr double kStackGap = 0.25;
 /// Stacks are sought among this many places.
 constexpr std::size_t kMostPlaces = 300;
+/// Of the least side: a smaller gap is none.
+constexpr double kAdjoins = 1e-3;
 
 struct Placed {
   GroupFacts* objects;
@@ -148,7 +150,29 @@ bool StandsOn(const Placed& above, const Placed& below) {
          std::abs(gap) < kStackGap * least;
 }
 
+/// True if a face of one continues one of the other, which is beside it.
+bool Adjoin(const Placed& one, const Placed& other) {
+  const Vector3d reach = (one.objects->most_sides + other.objects->most_sides) / 2;
+  const Vector3d gap = (one.at - other.at).cwiseAbs() - reach;
+  const double near = kAdjoins * std::min(one.objects->least_side, other.objects->least_side);
+  return (gap.array() < near).all() && (gap.array().abs() < near).count() == 1;
+}
+
 }  // namespace
+
+void FindAdjoining(SceneFacts& scene) {
+  std::vector<Placed> placed;
+  for (GroupFacts& objects : scene.groups)
+    if (!objects.moves && !objects.is_kinematic && objects.settings->WordOr("type") == "cuboid" &&
+        schema::IsZero(objects.settings->Get("orientation")))
+      for (const Vector3d& at : objects.places) placed.push_back({&objects, at});
+  // Of more places, only those that are listed one after the other are compared.
+  const std::size_t most = placed.size() > kMostPlaces ? 1 : placed.size();
+  for (std::size_t i = 0; i < placed.size(); ++i)
+    for (std::size_t j = i + 1; j < std::min(placed.size(), i + 1 + most); ++j)
+      if (Adjoin(placed[i], placed[j]))
+        placed[i].objects->adjoins = placed[j].objects->adjoins = true;
+}
 
 void FindTowers(SceneFacts& scene) {
   std::vector<Placed> placed;
