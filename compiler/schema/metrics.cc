@@ -100,11 +100,10 @@ const std::vector<ResultNames>& ReservedNames() {
       {"an array of contacts in the results",
        {"contact_body", "contact_point", "contact_normal", "contact_distance", "contact_first"}},
       {"a fact of each run in the results",
-       NamesOf(
-           {"status", "verdict", "first_bad_cycle", "bad_objects", "n_cycles", "started", "load_average", "noise",
-            "noise_cause", "state_hash", "run_id", "host", "message", "omitted", "needs", "checked",
-            "unchecked"},
-           kRunScalars)},
+       NamesOf({"status", "verdict", "first_bad_cycle", "bad_objects", "n_cycles", "started",
+                "load_average", "noise", "noise_cause", "state_hash", "run_id", "host", "message",
+                "omitted", "needs", "checked", "unchecked"},
+               kRunScalars)},
       {"a group of the results", {"run", "accuracy", "provenance"}},
       {"an array of /accuracy in the results", {"sample", "horizon", "step_size", "truth"}, true},
   };

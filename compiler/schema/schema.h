@@ -66,7 +66,7 @@ struct Parameter {
     kPile = 1,       ///< brings the piles of the run to rest (compiler/yaml/plan_yaml.h)
     kReference = 2,  ///< the reference run (compiler/analysis/reference.h)
     kTrace = 4,      ///< the run on recorded boxes (compiler/checks/scene_checks.h)
-    kDrop = 8,       ///< drops the objects of its piles, for many runs; ignores what kPile does, too
+    kDrop = 8,  ///< drops the objects of its piles, for many runs; ignores what kPile does, too
   };
 
   std::string_view name = {};  ///< without its group: `world.side`; `size`
