@@ -15,32 +15,50 @@ namespace {
 /// A smaller fraction of objects asleep is not reported.
 constexpr double kNoticeableSleep = 0.1;
 
+/// The parts of a text between separators.
+std::vector<std::string> Split(const std::string& text, std::string_view separator) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; from < text.size();) {
+    const std::size_t to = std::min(text.find(separator, from), text.size());
+    parts.push_back(text.substr(from, to - from));
+    from = to + separator.size();
+  }
+  return parts;
+}
+
 }  // namespace
+
+std::vector<std::string> CheckedQuestions(const results::ResultFile& file,
+                                          const std::vector<Cell>& cells) {
+  if (!file.Has("checked") || cells.empty()) return {};
+  std::vector<std::string> all = Split(file.ReadText("checked", cells[0]), ", ");
+  for (const Cell& cell : cells) {
+    const std::vector<std::string> here = Split(file.ReadText("checked", cell), ", ");
+    std::erase_if(all, [&](const std::string& question) {
+      return std::ranges::find(here, question) == here.end();
+    });
+  }
+  return all;
+}
 
 std::vector<OpenQuestion> OpenQuestions(const results::ResultFile& file,
                                         const std::vector<Cell>& cells) {
   std::vector<OpenQuestion> all;
   if (!file.Has("unchecked")) return all;
-  for (const Cell& cell : cells) {
-    // `question: reason; question: reason`
-    const std::string text = file.ReadText("unchecked", cell);
-    std::string_view left = text;
-    while (!left.empty()) {
-      const std::string_view one = left.substr(0, left.find("; "));
-      left.remove_prefix(std::min(left.size(), one.size() + 2));
+  for (const Cell& cell : cells)
+    for (const std::string& one : Split(file.ReadText("unchecked", cell), "; ")) {
       const std::size_t colon = one.find(": ");
-      if (colon == std::string_view::npos) continue;
-      const std::string_view question = one.substr(0, colon), why = one.substr(colon + 2);
+      if (colon == std::string::npos) continue;
+      const std::string question = one.substr(0, colon), why = one.substr(colon + 2);
       const auto found = std::ranges::find_if(all, [&](const OpenQuestion& open) {
         return open.question == question && open.why == why;
       });
       if (found != all.end()) {
         ++found->runs;
       } else {
-        all.push_back({std::string(question), std::string(why), 1});
+        all.push_back({question, why, 1});
       }
     }
-  }
   return all;
 }
 

@@ -10,6 +10,11 @@
 
 namespace cdb::figures {
 
+/// The questions that the verdicts of all `cells` answer. Empty for files that do not have them.
+/// Throws StoreError.
+std::vector<std::string> CheckedQuestions(const results::ResultFile& file,
+                                          const std::vector<Cell>& cells);
+
 /// A question that verdicts leave open for one reason (compiler/analysis/coverage.h).
 struct OpenQuestion {
   std::string question, why;  ///< `rest`; `group top is placed by at`

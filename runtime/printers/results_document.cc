@@ -55,10 +55,12 @@ Json DocumentConclusions(const figures::Model& model) {
 }
 
 Json DocumentCoverage(const figures::Model& model) {
-  Json all = Json::array();
-  for (const figures::OpenQuestion& open : figures::OpenQuestions(model.file(), model.runs().good))
-    all.push_back({{"question", open.question}, {"why", open.why}, {"runs", open.runs}});
-  return all;
+  const std::vector<figures::Cell>& cells = model.runs().good;
+  Json unchecked = Json::array();
+  for (const figures::OpenQuestion& open : figures::OpenQuestions(model.file(), cells))
+    unchecked.push_back({{"question", open.question}, {"why", open.why}, {"runs", open.runs}});
+  return {{"checked", figures::CheckedQuestions(model.file(), cells)},
+          {"unchecked", std::move(unchecked)}};
 }
 
 void CheckSize(const figures::Model& model) {

@@ -203,8 +203,11 @@ class Head {
     if (doubts.empty()) {
       if (sound == 0) return {};
       const std::size_t runs = groups_.NotSkipped();
-      return {sound < runs ? fmt::format("Verdict: {} of {} stable.", sound, runs)
-                           : fmt::format("Verdict: {}stable.", sound > 1 ? "all " : "")};
+      const std::string checked =
+          fmt::format("{}", fmt::join(figures::CheckedQuestions(file_, Judged()), ", "));
+      const std::string by = checked.empty() ? "" : fmt::format(" (checked: {})", checked);
+      return {sound < runs ? fmt::format("Verdict: {} of {} stable{}.", sound, runs, by)
+                           : fmt::format("Verdict: {}stable{}.", sound > 1 ? "all " : "", by)};
     }
     doubts.insert(
         doubts.begin(),

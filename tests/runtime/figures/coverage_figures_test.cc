@@ -1,4 +1,6 @@
 // The questions that the verdicts of a file leave open, in figures and conclusions.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "dsl/diagnostics.h"
@@ -14,7 +16,7 @@ namespace {
 using figures::Cell;
 
 struct Answers {
-  std::string open, bad, sleep, conclusion;
+  std::string open, bad, sleep, checked, conclusion;
 };
 
 /// Of a file in which all runs end as `made`.
@@ -29,6 +31,7 @@ Answers AnswersOf(const std::string& statements, const MadeUp& made) {
         Answers answers{figures::OpenQuestionsText(file, cells),
                         figures::BadObjectsText(file, cells[0]),
                         figures::SleepNote(file, cells),
+                        fmt::format("{}", fmt::join(figures::CheckedQuestions(file, cells), " ")),
                         {}};
         for (const figures::Conclusion& of : figures::Conclusions(figures::Model(file)))
           if (of.kind == "stability") answers.conclusion = of.answer;
@@ -47,6 +50,13 @@ TEST(OpenQuestions, AreNamedWithTheirReasons) {
           .open,
       "Not checked: losses (group objects has rolling friction) in 1 of 2 runs; losses (group "
       "objects has damping) in 1 of 2 runs.");
+}
+
+TEST(CheckedQuestions, AreThoseThatAllVerdictsAnswer) {
+  EXPECT_EQ(AnswersOf("objects { quantity 2 }", {}).checked, "energy losses passing sleep");
+  EXPECT_EQ(AnswersOf("objects { quantity 2; linear_damping sweep(0, 0.1) }", {}).checked,
+            "energy passing sleep");
+  EXPECT_EQ(AnswersOf("objects { quantity 2 } record timing", {}).checked, "");
 }
 
 TEST(OpenQuestions, AreAllOfThemWithoutStability) {
