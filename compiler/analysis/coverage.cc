@@ -105,6 +105,12 @@ bool HasLinks(const Scene& scene) {
   return FindGroup(scene, [](const Group& group) { return group.HasLinks(); }) != nullptr;
 }
 
+Reason WhyNotSleep(const Scene& scene) {
+  const Group* group = FindGroup(scene, [](const Group& linked) { return linked.HasLinks(); });
+  if (group == nullptr) return std::nullopt;
+  return fmt::format("the links of group {} may hold its objects", group->name);
+}
+
 bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }
 
 constexpr QuestionInfo kQuestions[] = {
@@ -121,7 +127,7 @@ constexpr QuestionInfo kQuestions[] = {
      "contacts at the edges between coplanar faces have the normals of these faces", EdgesArise,
      WhyNotEdges},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", HasLinks, AlwaysChecked},
-    {Question::kSleep, "sleep", "objects that fall asleep are held", MaySleep, AlwaysChecked},
+    {Question::kSleep, "sleep", "objects that fall asleep are held", MaySleep, WhyNotSleep},
 };
 
 const QuestionInfo& InfoOf(Question question) {

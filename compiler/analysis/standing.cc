@@ -16,9 +16,12 @@ using schema::ArgumentOf;
 
 /// In least sides: how far an object may fall, or reach into its support.
 constexpr double kFall = 0.05, kReach = 1e-6;
+/// More are not examined.
+constexpr std::size_t kMostBlocks = 1000;
 
 struct Block {
   Vector3d centre, half;  ///< m
+  double mass = 0;        ///< kg
   bool is_round = false;
 };
 
@@ -27,10 +30,12 @@ std::optional<Block> BlockOf(const plan::Group& group) {
   const std::string_view type = group.settings.WordOr("type");
   const schema::Number* size = schema::AsNumber(group.settings.Get("size"));
   const auto* aspect = std::get_if<schema::Ratio>(&group.settings.Get("aspect"));
+  const schema::Number* mass = schema::AsNumber(group.settings.Get("mass"));
   if ((type != "cuboid" && type != "cylinder") || size == nullptr || aspect == nullptr ||
-      !schema::IsZero(group.settings.Get("orientation")))
+      mass == nullptr || !schema::IsZero(group.settings.Get("orientation")))
     return std::nullopt;
-  return Block{Vector3d::Zero(), size->AsReal() / 2 * aspect->parts, type == "cylinder"};
+  return Block{Vector3d::Zero(), size->AsReal() / 2 * aspect->parts, mass->AsReal(),
+               type == "cylinder"};
 }
 
 std::optional<double> RealOf(const schema::Call& layout, std::string_view name) {
@@ -91,14 +96,36 @@ std::vector<Block> BlocksOf(const plan::Scene& scene) {
   return blocks;
 }
 
+/// Whether a point is over the upper face of the block.
+bool IsOver(const Block& block, const Vector3d& point) {
+  const Vector3d way = point - block.centre;
+  return block.is_round ? std::hypot(way.x(), way.z()) < block.half.x()
+                        : std::abs(way.x()) < block.half.x() && std::abs(way.z()) < block.half.z();
+}
+
 bool Bears(const Block& lower, const Block& upper) {
-  const Vector3d way = upper.centre - lower.centre;
-  const double gap = way.y() - lower.half.y() - upper.half.y();
+  const double gap = upper.centre.y() - lower.centre.y() - lower.half.y() - upper.half.y();
   const double least = 2 * upper.half.minCoeff();
-  const bool is_above =
-      lower.is_round ? std::hypot(way.x(), way.z()) < lower.half.x()
-                     : std::abs(way.x()) < lower.half.x() && std::abs(way.z()) < lower.half.z();
-  return is_above && gap > -kReach * least && gap <= kFall * least;
+  return IsOver(lower, upper.centre) && gap > -kReach * least && gap <= kFall * least;
+}
+
+/// The block with its centre moved to that of the mass of everything that it bears; nullopt if
+/// something on it does not stand, or stands on others as well.
+std::optional<Block> WithLoad(const Block& block, const std::vector<Block>& all) {
+  Block whole = block;
+  whole.centre *= block.mass;
+  for (const Block& upper : all) {
+    if (!Bears(block, upper)) continue;
+    if (std::ranges::count_if(all, [&](const Block& lower) { return Bears(lower, upper); }) != 1)
+      return std::nullopt;
+    const auto load = WithLoad(upper, all);
+    if (!load || !IsOver(block, load->centre)) return std::nullopt;
+    whole.mass += load->mass;
+    whole.centre += load->mass * load->centre;
+  }
+  whole.centre /= whole.mass;
+  // It presses on what is below within its own lower face.
+  return IsOver(block, whole.centre) ? std::optional(whole) : std::nullopt;
 }
 
 }  // namespace
@@ -112,10 +139,14 @@ bool StandsOnOthers(const plan::Scene& scene, const plan::Group& group) {
   const std::vector<Block> all = BlocksOf(scene);
   const double side = scene.world.Real("world.side");
   const Block floor = {{0, -side, 0}, {side, side / 2, side}};
-  return std::ranges::all_of(own, [&](const Block& upper) {
+  if (all.size() > kMostBlocks) return false;
+  const bool all_are_borne = std::ranges::all_of(own, [&](const Block& upper) {
     return Bears(floor, upper) ||
            std::ranges::any_of(all, [&](const Block& lower) { return Bears(lower, upper); });
   });
+  return all_are_borne && std::ranges::all_of(all, [&](const Block& lowest) {
+           return !Bears(floor, lowest) || WithLoad(lowest, all).has_value();
+         });
 }
 
 }  // namespace cdb::analysis

@@ -7,9 +7,9 @@ namespace cdb::analysis {
 
 /// True if all objects of `group`, which has `location at`, are upright cuboids or cylinders whose
 /// lower face touches the floor, an object of a stack or another object at a given point, or is
-/// above it by at most a twentieth of the object's least side, and whose centre is above the face
-/// that bears it. False if that does not follow from the plan, because sizes are drawn, for
-/// example.
+/// above it by at most a twentieth of the object's least side, and whose centre, with all that it
+/// bears, is above the face that bears it. False if that does not follow from the plan, because
+/// sizes are drawn, for example.
 bool StandsOnOthers(const plan::Scene& scene, const plan::Group& group);
 
 }  // namespace cdb::analysis

@@ -45,6 +45,7 @@ struct Gap {
   int axis;
   double widest, closed;  ///< m, at most and by how much it closes
   Vector3d least, most;   ///< of the space between them
+  bool is_on_path;        ///< so that the order of opening and closing is not known
 };
 
 /// The gap between two jaws that face each other along the axis.
@@ -58,9 +59,12 @@ std::optional<Gap> GapBetween(const Jaw& lower, const Jaw& upper, int axis) {
       !lower.is_on_path && !upper.is_on_path &&
       upper.least[axis] + upper.most[axis] >= lower.least[axis] + lower.most[axis];
   if (only_opens || !(widest > 0) || !(widest > least)) return std::nullopt;
-  Gap gap{axis, widest, widest - least,
+  Gap gap{axis,
+          widest,
+          widest - least,
           (lower.at + lower.least - lower.half).cwiseMax(upper.at + upper.least - upper.half),
-          (lower.at + lower.most + lower.half).cwiseMin(upper.at + upper.most + upper.half)};
+          (lower.at + lower.most + lower.half).cwiseMin(upper.at + upper.most + upper.half),
+          lower.is_on_path || upper.is_on_path};
   gap.least[axis] = bottom + lower.least[axis];
   gap.most[axis] = top + upper.most[axis];
   if ((gap.least.array() >= gap.most.array()).any()) return std::nullopt;
@@ -106,7 +110,7 @@ class Press {
     if (!is_between && stays) return;
     const double value = gap.closed / room;
     if (!worst_ || value > worst_->value)
-      worst_ = Estimate{value, kCrush, room * Harmless(kCrush), !is_between};
+      worst_ = Estimate{value, kCrush, room * Harmless(kCrush), !is_between || gap.is_on_path};
   }
 
   const SceneFacts& scene_;

@@ -106,8 +106,8 @@ std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& ob
   const double slow = std::min(speed > 0 ? kSlowSpeed / speed : kInfinity,
                                objects.spin > 0 ? kSlowSpin / objects.spin : kInfinity);
   if (slow < 1) return std::nullopt;
-  // Another object may wake it.
-  const bool open = objects.may_touch && scene.count > 1;
+  // Links may hold it, or another object may wake it.
+  const bool open = objects.linked || (objects.may_touch && scene.count > 1);
   return Estimate{slow, 1, 0, open};
 }
 

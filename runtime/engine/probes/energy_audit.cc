@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 constexpr double kLeastFall = 0.01;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
+/// s: the time in which friction stops an object that would stop anyway.
+constexpr double kSoon = 1;
 
 /// Velocity of a point of a body; `arm`: the point relative to the centre of mass.
 Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const Vector3d& arm) {
@@ -24,11 +26,12 @@ Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const V
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution)
-    : engine_(engine), wall_restitution_(wall_restitution) {
+EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction)
+    : engine_(engine), wall_restitution_(wall_restitution), wall_friction_(wall_friction) {
   for (const layouts::ObjectState& object : engine.initial_state().objects) {
     masses_.push_back(object.mass);
     restitutions_.push_back(object.numbers["restitution"]);
+    frictions_.push_back(object.numbers["friction"]);
     inertias_.push_back(object.solid.InertiaPerMass());
   }
 }
@@ -52,7 +55,7 @@ double EnergyAudit::After(const BodyStates& before, const BodyStates& now, doubl
                           double energy) {
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world()))
     taken_ += TakenBy(manifold, before, now);
-  taken_ += TakenBySleep(before, now);
+  taken_ += TakenBySleep(before, now) + TakenByRounding(now);
   peak_ = std::max(peak_, kinetic);
   const double scale = peak_ + least_;
   // No object has fallen farther through the gaps of joints than their sum.
@@ -83,10 +86,10 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     };
     const Vector3d at_start = relative(before), at_end = relative(now);
     const auto work = [&](btScalar impulse, const btVector3& direction) {
-      return std::max(0.0, -static_cast<double>(impulse) *
-                               (at_start + at_end).dot(world::ToEigen(direction)) / 2);
+      return -static_cast<double>(impulse) * (at_start + at_end).dot(world::ToEigen(direction)) / 2;
     };
-    taken += work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1);
+    taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
+    // Negative where a contact pushes objects out of each other.
     const double impact = work(point.m_appliedImpulse, point.m_normalWorldOnB);
     if (restitution == 0) {
       taken += impact;
@@ -107,6 +110,11 @@ double EnergyAudit::RestitutionOf(const btCollisionObject* body) const {
   return index < restitutions_.size() ? restitutions_[index] : wall_restitution_;
 }
 
+double EnergyAudit::FrictionOf(const btCollisionObject* body) const {
+  const auto index = static_cast<std::size_t>(body->getUserIndex());
+  return index < frictions_.size() ? frictions_[index] : wall_friction_;
+}
+
 double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const {
   const Vector3d spin = world::ToEigen(state.spin * state.pose.getBasis());
   return masses_[object] / 2 *
@@ -114,7 +122,7 @@ double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const 
 }
 
 /// By object: 1 if a contact point of it moves over the other surface, so that friction would have
-/// stopped it.
+/// stopped it soon.
 std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
   std::vector<char> slipping(states.size(), 0);
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
@@ -122,7 +130,10 @@ std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
       const auto index = static_cast<std::size_t>(body->getUserIndex());
       if (index >= states.size()) continue;
       const BodyState& state = states[index];
-      const double least = kSlips * world::ToEigen(state.velocity).norm();
+      const double speed = world::ToEigen(state.velocity).norm(), least = kSlips * speed;
+      // Friction takes longer to stop a faster one.
+      const double friction = FrictionOf(manifold.getBody0()) * FrictionOf(manifold.getBody1());
+      if (speed > friction * engine_.acceleration().norm() * kSoon) continue;
       for (int j = 0; j < manifold.getNumContacts(); ++j) {
         const Vector3d arm = world::ToEigen(manifold.getContactPoint(j).getPositionWorldOnB() -
                                             state.pose.getOrigin());
@@ -131,6 +142,15 @@ std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
     }
   }
   return slipping;
+}
+
+/// At most: far from the origin, positions are too coarse for the steps of a resting object.
+double EnergyAudit::TakenByRounding(const BodyStates& now) const {
+  double taken = 0;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    if (masses_[i] > 0 && !now[i].is_asleep)
+      taken += masses_[i] * world::ToEigen(now[i].pose.getOrigin()).norm();
+  return taken * engine_.acceleration().norm() * static_cast<double>(SIMD_EPSILON) / 2;
 }
 
 double EnergyAudit::TakenBySleep(const BodyStates& before, const BodyStates& now) const {

@@ -18,7 +18,7 @@ namespace cdb::probes {
 /// The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
-  EnergyAudit(world::Engine& engine, double wall_restitution);
+  EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction);
 
   /// Call once before the first cycle, with its energies, J, which are those of the series of these
   /// names.
@@ -33,14 +33,16 @@ class EnergyAudit {
   double TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
                  const BodyStates& now) const;
   std::vector<char> Slipping(const BodyStates& states) const;
+  double TakenByRounding(const BodyStates& now) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;
   double KineticOf(std::size_t object, const BodyState& state) const;
   double RestitutionOf(const btCollisionObject* body) const;
+  double FrictionOf(const btCollisionObject* body) const;
 
   world::Engine& engine_;
-  const double wall_restitution_;
+  const double wall_restitution_, wall_friction_;
   std::vector<double> masses_;                           ///< kg, by object; 0 if it is fixed
-  std::vector<double> restitutions_;                     ///< by object
+  std::vector<double> restitutions_, frictions_;         ///< by object
   std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
   double weight_ = 0;                                    ///< N, of all objects
   double fall_ = 0;                                      ///< m/s: gained by a fall in a cycle

@@ -100,6 +100,8 @@ void Probes::SetScales() {
       energy.kinetic + energy.other +
       engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
   soundness_->Begin(energy.kinetic, header_.scales.initial_energy);
+  // What perfect joints take at once from velocities that contradict them is not lost.
+  header_.scales.initial_energy -= engine_.links().JerkEnergy();
   header_.scales.energy_scale = energy.kinetic;
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
@@ -342,6 +344,8 @@ using Wrench = SleepWatch::Wrench;
 /// Limits of the residual weight, in weights: with normal forces only, beyond it the ground slopes;
 /// with friction, beyond it the object slides; with forces and torques, beyond it the object rolls.
 constexpr double kSlopes = 0.005, kSlides = 0.005, kRolls = 0.0035;
+/// Of an object that hardly moved, as contacts are not exact: beyond it the object tips over.
+constexpr double kTips = 0.03;
 /// The same for a ball on walls, boxes and balls, whose normals are exact.
 constexpr double kExactSlope = 2e-4;
 /// In sqrt(g S), and in g dt, which a resting object has while Bullet's contacts let it fall: a
@@ -448,13 +452,18 @@ double SleepWatch::HalfOf(std::size_t object) const {
 bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Support& support) const {
   const double pull = engine_.acceleration().norm();
   const layouts::ObjectState& state = engine_.initial_state().objects[object];
-  const double speed = world::ToEigen(before.velocity).norm();
+  const Vector3d velocity = world::ToEigen(before.velocity);
+  const double spin = world::ToEigen(before.spin).norm();
   if (!(pull > 0))
     return !support.normals.empty() ||
-           (speed < kDrifts * 2 * HalfOf(object) && world::ToEigen(before.spin).norm() < kDrifts);
+           (velocity.norm() < kDrifts * 2 * HalfOf(object) && spin < kDrifts);
+  // A resting object may have the speed of one step's fall.
   const double tremble = kTrembles * pull * static_cast<double>(engine_.timestep());
+  const double falling = velocity.dot(engine_.acceleration()) / pull;
+  const Vector3d across = velocity - falling * engine_.acceleration() / pull;
+  const double speed = falling >= 0 && falling < tremble ? across.norm() : velocity.norm();
   const bool fell_asleep_unseen = before.is_asleep;
-  if (support.normals.empty()) return !fell_asleep_unseen && speed < tremble;
+  if (support.normals.empty()) return !fell_asleep_unseen && velocity.norm() < tremble;
   Wrench weight = Wrench::Zero();
   weight.head<3>() = -engine_.acceleration() / pull;
   const bool rolls_freely = state.solid.IsBall() && !(state.numbers["rolling_friction"] > 0);
@@ -462,10 +471,11 @@ bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Suppo
   if (rolls_freely && support.is_exact)
     return Residual(support.normals, weight, 3) < kExactSlope ||
            Residual(support.cones, weight, 6) < kExactSlope;
-  if (fell_asleep_unseen ? !state.solid.IsBall()
-                         : speed < std::max(tremble, kRests * std::sqrt(pull * 2 * HalfOf(object))))
-    return true;
-  if (Residual(support.normals, weight, 3) < kSlopes) return true;
+  const double slow = kRests * std::sqrt(pull * 2 * HalfOf(object));
+  if (fell_asleep_unseen ? !state.solid.IsBall() : std::max(speed, spin * HalfOf(object)) < slow)
+    return Residual(support.cones, weight, 6) < kTips;
+  if (Residual(support.normals, weight, 3) < kSlopes)
+    return Residual(support.cones, weight, 6) < kTips;
   if (Residual(support.cones, weight, 3) > kSlides) return false;
   return state.numbers["rolling_friction"] > 0 || Residual(support.cones, weight, 6) < kRolls;
 }
@@ -479,7 +489,8 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       sleepers_(engine),
       normals_(engine) {
   if (analysis::IsChecked(analysis::Question::kLosses, scene))
-    audit_.emplace(engine, scene.world.Real("world.wall_restitution"));
+    audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
+                   scene.world.Real("world.wall_friction"));
 }
 
 void Soundness::Begin(double kinetic, double energy) {

@@ -21,6 +21,14 @@ constexpr double kFallDisplacement = 0.3;
 /// unit, and the least value.
 constexpr double kLeftAtFirst = 0.7, kLessLeft = 0.85, kLeastLeft = 0.3;
 
+void Damp(world::Engine& engine, const Falling& falling, double left_after_unit) {
+  const double left = std::pow(left_after_unit, 1 / falling.UnitOfTime());  // per second
+  // For small objects, whose unit is short, the damping would round to 1 and stop them in the air.
+  const btScalar most = std::nextafter(btScalar(1), btScalar(0));
+  const btScalar damping = std::min(static_cast<btScalar>(1 - left), most);
+  for (const std::uint32_t i : falling.objects) engine.objects()[i]->setDamping(damping, damping);
+}
+
 class Resting {
  public:
   Resting(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies)
@@ -29,7 +37,7 @@ class Resting {
   }
 
   void StepUnit(double left_after_unit, int steps) {
-    Damp(left_after_unit);
+    Damp(engine_, falling_, left_after_unit);
     for (int i = 0; i < steps; ++i) {
       reuse_.BeforeStep();
       engine_.Step();
@@ -51,16 +59,6 @@ class Resting {
  private:
   const btTransform& PoseOf(std::uint32_t i) const {
     return engine_.objects()[i]->getWorldTransform();
-  }
-
-  void Damp(double left_after_unit) {
-    const double left = std::pow(left_after_unit, 1 / falling_.UnitOfTime());  // per second
-    // For small objects, whose unit is short, the damping would round to 1 and stop them in the
-    // air.
-    const btScalar most = std::nextafter(btScalar(1), btScalar(0));
-    const btScalar damping = std::min(static_cast<btScalar>(1 - left), most);
-    for (const std::uint32_t i : falling_.objects)
-      engine_.objects()[i]->setDamping(damping, damping);
   }
 
   world::Engine& engine_;
@@ -122,6 +120,17 @@ Unrest WatchUnrest(world::Engine& engine, const Falling& falling) {
     if (!(way <= unrest.way)) unrest.way = way;
   }
   return unrest;
+}
+
+void CalmDown(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies,
+              double seconds) {
+  ContactReuse reuse(engine, std::move(bodies));
+  Damp(engine, falling, kLeastLeft);
+  const double steps = std::ceil(seconds / static_cast<double>(engine.timestep()));
+  for (int i = 0; i < static_cast<int>(steps); ++i) {
+    reuse.BeforeStep();
+    engine.Step();
+  }
 }
 
 namespace {

@@ -43,6 +43,12 @@ using library::SceneError;
 /// While they drop, in least half extents: Bullet's margin, and the way that an object moves before
 /// its contacts are found anew.
 constexpr double kDropMargin = 0.008, kReuseTolerance = 0.005;
+/// From this round on, a pile is at rest if less than this part of its objects moves, as objects
+/// that roll find no rest without rolling friction. It is that of the verdict `collapsed`.
+constexpr int kEnoughRounds = 4;
+constexpr double kRestlessPart = 0.01;
+/// Times that objects are watched, for which those that moved then calm down.
+constexpr int kMostCalm = 2;
 
 /// The data shared by all stages.
 struct Settling {
@@ -241,16 +247,20 @@ std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& li
   return answer;
 }
 
+std::vector<ContactReuse::Body> BodiesOf(const Settling& settling) {
+  std::vector<ContactReuse::Body> bodies;
+  for (const ObjectState& object : settling.dropped.objects)
+    bodies.push_back(
+        {object.solid.OuterRadius(), kReuseTolerance * object.solid.LeastHalfExtent()});
+  return bodies;
+}
+
 /// The poses in which the objects lie after their fall.
 InitialState Dropped(const Settling& settling) {
   plan::Scene scene = yaml::DropScene(settling.scene);
   scene.world.Set("timestep", settling.falling.Timestep());
   world::Engine engine(scene, PushedState(settling), omissions::KeepEverything(scene));
-  std::vector<ContactReuse::Body> bodies;
-  for (const ObjectState& object : settling.dropped.objects)
-    bodies.push_back(
-        {object.solid.OuterRadius(), kReuseTolerance * object.solid.LeastHalfExtent()});
-  FallDown(engine, settling.falling, std::move(bodies), [&](std::size_t at_rest) {
+  FallDown(engine, settling.falling, BodiesOf(settling), [&](std::size_t at_rest) {
     settling.Tell(protocol::SettlingPhase::kSettling, at_rest);
   });
   return StateOf(settling, engine);
@@ -271,9 +281,14 @@ InitialState Rested(const Settling& settling, InitialState state) {
     settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.objects);
     // The first round closes the gaps that are left by the drop.
     if (unrest.objects == 0 && round > 0) return state;
+    if (static_cast<double>(unrest.objects) < kRestlessPart * static_cast<double>(count) &&
+        round >= kEnoughRounds)
+      return state;
+    const double calm = round > 0 ? std::min(round, kMostCalm) * unrest.seconds : 0;
+    CalmDown(engine, settling.falling, BodiesOf(settling), calm);
     state = StateOf(settling, engine);
-    seconds += unrest.seconds;
-    steps += unrest.seconds / static_cast<double>(engine.timestep());
+    seconds += unrest.seconds + calm;
+    steps += (unrest.seconds + calm) / static_cast<double>(engine.timestep());
   }
   if (scene.world.WordOr("expect") == "anything") return state;
   throw SceneError(fmt::format(
@@ -286,7 +301,7 @@ InitialState Rested(const Settling& settling, InitialState state) {
 
 constexpr std::string_view kDropKind = "drop", kPileKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "6";
+constexpr std::string_view kVersion = "9";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.

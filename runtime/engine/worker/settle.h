@@ -15,7 +15,7 @@ namespace cdb::worker {
 
 /// Rounds of WatchUnrest after which settling fails: at most kMostRounds, or kMostSteps steps, but
 /// no fewer than kLeastRounds.
-inline constexpr int kLeastRounds = 10, kMostRounds = 100, kMostSteps = 20000;
+inline constexpr int kLeastRounds = 10, kMostRounds = 100, kMostSteps = 10000;
 
 struct SettlingProgress {
   protocol::SettlingPhase phase = protocol::SettlingPhase::kNone;

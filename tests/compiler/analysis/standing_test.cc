@@ -41,6 +41,25 @@ TEST(Standing, OnAStackRests) {
       << "on a column";
 }
 
+TEST(Standing, CountsTheLoad) {
+  const auto tower = [](const char* third) {
+    return ExpectationWith(std::string("objects top { type cuboid\n size 1\n location at((0, 0.5, "
+                                       "0), (0.3, 1.5, 0), (") +
+                           third + ", 2.5, 0)) }");
+  };
+  EXPECT_EQ(tower("0.65"), "rest");
+  // The upper two have their centre of mass beyond the edge of the first, or the third that of the
+  // second.
+  EXPECT_EQ(tower("0.75"), "anything");
+  EXPECT_EQ(tower("0.9"), "anything");
+  EXPECT_EQ(ExpectationWith("objects beam { quantity 1\n type cuboid\n size 5\n aspect 1 : 0.2 : "
+                            "0.2\n location at(0, 0.5, 0) }\n"
+                            "objects weight { quantity 1\n type cuboid\n size 1\n mass 5\n "
+                            "location at(2, 1.5, 0) }"),
+            "anything")
+      << "a seesaw";
+}
+
 TEST(Standing, IsNotInferredForWhatFallsOrTips) {
   for (const char* group : {
            "objects top { quantity 1\n type cuboid\n size 1\n location at(0, 0.6, 0) }",
