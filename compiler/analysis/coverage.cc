@@ -96,9 +96,23 @@ bool EdgesArise(const Scene& scene) {
 }
 
 Reason WhyNotEdges(const Scene& scene) {
-  const Group* group = FindGroup(scene, MovesAsGround);
-  if (group == nullptr) return std::nullopt;
-  return fmt::format("group {} is kinematic, and only fixed ground is examined", group->name);
+  if (const Group* group = FindGroup(scene, MovesAsGround))
+    return fmt::format("group {} is kinematic, and only fixed ground is examined", group->name);
+  // Each surface is examined by itself, and walls are not.
+  const Group* surface =
+      FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); });
+  if (surface != nullptr) {
+    if (surface->settings.Count("quantity") > 1)
+      return fmt::format("where surfaces of group {} meet is not examined", surface->name);
+    const Group* other =
+        FindGroup(scene, [&](const Group& group) { return &group != surface && IsFixed(group); });
+    if (other != nullptr)
+      return fmt::format("where groups {} and {} meet is not examined", surface->name, other->name);
+  }
+  const Group* beyond = FindGroup(
+      scene, [](const Group& group) { return IsFixed(group) && group.settings.On("overlap"); });
+  if (beyond == nullptr || scene.world.WordOr("world.walls") == "none") return std::nullopt;
+  return fmt::format("where group {} meets the walls is not examined", beyond->name);
 }
 
 bool HasLinks(const Scene& scene) {

@@ -160,8 +160,10 @@ std::optional<Estimate> FastHit(const SceneFacts& scene, const GroupFacts& objec
   if (is_ball && scene.moving == 1 && IsAlongOneAxis(objects.velocity)) return std::nullopt;
   const double speed = is_ball ? objects.velocity.maxCoeff() : scene.FastestComponent(objects);
   const double value = speed * scene.timestep / objects.least_side;
-  // Objects that do not cross the room may hit nothing.
-  const bool open = speed * scene.Time() < scene.side;
+  // Objects that do not cross the room may hit nothing; without walls, how far they fall before
+  // they hit is not known.
+  const double own = objects.velocity.maxCoeff();
+  const bool open = speed * scene.Time() < scene.side || (!scene.has_walls && speed > own);
   return Estimate{value, kFastHit, ShorterStep(scene, value, kFastHit), open};
 }
 

@@ -241,8 +241,8 @@ void Probes::RecordStability(std::uint64_t cycle) {
       continue;
     }
     if (body->isKinematicObject()) continue;  // moves as it is told
+    if (body->isStaticObject()) continue;     // Bullet marks fixed bodies as asleep
     escaped += engine_.MayTouchWalls(i) && IsBeyondWall(body->getWorldTransform().getOrigin());
-    if (body->isStaticObject()) continue;  // Bullet marks fixed bodies as asleep
     fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
     asleep += body->getActivationState() == ISLAND_SLEEPING;
     removed += body->getActivationState() == DISABLE_SIMULATION || IsTooLarge(*body);

@@ -98,10 +98,10 @@ void FallDown(world::Engine& engine, const Falling& falling, std::vector<Contact
   }
 }
 
-Unrest WatchUnrest(world::Engine& engine, const Falling& falling) {
+Unrest WatchUnrest(world::Engine& engine, const Falling& falling, double span) {
   const auto timestep = static_cast<double>(engine.timestep());
   const double unit = falling.UnitOfTime();
-  const int steps = static_cast<int>(std::ceil(std::max(kRestSpan, unit) / timestep));
+  const int steps = static_cast<int>(std::ceil(std::max(span, unit) / timestep));
   std::vector<btTransform> start;
   for (const std::uint32_t i : falling.objects)
     start.push_back(engine.objects()[i]->getWorldTransform());

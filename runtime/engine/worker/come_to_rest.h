@@ -76,9 +76,9 @@ void FallDown(world::Engine& engine, const Falling& falling, std::vector<Contact
 /// An object is at rest if no point of it moves farther than this in a unit of time, nor farther
 /// than kMostRestWay while it is watched, in least sides of its thinnest convex piece.
 inline constexpr double kRestWay = 0.04, kMostRestWay = 0.1;
-/// Objects are watched until Bullet has put them to sleep, which takes two seconds, or for a unit
-/// of time if that is more, s.
-inline constexpr double kRestSpan = 2.5;
+/// s, or a unit of time if that is more: objects are watched as long; if they may sleep, until
+/// Bullet has put them to sleep, which takes two seconds.
+inline constexpr double kRestSpan = 1, kSleepSpan = 2.5;
 
 struct Unrest {
   std::size_t objects = 0;  ///< that are not at rest
@@ -87,7 +87,7 @@ struct Unrest {
 };
 /// Steps `engine` as a run would, for the time that it watches. Where nothing moves, this is the
 /// motion with which a run begins that starts like the engine.
-Unrest WatchUnrest(world::Engine& engine, const Falling& falling);
+Unrest WatchUnrest(world::Engine& engine, const Falling& falling, double span = kRestSpan);
 
 /// Goes on for this time, s, with strong damping, so that what still moves finds a place sooner
 /// than if it began at rest each time it is watched. `bodies` are all objects of the engine.

@@ -272,12 +272,13 @@ InitialState Rested(const Settling& settling, InitialState state) {
   plan::Scene scene = yaml::RestScene(settling.scene);
   if (yaml::SharesPile(settling.scene)) scene.world.Set("timestep", settling.falling.Timestep());
   const std::size_t count = settling.falling.objects.size();
+  const double span = scene.world.On("sleeping") ? kSleepSpan : kRestSpan;
   double seconds = 0, steps = 0;
   Unrest unrest;
   for (int round = 0; round < kLeastRounds || (round < kMostRounds && steps < kMostSteps);
        ++round) {
     world::Engine engine(scene, QuietState(settling, state), omissions::KeepEverything(scene));
-    unrest = WatchUnrest(engine, settling.falling);
+    unrest = WatchUnrest(engine, settling.falling, span);
     settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.objects);
     // The first round closes the gaps that are left by the drop.
     if (unrest.objects == 0 && round > 0) return state;
@@ -301,7 +302,7 @@ InitialState Rested(const Settling& settling, InitialState state) {
 
 constexpr std::string_view kDropKind = "drop", kPileKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "9";
+constexpr std::string_view kVersion = "10";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.

@@ -11,7 +11,8 @@ namespace cdb::tests {
 namespace {
 
 analysis::Coverage CoverageOf(const std::string& statements) {
-  const compiler::Compilation result = CompileText("benchmark b { " + statements + " }");
+  const compiler::Compilation result =
+      CompileText("benchmark b { " + statements + " }", {{"flat.csv", "0,0\n0,0\n"}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
   return analysis::CoverageOf(result.plans.at(0).runs.at(0).scene);
 }
@@ -58,6 +59,17 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "kinematic, and only fixed ground is examined"},
       {"objects a { quantity 3 } objects floor { quantity 1; type cuboid; mass fixed }",
        "energy, losses, passing, sleep", ""},
+      {"objects a { quantity 3 } objects ground { quantity 2; type heights(\"flat.csv\"); mass "
+       "fixed }",
+       "energy, losses, passing, sleep",
+       "edges: where surfaces of group ground meet is not examined"},
+      {"objects a { quantity 3 } objects ground { quantity 1; type heights(\"flat.csv\"); mass "
+       "fixed }"
+       "objects slab { quantity 1; type cuboid; mass fixed }",
+       "energy, losses, passing, sleep",
+       "edges: where groups ground and slab meet is not examined"},
+      {"objects a { quantity 3 } objects hill { quantity 2; type cuboid; mass fixed; overlap on }",
+       "energy, losses, passing, sleep", "edges: where group hill meets the walls is not examined"},
       {"objects floor { quantity 2; mass fixed }", "", ""},
       {"objects a { quantity 3; location stack } record timing", "",
        "energy: record lacks stability; losses: record lacks stability; rest: record lacks "
