@@ -30,7 +30,8 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
             std::string::npos)
       << shown.out;
   EXPECT_NE(shown.out.find("precision single, rep 0: frozen from cycle 0 on"), std::string::npos);
-  EXPECT_NE(shown.out.find("  Verdict: 1 of 2 stable (checked: energy, losses, passing, sleep).\n"), std::string::npos);
+  EXPECT_NE(shown.out.find("  Verdict: 1 of 2 stable (checked: energy, losses, passing, sleep).\n"),
+            std::string::npos);
   const std::size_t row = shown.out.find("\n  single");
   ASSERT_NE(row, std::string::npos) << shown.out;
   const std::string line = shown.out.substr(row + 1, shown.out.find('\n', row + 1) - row - 1);
