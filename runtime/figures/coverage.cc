@@ -115,11 +115,11 @@ std::string SleepNote(const results::ResultFile& file, const std::vector<Cell>& 
   }
   if (runs == 0) return {};
   const std::string where =
-      cells.size() > 1 ? fmt::format(", in {} of {} runs a tenth or more", runs, cells.size()) : "";
+      cells.size() > 1 ? fmt::format(" (a tenth or more in {} of {} runs)", runs, cells.size())
+                       : "";
   return fmt::format(
-      "Asleep in the mean over cycles: {}{} of {} objects{}; a step over sleeping objects is less "
-      "work.",
-      cells.size() > 1 ? "up to " : "", terminal::ShortNumber(asleep), objects, where);
+      "{} of {} objects were asleep on average{}; a step over sleeping objects is less work.",
+      (cells.size() > 1 ? "Up to " : "") + terminal::ShortNumber(asleep), objects, where);
 }
 
 }  // namespace cdb::figures

@@ -78,9 +78,9 @@ TEST(Sleep, IsSaidFromATenthOfTheObjectsOn) {
   MadeUp made{.moving_objects = 60, .mean_asleep = 5.5};
   EXPECT_EQ(AnswersOf("objects { quantity 60 }", made).sleep, "");
   made.mean_asleep = 51.25;
-  EXPECT_EQ(AnswersOf("objects { quantity 60 }", made).sleep,
-            "Asleep in the mean over cycles: 51.2 of 60 objects; a step over sleeping objects is "
-            "less work.");
+  EXPECT_EQ(
+      AnswersOf("objects { quantity 60 }", made).sleep,
+      "51.2 of 60 objects were asleep on average; a step over sleeping objects is less work.");
 }
 
 }  // namespace
