@@ -115,12 +115,14 @@ Reason WhyNotEdges(const Scene& scene) {
   return fmt::format("where group {} meets the walls is not examined", beyond->name);
 }
 
-bool HasLinks(const Scene& scene) {
-  return FindGroup(scene, [](const Group& group) { return group.HasLinks(); }) != nullptr;
+const Group* FindLinked(const Scene& scene) {
+  return FindGroup(scene, [](const Group& group) { return group.HasLinks(); });
 }
 
+bool HasLinks(const Scene& scene) { return FindLinked(scene) != nullptr; }
+
 Reason WhyNotSleep(const Scene& scene) {
-  const Group* group = FindGroup(scene, [](const Group& linked) { return linked.HasLinks(); });
+  const Group* group = FindLinked(scene);
   if (group == nullptr) return std::nullopt;
   return fmt::format("the links of group {} may hold its objects", group->name);
 }

@@ -30,7 +30,7 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "the run was not executed, or did not record stability"},
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01 or fell by 0.1; false normals of a surface deflected an object; if the "
+     "energy rose by 0.01 or fell by 0.1; false normals of the ground deflected an object; if the "
      "scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "

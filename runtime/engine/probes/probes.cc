@@ -344,9 +344,10 @@ using Wrench = SleepWatch::Wrench;
 /// Limits of the residual weight, in weights: with normal forces only, beyond it the ground slopes;
 /// with friction, beyond it the object slides; with forces and torques, beyond it the object rolls.
 constexpr double kSlopes = 0.005, kSlides = 0.005, kRolls = 0.0035;
-/// Of an object that hardly moved, as contacts are not exact: beyond it the object tips over.
+/// With forces and torques, for an object that hardly moved or lies on level ground, as contacts
+/// are not exact: beyond it the object tips over.
 constexpr double kTips = 0.03;
-/// The same for a ball on walls, boxes and balls, whose normals are exact.
+/// For a ball on walls, boxes and balls, whose normals are exact: beyond it the ball rolls.
 constexpr double kExactSlope = 2e-4;
 /// In sqrt(g S), and in g dt, which a resting object has while Bullet's contacts let it fall: a
 /// slower object rests.
@@ -472,9 +473,9 @@ bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Suppo
     return Residual(support.normals, weight, 3) < kExactSlope ||
            Residual(support.cones, weight, 6) < kExactSlope;
   const double slow = kRests * std::sqrt(pull * 2 * HalfOf(object));
-  if (fell_asleep_unseen ? !state.solid.IsBall() : std::max(speed, spin * HalfOf(object)) < slow)
-    return Residual(support.cones, weight, 6) < kTips;
-  if (Residual(support.normals, weight, 3) < kSlopes)
+  const bool hardly_moved =
+      fell_asleep_unseen ? !state.solid.IsBall() : std::max(speed, spin * HalfOf(object)) < slow;
+  if (hardly_moved || Residual(support.normals, weight, 3) < kSlopes)
     return Residual(support.cones, weight, 6) < kTips;
   if (Residual(support.cones, weight, 3) > kSlides) return false;
   return state.numbers["rolling_friction"] > 0 || Residual(support.cones, weight, 6) < kRolls;
