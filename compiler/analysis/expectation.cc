@@ -33,9 +33,10 @@ std::optional<std::string> WhyMayMove(const plan::Scene& scene) {
     if (group.settings.Count("quantity") == 0) continue;
     if (!Stands(group) && !StandsOnOthers(scene, group)) {
       const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-      return fmt::format("group {} is placed by {}", group.name,
+      return fmt::format("group {} is placed by {}{}", group.name,
                          layout != nullptr ? std::string_view(layout->name)
-                                           : group.settings.WordOr("location", "coordinates"));
+                                           : group.settings.WordOr("location", "coordinates"),
+                         schema::AsCall(group.settings.Get("region")) ? " in a region" : "");
     }
     if (!IsZero(group.settings.Get("linear_velocity")) ||
         !IsZero(group.settings.Get("angular_velocity")))
@@ -79,7 +80,8 @@ Expectation ExpectationOf(const plan::Scene& scene) {
 
 bool Stands(const plan::Group& group) {
   const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-  return layout != nullptr &&
+  // A region may be above the floor.
+  return layout != nullptr && schema::AsCall(group.settings.Get("region")) == nullptr &&
          (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
 }
 

@@ -2,6 +2,7 @@
 // itself.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -22,7 +23,9 @@ struct SceneFault {
 };
 
 /// Checks a scene; nullopt if it has no fault. A function, because only the library knows layouts
-/// and closed forms.
-using FindSceneFault = std::function<std::optional<SceneFault>(const plan::Scene& scene)>;
+/// and closed forms. `draws`: how many random positions may still be drawn, reduced by those that
+/// were; a crowded scene that needs more shows its fault in the run.
+using FindSceneFault =
+    std::function<std::optional<SceneFault>(const plan::Scene& scene, std::uint64_t& draws)>;
 
 }  // namespace cdb::analysis

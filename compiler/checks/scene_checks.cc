@@ -151,6 +151,37 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
   return true;
 }
 
+// A word with arguments must name existing groups.
+bool SceneChecks::CheckGroupsInCalls(configure::Configuration& configuration,
+                                     const plan::Scene& scene, const plan::Group& group) {
+  std::vector<std::string_view> names;
+  for (const plan::Group& other : scene.groups) names.push_back(other.name);
+  bool good = true;
+  for (const auto& [name, value] : group.settings) {
+    const schema::Call* call = schema::AsCall(value);
+    if (call == nullptr || schema::ListsPoints(*call)) continue;
+    for (const schema::Parameter& argument : schema::FindParametrisedWord(call->name)->arguments) {
+      if (argument.word_source != schema::WordSource::kGroups) continue;
+      const std::string& word = std::get<schema::Word>(ArgumentOf(*call, argument.name)).text;
+      if (std::ranges::find(names, word) != names.end()) continue;
+      good = false;
+      if (!misplaced_.emplace(group.name, word).second) continue;
+      ReportUnknownGroup(
+          configuration.SpanOf({group.name, schema::FindParameter(name, true)}, benchmark_), word,
+          names);
+    }
+  }
+  return good;
+}
+
+void SceneChecks::ReportUnknownGroup(const text::Span& span, const std::string& word,
+                                     const std::vector<std::string_view>& names) {
+  const std::string_view near = dsl::DidYouMean(word, names);
+  diagnostics_.Report(scenario::kUnknownName, span, fmt::format("there is no group '{}'", word),
+                      near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
+                                   : fmt::format("did you mean '{}'?", near));
+}
+
 // `collides_with` must name existing groups, in no more classes than Bullet can tell apart.
 bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
                                   const plan::Scene& scene) {
@@ -160,6 +191,7 @@ bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
   const bool is_ambiguous = std::ranges::count(names, analysis::kWallsWord) > 1;
   bool good = true;
   for (const plan::Group& group : scene.groups) {
+    good = CheckGroupsInCalls(configuration, scene, group) && good;
     for (const std::string& word : group.settings.Words("collides_with")) {
       if (parameter.get()->HasWord(word)) continue;
       const bool is_known = std::ranges::find(names, word) != names.end();
@@ -167,16 +199,12 @@ bool SceneChecks::CheckCollisions(configure::Configuration& configuration,
       good = false;
       if (!misplaced_.emplace(group.name, word).second) continue;
       const text::Span span = configuration.SpanOfWord({group.name, parameter.get()}, word);
-      const std::string_view near = dsl::DidYouMean(word, names);
       if (is_known)
         diagnostics_.Report(scenario::kContradiction, span,
                             "'walls' could mean those of the world or the group of that name",
                             "give the group another name");
       else
-        diagnostics_.Report(scenario::kUnknownName, span,
-                            fmt::format("there is no group '{}'", word),
-                            near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
-                                         : fmt::format("did you mean '{}'?", near));
+        ReportUnknownGroup(span, word, names);
     }
   }
   const std::size_t classes = analysis::Collisions(scene).ClassCount();

@@ -40,6 +40,10 @@ class SceneChecks {
   bool CheckTable(configure::Configuration& configuration, const plan::Group& group);
   bool CheckMotion(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckCollisions(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckGroupsInCalls(configure::Configuration& configuration, const plan::Scene& scene,
+                          const plan::Group& group);
+  void ReportUnknownGroup(const text::Span& span, const std::string& word,
+                          const std::vector<std::string_view>& names);
   bool CheckLinks(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene);

@@ -19,12 +19,12 @@ using Kind = analysis::SceneFault::Kind;
 /// Warns of objects of the default size if all others are smaller than this fraction of it.
 constexpr double kSmall = 0.1;
 
-/// All settings that determine the placement of objects.
+/// All settings that determine the placement of objects, and whether the engine can hold them.
 std::string PlacementKey(const plan::Scene& scene) {
   std::string key;
   for (const WorldParameter parameter :
-       {WorldParameter("world.side"), WorldParameter("world.walls"),
-        WorldParameter("acceleration")})
+       {WorldParameter("world.side"), WorldParameter("world.walls"), WorldParameter("acceleration"),
+        WorldParameter("precision")})
     key += "\n" + plan::CanonicalLine(parameter.name(), scene.world.Get(parameter));
   for (const plan::Group& group : scene.groups) {
     key += "\n" + group.name;
@@ -54,12 +54,12 @@ std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(const plan:
     // overflow.
     pairs_ += count < kMostPairs ? count * count / 2 : kMostPairs + 1;
     if (pairs_ > kMostPairs) return std::nullopt;
-    return find_(scene);
+    return find_(scene, draws_);
   }
   const auto [known, is_new] = known_.try_emplace(PlacementKey(scene));
   if (!is_new) return known->second;
   objects_ += count;
-  if (objects_ <= most_objects_) known->second = find_(scene);
+  if (objects_ <= most_objects_) known->second = find_(scene, draws_);
   return known->second;
 }
 
@@ -91,7 +91,7 @@ text::Span SceneFaults::SpanOf(configure::Configuration& configuration,
                                const analysis::SceneFault& fault) const {
   std::vector<scenario::ParameterKey> keys;
   if (!fault.parameter.empty())
-    keys.push_back({fault.group, schema::FindParameter(fault.parameter, true)});
+    keys.push_back({fault.group, schema::FindParameter(fault.parameter, !fault.group.empty())});
   if (fault.kind == Kind::kClosedForm) {
     keys.push_back({"", WorldParameter("accuracy.closed_form").get()});
   } else {

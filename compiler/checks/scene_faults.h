@@ -31,15 +31,16 @@ class SceneFaults {
         most_objects_(most_objects) {}
 
   /// Adds the scene at the chosen point of `configuration`, which has `runs` runs. Scenes that
-  /// place the same objects are checked once. Checks stop at `most_objects` objects in total, or at
-  /// kMostPairs pairs of objects that a closed form may examine, which take a second or two:
-  /// remaining faults show in the runs.
+  /// place the same objects are checked once. Checks stop at `most_objects` objects in total, at
+  /// kMostPairs pairs of objects that a closed form may examine, or at kMostDraws random positions
+  /// in crowded scenes, which take a second or two: remaining faults show in the runs.
   void Add(configure::Configuration& configuration, const plan::Scene& scene, std::size_t runs);
   /// Reports for a plan of `runs` runs. A wrong closed form is an error, and so are objects that
   /// cannot be placed in any run. If only some runs fail, the others are still useful: a warning.
   void Report(std::size_t runs) const;
 
-  static constexpr std::uint64_t kMostObjects = 1'000'000, kMostPairs = 200'000'000;
+  static constexpr std::uint64_t kMostObjects = 1'000'000, kMostPairs = 200'000'000,
+                                 kMostDraws = 4'000'000;
 
  private:
   struct Finding {
@@ -65,6 +66,7 @@ class SceneFaults {
   std::map<std::string, std::optional<std::optional<analysis::SceneFault>>>
       known_;                              ///< by the settings that determine the placement
   std::uint64_t objects_ = 0, pairs_ = 0;  ///< examined so far
+  std::uint64_t draws_ = kMostDraws;       ///< left
   std::size_t unplaced_runs_ = 0, looked_at_ = 0;
   std::map<FindingKey, Finding> findings_;
   std::set<std::string> default_sizes_;  ///< groups already warned of

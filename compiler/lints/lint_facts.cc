@@ -44,13 +44,14 @@ void AddLayout(double side, GroupFacts& objects) {
   objects.position = Vector3d::Constant(side / 2);
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
   if (layout == nullptr) return;
+  const bool is_in_cube = schema::AsCall(objects.settings->Get("region")) == nullptr;
   if (const auto position = FixedPositionOf(objects)) {
     objects.position = position->cwiseAbs();
-  } else if (layout->name == "pair") {
+  } else if (layout->name == "pair" && is_in_cube) {
     objects.position = Vector3d::Constant(objects.longest_side + *RealOf(*layout, "distance"));
   } else if (layout->name == "grid") {
     const double in_a_row = std::ceil(std::cbrt(objects.quantity));
-    if (const auto spacing = RealOf(*layout, "spacing"))
+    if (const auto spacing = RealOf(*layout, "spacing"); spacing && is_in_cube)
       objects.position.setConstant(*spacing * (in_a_row - 1) / 2);
   } else if (layout->name == "line") {
     objects.overlap = std::max(0.0, -RealOf(*layout, "gap").value_or(0));
@@ -206,7 +207,7 @@ double SceneFacts::FallHeight(const GroupFacts& objects) const {
     for (const Vector3d& place : objects.places) highest = std::max(highest, place.y());
     return std::clamp(highest + side / 2 - objects.least_side / 2, 0.0, side);
   }
-  if (objects.tower > 1)
+  if (objects.tower > 1 && schema::AsCall(objects.settings->Get("region")) == nullptr)
     return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
   return side;
 }

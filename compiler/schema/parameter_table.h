@@ -17,6 +17,8 @@ struct ParameterTable {
   static constexpr double kMaxSeed = 18446744073709551615.0;
   static constexpr Domain kAny = {};
   static constexpr Domain kPositive = {.min = 0, .min_open = true};
+  /// In reach of single precision, and of its square and its inverse, too.
+  static constexpr Domain kDuration = {.min = 1e-18, .max = 1e18};
   static constexpr Domain kNotNegative = {.min = 0};
   static constexpr Domain kFraction = {.min = 0, .max = 1};
   /// Cycles, objects and repeats are int32 coordinates of the results.
@@ -42,6 +44,9 @@ struct ParameterTable {
     {.name = "location", .grouped = true, .type = kWord, .first_default = "uniform", .word_source = kLayouts,
      .doc = "layout of the objects; they do not overlap unless `overlap` permits it",
      .also = "position layout placement distribution", .calls = "grid stack pyramid pile ring line at pair poses path"},
+    {.name = "region", .grouped = true, .type = kWord, .first_default = "cube", .words = "cube floor",
+     .doc = "the box in which the layout places the objects; floor is the cube, with the objects standing on its floor",
+     .also = "area volume zone inside within centre center offset", .calls = "box above beside on_top"},
     {.name = "overlap", .grouped = true, .type = kSwitch, .first_default = "off",
      .doc = "permits initial overlaps with objects of every group that also has it on, if a layout with arguments yields them",
      .also = "overlapping"},
@@ -87,7 +92,7 @@ struct ParameterTable {
      .doc = "coefficient of restitution of the walls; with 1, a bounce off a wall has the restitution of the object; see `restitution`",
      .also = "floor_restitution ground_restitution",
      .ignored_by = kDrop | kTrace},
-    {.name = "timestep", .type = kReal, .domain = kPositive, .unit = "s", .first_default = "1 / 60",
+    {.name = "timestep", .type = kReal, .domain = kDuration, .unit = "s", .first_default = "1 / 60",
      .doc = "simulated time of one cycle",
      .also = "dt time_step delta_t step frequency hz",
      .concern = Concern::kMethod, .ignored_by = kDrop | kTrace},
@@ -226,7 +231,7 @@ struct ParameterTable {
      .doc = "analytic solution to compare with; with none, errors that need a ground truth are computed from a reference run",
      .also = "accuracy.truth accuracy.analytic",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace},
-    {.name = "accuracy.reference.timestep", .type = kReal, .domain = kPositive, .unit = "s", .first_default = "1 / 3840",
+    {.name = "accuracy.reference.timestep", .type = kReal, .domain = kDuration, .unit = "s", .first_default = "1 / 3840",
      .doc = "time step of the reference run",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace, .of_reference = "timestep"},
     {.name = "accuracy.reference.precision", .type = kWord, .first_default = "double", .words = "single double",

@@ -21,6 +21,7 @@ struct ArgumentOptions {
   std::string_view first_default = {};
   std::string_view words = {};
   bool distribution = false;
+  WordSource word_source = WordSource::kOwn;
 };
 
 constexpr Parameter Argument(std::string_view name, ParameterType type, Domain domain,
@@ -34,10 +35,12 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.unit = unit;
   parameter.first_default = options.first_default;
   parameter.words = options.words;
+  parameter.word_source = options.word_source;
   parameter.doc = doc;
   return parameter;
 }
 
+constexpr ArgumentOptions kAGroup = {.word_source = WordSource::kGroups};
 constexpr ArgumentOptions kFit = {.first_default = "fit", .words = "fit"};
 
 // clang-format off
@@ -72,6 +75,18 @@ constexpr Parameter kPath[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"})};
+constexpr Parameter kBox[] = {
+    Argument("lower", kVector, kAny, "m", "the corner with the least coordinates"),
+    Argument("upper", kVector, kAny, "m", "the corner with the largest coordinates")};
+constexpr Parameter kAbove[] = {
+    Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup),
+    Argument("height", kReal, kPositive, "m", "of the box; fit reaches up to the ceiling", kFit)};
+constexpr Parameter kBeside[] = {
+    Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup),
+    Argument("towards", kVector, kNotZero, "", "along one axis: the side of the group; right is (1, 0, 0)", {.first_default = "right", .words = "right"}),
+    Argument("width", kReal, kPositive, "m", "of the box; fit reaches up to the wall", kFit)};
+constexpr Parameter kOnTop[] = {
+    Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup)};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"})};
@@ -106,6 +121,10 @@ constexpr ParametrisedWord kCalls[] = {
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
     {"poses", "positions from a file, with orientations and velocities if it has them", kPoses},
     {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
+    {"box", "the box between two corners", kBox},
+    {"above", "the box over the bounding box of a group, from its top up", kAbove},
+    {"beside", "the box at one side of the bounding box of a group, as large along the other axes", kBeside},
+    {"on_top", "above a group, with the objects standing on the top of its bounding box", kOnTop},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},

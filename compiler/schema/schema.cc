@@ -162,7 +162,8 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   }
   for (const std::string_view call : AllCalls())
     list(call, RequiredArguments(*FindParametrisedWord(call)).empty() ? "" : "( )");
-  if (word_source == kGroups) listed += " groups, and walls";
+  if (word_source == kGroups)
+    listed += type == ParameterType::kWord ? "the name of a group" : " groups, and walls";
   text = (alone.empty() ? "" : alone + "or ") + text + listed;
   if (distribution) text += ", or a distribution";
   return text;

@@ -146,6 +146,7 @@ class ValueReader : public Nodes {
       case schema::ParameterType::kText:
         return schema::Text{Text(node)};
       case schema::ParameterType::kWord:
+        if (parameter.word_source == schema::WordSource::kGroups) return schema::Word{Text(node)};
         break;
     }
     FailWord(node, parameter);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,9 @@
 #include "compiler/plan/input_file.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/exact_layouts.h"
+#include "library/layouts/number_range.h"
 #include "library/layouts/placement.h"
+#include "library/layouts/region.h"
 #include "library/meshes/convex_hull.h"
 #include "library/meshes/models.h"
 #include "library/meshes/topology.h"
@@ -121,10 +124,14 @@ void CheckPiles(const plan::Scene& scene) {
 }
 
 /// Places what needs no decomposition of a mesh.
-void CheckPlacement(plan::Scene scene) {
-  for (plan::Group& group : scene.groups)
-    if (!IsMadeAtOnce(group)) group.settings.Set("quantity", schema::Number::Whole(0));
-  layouts::CheckPlacement(scene);
+void CheckPlacement(plan::Scene scene, std::uint64_t& draws) {
+  std::set<std::string> left_out;
+  for (plan::Group& group : scene.groups) {
+    if (IsMadeAtOnce(group) && !left_out.contains(layouts::GroupOfRegion(group))) continue;
+    left_out.insert(group.name);
+    group.settings.Set("quantity", schema::Number::Whole(0));
+  }
+  layouts::CheckPlacement(scene, draws);
 }
 
 /// The requested errors that the closed form does not determine.
@@ -162,7 +169,8 @@ analysis::SceneFault FaultOf(const library::SceneError& error, analysis::SceneFa
 
 }  // namespace
 
-std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
+std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene,
+                                                   std::uint64_t& draws) {
   using enum analysis::SceneFault::Kind;
   const std::string_view form = scene.world.WordOr("accuracy.closed_form");
   if (form == "none" || analysis::ErrorsOf(scene).empty()) {
@@ -170,7 +178,7 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
       CheckMeshes(scene);
       CheckCcd(scene);
       CheckPiles(scene);
-      CheckPlacement(scene);
+      CheckPlacement(scene, draws);
     } catch (const library::SceneError& error) {
       return FaultOf(error, kPlacement);
     }
@@ -179,6 +187,7 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene) {
   layouts::InitialState state;
   try {
     state = layouts::MakeInitialState(scene);
+    layouts::CheckRange(scene, state);
   } catch (const library::SceneError& error) {
     return FaultOf(error, kPlacement);
   }

@@ -12,6 +12,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/text/check.h"
 #include "library/distributions/draw.h"
+#include "library/layouts/region.h"
 #include "library/objects/distance.h"
 
 namespace cdb::layouts {
@@ -82,17 +83,22 @@ class ExactPlacer {
         range_(range),
         layout_(LayoutOf(*range.group)),
         bodies_(bodies),
-        floor_(-bodies.side() / 2) {
+        region_(RegionOf(bodies, range)),
+        floor_(region_.box.lower.y() - region_.Centre().y()) {
     for (std::size_t i = 0; i < range.size(); ++i) largest_ = largest_.cwiseMax(Extents(i));
   }
 
   void Grid() {
     const std::size_t count = RootUp(range_.size(), Cube);
-    const double spacing = Length("spacing").value_or(bodies_.side() / static_cast<double>(count));
+    const std::optional<double> spacing = Length("spacing");
+    const Vector3d fit = region_.Extents() / static_cast<double>(count);
     for (std::size_t i = 0; i < range_.size(); ++i) {
-      const auto along = [&](std::size_t cell) { return Along(cell % count, count, spacing); };
-      PutBoxAt(i, {along(i), along(i / Square(count)), along(i / count)});
+      const auto along = [&](std::size_t cell, int axis) {
+        return Along(cell % count, count, spacing.value_or(fit[axis]));
+      };
+      PutBoxAt(i, {along(i, 0), along(i / Square(count), 1), along(i / count, 2)});
     }
+    Stand();
   }
 
   void Stack() {
@@ -107,7 +113,7 @@ class ExactPlacer {
       const bool is_lowest = i % height == 0;
       const double tall = Extents(i).y();
       const double larger = is_lowest ? tall : std::max(tall, Extents(i - 1).y());
-      const double bottom = (is_lowest ? floor_ : top) + gap.value_or(kFitGap * larger);
+      const double bottom = (is_lowest ? floor_ : top) + gap.value_or(kStandingGap * larger);
       const std::size_t column = i / height;
       PutBoxAt(i, {Along(column % edge, edge, spacing), bottom + tall / 2,
                    Along(column / edge, edge, spacing)});
@@ -117,7 +123,7 @@ class ExactPlacer {
 
   void Pyramid() {
     const std::size_t base = RootUp(range_.size(), SquarePyramidal);
-    const double gap = Length("gap").value_or(kFitGap * largest_.maxCoeff());
+    const double gap = Length("gap").value_or(kStandingGap * largest_.maxCoeff());
     const Vector3d cell = largest_ + Vector3d::Constant(gap);
     std::size_t layer = 0, at = 0;  // in its layer
     for (std::size_t i = 0; i < range_.size(); ++i, ++at) {
@@ -147,6 +153,7 @@ class ExactPlacer {
     }
     const double radius = Length("radius").value_or(fit);
     for (std::size_t i = 0; i < n; ++i) PutBoxAt(i, radius * on_circle(i));
+    Stand();
   }
 
   void Line() {
@@ -165,11 +172,12 @@ class ExactPlacer {
       places.push_back(end + reach(i, -along));
       end = places.back() + reach(i, along);
     }
-    for (std::size_t i = 0; i < range_.size(); ++i)
-      bodies_.MoveTo(range_.first + i, (places[i] - end / 2) * along);
+    for (std::size_t i = 0; i < range_.size(); ++i) Put(i, (places[i] - end / 2) * along);
+    Stand();
   }
 
   void At() {
+    RefuseRegion();
     if (ListsPoints(layout_)) {
       const std::size_t count = layout_.arguments.size();
       Require(count, fmt::format("places {} object{}", count, count == 1 ? "" : "s"),
@@ -184,7 +192,7 @@ class ExactPlacer {
   }
 
   /// DrawObjects has already set their positions.
-  void Poses() {}
+  void Poses() { RefuseRegion(); }
 
   void Pair() {
     Require(2, "takes two objects", "make the quantity 2, and write a group for each pair");
@@ -198,8 +206,9 @@ class ExactPlacer {
       const Vector3d direction = Vector3d(x, y, stream.Normal()).normalized();
       const auto apart = objects::Approach(a.solid, a.pose, b.solid, b.pose, direction, distance);
       if (!apart) continue;
-      bodies_.MoveTo(range_.first, -*apart / 2 * direction);
-      bodies_.MoveTo(range_.first + 1, *apart / 2 * direction);
+      Put(0, -*apart / 2 * direction);
+      Put(1, *apart / 2 * direction);
+      Stand();
       return;
     }
     throw library::SceneError(fmt::format("group `{}`: {} directions were drawn for its pair, but "
@@ -209,24 +218,47 @@ class ExactPlacer {
   }
 
   void Pile() {
+    RefuseRegion();
     const std::vector<Vector3d> places =
         PlacesAbovePile(*range_.group, bodies_.side(), bodies_.ObjectsOf(range_));
     for (std::size_t i = 0; i < range_.size(); ++i) bodies_.MoveTo(range_.first + i, places[i]);
   }
 
  private:
-  /// Between surfaces, as a fraction of the extent.
-  static constexpr double kFitGap = 1e-3;
   static constexpr int kMaxDirections = 1000;
+
+  /// Moves the group up or down, so that its lowest object stands on the floor of the region.
+  void Stand() {
+    if (!region_.stands) return;
+    double above = HUGE_VAL;
+    for (std::size_t i = 0; i < range_.size(); ++i)
+      above = std::min(above, bodies_.BoxOf(range_.first + i).lower.y() -
+                                  kStandingGap * Extents(i).y() - region_.box.lower.y());
+    for (std::size_t i = range_.first; i < range_.end; ++i)
+      bodies_.MoveTo(i, bodies_.object(i).pose.position - above * Vector3d::UnitY());
+  }
+
+  void RefuseRegion() const {
+    if (!region_.is_named) return;
+    throw library::SceneError(
+        fmt::format("`{}` does not place the objects of group `{}` in a region", layout_.name,
+                    range_.group->name),
+        "remove the region, or write another location", range_.group->name, "region");
+  }
 
   /// Empty for `fit`.
   std::optional<double> Length(std::string_view name) const { return RealArgument(layout_, name); }
 
   Vector3d Extents(std::size_t i) const { return bodies_.Extents(range_.first + i); }
 
+  /// Of the centre of mass, from the centre of the region; for stacks and pyramids from its axis.
+  void Put(std::size_t i, const Vector3d& place) {
+    bodies_.MoveTo(range_.first + i, region_.is_cube ? place : region_.Centre() + place);
+  }
+
   void PutBoxAt(std::size_t i, const Vector3d& centre) {
     const objects::Box& bounds = bodies_.bounds(range_.first + i);
-    bodies_.MoveTo(range_.first + i, centre - (bounds.lower + bounds.upper) / 2);
+    Put(i, centre - (bounds.lower + bounds.upper) / 2);
   }
 
   void Require(std::size_t quantity, std::string_view otherwise, const std::string& remedy) const {
@@ -241,7 +273,8 @@ class ExactPlacer {
   const GroupRange& range_;
   const schema::Call& layout_;
   Bodies& bodies_;
-  double floor_;                         ///< y, m
+  Region region_;
+  double floor_;                         ///< y from the centre of the region, m
   Vector3d largest_ = Vector3d::Zero();  ///< extents along each axis
 };
 

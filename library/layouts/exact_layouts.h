@@ -19,10 +19,12 @@ bool IsPile(const plan::Group& group);
 
 /// Sets the position of every object of a group with such a layout. Nothing is random except the
 /// direction of a pair. Coordinates in m, with the origin at the cube's centre; boxes are along the
-/// world's axes, around the rotated objects. Objects are taken in order, x running fastest, then z,
-/// then upwards:
+/// world's axes, around the rotated objects. The origin is the centre of the group's region
+/// (library/layouts/region.h), the floor its lower face; at, poses, path and pile have none. A
+/// group that is not a stack or pyramid moves up or down as a whole if it is to stand. Objects are
+/// taken in order, x running fastest, then z, then upwards:
 ///   grid     the first positions of a cubic lattice about the origin with ceil(cbrt n) along each
-///            edge; boxes are centred in the cells. fit: the cells fill the cube
+///            edge; boxes are centred in the cells. fit: the cells fill the region
 ///   stack    columns, each filled from the floor before the next begins; boxes `gap` apart and
 ///            above the floor, centred on the column's axis. The axes are a square lattice about
 ///            x = z = 0 with ceil(sqrt columns) along each edge. fit: see

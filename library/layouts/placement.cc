@@ -16,6 +16,7 @@
 #include "library/layouts/bodies.h"
 #include "library/layouts/clearance.h"
 #include "library/layouts/exact_layouts.h"
+#include "library/layouts/number_range.h"
 #include "library/objects/solid_pair.h"
 #include "library/scene_error.h"
 
@@ -39,13 +40,29 @@ bool PlaceStanding(const plan::Scene& scene, Bodies& bodies) {
 
 void Place(const plan::Scene& scene, InitialState& state) {
   Bodies bodies(scene, state);
-  if (PlaceStanding(scene, bodies)) PlaceDrawn(scene, bodies);
+  std::uint64_t tries = MostTries(bodies.size());
+  if (PlaceStanding(scene, bodies)) PlaceDrawn(scene, bodies, tries);
 }
 
-void CheckPlacement(const plan::Scene& scene) {
+void CheckPlacement(const plan::Scene& scene, std::uint64_t& draws) {
   InitialState state = DrawObjects(scene);
   Bodies bodies(scene, state);
-  if (PlaceStanding(scene, bodies)) PackingFraction(bodies).RefuseWhatCannotFit();
+  const bool are_all_placed = !PlaceStanding(scene, bodies);
+  CheckRange(scene, state);
+  if (are_all_placed) return;
+  const PackingFraction fraction(bodies);
+  fraction.RefuseWhatCannotFit();
+  if (!fraction.IsCrowded()) return;
+  const std::uint64_t most = std::min(draws, MostTries(bodies.size()));
+  std::uint64_t left = most;
+  const auto give_back = [&] { draws -= most - left; };
+  try {
+    PlaceDrawn(scene, bodies, left);
+    give_back();
+  } catch (const library::SceneError&) {
+    give_back();
+    if (left > 0 || most == MostTries(bodies.size())) throw;
+  }
 }
 
 namespace {
@@ -158,47 +175,69 @@ double PackingFraction::PartInside(std::size_t index) const {
 }
 
 void PackingFraction::RefuseWhatCannotFit() const {
-  for (const GroupRange& range : bodies_.groups()) {
-    if (HasExactLayout(*range.group)) continue;
-    for (std::size_t i = range.first; i < range.end; ++i) RefuseLarge(i);
-  }
+  const auto for_each = [&](auto refuse) {
+    for (const GroupRange& range : bodies_.groups())
+      if (!HasExactLayout(*range.group) && GroupOfRegion(*range.group).empty())
+        (this->*refuse)(range, RegionOf(bodies_, range));
+  };
+  for_each(&PackingFraction::RefuseLarge);
   if (volume_ / Cube() > 1) {
     throw library::SceneError(
         fmt::format("all objects together would fill {:.4g} % of the cube, so none was placed",
                     100 * volume_ / Cube()),
         Advice());
   }
-  for (const GroupRange& range : bodies_.groups())
-    if (!HasExactLayout(*range.group)) RefuseGroup(range);
+  for_each(&PackingFraction::RefuseGroup);
 }
 
-void PackingFraction::RefuseLarge(std::size_t index) const {
-  // Computed in the same way as the domain of drawn positions.
-  const objects::Box& box = bodies_.bounds(index);
-  for (int axis = 0; axis < 3; ++axis) {
-    if (-bodies_.side() / 2 - box.lower[axis] < bodies_.side() / 2 - box.upper[axis]) continue;
-    throw library::SceneError(
-        fmt::format("{} is {:.6g} m long along {} and does not fit between walls {:.6g} m apart",
-                    bodies_.Name(index), box.upper[axis] - box.lower[axis], "xyz"[axis],
-                    bodies_.side()),
-        "make world.side larger or the size smaller", bodies_.GroupOf(index).name);
+void PackingFraction::RefuseWhatCannotFit(const GroupRange& range, const Region& region) const {
+  RefuseLarge(range, region);
+  RefuseGroup(range, region);
+}
+
+bool PackingFraction::IsCrowded() const {
+  return std::ranges::any_of(bodies_.groups(), [&](const GroupRange& range) {
+    if (HasExactLayout(*range.group) || range.size() == 0) return false;
+    if (range.group->settings.Get("region") != schema::Value(schema::Word{"cube"})) return true;
+    const bool is_normal = range.group->settings.WordOr("location") == "normal";
+    return balls_and_boxes_ > (is_normal ? kMaxNormalFill : kMaxPlainFill) * Cube();
+  });
+}
+
+void PackingFraction::RefuseLarge(const GroupRange& range, const Region& region) const {
+  for (std::size_t i = range.first; i < range.end; ++i) {
+    const objects::Box domain = DomainOf(region, bodies_.side(), bodies_.bounds(i));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (domain.lower[axis] < domain.upper[axis]) continue;
+      const bool is_cube = region.is_cube;
+      throw library::SceneError(
+          fmt::format("{} is {:.6g} m long along {} and does not fit {} {:.6g} m {}",
+                      bodies_.Name(i), bodies_.Extents(i)[axis], "xyz"[axis],
+                      is_cube ? "between walls" : "into its region, which has",
+                      domain.upper[axis] - domain.lower[axis] + bodies_.Extents(i)[axis],
+                      is_cube ? "apart" : "there"),
+          is_cube ? "make world.side larger or the size smaller"
+                  : "make the region larger or the size smaller",
+          bodies_.GroupOf(i).name);
+    }
   }
 }
 
-void PackingFraction::RefuseGroup(const GroupRange& range) const {
+void PackingFraction::RefuseGroup(const GroupRange& range, const Region& region) const {
   if (range.size() < kManyObjects) return;
   const objects::Solid& solid = bodies_.object(range.first).solid;
   for (std::size_t i = range.first; i < range.end; ++i) {
     if (bodies_.object(i).solid != solid) return;
-    if (bodies_.Extents(i).maxCoeff() > kShortOfSide * bodies_.side()) return;
+    if (bodies_.Extents(i).maxCoeff() > kShortOfSide * region.Extents().minCoeff()) return;
   }
   const double most = solid.IsBall() ? kMaxFillOfBalls : kMaxFillOfOthers;
-  const double fill = static_cast<double>(range.size()) * solid.Volume() / Cube();
-  if (fill <= most) return;
+  const double fill = static_cast<double>(range.size()) * solid.Volume() / region.Volume();
+  if (fill <= most || region.stands) return;
   throw library::SceneError(
-      fmt::format("the {} objects of group `{}` fill {:.3g} % of the cube: equal objects at random "
+      fmt::format("the {} objects of group `{}` fill {:.3g} % of the {}: equal objects at random "
                   "positions leave no free position before {:.3g} %, so none was placed",
-                  range.size(), range.group->name, 100 * fill, 100 * most),
+                  range.size(), range.group->name, 100 * fill, region.is_cube ? "cube" : "region",
+                  100 * most),
       Advice(), range.group->name);
 }
 
@@ -210,14 +249,30 @@ std::string PackingFraction::Advice() const {
       std::max(bodies_.side() * 1.1, std::cbrt(boxes_ * 10)));
 }
 
-void PackingFraction::TooFull(std::size_t index, std::string_view when) const {
+void PackingFraction::TooFull(std::size_t index, const Region& region,
+                              std::string_view when) const {
+  const std::string& group = bodies_.GroupOf(index).name;
+  if (!region.is_cube || region.stands) {
+    double needed = 0;
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      if (bodies_.GroupOf(i).name == group)
+        needed += bodies_.Extents(i).prod() / (region.stands ? bodies_.Extents(i).y() : 1);
+    const double whole = region.Volume() / (region.stands ? region.Extents().y() : 1);
+    throw library::SceneError(
+        fmt::format(
+            "no free position was found for {} in its region, of {:.4g} x {:.4g} x {:.4g} m, "
+            "where {}; the boxes around the objects of its group would fill {:.3g} % of {}",
+            bodies_.Name(index), region.Extents().x(), region.Extents().y(), region.Extents().z(),
+            when, 100 * needed / whole, region.stands ? "its floor" : "it"),
+        "make the region larger, or the size or the quantity smaller", group);
+  }
   throw library::SceneError(
       fmt::format(
           "no free position was found for {}: all objects together fill {:.3g} % of the cube "
           "({:.3g} % with the boxes around them), {:.3g} % was filled when {}",
           bodies_.Name(index), 100 * volume_ / Cube(), 100 * boxes_ / Cube(),
           100 * placed_volume_ / Cube(), when),
-      Advice(), bodies_.GroupOf(index).name);
+      Advice(), group);
 }
 
 namespace {
@@ -251,14 +306,14 @@ struct VoxelSearch {
 
 class DrawnPlacer {
  public:
-  DrawnPlacer(const plan::Scene& scene, Bodies& bodies)
+  DrawnPlacer(const plan::Scene& scene, Bodies& bodies, std::uint64_t& tries)
       : scene_(scene),
         bodies_(bodies),
         side_(bodies.side()),
         fraction_(bodies),
         grid_(side_, ExtentsOf(bodies)),
         coverage_(bodies, grid_),
-        tries_left_(kMinTriesOfAll + kMeanTriesOfAll * bodies.size()) {
+        tries_left_(tries) {
     const double fill = fraction_.balls_and_boxes(), cube = fraction_.Cube();
     if (fill > kMinFillForHints * cube) hints_ = std::make_unique<Hints>(side_, bodies.size());
     misses_before_voxels_ = fill <= kMaxPlainFill * cube ? kMaxTriesOfOne : kMissesBeforeVoxels;
@@ -275,6 +330,8 @@ class DrawnPlacer {
 
  private:
   void PlaceGroup(const GroupRange& range) {
+    region_ = RegionOf(bodies_, range);
+    if (!GroupOfRegion(*range.group).empty()) fraction_.RefuseWhatCannotFit(range, region_);
     const std::string_view layout = range.group->settings.WordOr("location");
     CDB_CHECK(layout == "uniform" || layout == "normal");
     distributions::Stream stream =
@@ -286,27 +343,30 @@ class DrawnPlacer {
     }
   }
 
-  /// The open box for the centre of mass that keeps the object between the walls.
+  /// The open box for the centre of mass that keeps the object in its region.
   objects::Box DomainOf(std::size_t index) const {
-    const objects::Box& bounds = bodies_.bounds(index);
-    return {Vector3d::Constant(-side_ / 2) - bounds.lower,
-            Vector3d::Constant(side_ / 2) - bounds.upper};
+    return layouts::DomainOf(region_, side_, bodies_.bounds(index));
   }
 
   void PlaceNormal(const GroupRange& range, distributions::Stream& stream) {
     for (std::size_t index = range.first; index < range.end; ++index) {
-      const auto draw_along = [&](double, double) { return side_ / 6 * stream.Normal(); };
+      const auto draw_along = [&](int axis, double low, double high) {
+        if (region_.stands && axis == 1) return stream.Uniform(low, high);
+        return region_.Centre()[axis] + region_.Extents()[axis] / 6 * stream.Normal();
+      };
       if (!PlacePlainly(index, kMaxTriesOfOne, draw_along))
-        fraction_.TooFull(index, PackingFraction::kGivenUp);
+        fraction_.TooFull(index, region_, PackingFraction::kGivenUp);
     }
   }
 
   void PlaceUniform(const GroupRange& range, distributions::Stream& stream) {
-    const auto draw_along = [&](double low, double high) { return stream.Uniform(low, high); };
+    const auto draw_along = [&](int, double low, double high) { return stream.Uniform(low, high); };
     std::optional<VoxelSearch> search;
     for (std::size_t index = range.first; index < range.end; ++index) {
       if (!search) {
-        if (PlacePlainly(index, misses_before_voxels_, draw_along)) continue;
+        if (PlacePlainly(index, region_.is_cube ? misses_before_voxels_ : kMissesBeforeVoxels,
+                         draw_along))
+          continue;
         search.emplace(SearchFor(index, range.end));
       }
       const std::uint64_t max_misses = search->exact ? kNoLimit : kMissesBeforeVoxels;
@@ -323,7 +383,7 @@ class DrawnPlacer {
     for (std::uint64_t misses = 0; misses < max_misses; ++misses) {
       Vector3d place;
       for (int axis = 0; axis < 3; ++axis)
-        place[axis] = Coordinate(index, domain.lower[axis], domain.upper[axis], draw_along);
+        place[axis] = Coordinate(index, axis, domain, draw_along);
       if (ColliderAt(index, place) == kNobody) {
         Settle(index, place);
         return true;
@@ -333,16 +393,17 @@ class DrawnPlacer {
     return false;
   }
 
-  /// A coordinate strictly between `low` and `high`. The axes are independent, so redrawing one
+  /// A coordinate strictly within the domain. The axes are independent, so redrawing one
   /// coordinate gives the same distribution as redrawing the whole position.
   template <typename DrawAlong>
-  double Coordinate(std::size_t index, double low, double high, DrawAlong draw_along) {
+  double Coordinate(std::size_t index, int axis, const objects::Box& domain, DrawAlong draw_along) {
+    const double low = domain.lower[axis], high = domain.upper[axis];
     for (std::uint64_t tries = 0; tries < kMaxTriesOfOne; ++tries) {
-      const double x = draw_along(low, high);
+      const double x = draw_along(axis, low, high);
       if (x > low && x < high) return x;
       CountTry(index);
     }
-    fraction_.TooFull(index, PackingFraction::kGivenUp);
+    fraction_.TooFull(index, region_, PackingFraction::kGivenUp);
   }
 
   /// The voxels that are free for the objects in [first, end): for the object itself if all are
@@ -380,7 +441,7 @@ class DrawnPlacer {
     const objects::Box domain = DomainOf(index);
     for (std::uint64_t misses = 0; misses < max_misses; ++misses) {
       FreeVoxels& voxels = search.voxels;
-      if (voxels.empty()) fraction_.TooFull(index, PackingFraction::kNoPlaceLeft);
+      if (voxels.empty()) fraction_.TooFull(index, region_, PackingFraction::kNoPlaceLeft);
       const double count = static_cast<double>(voxels.size());
       // The product may round up to the count.
       const std::size_t drawn =
@@ -401,7 +462,7 @@ class DrawnPlacer {
       // After two draws per voxel, nearly all voxels covered by a single object have been found.
       if (++search.misses < 2 * voxels.size()) continue;
       if (voxels.size() > kMinSplitVoxels + kSplitVoxelsPerObject * bodies_.size()) continue;
-      if (!voxels.CanSplit()) fraction_.TooFull(index, PackingFraction::kGivenUp);
+      if (!voxels.CanSplit()) fraction_.TooFull(index, region_, PackingFraction::kGivenUp);
       voxels.Split([&](const objects::Box& part) { return IsCovered(search.probe, part, index); });
       search.misses = 0;
     }
@@ -447,22 +508,26 @@ class DrawnPlacer {
   }
 
   void CountTry(std::size_t index) {
-    if (tries_left_-- == 0) fraction_.TooFull(index, PackingFraction::kGivenUp);
+    if (tries_left_ == 0) fraction_.TooFull(index, region_, PackingFraction::kGivenUp);
+    --tries_left_;
   }
 
   const plan::Scene& scene_;
   Bodies& bodies_;
   double side_;
+  Region region_;  ///< of the group being placed
   PackingFraction fraction_;
   BoxGrid grid_;
   Coverage coverage_;
   std::unique_ptr<Hints> hints_;  ///< null in a sparse cube
-  std::uint64_t tries_left_;
+  std::uint64_t& tries_left_;
   std::uint64_t misses_before_voxels_ = 0;
 };
 
 }  // namespace
 
-void PlaceDrawn(const plan::Scene& scene, Bodies& bodies) { DrawnPlacer(scene, bodies).PlaceAll(); }
+void PlaceDrawn(const plan::Scene& scene, Bodies& bodies, std::uint64_t& tries) {
+  DrawnPlacer(scene, bodies, tries).PlaceAll();
+}
 
 }  // namespace cdb::layouts

@@ -15,6 +15,7 @@
 #include "library/layouts/bodies.h"
 #include "library/layouts/clearance.h"
 #include "library/layouts/initial_state.h"
+#include "library/layouts/region.h"
 #include "library/objects/solid.h"
 
 namespace cdb::layouts {
@@ -28,6 +29,8 @@ inline constexpr std::uint64_t kMeanTriesOfAll = 1000;  ///< per object
 /// kMaxTriesOfOne times; beyond it, an object that failed kMissesBeforeVoxels times in a row is
 /// placed by means of the voxels.
 inline constexpr double kMaxPlainFill = 0.25;
+/// Beyond this, objects of a normal layout may find no position near the centre.
+inline constexpr double kMaxNormalFill = 0.01;
 inline constexpr std::uint64_t kMissesBeforeVoxels = 1000;
 
 /// Packing fractions of equal solids at which random sequential addition ends: slightly above .3841
@@ -42,10 +45,12 @@ inline constexpr double kShortOfSide = 0.25;
 /// Sets the position of every object of `state`: first, in order, of the groups whose layout
 /// defines each position (library/layouts/exact_layouts.h), then, in order, of those drawn around
 /// them, from the stream `<group>.location`:
-///   uniform  each coordinate uniform over the range in which the object fits between the walls:
-///            "uniform over the cube" with positions that touch a wall redrawn
-///   normal   each coordinate normal with mean 0 and a third of the wall's coordinate as standard
-///            deviation, redrawn until it fits
+///   uniform  each coordinate uniform over the range in which the object fits into its region
+///            (library/layouts/region.h) and between the walls: "uniform over the cube" with
+///            positions that touch a wall redrawn
+///   normal   each coordinate normal about the centre of the region with a sixth of its extent as
+///            standard deviation, redrawn until it fits
+/// An object that stands has a height drawn uniformly from that of half to one and a half gaps.
 /// No object overlaps another one of any group, or a wall of the cube, whichever walls are in use;
 /// but fixed objects of exact layouts may leave the cube and overlap one another, so that obstacles
 /// and floors can be built from them. Objects of exact layouts may touch. A drawn position that
@@ -66,10 +71,10 @@ inline constexpr double kShortOfSide = 0.25;
 /// a ring depends on std::sin and std::cos.
 void Place(const plan::Scene& scene, InitialState& state);
 
-/// Throws the SceneErrors of Place that need no random draw: an exact layout that does not take its
-/// objects or gives an invalid position, an object larger than the cube, objects that can never
-/// fit. O(N), and much faster than Place if the cube is crowded.
-void CheckPlacement(const plan::Scene& scene);
+/// Throws the SceneErrors of Place and of CheckRange. Positions are drawn only if the cube is
+/// crowded, so that they may not be found, and only `draws` of them, which it reduces: if they do
+/// not suffice, no error is thrown. O(N) otherwise.
+void CheckPlacement(const plan::Scene& scene, std::uint64_t& draws);
 
 // Finds voxels that are certainly occupied.
 
@@ -114,20 +119,25 @@ class PackingFraction {
   /// others.
   double Cube() const { return bodies_.side() * bodies_.side() * bodies_.side(); }
   double balls_and_boxes() const { return balls_and_boxes_; }
+  /// Whether random positions may not be found although RefuseWhatCannotFit does not throw.
+  bool IsCrowded() const;
 
-  /// Throws SceneError if drawn layouts can never succeed: an object is larger than the cube, all
-  /// objects together are, or the equal objects of a group exceed the limit of random placement.
+  /// Throws SceneError if drawn layouts can never succeed: an object is larger than its region, all
+  /// objects together are larger than the cube, or the equal objects of a group exceed the limit of
+  /// random placement. Groups with a region at another group are left out.
   void RefuseWhatCannotFit() const;
+  /// The first and the last of these for one group, whose region is known.
+  void RefuseWhatCannotFit(const GroupRange& range, const Region& region) const;
   /// Counts object `index`, which has been placed.
   void CountPlaced(std::size_t index) { placed_volume_ += bodies_.object(index).solid.Volume(); }
 
   static constexpr std::string_view kGivenUp = "every position drawn was taken";
   static constexpr std::string_view kNoPlaceLeft = "no free position was left";
-  [[noreturn]] void TooFull(std::size_t index, std::string_view when) const;
+  [[noreturn]] void TooFull(std::size_t index, const Region& region, std::string_view when) const;
 
  private:
-  void RefuseLarge(std::size_t index) const;
-  void RefuseGroup(const GroupRange& range) const;
+  void RefuseLarge(const GroupRange& range, const Region& region) const;
+  void RefuseGroup(const GroupRange& range, const Region& region) const;
   /// The fraction of its box that is inside the cube.
   double PartInside(std::size_t index) const;
   std::string Advice() const;
@@ -138,10 +148,15 @@ class PackingFraction {
 
 // Random layouts, which redraw each position until it is free: uniform, normal.
 
+/// The draws that missed, and tested voxels, until placement gives up.
+constexpr std::uint64_t MostTries(std::size_t objects) {
+  return kMinTriesOfAll + kMeanTriesOfAll * objects;
+}
+
 /// Places the objects of all groups with such layouts, in order, around the objects already placed:
 /// all those of exact layouts, inside the cube or not. Positions, errors:
-/// library/layouts/placement.h.
-void PlaceDrawn(const plan::Scene& scene, Bodies& bodies);
+/// library/layouts/placement.h. Gives up after `tries`, which it reduces by those made.
+void PlaceDrawn(const plan::Scene& scene, Bodies& bodies, std::uint64_t& tries);
 
 // Remembers which objects blocked earlier draws, by position.
 

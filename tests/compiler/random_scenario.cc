@@ -68,6 +68,8 @@ class Maker {
       if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);
     }
+    if (parameter.type == kWord && parameter.word_source == schema::WordSource::kGroups)
+      return "objects";
     if (const auto calls = CallsOf(parameter); !calls.empty() && Below(2) == 0)
       return CallText(*schema::FindParametrisedWord(calls[Below(calls.size())]));
     switch (parameter.type) {

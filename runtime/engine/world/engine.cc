@@ -14,6 +14,7 @@
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
+#include "library/layouts/number_range.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/adapter_broad_phase.h"
 #include "runtime/engine/detection/adapter_dispatcher.h"
@@ -41,16 +42,6 @@ constexpr int ClassGroup(std::size_t collision_class, bool is_fixed) {
 }
 static_assert(ClassGroup(analysis::kMostCollisionClasses - 1, true) == 1 << 29);
 
-/// The timestep in Bullet's precision.
-btScalar TimestepOf(const plan::Scene& scene) {
-  const double seconds = scene.world.Real("timestep");
-  const auto timestep = static_cast<btScalar>(seconds);
-  if (!(timestep > 0) || !std::isfinite(timestep) || !std::isfinite(1 / timestep))
-    throw SceneError(fmt::format("timestep {:.6g} s is out of reach of {} precision", seconds,
-                                 EnginePrecision()));
-  return timestep;
-}
-
 btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
                                                   btCollisionShape* shape) {
   const auto mass = static_cast<btScalar>(object.mass);
@@ -68,25 +59,6 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
   info.m_linearDamping = static_cast<btScalar>(object.numbers["linear_damping"]);
   info.m_angularDamping = static_cast<btScalar>(object.numbers["angular_damping"]);
   return info;
-}
-
-/// Bullet divides by masses and moments of inertia, and does not report overflow.
-void CheckRange(std::size_t index, const ObjectState& object, const btVector3& inertia) {
-  const auto refuse = [&](const char* what) {
-    throw SceneError(fmt::format("the {} of object {} is out of reach of {} precision", what,
-                                 index + 1, EnginePrecision()));
-  };
-  if (!IsFinite(ToBullet(object.pose.position))) refuse("place");
-  if (!IsFinite(ToBullet(object.solid.sides))) refuse("size");
-  if (!(ToBullet(object.solid.sides) * btVector3(1, 1, 1)).length2()) refuse("size");
-  if (!IsFinite(ToBullet(object.linear_velocity))) refuse("linear velocity");
-  if (!IsFinite(ToBullet(object.angular_velocity))) refuse("angular velocity");
-  if (object.IsFixed()) return;
-  const auto mass = static_cast<btScalar>(object.mass);
-  if (!std::isfinite(mass) || !std::isfinite(1 / mass)) refuse("mass");
-  for (int axis = 0; axis < 3; ++axis)
-    if (!std::isfinite(inertia[axis]) || !std::isfinite(1 / inertia[axis]))
-      refuse("moment of inertia");
 }
 
 /// The extent of sweep and prune's coordinates: the cube, and, if walls are missing, also the
@@ -149,16 +121,13 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
       omissions_(std::move(omissions)),
       standing_(omissions::StandingWalls(scene)),
       side_(scene.world.Real("world.side")),
-      timestep_(TimestepOf(scene)),
+      timestep_(static_cast<btScalar>(scene.world.Real("timestep"))),
       faithful_(scene.world.WordOr("contact") == "faithful"),
       sleeping_(scene.world.On("sleeping")),
       acceleration_(state_.acceleration),
       configuration_(PoolSizes(omissions_)),
       solver_(MakeSolver(omissions_)) {
-  const btVector3 acceleration = ToBullet(state_.acceleration);
-  if (!IsFinite(acceleration))
-    throw SceneError(
-        fmt::format("the acceleration is out of reach of {} precision", EnginePrecision()));
+  layouts::CheckRange(scene_, state_);
   objects_.reserve(state_.objects.size());
   for (const ObjectState& object : state_.objects) MakeObject(object);
   for (int wall = 0; wall < omissions::kWallCount; ++wall)
@@ -171,8 +140,6 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
 
 void Engine::MakeDetection(const detection::Detectors& detectors) {
   const auto reach = static_cast<btScalar>(Reach(scene_, state_));
-  if (!std::isfinite(reach))
-    throw SceneError(fmt::format("world.side is out of reach of {} precision", EnginePrecision()));
   const std::size_t bodies =
       state_.objects.size() + static_cast<std::size_t>(std::popcount(standing_));
   if (!detectors.broad) {
@@ -255,7 +222,6 @@ void Engine::MakeObject(const ObjectState& object) {
       object.solid.IsSurface() && scene_.groups[object.group].settings.WordOr("edges") == "smooth";
   btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"], smooth_edges);
   const auto info = BodyInfo(object, shape);
-  CheckRange(objects_.size(), object, info.m_localInertia);
   auto body = std::make_unique<btRigidBody>(info);
   if (!object.IsFixed()) {
     body->setLinearVelocity(ToBullet(object.linear_velocity));

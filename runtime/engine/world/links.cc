@@ -175,11 +175,6 @@ void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigid
         second.getWorldTransform().inverse() * frame);
   } else {
     const btVector3 way = to - from;
-    if (!(way.length2() > 0))
-      throw library::SceneError(
-          fmt::format("object {} begins at the position of the previous object, so their spring "
-                      "has no direction; use another layout",
-                      second.getUserIndex() + 1));
     const btVector3 line = way.normalized();
     link.stiffness = settings.Real("links.stiffness");
     link.length = static_cast<double>(way.length());

@@ -22,7 +22,7 @@ compiler::Compilation CompileWith(const std::string& text, analysis::FindSceneFa
 
 /// Finds a fault in scenes with more than `most` objects.
 analysis::FindSceneFault TooMany(std::uint64_t most, analysis::SceneFault::Kind kind) {
-  return [=](const plan::Scene& scene) -> std::optional<analysis::SceneFault> {
+  return [=](const plan::Scene& scene, std::uint64_t&) -> std::optional<analysis::SceneFault> {
     if (scene.ObjectCount() <= most) return std::nullopt;
     return analysis::SceneFault{kind, "objects", "it is full", "take some out"};
   };
@@ -56,7 +56,7 @@ TEST(SceneFaults, OfAClosedFormAreErrorsInAnyRun) {
 
 TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
   int looks = 0;
-  const analysis::FindSceneFault count = [&](const plan::Scene&) {
+  const analysis::FindSceneFault count = [&](const plan::Scene&, std::uint64_t&) {
     ++looks;
     return std::nullopt;
   };
@@ -79,7 +79,9 @@ TEST(SceneFaults, AreLookedForOnceInScenesThatPlaceTheSame) {
 }
 
 TEST(SceneFaults, OfADefaultSizeSaySo) {
-  const analysis::FindSceneFault nothing = [](const plan::Scene&) { return std::nullopt; };
+  const analysis::FindSceneFault nothing = [](const plan::Scene&, std::uint64_t&) {
+    return std::nullopt;
+  };
   const auto warnings = [&](const std::string& groups) {
     const auto result = CompileWith("benchmark b { world.side 500\n" + groups + " }", nothing);
     int count = 0;

@@ -1,0 +1,136 @@
+#include "library/layouts/region.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "compiler/schema/parametrised_words.h"
+#include "library/layouts/exact_layouts.h"
+#include "library/scene_error.h"
+
+namespace cdb::layouts {
+namespace {
+
+using Eigen::Vector3d;
+
+class RegionFinder {
+ public:
+  RegionFinder(const Bodies& bodies, const GroupRange& range) : bodies_(bodies), range_(range) {}
+
+  Region Find() const {
+    Region region{Cube()};
+    const schema::Value& value = range_.group->settings.Get("region");
+    const schema::Call* call = schema::AsCall(value);
+    if (call == nullptr) {
+      region.stands = range_.group->settings.WordOr("region") == "floor";
+      region.is_cube = true;
+      region.is_named = region.stands;
+      return region;
+    }
+    region.is_named = true;
+    region.stands = call->name == "on_top";
+    if (call->name == "box") {
+      region.box = {std::get<Vector3d>(schema::ArgumentOf(*call, "lower")),
+                    std::get<Vector3d>(schema::ArgumentOf(*call, "upper"))};
+    } else {
+      region.box = Beside(*call);
+    }
+    if ((region.box.lower.array() < region.box.upper.array()).all()) return region;
+    Refuse(call->name == "box" ? "its lower corner is not below its upper one"
+                               : "there is no room between the group and the wall",
+           call->name == "box" ? "exchange the coordinates" : "make world.side larger");
+  }
+
+ private:
+  objects::Box Cube() const {
+    const Vector3d half = Vector3d::Constant(bodies_.side() / 2);
+    return {-half, half};
+  }
+
+  /// The box at one side of a group.
+  objects::Box Beside(const schema::Call& call) const {
+    const GroupRange& other = Named(GroupOfRegion(*range_.group));
+    objects::Box box = bodies_.BoxOf(other.first);
+    for (std::size_t i = other.first + 1; i < other.end; ++i) {
+      box.lower = box.lower.cwiseMin(bodies_.BoxOf(i).lower);
+      box.upper = box.upper.cwiseMax(bodies_.BoxOf(i).upper);
+    }
+    Vector3d towards = Vector3d::UnitY();
+    const schema::Number* extent = nullptr;
+    if (call.name == "beside") {
+      const auto* given = std::get_if<Vector3d>(&schema::ArgumentOf(call, "towards"));
+      towards = given != nullptr ? *given : Vector3d::UnitX();
+      extent = schema::AsNumber(schema::ArgumentOf(call, "width"));
+    } else if (call.name == "above") {
+      extent = schema::AsNumber(schema::ArgumentOf(call, "height"));
+    }
+    Eigen::Index axis = 0;
+    const double along = towards.cwiseAbs().maxCoeff(&axis);
+    if (towards.cwiseAbs().sum() > along)
+      Refuse("its direction is not along an axis", "write (1, 0, 0), (0, 0, -1) or the like");
+    if (towards[axis] > 0) {
+      box.lower[axis] = box.upper[axis];
+      box.upper[axis] = extent != nullptr ? box.lower[axis] + extent->AsReal() : Cube().upper[axis];
+    } else {
+      box.upper[axis] = box.lower[axis];
+      box.lower[axis] = extent != nullptr ? box.upper[axis] - extent->AsReal() : Cube().lower[axis];
+    }
+    return box;
+  }
+
+  const GroupRange& Named(std::string_view name) const {
+    const auto found = std::ranges::find(bodies_.groups(), name,
+                                         [](const GroupRange& range) { return range.group->name; });
+    if (found == bodies_.groups().end()) Refuse(fmt::format("there is no group `{}`", name), {});
+    if (found->group == range_.group)
+      Refuse("it is at its own group", "name a group that is written before it");
+    if (found->size() == 0) Refuse(fmt::format("group `{}` has no objects", name), {});
+    if (found->first > range_.first)
+      Refuse(fmt::format("group `{}` is written after it, and placed later", name),
+             fmt::format("write `{}` first", name));
+    if (HasExactLayout(*range_.group) && !HasExactLayout(*found->group))
+      Refuse(
+          fmt::format("group `{}` is placed at random, after all groups with a layout such as {}",
+                      name, schema::AsCall(range_.group->settings.Get("location"))->name),
+          fmt::format("give `{}` a layout, or place `{}` at random as well", name,
+                      range_.group->name));
+    return *found;
+  }
+
+  [[noreturn]] void Refuse(const std::string& cause, const std::string& remedy) const {
+    throw library::SceneError(
+        fmt::format("the region of group `{}` is none: {}", range_.group->name, cause), remedy,
+        range_.group->name, "region");
+  }
+
+  const Bodies& bodies_;
+  const GroupRange& range_;
+};
+
+}  // namespace
+
+std::string GroupOfRegion(const plan::Group& group) {
+  const schema::Call* call = schema::AsCall(group.settings.Get("region"));
+  if (call == nullptr || call->name == "box") return {};
+  return std::get<schema::Word>(schema::ArgumentOf(*call, "group")).text;
+}
+
+Region RegionOf(const Bodies& bodies, const GroupRange& range) {
+  return RegionFinder(bodies, range).Find();
+}
+
+objects::Box DomainOf(const Region& region, double side, const objects::Box& bounds) {
+  const Vector3d half = Vector3d::Constant(side / 2);
+  objects::Box domain = {(-half).cwiseMax(region.box.lower) - bounds.lower,
+                         half.cwiseMin(region.box.upper) - bounds.upper};
+  if (!region.stands) return domain;
+  const double gap = kStandingGap * (bounds.upper.y() - bounds.lower.y());
+  const double floor = domain.lower.y();
+  domain.upper.y() = std::min(domain.upper.y(), floor + 1.5 * gap);
+  domain.lower.y() = floor + 0.5 * gap;
+  return domain;
+}
+
+}  // namespace cdb::layouts

@@ -1,0 +1,40 @@
+// The box in which a layout places the objects of a group: `objects.region`.
+//
+// Lengths in m, with the origin at the cube's centre. Errors: SceneError that names the group and
+// its region. Threads: any.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "compiler/plan/plan.h"
+#include "library/layouts/bodies.h"
+
+namespace cdb::layouts {
+
+struct Region {
+  objects::Box box;
+  bool stands = false;    ///< the objects stand on the lower face of the box
+  bool is_cube = false;   ///< the layouts' own region; it may still be one to stand in
+  bool is_named = false;  ///< the benchmark sets it
+  Eigen::Vector3d Centre() const { return (box.lower + box.upper) / 2; }
+  Eigen::Vector3d Extents() const { return box.upper - box.lower; }
+  double Volume() const { return Extents().prod(); }
+};
+
+/// The group about whose objects the region is; empty if it is about none.
+std::string GroupOfRegion(const plan::Group& group);
+
+/// The gap below an object that stands, as a fraction of its height.
+inline constexpr double kStandingGap = 1e-3;
+
+/// The region of a group, whose objects lie in it together with the cube. A region at another group
+/// is about the boxes around the objects of that group, which must be placed before: it comes
+/// before this one in the plan, has objects, and has an exact layout if this one has.
+Region RegionOf(const Bodies& bodies, const GroupRange& range);
+
+/// The positions of the centre of mass of an object of bounds `bounds` that keep it within the
+/// region and the cube, which is `side` wide; open. One that stands has a gap of half to one and a
+/// half times kStandingGap.
+objects::Box DomainOf(const Region& region, double side, const objects::Box& bounds);
+
+}  // namespace cdb::layouts
