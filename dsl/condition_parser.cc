@@ -44,25 +44,20 @@ ConditionPtr ValueParser::MakeLogic(ConditionKind kind, const text::Span& fault,
 }
 
 ConditionPtr ValueParser::ParseCondition() {
-  ConditionPtr left = ParseAnd();
-  while (left && AtOr()) {
-    const Token op = cursor_.Take();
-    ConditionPtr right = ParseAnd();
-    left =
-        right ? MakeLogic(ConditionKind::kOr, cursor_.SpanOf(op), std::move(left), std::move(right))
-              : nullptr;
-  }
-  return left;
+  return ParseLogic(ConditionKind::kOr, &ValueParser::AtOr, &ValueParser::ParseAnd);
 }
 
 ConditionPtr ValueParser::ParseAnd() {
-  ConditionPtr left = ParseOperand();
-  while (left && AtAnd()) {
+  return ParseLogic(ConditionKind::kAnd, &ValueParser::AtAnd, &ValueParser::ParseOperand);
+}
+
+ConditionPtr ValueParser::ParseLogic(ConditionKind kind, bool (ValueParser::*at_operator)() const,
+                                     ConditionPtr (ValueParser::*parse)()) {
+  ConditionPtr left = (this->*parse)();
+  while (left && (this->*at_operator)()) {
     const Token op = cursor_.Take();
-    ConditionPtr right = ParseOperand();
-    left = right ? MakeLogic(ConditionKind::kAnd, cursor_.SpanOf(op), std::move(left),
-                             std::move(right))
-                 : nullptr;
+    ConditionPtr right = (this->*parse)();
+    left = right ? MakeLogic(kind, cursor_.SpanOf(op), std::move(left), std::move(right)) : nullptr;
   }
   return left;
 }

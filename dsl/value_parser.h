@@ -55,6 +55,9 @@ class ValueParser {
   RangeWord ParseRangeNumber(Expr& range, const Token& word, bool is_step, bool known);
 
   ConditionPtr ParseAnd();
+  /// Operands that an operator separates, from the left.
+  ConditionPtr ParseLogic(ConditionKind kind, bool (ValueParser::*at_operator)() const,
+                          ConditionPtr (ValueParser::*parse)());
   ConditionPtr ParseOperand();
   ConditionPtr ParseNot();
   ConditionPtr ParseBracketedCondition();

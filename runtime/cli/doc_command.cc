@@ -64,10 +64,9 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
     return options::ExitStatus::kGood;
   }
   const std::vector<std::string> names = DocNames();
-  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
-  throw options::CommandError(fmt::format("no entry for '{}'; {}", name,
-                                          near.empty() ? std::string("`cdb doc` lists the topics")
-                                                       : fmt::format("did you mean '{}'?", near)));
+  throw options::CommandError(fmt::format(
+      "no entry for '{}'; {}", name,
+      options::Suggestion(name, {names.begin(), names.end()}, "`cdb doc` lists the topics")));
 }
 
 void DeclareDoc(options::Subcommand& command) {

@@ -45,10 +45,9 @@ options::ExitStatus Explain(const std::string& code) {
                     manual::ExplanationText(*found[i], RenderedWrong(*found[i])));
   if (!found.empty()) return options::ExitStatus::kGood;
   const std::vector<std::string> names = CodesAndNames();
-  const std::string_view near = dsl::DidYouMean(code, {names.begin(), names.end()});
-  throw options::CommandError(fmt::format("there is no code '{}'; {}", code,
-                                          near.empty() ? std::string("`cdb explain` lists them")
-                                                       : fmt::format("did you mean '{}'?", near)));
+  throw options::CommandError(fmt::format(
+      "there is no code '{}'; {}", code,
+      options::Suggestion(code, {names.begin(), names.end()}, "`cdb explain` lists them")));
 }
 
 void DeclareExplain(options::Subcommand& command) {

@@ -28,10 +28,8 @@ void CheckCommandName(std::string_view name) {
   std::vector<std::string_view> names;
   for (const cdb::options::Command& command : cdb::cli::Commands()) names.push_back(command.name);
   if (std::ranges::find(names, name) != names.end()) return;
-  const std::string_view near = cdb::dsl::DidYouMean(name, names);
   throw CommandError(fmt::format("there is no command '{}'; {}", name,
-                                 near.empty() ? std::string("`cdb --help` lists them")
-                                              : fmt::format("did you mean '{}'?", near)));
+                                 cdb::options::Suggestion(name, names, "`cdb --help` lists them")));
 }
 
 ExitStatus Main(int argc, char** argv) {

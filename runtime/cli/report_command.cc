@@ -68,9 +68,8 @@ void DeclareReport(options::Subcommand& command) {
   const auto arguments = std::make_shared<ReportArguments>();
   command.Required("FILE", arguments->files, "results files");
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
-  command.Optional("--baseline", arguments->baseline,
-                   "detector that ratios are relative to (default: the first that has all cells)");
-  command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
+  command.Baseline(arguments->baseline);
+  command.Sound(arguments->only_sound);
   command.Action([arguments] { return WriteReport(*arguments); });
 }
 

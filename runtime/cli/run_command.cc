@@ -215,10 +215,8 @@ void DeclareRun(options::Subcommand& command) {
       "--only", arguments->only,
       "execute only this run, into RUN.h5; or repeat it in -o, if that has the results of "
       "FILE (ids: cdb plan)");
-  command.ShortList("--retry", arguments->retry,
-                    "repeat such runs, in the same file: failed, crashed, timed_out, noisy");
-  command.Count("--retry-noisy", arguments->noisy_retries,
-                "repeat a disturbed run at once, up to N times, and keep the quietest measurement");
+  command.Retry(arguments->retry, "file");
+  command.RetryNoisy(arguments->noisy_retries);
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");

@@ -143,9 +143,8 @@ void DeclareShow(options::Subcommand& command) {
   const auto arguments = std::make_shared<ShowArguments>();
   command.Required("FILE", arguments->file, "results file");
   command.List("--by", arguments->by, "axes of the rows (quantity,detector)");
-  command.Optional("--baseline", arguments->baseline,
-                   "detector that ratios are relative to (default: the first that has all cells)");
-  command.Flag("--sound", arguments->only_sound, "exclude runs whose verdict voids their timings");
+  command.Baseline(arguments->baseline);
+  command.Sound(arguments->only_sound);
   command.Repeated(
       "--select", arguments->select,
       "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; repeat the option for several axes");

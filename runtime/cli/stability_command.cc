@@ -53,11 +53,10 @@ std::vector<std::string> Choose(const std::vector<std::string>& asked) {
   if (asked.empty()) return names;
   for (const std::string& name : asked) {
     if (std::ranges::find(names, name) != names.end()) continue;
-    const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
-    throw options::CommandError(fmt::format("the stability suite has no '{}'; {}", name,
-                                            near.empty()
-                                                ? fmt::format("it has {}", fmt::join(names, ", "))
-                                                : fmt::format("did you mean '{}'?", near)));
+    throw options::CommandError(
+        fmt::format("the stability suite has no '{}'; {}", name,
+                    options::Suggestion(name, {names.begin(), names.end()},
+                                        fmt::format("it has {}", fmt::join(names, ", ")))));
   }
   return asked;
 }

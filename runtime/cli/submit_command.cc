@@ -432,8 +432,7 @@ void DeclareSubmit(options::Subcommand& command) {
   command.Optional("--account", arguments->job.account, "account to charge");
   command.Repeated("--sbatch", arguments->job.more,
                    "pass an option to sbatch: --sbatch=--mem=2G; repeat the option for several");
-  command.ShortList("--retry", arguments->retry,
-                    "repeat such runs, in the same file: failed, crashed, timed_out, noisy");
+  command.Retry(arguments->retry, "file");
   command.Flag("--dry-run", arguments->is_dry,
                "print a shell script that submits the same jobs, and submit nothing");
   command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the jobs");

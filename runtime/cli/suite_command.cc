@@ -55,11 +55,10 @@ std::vector<StandardScene> Chosen(const std::vector<std::string>& only) {
   }
   for (const std::string& word : only) {
     if (std::ranges::find(names, word) != names.end()) continue;
-    const std::string_view near = dsl::DidYouMean(word, {names.begin(), names.end()});
     throw options::CommandError(
         fmt::format("--only {}: the standard suite has no such kind or scene; {}", word,
-                    near.empty() ? fmt::format("it has {}", fmt::join(names, ", "))
-                                 : fmt::format("did you mean '{}'?", near)));
+                    options::Suggestion(word, {names.begin(), names.end()},
+                                        fmt::format("it has {}", fmt::join(names, ", ")))));
   }
   std::vector<StandardScene> chosen;
   for (const StandardScene& scene : figures::StandardScenes())
@@ -224,10 +223,8 @@ void DeclareSuite(options::Subcommand& command) {
   command.List("--detector", arguments->choice.detectors,
                "additional detectors, beside those of the suite");
   command.Plugins(arguments->choice.plugins);
-  command.ShortList("--retry", arguments->retry,
-                    "repeat such runs, in the same files: failed, crashed, timed_out, noisy");
-  command.Count("--retry-noisy", arguments->noisy_retries,
-                "repeat a disturbed run at once, up to N times, and keep the quietest measurement");
+  command.Retry(arguments->retry, "files");
+  command.RetryNoisy(arguments->noisy_retries);
   command.Optional("--check", arguments->check,
                    "check whether the results in this folder are complete and comparable");
   command.Optional("--against", arguments->against,

@@ -119,23 +119,20 @@ double SumOf(const Model& model, const MeasuredPoint& point, const char* series)
   return sum;
 }
 
-/// The peaks of the repeats, sorted.
-std::vector<double> PeaksOf(const Model& model, const MeasuredPoint& point) {
-  std::vector<double> peaks;
-  for (const Cell& cell : point.cells)
-    if (const double bytes = model.file().ReadReal("peak_rss", cell); std::isfinite(bytes))
-      peaks.push_back(bytes);
-  std::ranges::sort(peaks);
-  return peaks;
-}
-
-/// The spread between repeats, at least a fraction of the median; a larger fraction for few
-/// repeats, which show little of the spread.
+/// The spread of the peak memory between repeats, at least a fraction of the largest; a larger
+/// fraction for few repeats, which show little of the spread.
 double PeakSpread(const Model& model, const MeasuredPoint& point) {
-  const std::vector<double> peaks = PeaksOf(model, point);
-  if (peaks.empty()) return 0;
-  const double least = peaks.size() < Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
-  return std::fmax(peaks.back() - peaks.front(), least * Percentile(peaks, 0.5));
+  double smallest = kNone;
+  std::size_t repeats = 0;
+  for (const Cell& cell : point.cells)
+    if (const double bytes = model.file().ReadReal("peak_rss", cell); std::isfinite(bytes)) {
+      smallest = std::fmin(smallest, bytes);
+      ++repeats;
+    }
+  if (repeats == 0) return 0;
+  const double largest = model.MemoryOf(point, "peak_rss");
+  const double least = repeats < Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
+  return std::fmax(largest - smallest, least * largest);
 }
 
 std::vector<NumberFact> AllFacts() {
@@ -163,26 +160,26 @@ std::vector<NumberFact> AllFacts() {
                        return SumOf(model, point, series);
                      }});
   }
-  const auto heap = [](const Model& model, const MeasuredPoint& point) {
-    return model.MemoryOf(point, "heap");
+  const auto memory = [](const std::string& name) {
+    return [name](const Model& model, const MeasuredPoint& point) {
+      return model.MemoryOf(point, name);
+    };
   };
   facts.push_back({.kind = Kind::kMemory,
                    .name = "heap",
                    .unit = "MB",
                    .scale = 1e-6,
-                   .value = heap,
-                   .floor = [heap](const Model& model, const MeasuredPoint& point) {
-                     return kNegligible * heap(model, point);
+                   .value = memory("heap"),
+                   .floor = [](const Model& model, const MeasuredPoint& point) {
+                     return kNegligible * model.MemoryOf(point, "heap");
                    }});
-  facts.push_back(
-      {.kind = Kind::kMemory,
-       .name = "peak_rss",
-       .unit = "MB",
-       .varies = true,
-       .scale = 1e-6,
-       .value = [](const Model& model,
-                   const MeasuredPoint& point) { return Percentile(PeaksOf(model, point), 0.5); },
-       .floor = PeakSpread});
+  facts.push_back({.kind = Kind::kMemory,
+                   .name = "peak_rss",
+                   .unit = "MB",
+                   .varies = true,
+                   .scale = 1e-6,
+                   .value = memory("peak_rss"),
+                   .floor = PeakSpread});
   return facts;
 }
 

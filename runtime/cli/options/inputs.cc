@@ -30,10 +30,9 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
                         const std::string& file) {
   for (const std::string& known : names)
     if (known == name) return;
-  const std::string_view near = dsl::DidYouMean(name, {names.begin(), names.end()});
   throw CommandError(fmt::format("{} has no benchmark '{}'; {}", file, name,
-                                 near.empty() ? fmt::format("there are {}", fmt::join(names, ", "))
-                                              : fmt::format("did you mean '{}'?", near)));
+                                 Suggestion(name, {names.begin(), names.end()},
+                                            fmt::format("there are {}", fmt::join(names, ", ")))));
 }
 
 /// The name of each lint, once. Empty if there are none.
@@ -235,13 +234,10 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
     const auto all = (*parameter).AllWords(plugins);
-    if (!(*parameter).HasWord(word, plugins)) {
-      const std::string_view near = dsl::DidYouMean(word, all);
-      throw CommandError(fmt::format("--{} {}: {}", parameter.name(), word,
-                                     near.empty()
-                                         ? fmt::format("there are {}", fmt::join(all, ", "))
-                                         : fmt::format("did you mean '{}'?", near)));
-    }
+    if (!(*parameter).HasWord(word, plugins))
+      throw CommandError(
+          fmt::format("--{} {}: {}", parameter.name(), word,
+                      Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", ")))));
     if (!seen.insert(word).second)
       throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
   }

@@ -1,9 +1,19 @@
 #include "runtime/cli/options/subcommand.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "dsl/diagnostics.h"
+
 namespace cdb::options {
+
+std::string Suggestion(std::string_view word, const std::vector<std::string_view>& known,
+                       std::string otherwise) {
+  const std::string_view near = dsl::DidYouMean(word, known);
+  return near.empty() ? std::move(otherwise) : fmt::format("did you mean '{}'?", near);
+}
 
 Subcommand::Subcommand(CLI::App& program, const Command& row, ExitStatus& status)
     : program_(program), command_(*program.add_subcommand(row.name, row.help)), status_(status) {}
@@ -55,6 +65,26 @@ void Subcommand::Benchmark(std::optional<std::string>& benchmark) {
     if (!name.empty()) benchmark = name;
   };
   command_.add_option_function<std::string>("-b,--benchmark", set, "only this benchmark");
+}
+
+void Subcommand::Baseline(std::string& baseline) {
+  Optional("--baseline", baseline,
+           "detector that ratios are relative to (default: the first that has all cells)");
+}
+
+void Subcommand::Sound(bool& only_sound) {
+  Flag("--sound", only_sound, "exclude runs whose verdict voids their timings");
+}
+
+void Subcommand::Retry(std::vector<std::string>& retry, const std::string& files) {
+  ShortList(
+      "--retry", retry,
+      fmt::format("repeat such runs, in the same {}: failed, crashed, timed_out, noisy", files));
+}
+
+void Subcommand::RetryNoisy(std::uint64_t& retries) {
+  Count("--retry-noisy", retries,
+        "repeat a disturbed run at once, up to N times, and keep the quietest measurement");
 }
 
 void Subcommand::Out(std::string& out, const std::string& help) {

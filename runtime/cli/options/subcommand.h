@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cdb::options {
@@ -30,6 +31,11 @@ class CommandError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// The end of a message about an unknown word: "did you mean 'run'?", or `otherwise` if the word is
+/// like none of those that are known.
+std::string Suggestion(std::string_view word, const std::vector<std::string_view>& known,
+                       std::string otherwise);
 
 }  // namespace cdb::options
 
@@ -78,6 +84,10 @@ class Subcommand {
   void Fresh(bool& fresh, const std::string& help);
   void Quiet(bool& quiet, const std::string& help);
   void Plugins(std::vector<std::string>& plugins);
+  void Baseline(std::string& baseline);
+  void Sound(bool& only_sound);
+  void Retry(std::vector<std::string>& retry, const std::string& files);
+  void RetryNoisy(std::uint64_t& retries);
   void Cycles(std::optional<std::uint64_t>& cycles, const std::string& help);
 
   /// Runs once the command line is parsed, and sets the status, which must live until then.

@@ -41,13 +41,11 @@ void RemoveLeftovers(const plan::Plan& plan, const fs::path& folder, bool is_com
 
 RetryChoice::RetryChoice(const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    if (std::ranges::find(kWords, word) == std::end(kWords)) {
-      const std::string_view near = dsl::DidYouMean(word, {std::begin(kWords), std::end(kWords)});
+    if (std::ranges::find(kWords, word) == std::end(kWords))
       throw options::CommandError(
           fmt::format("--retry {}: {}", word,
-                      near.empty() ? fmt::format("there are {}", fmt::join(kWords, ", "))
-                                   : fmt::format("did you mean '{}'?", near)));
-    }
+                      options::Suggestion(word, {std::begin(kWords), std::end(kWords)},
+                                          fmt::format("there are {}", fmt::join(kWords, ", ")))));
     words_.insert(word);
   }
 }

@@ -45,8 +45,8 @@ std::string EscapeJson(std::string_view json) {
 std::string Assemble(const Template& page, std::string_view title, std::string_view json) {
   if (page.before_title.empty())
     throw PageError(
-        "this cdb was built without pages, because npm was missing: install it (as root `apt-get "
-        "install npm`) and run ./setup again");
+        "this cdb was built without pages, which need npm and CDB_PAGES=ON: install npm (as root "
+        "`apt-get install npm`) and run ./setup again");
   return fmt::format("{}{}{}{}{}", page.before_title, EscapeHtml(text::Printable(title)),
                      page.before_data, EscapeJson(text::PrintableJson(json)), page.after_data);
 }

@@ -111,7 +111,7 @@ std::string Ending(int status, const WorkLimits& limits, const std::string& answ
   // SIGKILL comes from outside, or from this process on a busy machine: it implies nothing about
   // the file.
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
-    throw CannotRead(
+    throw std::runtime_error(
         "the process that reads a file with limits was ended by the system or took too long; close "
         "other programs and try again");
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
@@ -122,7 +122,7 @@ std::string Ending(int status, const WorkLimits& limits, const std::string& answ
 }
 
 [[noreturn]] void FailToStart(int error) {
-  throw CannotRead(
+  throw std::runtime_error(
       fmt::format("cannot start a process that reads a file with limits: {}; close other programs "
                   "and try again",
                   std::generic_category().message(error)));

@@ -17,9 +17,9 @@ struct WorkLimits {
 WorkLimits LimitsForFile(std::uint64_t bytes);
 
 /// Returns an empty text if `work` succeeded in the copy, else the reason: its exception, its
-/// crash, or the limit that it reached. Nothing else is returned. Throws CannotRead if no process
-/// can be started, or the system ends it. Must not be called while another thread is in HDF5 or
-/// allocates memory.
+/// crash, or the limit that it reached. Nothing else is returned. Throws std::runtime_error if
+/// no process can be started, or the system ends it. Must not be called while another thread is in
+/// HDF5 or allocates memory.
 std::string RunLimited(const std::function<void()>& work, const WorkLimits& limits);
 
 }  // namespace cdb::files

@@ -59,8 +59,9 @@ class SealedFile {
       const ssize_t n = pread(get(), out.data(), out.size(), static_cast<off_t>(at));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0)
-        throw CannotRead(fmt::format("{}: cannot be read: {}; nothing was changed", path.string(),
-                                     std::generic_category().message(errno)));
+        throw std::runtime_error(fmt::format("{}: cannot be read: {}; nothing was changed",
+                                             path.string(),
+                                             std::generic_category().message(errno)));
       if (n == 0)
         throw StoreError(path.string() + ": became shorter while it was read; read again");
       out = out.subspan(static_cast<std::size_t>(n));

@@ -39,7 +39,7 @@ class RunCount {
 
 /// Returns when Slurm has no more tasks of the jobs, or when `stop` requests it. `output`: a
 /// progress bar or lines; not used if `is_quiet`. If Slurm does not answer, waits and prints a
-/// message. Throws SlurmError if there is no squeue, StoreError.
+/// message. Throws std::runtime_error if there is no squeue, StoreError.
 void Follow(const plan::Plan& plan, const std::filesystem::path& folder,
             const Submission& submission, const process::StopFlag& stop,
             const schedule::ProgressOutput& output, bool is_quiet);

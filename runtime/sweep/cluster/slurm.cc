@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <span>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -33,7 +34,7 @@ std::string LastLine(std::string_view text) {
 }
 
 [[noreturn]] void FailMissing(const std::string& program) {
-  throw SlurmError(
+  throw std::runtime_error(
       fmt::format("{} is not in PATH: submit sweeps on a login node of the cluster, which has "
                   "Slurm; without Slurm, use GNU parallel or ssh (`cdb doc cluster`)",
                   program));
@@ -81,7 +82,7 @@ std::string Submit(const Job& job) {
   const std::string id = FirstLine(end->out).substr(0, end->out.find_first_of(";\n"));
   if (end->status == 0 && !id.empty() && id.find_first_not_of("0123456789") == std::string::npos)
     return id;
-  throw SlurmError(fmt::format(
+  throw std::runtime_error(fmt::format(
       "sbatch refuses the job: {}; nothing runs. --dry-run shows what is submitted; partition, "
       "time, account and other options are those of cdb submit",
       end->err.empty() ? fmt::format("exit status {}", end->status) : LastLine(end->err)));

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,17 +13,13 @@
 
 namespace cdb::cluster {
 
-/// A program of Slurm is missing or failed. The message names it, quotes its output and gives the
-/// remedy. Exit status 2.
-class SlurmError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+// If a program of Slurm is missing or fails, std::runtime_error names it, quotes its output and
+// gives the remedy.
 
-/// Throws SlurmError if there is no sbatch.
+/// Throws if there is no sbatch.
 void RequireSlurm();
 
-/// Returns the id of the job. Throws SlurmError.
+/// Returns the id of the job. Throws if sbatch refuses it.
 std::string Submit(const Job& job);
 /// Cancels a job; errors are ignored.
 void Cancel(const std::string& id);
@@ -36,8 +31,7 @@ struct ActiveTasks {
   std::string reason;  ///< why one waits, in the words of Slurm; may be empty
   std::uint64_t count() const { return running + waiting; }
 };
-/// Nullopt if Slurm does not answer now, with the reason in `why`. Throws SlurmError if there is no
-/// squeue.
+/// Nullopt if Slurm does not answer now, with the reason in `why`. Throws if there is no squeue.
 std::optional<ActiveTasks> FindActive(const std::string& array, const std::string& merge,
                                       std::string& why);
 

@@ -312,13 +312,14 @@ class Execution {
         listener_.Warn(
             fmt::format("{}: errors without a value: {}", Describe(plan_, run), errors.message));
     }
+    if (!writer_) writer_.emplace(plan_, options_.provenance);
     std::vector<std::string> warnings;
     folder_->Write(
         [&](journal::Journal& journal) {
           if (is_measured)
-            writer_.Write(run, ending.result, journal);
+            writer_->Write(run, ending.result, journal);
           else
-            writer_.WriteReference(run, ending.result, ending.recording->SampleValues(), journal);
+            writer_->WriteReference(run, ending.result, ending.recording->SampleValues(), journal);
         },
         warnings);
     for (const std::string& warning : warnings) listener_.Warn(warning);
@@ -328,7 +329,7 @@ class Execution {
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
   ProgressListener& listener_;
-  journal::RunWriter writer_{plan_, options_.provenance};
+  std::optional<journal::RunWriter> writer_;  ///< lists every cycle of a plan: not before it is known to fit
   ErrorEvaluator error_evaluator_{plan_, [this](const auto& id) { return folder_->Read(id); }};
   SharedOmissions omissions_;
   bool is_repeating_ = false;  // executes runs again that have already succeeded

@@ -129,6 +129,7 @@ TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
   // With one case for each gap, the stream of the round capsule draws a tetrahedron with two
   // support points that are equal but for a rounding.
   for (const int cases : std::set<int>{1, Cases(2)}) {
+    std::size_t drawn = 0;
     distributions::Stream stream(GetParam() + 500);
     for (std::size_t other = 0; other < kKinds; ++other) {
       if (other == 10 && GetParam() == 10) continue;
@@ -137,6 +138,8 @@ TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
           SCOPED_TRACE(testing::Message() << GetParam() << " and " << other << ", gap " << gap);
           const Case c = DrawCase(stream, GetParam(), other, 4, gap);
           const SignedDistance claim = c.Distance();
+          // The search is code of this test, and slow.
+          if (kAddressSanitizer && (drawn++ + other) % 10 != 0) continue;
           const OracleGap searched = SearchedGap(c.a, c.pose_a, c.b, c.pose_b);
           const double size = std::min(c.a.OuterRadius(), c.b.OuterRadius());
           EXPECT_LE(searched.gap, claim.upper + 1e-13 * c.Scale());

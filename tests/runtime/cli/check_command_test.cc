@@ -1,4 +1,4 @@
-// `cdb check --json`, `cdb explain`, and standard input.
+// `cdb check`: errors, JSON, results files; `cdb explain`, and standard input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/results/files/seal.h"
+#include "tests/runtime/cli/small_sweep.h"
 #include "tests/support/files.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"
@@ -227,6 +228,85 @@ TEST(Check, AResultsFileIsKnownByItsContents) {
   const Finished part = program.Run({"check", "part.h5"});
   EXPECT_EQ(part.status, 3) << part.err;
   EXPECT_NE(part.out.find("part.h5: incomplete: 1 of 2 runs"), std::string::npos) << part.out;
+}
+
+TEST(Check, SaysOnceWhatCannotBePlacedBeforeAnythingRuns) {
+  const Program program;
+  program.Write("out.cdb",
+                "benchmark out { cycles 5; world.side 10; detector sweep(simple, sap, dbvt)\n"
+                "  objects { quantity 1; size 1; location at(sweep(40, 50, 60), 0, 0) } }");
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"check", "out.cdb"}, {"run", "out.cdb", "-q"}}) {
+    const Finished refused = program.Run(command);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(refused.err,
+              "out.cdb:2:42: error: object 1 of 1 (group `objects`) lies 34.5 m beyond the cube's "
+              "wall +x; in 9 of 9 runs [E0223 cannot-place]\n"
+              "  2 |   objects { quantity 1; size 1; location at(sweep(40, 50, 60), 0, 0) } }\n"
+              "    |                                          ^^^^^^^^^^^^^^^^^^^^^^^^^^^ move it "
+              "inwards or make world.side larger\n");
+  }
+  // If other runs can be executed, it is a warning, and failures are reported with -q as well.
+  program.Write(
+      "some.cdb",
+      "benchmark some { cycles 5; world.side 100; objects { size 60; quantity sweep(1, 40) } }");
+  const Finished checked = program.Run({"check", "some.cdb"});
+  EXPECT_EQ(checked.status, 0);
+  EXPECT_NE(checked.err.find(
+                "warning: runs will fail: all objects together would fill 452.4 % of the cube"),
+            std::string::npos)
+      << checked.err;
+  const Finished run = program.Run({"run", "some.cdb", "-q"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_NE(run.err.find("runs will fail"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("`cdb show some.h5` names them"), std::string::npos) << run.err;
+}
+
+TEST(Check, LetsObjectsTouchTheFloor) {
+  const Program program;
+  program.Write(
+      "touch.cdb",
+      "benchmark touch { cycles 30; world.side 3; omit sweep(auto, none)\n"
+      "  objects { quantity 1; type cuboid; size 0.7; location at(0, -1.15, 0) }\n"
+      "  objects upper { quantity 1; type cuboid; size 0.3; location at(0.2, -0.65, 0) } }");
+  const Finished run = program.Run({"run", "touch.cdb", "-q"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto hashes = Hashes(program.folder() / "touch.h5");
+  ASSERT_EQ(hashes.size(), 2u);
+  EXPECT_EQ(hashes.begin()->second, hashes.rbegin()->second);
+}
+
+TEST(Check, RefusesWhatThisMachineCannotRun) {
+  const Program program;
+  program.Write("many.cdb", "benchmark many { world.side 1e9; objects.quantity 2000000000 }");
+  program.Write("long.cdb",
+                "benchmark long { cycles 2000000000; world.side 1e6; record pairs; "
+                "objects.quantity 1000000 }");
+  for (const char* command : {"check", "run"}) {
+    const Finished many = program.Run({command, "many.cdb"});
+    EXPECT_EQ(many.status, 2) << many.err;
+    EXPECT_NE(many.err.find("its 2e+09 objects need 2 TB or more"), std::string::npos) << many.err;
+    // It lists no cycles, which alone would take 16 GB.
+    const std::string limit = kAnySanitizer ? "" : "ulimit -d 2000000; ";
+    const Finished far = program.Shell(limit + "$CDB " + command + " long.cdb");
+    EXPECT_EQ(far.status, 2);
+    EXPECT_NE(far.err.find("one run records up to"), std::string::npos) << far.err;
+  }
+  EXPECT_FALSE(program.Exists("many.runs"));
+}
+
+TEST(Check, FindsEveryErrorAndLeavesNoFile) {
+  const Program program;
+  program.Write("bad.cdb", "benchmark a { cycles 0; colour red; objects.type cuboyd }\n");
+  for (const char* command : {"check", "plan", "run"}) {
+    const Finished finished = program.Run({command, "bad.cdb"});
+    EXPECT_EQ(finished.status, 1) << command;
+    EXPECT_EQ(finished.out, "") << command;
+    for (const char* part : {"bad.cdb:1:22", "colour", "did you mean 'cuboid'?"})
+      EXPECT_NE(finished.err.find(part), std::string::npos) << command << ": " << finished.err;
+  }
+  EXPECT_EQ(program.Run({"plan", "bad.cdb", "-o", "p.yaml"}).status, 1);
+  EXPECT_FALSE(program.Exists("p.yaml") || program.Exists("a.h5") || program.Exists("a.runs"));
 }
 
 }  // namespace

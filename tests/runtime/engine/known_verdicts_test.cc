@@ -11,6 +11,7 @@
 #include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/known_scenes.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -25,7 +26,9 @@ struct OutcomeCounts {
 TEST(KnownScenes, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
   std::array<OutcomeCounts, std::size(kFaultNames)> counts;
   std::string surprises;
+  Sample sample;
   for (const KnownScene& known : KnownScenes()) {
+    if (!sample.Takes(std::string(known.family))) continue;
     const Recorded run = RunHere(known.scene);
     EXPECT_TRUE(run.done()) << known.family << ", " << known.variant << ": " << run.message();
     const protocol::Judgement judged =
@@ -43,7 +46,7 @@ TEST(KnownScenes, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
     const auto& [unsound, sound] = counts[i].runs;
     table += fmt::format("{:20} {:17} {:6} {:17} {:6}\n", kFaultNames[i], unsound[0], unsound[1],
                          sound[1], sound[0]);
-    EXPECT_GE(counts[i].Total(false), 20) << kFaultNames[i];
+    EXPECT_GE(counts[i].Total(false), kAddressSanitizer ? 1 : 20) << kFaultNames[i];
     EXPECT_EQ(unsound[1], 0) << kFaultNames[i];
     EXPECT_EQ(sound[0], 0) << kFaultNames[i];
   }

@@ -13,6 +13,7 @@
 #include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/folders.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -40,6 +41,7 @@ Verdict VerdictOf(plan::Scene scene) {
 
 TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
   std::size_t ends = 0;
+  Sample sample;
   std::vector<std::string> files;
   for (const auto& entry :
        std::filesystem::directory_iterator(SourceFolder() / "library/scenarios/stability"))
@@ -58,6 +60,7 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
         const bool is_first = run.at[own] == 0;
         const bool is_last = run.at[own] + 1 == plan.axes[own].values.size();
         if (!is_first && !is_last) continue;
+        if (!sample.Takes(is_first ? "first" : "last")) continue;
         std::string other;
         for (std::size_t axis = 0; axis < plan.axes.size(); ++axis)
           if (axis != own) other = std::get<std::string>(plan.axes[axis].values[run.at[axis]]);
@@ -73,7 +76,7 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
       }
     }
   }
-  EXPECT_GE(ends, 20u);
+  EXPECT_GE(ends, kAddressSanitizer ? 1u : 20u);
 }
 
 }  // namespace

@@ -209,6 +209,20 @@ TEST(Compare, ComparesFactsExactly) {
   ExpectSays(back.Text(), "MORE TRUE: missed pairs");
 }
 
+TEST(Compare, TakesTheLargestPeakMemoryOfTheRepeatsAsShowDoes) {
+  const auto peaks = [](double first, double second) {
+    return [=](const plan::Run& run, ComparedRun& made) {
+      made.peak_bytes = run.rep == 0 ? first : second;
+    };
+  };
+  const Compared compared({{.plan = ComparedPlan(2), .change = peaks(5.8e6, 6e6)},
+                           {.plan = ComparedPlan(2), .change = peaks(7e6, 6.6e6)}});
+  ExpectSays(compared.Text(), "quantity 10: 6 MB -> 7 MB (+16.7 %)");
+  const Compared within({{.plan = ComparedPlan(2), .change = peaks(5e6, 6e6)},
+                         {.plan = ComparedPlan(2), .change = peaks(6.5e6, 6.9e6)}});
+  ExpectSaysNot(within.Text(), "MORE MEMORY");
+}
+
 TEST(Compare, CallsAnErrorWithinItsFloorNeitherBetterNorWorse) {
   const auto other = [](const plan::Run&, ComparedRun& made) {
     made.error = 0.6;

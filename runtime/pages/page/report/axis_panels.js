@@ -3,9 +3,11 @@ import * as Plot from '@observablehq/plot';
 import { axisTitle, valueText } from './document.js';
 import { style } from './palette.js';
 import { thin } from './pooled.js';
-import { labelMargin, rowLabel, scale, valueScale } from './scales.js';
+import { labelMargin, rowAxes, scale, valueScale } from './scales.js';
 
 const mostMarks = 600; // in a series; longer ones are drawn in bins
+
+const evenly = (scaleX, xLabel) => (scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel);
 
 export function legendOf(rows, colour, theme, isRows) {
   if (!colour) return [];
@@ -93,7 +95,6 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
         const own = rows.filter((row) => row.colour === i);
         marks.push(...dots(own, theme, { x: at, y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
       }
-    const label = scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel;
     return {
       width,
       height,
@@ -101,7 +102,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
       marginTop: 24,
       marginBottom: 38,
       marginRight: 12,
-      x: { ...scaleX, label, labelAnchor: 'right', labelArrow: 'right' },
+      x: { ...scaleX, label: evenly(scaleX, xLabel), labelAnchor: 'right', labelArrow: 'right' },
       y: { ...y, label: yLabel, labelArrow: 'up' },
       marks: [Plot.gridY({ ticks: y.ticks, stroke: theme.grid, strokeOpacity: 1 }), ...marks],
     };
@@ -129,28 +130,8 @@ function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
       );
       marks.push(...dots(own, theme, { y, x: 'value', dy }, `hot hot-${colour + 1}`));
     }
-    return {
-      width,
-      height,
-      marginLeft: margin,
-      marginRight: 14,
-      marginTop: 6,
-      marginBottom: 38,
-      x: {
-        ...scaleX,
-        label: scaleX.isEven ? `${xLabel}, evenly spaced` : xLabel,
-        labelAnchor: 'right',
-        labelArrow: 'right',
-      },
-      y: {
-        type: 'band',
-        domain: rowsShown.values,
-        tickFormat: (i) => rowLabel(label(i), margin),
-        label: null,
-        tickSize: 0,
-      },
-      marks,
-    };
+    const axes = { margin, x: scaleX, xLabel: evenly(scaleX, xLabel), domain: rowsShown.values, labelOf: label };
+    return { width, height, ...rowAxes(axes), marks };
   };
 }
 

@@ -3,7 +3,7 @@ import * as Plot from '@observablehq/plot';
 import { columnsOf, cycleScale, layout, panelTitle, parts, phaseOf, usedBins } from './cycle_points.js';
 import { pointText } from './document.js';
 import { timeUnit } from './format.js';
-import { phaseColours, style } from './palette.js';
+import { style } from './palette.js';
 import { extent, scale } from './scales.js';
 
 const symbolsPerLine = 9;
@@ -104,7 +104,7 @@ export function describePhaseLines(doc, view, { theme, width }, chosen) {
     view.yScale,
     { ratio: 8 },
   );
-  const looks = names.map((name, i) => ({ ...style(theme, i), colour: phaseColours(theme)[name], label: name }));
+  const looks = names.map((name, i) => ({ ...style(theme, i), colour: theme.phases[name], label: name }));
   const panels = chosen.map((each) => ({
     each,
     series: names.map((phase, i) => ({ ...looks[i], rows: rowsOf(doc, { bins, phase, each, factor }) })),

@@ -4,7 +4,6 @@ import * as d3 from 'd3';
 import { columnsOf, cycleScale, layout, panelTitle, parts, usedBins } from './cycle_points.js';
 import { pointText } from './document.js';
 import { number, timeUnit } from './format.js';
-import { phaseColours } from './palette.js';
 import { extent, scale } from './scales.js';
 
 /** The upper end of the axis if spikes would flatten the rest, otherwise null. */
@@ -37,7 +36,7 @@ function apart(rows, last, width) {
 
 function stackPanel(rows, { theme, names, y, limit, unit }) {
   return ({ width, height }) => {
-    const colours = phaseColours(theme);
+    const colours = theme.phases;
     const top = names.at(-1);
     const beyond = limit === null ? [] : rows.filter((row) => row.phase === top && row.y2 > limit);
     return {
@@ -105,7 +104,7 @@ export function describeStack(doc, view, { theme, width }, chosen) {
     panels,
     ...layout(chosen, width),
     columns: columnsOf(unit),
-    legend: names.map((name) => ({ label: name, colour: phaseColours(theme)[name], isArea: true })),
+    legend: names.map((name) => ({ label: name, colour: theme.phases[name], isArea: true })),
     notes: limit === null ? [] : ['▲: beyond the scale, with its time.'],
   };
 }

@@ -5,7 +5,7 @@ import { pointText } from './document.js';
 import { short, timeUnit } from './format.js';
 import { phaseOf, representatives, whereText } from './cycle_points.js';
 import { style } from './palette.js';
-import { extent, labelMargin, rowLabel, scale } from './scales.js';
+import { extent, labelMargin, rowAxes, scale } from './scales.js';
 
 const rowHeight = 24;
 
@@ -22,19 +22,15 @@ function frame({ theme, width, height, chosen, x, label }, marks) {
   return {
     width,
     height,
-    marginLeft: margin,
-    marginRight: 20,
-    marginTop: 6,
-    marginBottom: 38,
-    x: { ...x, label, labelAnchor: 'right', labelArrow: 'right' },
-    y: {
-      type: 'band',
+    ...rowAxes({
+      margin,
+      marginRight: 20,
+      x,
+      xLabel: label,
       domain: chosen.map((_, i) => i),
-      tickFormat: (i) => rowLabel(labelOf(chosen[i]), margin),
-      label: null,
-      tickSize: 0,
+      labelOf: (i) => labelOf(chosen[i]),
       padding: 0.25,
-    },
+    }),
     marks: [Plot.gridX({ ticks: x.ticks, stroke: theme.grid, strokeOpacity: 1 }), ...marks],
   };
 }

@@ -2,7 +2,8 @@
 
 /**
  * @typedef {{name: string, ink: string, muted: string, faint: string, grid: string, background: string, colours:
- *   string[], highlight?: number}} Theme  highlight: the only series with a colour
+ *   string[], phases: Record<string, string>, highlight?: number}} Theme  highlight: the only series with a colour;
+ *   phases: colours of the phases that make up a step
  */
 /** @type {Record<'light' | 'dark', Theme>} */
 export const themes = {
@@ -14,6 +15,14 @@ export const themes = {
     grid: '#dfe3e8',
     background: '#ffffff',
     colours: ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#a87500', '#3fa7dc', '#333a44', '#8a6fd1'],
+    phases: {
+      broad: '#0072b2',
+      narrow: '#7cc0ea',
+      solve: '#e08a2e',
+      integrate: '#7a828c',
+      detect: '#009e73',
+      step: '#1b1e23',
+    },
   },
   dark: {
     name: 'dark',
@@ -23,6 +32,14 @@ export const themes = {
     grid: '#343b44',
     background: '#15181c',
     colours: ['#56b4e9', '#ff8a3d', '#2ec79b', '#e59cc6', '#e6b422', '#9ad7ff', '#d0d5db', '#b39df0'],
+    phases: {
+      broad: '#3f97d4',
+      narrow: '#a5d8f6',
+      solve: '#f0a04b',
+      integrate: '#79838f',
+      detect: '#2ec79b',
+      step: '#e8eaed',
+    },
   },
 };
 
@@ -45,26 +62,6 @@ export function style(theme, i) {
     dash: dashes[Math.floor(n / theme.colours.length) % dashes.length],
   };
 }
-
-/** The phases that make up a step. @param {Theme} theme */
-export const phaseColours = (theme) =>
-  theme.name === 'light'
-    ? {
-        broad: '#0072b2',
-        narrow: '#7cc0ea',
-        solve: '#e08a2e',
-        integrate: '#7a828c',
-        detect: '#009e73',
-        step: '#1b1e23',
-      }
-    : {
-        broad: '#3f97d4',
-        narrow: '#a5d8f6',
-        solve: '#f0a04b',
-        integrate: '#79838f',
-        detect: '#2ec79b',
-        step: '#e8eaed',
-      };
 
 /** Verdicts by increasing severity; `frozen` and worse ones void the timings. */
 export const verdicts = [

@@ -5,9 +5,8 @@ import { rowsOf, tableOf } from './axis_rows.js';
 import { quantities, valueText } from './document.js';
 import { timeUnit } from './format.js';
 import { describeQuantity, statisticText } from './over_axes.js';
-import { phaseColours } from './palette.js';
 import { noTable } from './pooled.js';
-import { extent, labelMargin, poolNotes, rowLabel, scale, unitOf } from './scales.js';
+import { extent, labelMargin, poolNotes, rowAxes, scale, unitOf } from './scales.js';
 
 /** One configuration: a row for each phase, on one scale. */
 function describePhaseRows(doc, view, how, phases) {
@@ -58,26 +57,13 @@ function stackedRows(doc, view, names) {
 }
 
 function stackedPanel(rows, { theme, labels, margin, scaleX, unit }) {
-  const colours = phaseColours(theme);
   return ({ width, height }) => ({
     width,
     height,
-    marginLeft: margin,
-    marginRight: 14,
-    marginTop: 6,
-    marginBottom: 38,
-    x: { ...scaleX, label: `time of a cycle, ${unit}`, labelAnchor: 'right', labelArrow: 'right' },
-    y: {
-      type: 'band',
-      domain: labels,
-      padding: 0.3,
-      tickFormat: (label) => rowLabel(label, margin),
-      label: null,
-      tickSize: 0,
-    },
+    ...rowAxes({ margin, x: scaleX, xLabel: `time of a cycle, ${unit}`, domain: labels, padding: 0.3 }),
     marks: [
       Plot.gridX({ ticks: scaleX.ticks, stroke: theme.grid, strokeOpacity: 1 }),
-      Plot.barX(rows, { y: 'label', x1: 'y1', x2: 'y2', fill: (row) => colours[row.phase], className: 'hot' }),
+      Plot.barX(rows, { y: 'label', x1: 'y1', x2: 'y2', fill: (row) => theme.phases[row.phase], className: 'hot' }),
     ],
   });
 }
@@ -101,7 +87,7 @@ function describeStackedRows(doc, view, { theme, width }) {
   return {
     title,
     rows,
-    legend: names.map((name) => ({ label: name, colour: phaseColours(theme)[name], isArea: true })),
+    legend: names.map((name) => ({ label: name, colour: theme.phases[name], isArea: true })),
     columns: [
       { key: 'label', label: axis.name },
       { key: 'phase', label: 'phase' },

@@ -4,7 +4,7 @@ import { quantities, valueText } from './document.js';
 import { number, short } from './format.js';
 import { style } from './palette.js';
 import { entriesOf, noTable } from './pooled.js';
-import { extent, fixedText, intervalText, labelMargin, logTicks, rowLabel } from './scales.js';
+import { extent, fixedText, intervalText, labelMargin, logTicks, rowBand } from './scales.js';
 
 const mostFacets = 6;
 const mostRows = 60;
@@ -98,13 +98,7 @@ function panelOf(rows, names, { theme, margin, x, isLast, label }) {
     marginTop: 4,
     marginBottom: isLast ? 38 : 8,
     x: { ...x, ...axis },
-    y: {
-      type: 'band',
-      domain: rows.map((row) => row.detector),
-      tickFormat: (i) => rowLabel(names[i], margin),
-      label: null,
-      tickSize: 0,
-    },
+    y: rowBand({ margin, domain: rows.map((row) => row.detector), labelOf: (i) => names[i] }),
     marks: marksOf(rows, theme, x.ticks),
   });
 }

@@ -106,11 +106,31 @@ export function labelMargin(labels, width) {
 }
 
 /** Labels of rows, shortened to fit the margin. */
-export const rowLabel = (label, margin) => {
+const rowLabel = (label, margin) => {
   let most = 34;
   while (most > 6 && textWidth(short(label, most), 11) > margin - 12) --most;
   return short(label, most);
 };
+
+/** The axis of labelled rows. */
+export const rowBand = ({ margin, domain, labelOf = (label) => label, padding }) => ({
+  type: 'band',
+  domain,
+  tickFormat: (value) => rowLabel(labelOf(value), margin),
+  label: null,
+  tickSize: 0,
+  padding,
+});
+
+/** The margins and axes of a panel of labelled rows, with the scale `x` of numbers below. */
+export const rowAxes = ({ margin, marginRight = 14, x, xLabel, ...rows }) => ({
+  marginLeft: margin,
+  marginRight,
+  marginTop: 6,
+  marginBottom: 38,
+  x: { ...x, label: xLabel, labelAnchor: 'right', labelArrow: 'right' },
+  y: rowBand({ margin, ...rows }),
+});
 
 /** `quantity 400` for the fixed axes of several values. */
 export function fixedText(doc, view) {

@@ -5,7 +5,7 @@ import { number, short } from './format.js';
 import { textWidth } from './compose.js';
 import { inkOn, severity, verdicts } from './palette.js';
 import { entriesOf, noTable } from './pooled.js';
-import { labelMargin, rowLabel } from './scales.js';
+import { labelMargin, rowBand } from './scales.js';
 
 const mostPanels = 12;
 const leastCell = 22; // px, with text
@@ -103,14 +103,7 @@ function panelOf(rows, { axisX, axisY, xs, ys, margin }) {
         labelAnchor: 'right',
         labelArrow: 'right',
       },
-      y: {
-        type: 'band',
-        domain: ys,
-        padding: 0,
-        tickSize: 0,
-        label: null,
-        tickFormat: (i) => rowLabel(nameOf(axisY, i), margin),
-      },
+      y: rowBand({ margin, domain: ys, labelOf: (i) => nameOf(axisY, i), padding: 0 }),
       marks: [
         Plot.cell(rows, { x: 'x', y: 'y', fill, inset: cell > 8 ? 0.75 : 0, rx: 2, className: 'hot' }),
         ...(cell > leastCell ? cellTexts(rows, cell > wideCell) : []),

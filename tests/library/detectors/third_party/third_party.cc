@@ -26,7 +26,8 @@ std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info) {
   if (part == nullptr) throw std::logic_error(std::string(info.part) + " is no part");
   if (!part->is_built) return nullptr;
   const std::string module = "cdb-detectors-" + std::string(info.part) + ".so";
-  const Plugin& plugin = detectors::LoadPlugin(BuildFolder() / "detectors" / module);
+  const std::string path = BuildFolder() / "detectors" / module;
+  const Plugin& plugin = detectors::LoadPlugin(path);
   const DetectorEntry* entry = detectors::FindEntry(plugin, info.name);
   if (entry == nullptr) throw std::runtime_error(std::string(info.name) + " is not in its part");
   EXPECT_EQ(HasAny(entry->phases, kBroad), info.HasPhase("broad"));

@@ -16,6 +16,7 @@
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/detector_names.h"
 #include "tests/support/files.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -330,10 +331,13 @@ TEST(PairReferee, ComparesEveryPairOfTypes) {
         world::Engine engine = WholeEngine(scene, state);
         const objects::Pose poses[] = {{Position(engine, 0), Orientation(engine, 0)},
                                        {Position(engine, 1), Orientation(engine, 1)}};
-        const OracleGap exact = SearchedGap(a.solid, poses[0], b.solid, poses[1]);
-        ASSERT_EQ(exact.gap > 0, is_apart);
         const auto overlaps = FirstStep(engine).exact.overlaps;
         ASSERT_EQ(overlaps.size(), is_apart ? 0u : 1u);
+        // The search is code of the tests; between the many pieces of tori, sanitizers take
+        // minutes.
+        if (kAddressSanitizer && (i == 6 || j == 6)) continue;
+        const OracleGap exact = SearchedGap(a.solid, poses[0], b.solid, poses[1]);
+        ASSERT_EQ(exact.gap > 0, is_apart);
         if (is_apart) continue;
         const double wide = 1e-6 + 10 * kEpsilon;
         EXPECT_NEAR(overlaps[0].depth, -exact.gap, wide);

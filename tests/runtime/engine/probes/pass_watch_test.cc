@@ -11,6 +11,7 @@
 
 #include "library/distributions/stream.h"
 #include "tests/runtime/engine/known_scene_builder.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -77,7 +78,7 @@ struct Known {
 void Check(const char* name, Known (*draw)(Stream&)) {
   Stream stream(7);
   int passes = 0, misses = 0;
-  constexpr int kCases = 200;
+  constexpr int kCases = kAddressSanitizer ? 40 : 200;
   for (int i = 0; i < kCases; ++i) {
     Known known = draw(stream);
     if (!known.passes) continue;
