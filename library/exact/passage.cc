@@ -125,8 +125,13 @@ class PairMotion {
       (closest.gap < 0 ? overlapping : apart) = middle;
       if (closest.gap >= 0) last = closest;
     }
-    return {motion_a_.At(apart).orientation.conjugate() * last.normal,
-            motion_b_.At(apart).orientation.conjugate() * last.normal};
+    const Pose pose_a = motion_a_.At(apart), pose_b = motion_b_.At(apart);
+    const Vector3d offset = pose_a.position - pose_b.position;
+    const auto from = [&](const Pose& pose) -> Heading::Seen {
+      const Quaterniond turn = pose.orientation.conjugate();
+      return {turn * last.normal, turn * offset};
+    };
+    return {from(pose_a), from(pose_b)};
   }
 
  private:
@@ -263,7 +268,8 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
     const double below = -closest.gap - kShallow * side;
     if (overlaps_ && (closest.gap >= 0 || (is_slow && below < 0))) {
       overlaps_ = false;
-      if (deepest_ > kDeep * side && HasPassed(pair.HeadingBetween(part, last, closest), side))
+      if (deepest_ > kDeep * side &&
+          HasPassed(pair.HeadingBetween(part, last, closest), side, !a.compound && !b.compound))
         return Passing::kPassed;
     } else if (closest.gap < 0 && (overlaps_ || !is_slow)) {
       if (!overlaps_) {
@@ -289,9 +295,15 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
   return is_known ? Passing::kNone : Passing::kUnknown;
 }
 
-bool Passage::HasPassed(const Heading& exit, double side) const {
-  const double cosine = (entry_.in_a.dot(exit.in_a) + entry_.in_b.dot(exit.in_b)) / 2;
-  return cosine < kReversed || (deepest_ >= kWhole * side && !spans_cycles_);
+bool Passage::HasPassed(const Heading& exit, double side, bool is_convex) const {
+  double cosine = 0, advance = 0;
+  for (const auto seen : {&Heading::from_a, &Heading::from_b}) {
+    const Heading::Seen &in = entry_.*seen, &out = exit.*seen;
+    cosine += in.normal.dot(out.normal) / 2;
+    advance += in.normal.dot(in.offset - out.offset) / 2;
+  }
+  return cosine < kReversed || (!is_convex && advance > kWhole * side) ||
+         (deepest_ >= kWhole * side && !spans_cycles_);
 }
 
 }  // namespace cdb::exact

@@ -26,9 +26,13 @@ enum class Passing {
   kUnknown,  ///< neither a pass nor none: too far, too many poses, or beyond rounding
 };
 
-/// The direction in which two solids separate, from b to a, a unit vector in the axes of each.
+/// How two solids separate: seen from the axes of each.
 struct Heading {
-  Eigen::Vector3d in_a, in_b;
+  struct Seen {
+    Eigen::Vector3d normal;  ///< unit, from b to a
+    Eigen::Vector3d offset;  ///< m: of the centre of mass of a from that of b
+  };
+  Seen from_a, from_b;
 };
 
 /// Follows two solids from cycle to cycle. Neither may be a surface.
@@ -64,7 +68,7 @@ class Passage {
   bool Overlaps() const { return overlaps_; }
 
  private:
-  bool HasPassed(const Heading& exit, double side) const;
+  bool HasPassed(const Heading& exit, double side, bool is_convex) const;
 
   double slack_ = 0;  ///< m of relative motion until the overlap can end
   bool overlaps_ = false, spans_cycles_ = false;
