@@ -12,8 +12,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The energy of a fall by this fraction of an object's side is ignored in a loss, and in a gain,
-/// which contacts cause whose depths are known after the next cycle only.
+/// The energy of a fall by this fraction of an object's side is ignored in a loss, and a tenth of
+/// that of a higher one in a gain: contacts at rest tremble, and the corners of a box that friction
+/// brakes rebound.
 constexpr double kLeastFall = 0.01, kLeastRise = 0.1;
 /// An approach by more than so many falls in a cycle is an impact. A contact at rest has one.
 constexpr double kImpact = 4;
@@ -78,7 +79,7 @@ double EnergyAudit::Gained(double kinetic, double energy, double slack) {
   const double risen = energy - lowest_;
   peak_without_gain_ = std::max(peak_without_gain_, kinetic - risen);
   return std::max((risen - given_ - slack) / (peak_without_gain_ + kLeastRise * scale_),
-                  excess_ / (approached_ + kLeastFall * scale_));
+                  excess_ / (approached_ + kLeastRise * scale_));
 }
 
 /// J: of all objects that a contact may lift by its depth, which are those connected with it, and
@@ -145,15 +146,16 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     const double impact = work(point.m_appliedImpulse, point.m_normalWorldOnB);
     const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
     const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
-                 rebound = std::max(0.0, at_end.dot(normal)), allowed = restitution * approach,
+                 rebound = std::max(0.0, at_end.dot(normal)),
                  mass = static_cast<double>(point.m_appliedImpulse) / (approach + rebound);
     if (approach > kImpact * fall_) {
+      // The fall of the cycle does not count as approach for restitution.
+      const double allowed = restitution * (approach - fall_);
       approached_ += mass * std::pow(approach, 2) / 2;
       excess_ += mass * std::max(0.0, std::pow(rebound, 2) - std::pow(allowed, 2)) / 2;
     }
-    taken += restitution == 0
-                 ? impact
-                 : std::min(impact, mass * (std::pow(approach, 2) - std::pow(allowed, 2)) / 2);
+    const double inelastic = mass * std::pow(approach, 2) * (1 - std::pow(restitution, 2)) / 2;
+    taken += restitution == 0 ? impact : std::min(impact, inelastic);
   }
   return taken;
 }
