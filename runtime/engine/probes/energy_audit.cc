@@ -67,18 +67,20 @@ EnergyAudit::Seen EnergyAudit::After(const BodyStates& before, const BodyStates&
   if (!(scale > 0)) return {0, 0};
   // No object has fallen farther through the gaps of joints than their sum.
   const double sagged = weight_ * engine_.links().MeasureGaps().sum;
-  return {(start_ - energy - taken_ - sagged) / scale, Gained(kinetic, energy, rounding + sagged)};
+  return {(start_ - energy - taken_ - sagged) / scale, Gained(kinetic, energy, sagged, rounding)};
 }
 
-double EnergyAudit::Gained(double kinetic, double energy, double slack) {
+double EnergyAudit::Gained(double kinetic, double energy, double sagged, double rounding) {
   if (energy < lowest_) {
     lowest_ = energy;
-    given_ = 0;
+    given_ = rounded_ = 0;
   }
-  given_ = std::max(given_, LiftOfContacts());
+  rounded_ += rounding;
+  // Joints pull together what they let sag.
+  given_ = std::max(given_, LiftOfContacts() + sagged);
   const double risen = energy - lowest_;
   peak_without_gain_ = std::max(peak_without_gain_, kinetic - risen);
-  return std::max((risen - given_ - slack) / (peak_without_gain_ + kLeastRise * scale_),
+  return std::max((risen - given_ - rounded_) / (peak_without_gain_ + kLeastRise * scale_),
                   excess_ / (approached_ + kLeastRise * scale_));
 }
 

@@ -18,10 +18,11 @@ namespace cdb::probes {
 /// that roll or fly. The work of an impulse J is J (v + v') / 2, with the velocities of its point
 /// along it before and after the cycle; with the integrator's own term in the energy this is exact.
 ///
-/// Nothing can give a scene energy but contacts that push objects out of each other. What these may
-/// give is the work that lifts all connected objects by the depths of their contacts, the largest
-/// since the energy was least. And no impact may give more than its approach leaves: the speed of
-/// separation is at most e times that of the approach. The engine must outlive it. Not thread-safe.
+/// Nothing can give a scene energy but contacts that push objects out of each other, and joints
+/// that pull them together. What these may give is the work that lifts all connected objects by the
+/// depths of their contacts, and all by the gaps of joints, the largest since the energy was least.
+/// And no impact may give more than its approach leaves: the speed of separation is at most e times
+/// that of the approach. The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
   EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction);
@@ -46,7 +47,7 @@ class EnergyAudit {
  private:
   double TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
                  const BodyStates& now);
-  double Gained(double kinetic, double energy, double slack);
+  double Gained(double kinetic, double energy, double sagged, double rounding);
   double LiftOfContacts();
   std::vector<char> Slipping(const BodyStates& states) const;
   double TakenByRounding(const BodyStates& now) const;
@@ -57,15 +58,16 @@ class EnergyAudit {
 
   world::Engine& engine_;
   const double wall_restitution_, wall_friction_;
-  std::vector<double> masses_;                             ///< kg, by object; 0 if it is fixed
-  std::vector<double> restitutions_, frictions_;           ///< by object
-  std::vector<Eigen::Vector3d> inertias_;                  ///< principal, for 1 kg
-  double weight_ = 0;                                      ///< N, of all objects
-  double fall_ = 0;                                        ///< m/s: gained by a fall in a cycle
-  double start_ = 0, peak_ = 0, scale_ = 0, taken_ = 0;    ///< J; scale: of a fall by the sizes
-  double lowest_ = 0, given_ = 0, peak_without_gain_ = 0;  ///< J; given: since the lowest energy
-  double approached_ = 0, excess_ = 0;                     ///< J: of impacts, and of their rebounds
-  std::vector<std::uint32_t> connected_;                   ///< by object: another one, or itself
+  std::vector<double> masses_;                           ///< kg, by object; 0 if it is fixed
+  std::vector<double> restitutions_, frictions_;         ///< by object
+  std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
+  double weight_ = 0;                                    ///< N, of all objects
+  double fall_ = 0;                                      ///< m/s: gained by a fall in a cycle
+  double start_ = 0, peak_ = 0, scale_ = 0, taken_ = 0;  ///< J; scale: of a fall by the sizes
+  double lowest_ = 0, given_ = 0, rounded_ = 0,
+         peak_without_gain_ = 0;          ///< J; given: since the lowest energy
+  double approached_ = 0, excess_ = 0;    ///< J: of impacts, and of their rebounds
+  std::vector<std::uint32_t> connected_;  ///< by object: another one, or itself
 };
 
 }  // namespace cdb::probes
