@@ -144,6 +144,7 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "inverted", .records = "stability", .type = kInt32, .doc = "pairs of objects in which the object that lay on top is now below the other"},
     {.name = "unheld", .records = "stability", .type = kInt32, .doc = "objects asleep in the air or on a slope that does not hold them"},
     {.name = "lost_energy", .records = "stability", .doc = "energy lost, except to friction, inelastic bounces and sleep, over the largest kinetic energy so far and that of a small fall"},
+    {.name = "gained_energy", .records = "stability", .doc = "the larger of two: energy gained, except from contacts that push objects out of each other, over the largest kinetic energy so far and that of a fall by a tenth of the sizes; energy by which rebounds exceed the restitution, over that of all approaches"},
     {.name = "false_normals", .records = "stability", .type = kInt32, .doc = "contacts with fixed ground that pushed along a normal that its shape does not allow"},
     {.name = "false_impulse", .records = "stability", .unit = "kg m/s", .doc = "impulse of these contacts across the legal normals, summed over the contacts"},
     {.name = "deflected", .records = "stability", .type = kInt32, .doc = "objects to which false normals have given more than a twentieth of their largest momentum so far"},

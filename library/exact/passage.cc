@@ -18,8 +18,10 @@ using objects::Pose;
 using objects::Solid;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// In least sides: depths, and their accuracy.
-constexpr double kShallow = 0.1, kDeep = 0.25, kWhole = 1, kTolerance = 0.05;
+/// In least sides: depths, and their accuracy in general and where a direction matters.
+constexpr double kShallow = 0.1, kDeep = 0.25, kWhole = 1, kTolerance = 0.05, kFine = 1e-4;
+/// Of motion, in least sides: how closely the pose is found at which two solids touch.
+constexpr double kTouch = 0.01;
 /// The least relative motion between two poses, in least sides: less than from shallow to deep.
 constexpr double kLeastStep = 0.1;
 /// Of poses in a cycle: a long rod may slide within another for all of it.
@@ -105,12 +107,39 @@ class PairMotion {
                       farthest(b_, turn_b_, motion_b_.from.orientation, normal);
   }
 
-  /// `last`: at the last pose.
-  Closest At(double part, const Pose& pose_a, const Pose& pose_b, const Closest& last) const {
+  /// `last`: at the last pose. Parts that cannot touch in the rest of the cycle are left out.
+  Closest At(double part, const Closest& last) const {
+    return At(part, last, (1 - part) * Most(), kTolerance * side_);
+  }
+  /// The same to the finer accuracy, and whatever their distance.
+  Closest FineAt(double part, const Closest& last) const {
+    return At(part, last, kInfinity, kFine * side_);
+  }
+  /// Between a part of the cycle at which they are apart and one at which they overlap: in which
+  /// direction they separate where they touch.
+  Heading HeadingBetween(double apart, double overlapping, Closest last) const {
+    last = FineAt(apart, last);
+    while (std::abs(overlapping - apart) * Most() > kTouch * side_) {
+      const double middle = (apart + overlapping) / 2;
+      const Closest closest = FineAt(middle, last);
+      (closest.gap < 0 ? overlapping : apart) = middle;
+      if (closest.gap >= 0) last = closest;
+    }
+    const Pose pose_a = motion_a_.At(apart), pose_b = motion_b_.At(apart);
+    const Vector3d offset = pose_a.position - pose_b.position;
+    const auto from = [&](const Pose& pose) -> Heading::Seen {
+      const Quaterniond turn = pose.orientation.conjugate();
+      return {turn * last.normal, turn * offset};
+    };
+    return {from(pose_a), from(pose_b)};
+  }
+
+ private:
+  Closest At(double part, const Closest& last, double reach, double tolerance) const {
+    const Pose pose_a = motion_a_.At(part), pose_b = motion_b_.At(part);
     const Matrix3d turn_a = pose_a.orientation.toRotationMatrix();
     const Matrix3d turn_b = pose_b.orientation.toRotationMatrix();
     const Vector3d offset = pose_b.position - pose_a.position;
-    const double reach = (1 - part) * Most();
     Closest closest;
     const auto visit = [&](const Pieces& pieces, bool is_last) {
       const double enough = Enough(closest, reach);
@@ -124,6 +153,7 @@ class PairMotion {
           part_b(b_, pieces.b, turn_b, offset);
       HeightGoal goal;
       goal.scale = offset.norm() + radius_a_ + radius_b_;
+      goal.tolerance = tolerance;
       if (is_last)
         goal.guess = -last.normal;
       else if (distance > 0)
@@ -137,7 +167,6 @@ class PairMotion {
     return closest;
   }
 
- private:
   /// m: between the centres, in the cycle.
   Vector3d NearestOffset() const {
     const double square = way_.squaredNorm();
@@ -174,7 +203,6 @@ class PairMotion {
   void AddPieces(const ConvexPart& a, const ConvexPart& b, HeightGoal goal, double enough,
                  const Pieces& pieces, Closest& closest) const {
     const double radii = a.radius() + b.radius();
-    goal.tolerance = kTolerance * side_;
     goal.enough = enough + radii;
     goal.by_polytope = true;
     const LeastHeight found = FindLeastHeight(
@@ -216,61 +244,65 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
                         const Motion& motion_b) {
   const PairMotion pair(a, motion_a, b, motion_b);
   const double most = pair.Most(), side = pair.side();
+  const bool is_slow = most < kLeastMotion * side;
   if (overlaps_ && most < slack_) {
     slack_ -= most;
     return Passing::kNone;
   }
-  if (!overlaps_ && most < kLeastMotion * side) return Passing::kNone;
+  if (!overlaps_ && is_slow) return Passing::kNone;
   if (!(pair.Scale() < kFarthest * side)) {
     overlaps_ = false;
     return Passing::kUnknown;
   }
   if (!overlaps_ && (pair.PassAfar() || pair.StayApart())) return Passing::kNone;
+  spans_cycles_ = overlaps_;
   bool is_known = true;
   int poses = 0;
   Closest closest;
-  for (double part = 0;;) {
-    const Pose pose_a = motion_a.At(part), pose_b = motion_b.At(part);
-    closest = pair.At(part, pose_a, pose_b, closest);
+  for (double part = 0, last = 0;;) {
+    closest = pair.At(part, closest);
+    // Where it may be over, or may not have begun.
+    if (-closest.gap < kTolerance * side && (overlaps_ || closest.gap < 0))
+      closest.gap = pair.FineAt(part, closest).gap;
     is_known = is_known && closest.is_known;
-    const double above = closest.gap + kShallow * side;
-    double step = closest.safe;
-    if (above < 0) {
-      if (!overlaps_) Begin(closest.normal, pose_a.orientation, pose_b.orientation, part == 0);
-      deepest_ = std::max(deepest_, -closest.gap);
-      step = -above / most;
-    } else if (overlaps_) {
+    const double below = -closest.gap - kShallow * side;
+    if (overlaps_ && (closest.gap >= 0 || (is_slow && below < 0))) {
       overlaps_ = false;
-      if (HasPassed(closest.normal, pose_a.orientation, pose_b.orientation, side))
+      if (deepest_ > kDeep * side &&
+          HasPassed(pair.HeadingBetween(part, last, closest), side, !a.compound && !b.compound))
         return Passing::kPassed;
+    } else if (closest.gap < 0 && (overlaps_ || !is_slow)) {
+      if (!overlaps_) {
+        overlaps_ = true;
+        spans_cycles_ = part == 0;
+        deepest_ = 0;
+        entry_ = pair.HeadingBetween(last, part, closest);
+      }
+      deepest_ = std::max(deepest_, -closest.gap);
     }
-    slack_ = std::abs(above);
+    slack_ = std::max(0.0, below);
     if (!(part < 1)) break;
     if (++poses == kMostPoses) {
       is_known = overlaps_ = false;
       break;
     }
-    part = std::min(1.0, part + std::max(step, kLeastStep * side / most));
+    last = part;
+    // To where it ends, or, if it is shallow or has not begun, may be deep.
+    const bool is_deep = overlaps_ && (below > 0 || deepest_ > kDeep * side);
+    part = std::min(
+        1.0, part + std::max(is_deep ? slack_ / most : closest.safe, kLeastStep * side / most));
   }
-  spans_cycles_ = overlaps_;
   return is_known ? Passing::kNone : Passing::kUnknown;
 }
 
-void Passage::Begin(const Vector3d& normal, const Quaterniond& turn_a, const Quaterniond& turn_b,
-                    bool is_at_start) {
-  overlaps_ = true;
-  spans_cycles_ = is_at_start;
-  deepest_ = 0;
-  entry_in_a_ = turn_a.conjugate() * normal;
-  entry_in_b_ = turn_b.conjugate() * normal;
-}
-
-bool Passage::HasPassed(const Vector3d& normal, const Quaterniond& turn_a,
-                        const Quaterniond& turn_b, double side) const {
-  const double cosine = (entry_in_a_.dot(turn_a.conjugate() * normal) +
-                         entry_in_b_.dot(turn_b.conjugate() * normal)) /
-                        2;
-  return (deepest_ > kDeep * side && cosine < kReversed) ||
+bool Passage::HasPassed(const Heading& exit, double side, bool is_convex) const {
+  double cosine = 0, advance = 0;
+  for (const auto seen : {&Heading::from_a, &Heading::from_b}) {
+    const Heading::Seen &in = entry_.*seen, &out = exit.*seen;
+    cosine += in.normal.dot(out.normal) / 2;
+    advance += in.normal.dot(in.offset - out.offset) / 2;
+  }
+  return cosine < kReversed || (!is_convex && advance > kWhole * side) ||
          (deepest_ >= kWhole * side && !spans_cycles_);
 }
 

@@ -19,7 +19,7 @@ using enum Verdict;
 constexpr double kFrozenPart = 0.01, kCollapsedPart = 0.01;  ///< fractions of the objects
 constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
-constexpr double kLost = 0.1, kSpinDrift = 0.03;
+constexpr double kLost = 0.1, kGained = 0.1, kSpinDrift = 0.03;
 constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
 constexpr double kBend = 0.05, kStretch = 0.02;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
@@ -30,7 +30,8 @@ constexpr VerdictInfo kVerdicts[] = {
     {kUnknown, "unknown", "the run was not executed, or did not record stability"},
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
-     "energy rose by 0.01 or fell by 0.1; false normals of the ground deflected an object; if the "
+     "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
+     "object; if the "
      "scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
@@ -247,6 +248,7 @@ class Case {
           Earlier(first, FirstChange(touch < 0 ? n_ : static_cast<std::size_t>(touch), kSpinDrift));
     }
     first = Earlier(first, Earlier(FirstAbove("lost_energy", kLost), FirstCount("deflected")));
+    first = Earlier(first, FirstAbove("gained_energy", kGained));
     first = Earlier(
         first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
     if (!MustRest()) return first;

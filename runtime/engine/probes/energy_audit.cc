@@ -12,8 +12,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The energy of a fall by this fraction of an object's side is ignored.
-constexpr double kLeastFall = 0.01;
+/// The energy of a fall by this fraction of an object's side is ignored in a loss, and a tenth of
+/// that of a higher one in a gain: contacts at rest tremble, and the corners of a box that friction
+/// brakes rebound.
+constexpr double kLeastFall = 0.01, kLeastRise = 0.1;
+/// An approach by more than so many falls in a cycle is an impact. A contact at rest has one.
+constexpr double kImpact = 4;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 /// s: the time in which friction stops an object that would stop anyway.
@@ -39,32 +43,83 @@ EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution, double 
 void EnergyAudit::Begin(double kinetic, double energy) {
   const double jerk = engine_.links().JerkEnergy();
   start_ = energy - jerk;
-  peak_ = kinetic - jerk;
-  least_ = 0;
+  peak_ = peak_without_gain_ = kinetic - jerk;
+  lowest_ = start_;
+  scale_ = 0;
   const double pull = engine_.acceleration().norm();
   fall_ = pull * static_cast<double>(engine_.timestep());
   weight_ = pull * std::accumulate(masses_.begin(), masses_.end(), 0.0);
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
     // Besides gravity, the energy of moving by a tenth of its side per second.
-    least_ += kLeastFall * masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
+    scale_ += masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
   }
 }
 
-double EnergyAudit::After(const BodyStates& before, const BodyStates& now, double kinetic,
-                          double energy) {
+EnergyAudit::Seen EnergyAudit::After(const BodyStates& before, const BodyStates& now,
+                                     double kinetic, double energy) {
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world()))
     taken_ += TakenBy(manifold, before, now);
-  taken_ += TakenBySleep(before, now) + TakenByRounding(now);
+  const double rounding = TakenByRounding(now);
+  taken_ += TakenBySleep(before, now) + rounding;
   peak_ = std::max(peak_, kinetic);
-  const double scale = peak_ + least_;
+  const double scale = peak_ + kLeastFall * scale_;
+  if (!(scale > 0)) return {0, 0};
   // No object has fallen farther through the gaps of joints than their sum.
   const double sagged = weight_ * engine_.links().MeasureGaps().sum;
-  return scale > 0 ? (start_ - energy - taken_ - sagged) / scale : 0;
+  return {(start_ - energy - taken_ - sagged) / scale, Gained(kinetic, energy, sagged, rounding)};
+}
+
+double EnergyAudit::Gained(double kinetic, double energy, double sagged, double rounding) {
+  if (energy < lowest_) {
+    lowest_ = energy;
+    given_ = rounded_ = 0;
+  }
+  rounded_ += rounding;
+  // Joints pull together what they let sag.
+  given_ = std::max(given_, LiftOfContacts() + sagged);
+  const double risen = energy - lowest_;
+  peak_without_gain_ = std::max(peak_without_gain_, kinetic - risen);
+  return std::max((risen - given_ - rounded_) / (peak_without_gain_ + kLeastRise * scale_),
+                  excess_ / (approached_ + kLeastRise * scale_));
+}
+
+/// J: of all objects that a contact may lift by its depth, which are those connected with it, and
+/// of each by the fall of a cycle, as contacts tremble.
+double EnergyAudit::LiftOfContacts() {
+  connected_.resize(masses_.size());
+  std::iota(connected_.begin(), connected_.end(), 0u);
+  const auto root = [&](std::size_t object) {
+    while (connected_[object] != object)
+      object = connected_[object] = connected_[connected_[object]];
+    return object;
+  };
+  const auto is_free = [&](const btCollisionObject* body) {
+    const auto index = static_cast<std::size_t>(body->getUserIndex());
+    return index < masses_.size() && masses_[index] > 0;
+  };
+  std::vector<std::pair<std::size_t, double>> depths;  // by an object in contact
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
+    const btCollisionObject *a = manifold.getBody0(), *b = manifold.getBody1();
+    if (is_free(a) && is_free(b))
+      connected_[root(static_cast<std::size_t>(a->getUserIndex()))] =
+          static_cast<std::uint32_t>(root(static_cast<std::size_t>(b->getUserIndex())));
+    double depth = 0;
+    for (int j = 0; j < manifold.getNumContacts(); ++j)
+      depth = std::max(depth, -static_cast<double>(manifold.getContactPoint(j).getDistance()));
+    if (const auto* body = is_free(a) ? a : is_free(b) ? b : nullptr)
+      depths.emplace_back(static_cast<std::size_t>(body->getUserIndex()), depth);
+  }
+  std::vector<double> masses(masses_.size(), 0);
+  for (std::size_t i = 0; i < masses_.size(); ++i) masses[root(i)] += masses_[i];
+  double lift = weight_ * fall_ * static_cast<double>(engine_.timestep());
+  for (const auto& [object, depth] : depths)
+    lift += engine_.acceleration().norm() * masses[root(object)] * depth;
+  return lift;
 }
 
 double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
-                            const BodyStates& now) const {
+                            const BodyStates& now) {
   const auto velocity_in = [&](const BodyStates& states, const btCollisionObject* body,
                                const Vector3d& point) -> Vector3d {
     const auto index = static_cast<std::size_t>(body->getUserIndex());
@@ -91,15 +146,18 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
     // Negative where a contact pushes objects out of each other.
     const double impact = work(point.m_appliedImpulse, point.m_normalWorldOnB);
-    if (restitution == 0) {
-      taken += impact;
-    } else {
-      const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
-      const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
-                   mass = static_cast<double>(point.m_appliedImpulse) /
-                          (approach + std::max(0.0, at_end.dot(normal)));
-      taken += std::min(impact, mass * std::pow(approach, 2) * (1 - std::pow(restitution, 2)) / 2);
+    const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
+    const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
+                 rebound = std::max(0.0, at_end.dot(normal)),
+                 mass = static_cast<double>(point.m_appliedImpulse) / (approach + rebound);
+    if (approach > kImpact * fall_) {
+      // The fall of the cycle does not count as approach for restitution.
+      const double allowed = restitution * (approach - fall_);
+      approached_ += mass * std::pow(approach, 2) / 2;
+      excess_ += mass * std::max(0.0, std::pow(rebound, 2) - std::pow(allowed, 2)) / 2;
     }
+    const double inelastic = mass * std::pow(approach, 2) * (1 - std::pow(restitution, 2)) / 2;
+    taken += restitution == 0 ? impact : std::min(impact, inelastic);
   }
   return taken;
 }

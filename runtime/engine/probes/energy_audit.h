@@ -1,7 +1,9 @@
 // Finds energy that is lost although nothing can take it: in joints without friction, in elastic
-// bounces, in rolling without resistance.
+// bounces, in rolling without resistance; and energy that is gained although nothing can give it:
+// in rolling, and in rebounds.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "runtime/engine/probes/body_states.h"
@@ -15,7 +17,12 @@ namespace cdb::probes {
 /// cycles. Falling asleep may have taken the kinetic energy of objects that slip, but not of those
 /// that roll or fly. The work of an impulse J is J (v + v') / 2, with the velocities of its point
 /// along it before and after the cycle; with the integrator's own term in the energy this is exact.
-/// The engine must outlive it. Not thread-safe.
+///
+/// Nothing can give a scene energy but contacts that push objects out of each other, and joints
+/// that pull them together. What these may give is the work that lifts all connected objects by the
+/// depths of their contacts, and all by the gaps of joints, the largest since the energy was least.
+/// And no impact may give more than its approach leaves: the speed of separation is at most e times
+/// that of the approach. The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
   EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction);
@@ -23,15 +30,25 @@ class EnergyAudit {
   /// Call once before the first cycle, with its energies, J, which are those of the series of these
   /// names.
   void Begin(double kinetic, double energy);
-  /// Call after each cycle, with the states at its start and end. Returns the energy that was lost
-  /// and not taken, relative to the largest kinetic energy so far plus the energy of a fall by a
-  /// hundredth of the objects' sizes. What joints take at once from velocities that contradict them
-  /// is not lost (Links::JerkEnergy), nor is the fall through their gaps.
-  double After(const BodyStates& before, const BodyStates& now, double kinetic, double energy);
+  struct Seen {
+    /// The energy that was lost and not taken, relative to the largest kinetic energy so far plus
+    /// the energy of a fall by a hundredth of the objects' sizes. What joints take at once from
+    /// velocities that contradict them is not lost (Links::JerkEnergy), nor is the fall through
+    /// their gaps.
+    double lost;
+    /// The larger of two: the energy that was gained and not given, relative to the largest kinetic
+    /// energy so far, without gains, plus that of a fall by a tenth of the objects' sizes; and that
+    /// by which rebounds are too fast, relative to the energy of all approaches plus this fall.
+    double gained;
+  };
+  /// Call after each cycle, with the states at its start and end.
+  Seen After(const BodyStates& before, const BodyStates& now, double kinetic, double energy);
 
  private:
   double TakenBy(const btPersistentManifold& manifold, const BodyStates& before,
-                 const BodyStates& now) const;
+                 const BodyStates& now);
+  double Gained(double kinetic, double energy, double sagged, double rounding);
+  double LiftOfContacts();
   std::vector<char> Slipping(const BodyStates& states) const;
   double TakenByRounding(const BodyStates& now) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;
@@ -46,7 +63,11 @@ class EnergyAudit {
   std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
   double weight_ = 0;                                    ///< N, of all objects
   double fall_ = 0;                                      ///< m/s: gained by a fall in a cycle
-  double start_ = 0, peak_ = 0, least_ = 0, taken_ = 0;  ///< J
+  double start_ = 0, peak_ = 0, scale_ = 0, taken_ = 0;  ///< J; scale: of a fall by the sizes
+  double lowest_ = 0, given_ = 0, rounded_ = 0,
+         peak_without_gain_ = 0;          ///< J; given: since the lowest energy
+  double approached_ = 0, excess_ = 0;    ///< J: of impacts, and of their rebounds
+  std::vector<std::uint32_t> connected_;  ///< by object: another one, or itself
 };
 
 }  // namespace cdb::probes

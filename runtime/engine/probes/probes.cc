@@ -161,7 +161,8 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("pressed", cycle, seen.pressed);
   recording_.Put("inverted", cycle, seen.inverted);
   recording_.Put("unheld", cycle, seen.unheld);
-  recording_.Put("lost_energy", cycle, seen.lost_energy);
+  recording_.Put("lost_energy", cycle, seen.energy.lost);
+  recording_.Put("gained_energy", cycle, seen.energy.gained);
   recording_.Put("false_normals", cycle, seen.normals.false_normals);
   recording_.Put("false_impulse", cycle, seen.normals.false_impulse);
   recording_.Put("deflected", cycle, seen.normals.deflected);
@@ -500,15 +501,16 @@ void Soundness::Begin(double kinetic, double energy) {
 }
 
 Soundness::Seen Soundness::After(double kinetic, double energy) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   ReadStates(engine_, now_);
   const PressWatch::Seen pressed = presses_.After();
-  const Seen seen{passes_.After(before_, now_),
-                  pressed.pressed,
-                  pressed.inverted,
-                  sleepers_.After(before_, now_),
-                  audit_ ? audit_->After(before_, now_, kinetic, energy)
-                         : std::numeric_limits<double>::quiet_NaN(),
-                  normals_.After(before_, now_)};
+  const Seen seen{
+      passes_.After(before_, now_),
+      pressed.pressed,
+      pressed.inverted,
+      sleepers_.After(before_, now_),
+      audit_ ? audit_->After(before_, now_, kinetic, energy) : EnergyAudit::Seen{kNone, kNone},
+      normals_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

@@ -70,7 +70,7 @@ class Soundness {
   struct Seen {
     PassWatch::Seen passes;
     std::int32_t pressed, inverted, unheld;
-    double lost_energy;  ///< NaN if the scene has other ways to lose energy
+    EnergyAudit::Seen energy;  ///< NaN if the scene has other ways to lose energy
     NormalWatch::Seen normals;
   };
   /// Call after each cycle, with the energies at its end, J.

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "library/exact/least_height.h"
 #include "library/exact/signed_distance.h"
 #include "library/objects/surface.h"
 #include "tests/library/exact/oracle.h"
@@ -148,6 +149,48 @@ TEST_P(Certificate, IsOfTheDistanceThatASearchOfAllDirectionsFinds) {
           EXPECT_NEAR(GapAlong(c, claim, claim.normal), searched.gap, 1e-6 * size);
         }
       }
+    }
+  }
+}
+
+/// The least height of the differences of the first pieces.
+exact::LeastHeight LeastHeightOf(const Case& c, bool by_polytope, double tolerance,
+                                 const Vector3d& guess) {
+  const Eigen::Matrix3d turn_a = c.pose_a.orientation.toRotationMatrix(),
+                        turn_b = c.pose_b.orientation.toRotationMatrix();
+  const exact::ConvexPart a(c.a, 0, turn_a, Vector3d::Zero()),
+      b(c.b, 0, turn_b, c.pose_b.position - c.pose_a.position);
+  exact::HeightGoal goal;
+  goal.scale = c.Scale();
+  goal.tolerance = tolerance;
+  goal.guess = guess;
+  goal.by_polytope = by_polytope;
+  return exact::FindLeastHeight(
+      [&](const Vector3d& direction) -> exact::Difference {
+        return {a.CoreSupport(direction), b.CoreSupport(-direction)};
+      },
+      goal);
+}
+
+TEST_P(Certificate, OfAPolytopeIsThatOfBranchAndBoundInAnyOrder) {
+  distributions::Stream stream(GetParam() + 600);
+  for (std::size_t other = 0; other < kKinds; ++other) {
+    if (other == 10 && GetParam() == 10) continue;
+    for (int i = 0; i < Cases(8); ++i) {
+      const Case c = DrawCase(stream, GetParam(), other, 4, i % 2 == 0 ? -2 : -0.1);
+      const double side = 2 * std::min(c.a.LeastHalfExtent(), c.b.LeastHalfExtent());
+      if (!(side > 0)) continue;  // a triangle has none
+      const Vector3d guess = RandomDirection(stream);
+      const exact::LeastHeight exact = LeastHeightOf(c, false, 1e-3 * side, guess);
+      const Case swapped{c.b, c.a, c.pose_b, c.pose_a};
+      for (const double tolerance : {1e-3, 0.05})
+        for (const Case& order : {c, swapped}) {
+          const exact::LeastHeight found =
+              LeastHeightOf(order, true, tolerance * side, RandomDirection(stream));
+          EXPECT_LE(found.upper - found.lower, 1.01 * tolerance * side) << other;
+          EXPECT_LE(found.lower, exact.upper + 1e-12) << other;
+          EXPECT_GE(found.upper, exact.lower - 1e-12) << other;
+        }
     }
   }
 }

@@ -258,6 +258,14 @@ TEST_F(VerdictTest, EnergyThatNothingTook) {
   ExpectVerdict(Verdict::kDrifting, 5);
 }
 
+TEST_F(VerdictTest, EnergyThatNothingGave) {
+  SetCount("contacts", 0, 1);
+  Set("gained_energy", 3, 0.09);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("gained_energy", 5, 0.11);
+  ExpectVerdict(Verdict::kDrifting, 5);
+}
+
 TEST_F(VerdictTest, EnergyOfFreeSpin) {
   Set("spin_ratio", 3, 0.971);
   Set("spin_ratio", 9, 1.029);
