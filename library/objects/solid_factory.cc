@@ -172,7 +172,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 /// Appends the values passed to it.
 class Writer {

@@ -66,8 +66,10 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
     boxes.push_back(around);
   }
   if (form.pieces.empty())
-    throw library::SceneError(fmt::format("{}: its triangles have no area", form.name),
-                              "name another model");
+    throw library::SceneError(
+        fmt::format("{}: {}", form.name,
+                    mesh.triangles.empty() ? "has no faces" : "its triangles have no area"),
+        mesh.triangles.empty() ? "hull takes its vertices" : "name another model");
   if (form.pieces.size() > kMaxSurfaceTriangles)
     throw library::SceneError(fmt::format("{}: it has {} triangles; the limit is {}", form.name,
                                           form.pieces.size(), kMaxSurfaceTriangles),
