@@ -21,6 +21,7 @@ struct ArgumentOptions {
   std::string_view first_default = {};
   std::string_view words = {};
   bool distribution = false;
+  bool omitted_at_default = false;
 };
 
 constexpr Parameter Argument(std::string_view name, ParameterType type, Domain domain,
@@ -35,6 +36,7 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.first_default = options.first_default;
   parameter.words = options.words;
   parameter.doc = doc;
+  parameter.omitted_at_default = options.omitted_at_default;
   return parameter;
 }
 
@@ -72,9 +74,15 @@ constexpr Parameter kPath[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"})};
+constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file");
+constexpr Parameter kModelHash = Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"});
+constexpr Parameter kModelUnit = Argument("unit", kWord, kAny, "", "of the coordinates in the file, for `size native`", {.first_default = "m", .words = "m cm mm in", .omitted_at_default = true});
 constexpr Parameter kModel[] = {
-    Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"})};
+    kModelFile, kModelHash, kModelUnit,
+    Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the centre of mass, the origin of the file or the middle of the box", {.first_default = "mass", .words = "mass file box", .omitted_at_default = true})};
+constexpr Parameter kSurface[] = {
+    kModelFile, kModelHash, kModelUnit,
+    Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the middle of the box or the origin of the file", {.first_default = "box", .words = "box file", .omitted_at_default = true})};
 constexpr Parameter kHeights[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: each line is a row of heights along x; the lines follow each other along z"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
@@ -108,7 +116,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
-    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
+    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},

@@ -48,6 +48,8 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
   // A flat mesh has no extent along one axis, so that any scale along it will do.
   const Vector3d sides = (box.sizes().array() > 0).select(box.sizes(), longest);
   form.proportions = sides / longest;
+  form.native_side = longest;
+  form.file_origin = -box.center().cwiseQuotient(sides);
   std::vector<AlignedBox3d> boxes;
   for (const meshes::Triangle& triangle : mesh.triangles) {
     const Corners corners = meshes::CornersOf(mesh, triangle);
