@@ -182,7 +182,8 @@ SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
   facts.groups.reserve(scene.groups.size());
   for (std::size_t i = 0; i < scene.groups.size(); ++i) {
     const plan::GroupSettings& settings = scene.groups[i].settings;
-    if (settings.Count("quantity") > 0)
+    // The size of a mesh is known only when its file has been read.
+    if (settings.Count("quantity") > 0 && schema::AsWord(settings.Get("size")) == nullptr)
       facts.groups.push_back(GroupFactsOf(settings, i, facts.side, read));
   }
   for (const GroupFacts& objects : facts.groups) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -81,9 +82,13 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
   if (!formats.empty() && std::ranges::find(formats, extension) == formats.end()) {
-    diagnostics.Report(scenario::kOutOfDomain, written,
-                       fmt::format("'{}' is not a readable {}", name, is_table ? "table" : "model"),
-                       fmt::format("its name ends in {}", fmt::join(formats, ", ")));
+    const auto [kind, remedy] =
+        is_table ? plan::ForeignModel() : plan::ForeignModelOf(name, std::string_view());
+    diagnostics.Report(
+        scenario::kOutOfDomain, written,
+        kind.empty() ? fmt::format("'{}' is not a readable {}", name, is_table ? "table" : "model")
+                     : fmt::format("'{}' is {}, which cdb does not read", name, kind),
+        kind.empty() ? fmt::format("its name ends in {}", fmt::join(formats, ", ")) : remedy);
     return false;
   }
   const fs::path folder = fs::path(written.source->name()).parent_path();

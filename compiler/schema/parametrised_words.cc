@@ -22,6 +22,7 @@ struct ArgumentOptions {
   std::string_view words = {};
   bool distribution = false;
   WordSource word_source = WordSource::kOwn;
+  bool omitted_at_default = false;
 };
 
 constexpr Parameter Argument(std::string_view name, ParameterType type, Domain domain,
@@ -37,6 +38,7 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.words = options.words;
   parameter.word_source = options.word_source;
   parameter.doc = doc;
+  parameter.omitted_at_default = options.omitted_at_default;
   return parameter;
 }
 
@@ -87,9 +89,15 @@ constexpr Parameter kBeside[] = {
     Argument("width", kReal, kPositive, "m", "of the box; fit reaches up to the wall", kFit)};
 constexpr Parameter kOnTop[] = {
     Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup)};
+constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file");
+constexpr Parameter kModelHash = Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"});
+constexpr Parameter kModelUnit = Argument("unit", kWord, kAny, "", "of the coordinates in the file, for `size native`", {.first_default = "m", .words = "m cm mm in", .omitted_at_default = true});
 constexpr Parameter kModel[] = {
-    Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"})};
+    kModelFile, kModelHash, kModelUnit,
+    Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the centre of mass, the origin of the file or the middle of the box", {.first_default = "mass", .words = "mass file box", .omitted_at_default = true})};
+constexpr Parameter kSurface[] = {
+    kModelFile, kModelHash, kModelUnit,
+    Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the middle of the box or the origin of the file", {.first_default = "box", .words = "box file", .omitted_at_default = true})};
 constexpr Parameter kHeights[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: each line is a row of heights along x; the lines follow each other along z"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
@@ -127,7 +135,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"on_top", "above a group, with the objects standing on the top of its bounding box", kOnTop},
     {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
     {"hull", "the convex hull of your own mesh", kModel},
-    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
+    {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},

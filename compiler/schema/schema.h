@@ -86,6 +86,8 @@ struct Parameter {
   Concern concern = Concern::kScene;
   unsigned ignored_by = kTrace;            ///< DerivedScenes in which it has its default instead
   bool closed_forms_need_default = false;  ///< other values: the scene has no closed form
+  /// Of an argument that was added later: plans omit it at its default, so that they do not change.
+  bool omitted_at_default = false;
   /// The parameter of the world whose value in the reference run this is, unless it is `same`.
   std::string_view of_reference = {};
 

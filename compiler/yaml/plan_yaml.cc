@@ -44,7 +44,11 @@ struct WriteValue {
     }
     out << YAML::BeginMap;
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
-      out << YAML::Key << std::string(info.arguments[i].name) << YAML::Value;
+      const schema::Parameter& argument = info.arguments[i];
+      if (argument.omitted_at_default &&
+          schema::ToText(call.arguments[i]) == argument.DefaultText())
+        continue;
+      out << YAML::Key << std::string(argument.name) << YAML::Value;
       Write(call.arguments[i]);
     }
     out << YAML::EndMap << YAML::EndMap;

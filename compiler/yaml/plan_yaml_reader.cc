@@ -163,13 +163,20 @@ class ValueReader : public Nodes {
       if (call.arguments.empty()) Fail(node.Mark(), fmt::format("`{}` needs a point", info.name));
       return call;
     }
-    if (!arguments.IsMap() || arguments.size() != info.arguments.size())
+    const auto is_omitted = [&](const schema::Parameter& argument) {
+      return argument.omitted_at_default && !arguments[std::string(argument.name)];
+    };
+    if (!arguments.IsMap() || arguments.size() + static_cast<std::size_t>(std::ranges::count_if(
+                                                     info.arguments, is_omitted)) !=
+                                  info.arguments.size())
       Fail(node.Mark(), fmt::format("expected a map with the {} arguments of `{}`",
                                     info.arguments.size(), info.name));
     schema::Call call{std::string(info.name), {}};
     for (const schema::Parameter& argument : info.arguments)
       call.arguments.push_back(
-          ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
+          is_omitted(argument)
+              ? schema::DefaultOf(argument)
+              : ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
     return call;
   }
 

@@ -55,14 +55,23 @@ Eigen::Vector3d ObjectNumbers::Sides() {
   if (sides_) return *sides_;
   Setting& size = SettingOf("size");
   if (size.formula != nullptr || size.is_same) {
-    sides_ = Eigen::Vector3d::Constant(Find(size).value());
+    sides_ = Eigen::Vector3d::Constant(Find(size).value_or(size.parameter->number_of_word));
   } else {
     // A constant size applies to every side; a distribution draws each side separately.
-    const double x = size.draw.Real();
-    const double y = size.draw.Real();
-    sides_ = Eigen::Vector3d(x, y, size.draw.Real());
+    const double x = Side(size), y = Side(size);
+    sides_ = Eigen::Vector3d(x, y, Side(size));
+    if (sides_->minCoeff() == 0 && !sides_->isZero(0))
+      throw library::SceneError(
+          fmt::format("`{}.size` draws each side separately, and only some are native",
+                      group_.name),
+          "write it in same()", group_.name, "size");
   }
   return *sides_;
+}
+
+double ObjectNumbers::Side(Setting& size) {
+  std::string_view word;
+  return size.draw.RealOrWord(&word).value_or(size.parameter->number_of_word);
 }
 
 std::string_view ObjectNumbers::Word(const schema::Parameter& parameter) {
@@ -118,6 +127,10 @@ double ObjectNumbers::Named(std::string_view name) {
   Setting& setting = SettingOf(name);
   if (name == "size" && setting.formula == nullptr) {
     const Eigen::Vector3d sides = Sides();
+    if (sides.isZero(0))
+      throw library::SceneError(
+          fmt::format("`{}.size` is native, which is not a number", group_.name),
+          "remove it from the expressions of other settings", group_.name, std::string(name));
     if (sides.x() == sides.y() && sides.y() == sides.z()) return sides.x();
     throw library::SceneError(
         fmt::format("`{}.size` draws each side separately, so that an object has no single size",

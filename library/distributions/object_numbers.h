@@ -23,7 +23,7 @@ class ObjectNumbers {
 
   /// Moves to the next object.
   void Next();
-  /// m: size, for each side; without the aspect.
+  /// m: size, for each side; without the aspect. 0 if it is native.
   Eigen::Vector3d Sides();
   /// m^3; must be set before a mass is computed from a density.
   void SetVolume(double volume) { volume_ = volume; }
@@ -51,6 +51,7 @@ class ObjectNumbers {
   std::optional<double> Find(Setting& setting);
   std::optional<double> Make(Setting& setting);
   double Evaluated(const Setting& setting);
+  double Side(Setting& size);
   double Named(std::string_view name);
 
   const plan::Group& group_;

@@ -183,12 +183,19 @@ class ExactPlacer {
       Require(count, fmt::format("places {} object{}", count, count == 1 ? "" : "s"),
               "list a point for each object");
       for (std::size_t i = 0; i < count; ++i)
-        bodies_.MoveTo(range_.first + i, *AsVector(layout_.arguments[i]));
+        PutOriginAt(range_.first + i, *AsVector(layout_.arguments[i]));
       return;
     }
     Require(1, "places one object", "make the quantity 1, or list a point for each object");
     const auto coordinate = [&](std::string_view name) { return *Length(name); };
-    bodies_.MoveTo(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
+    PutOriginAt(range_.first, {coordinate("x"), coordinate("y"), coordinate("z")});
+  }
+
+  /// The origin of a mesh may be another point than its centre of mass.
+  void PutOriginAt(std::size_t index, const Vector3d& point) {
+    const ObjectState& object = bodies_.object(index);
+    const objects::Pose turned = objects::OriginOf(object.solid, object.pose);
+    bodies_.MoveTo(index, objects::BodyOf(object.solid, {point, turned.orientation}).position);
   }
 
   /// DrawObjects has already set their positions.

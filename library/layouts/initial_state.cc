@@ -29,9 +29,7 @@ Eigen::Quaterniond DrawOrientation(distributions::Draw& orientation) {
 
 /// The orientation of the body's axes after a rotation of the object by `turn`.
 Eigen::Quaterniond BodyTurn(const objects::Solid& solid, const Eigen::Quaterniond& turn) {
-  if (solid.compound == nullptr) return turn;
-  const Eigen::Matrix3d to_mesh = solid.compound->from_mesh().transpose();
-  return turn * Eigen::Quaterniond(to_mesh);
+  return objects::BodyOf(solid, {Vector3d::Zero(), turn}).orientation;
 }
 
 /// Also sets positions, which the layout only checks.
@@ -47,10 +45,10 @@ void TakeTable(const plan::Group& group, std::span<ObjectState> objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const PoseRow& row = table.rows[i];
     ObjectState& object = objects[i];
-    object.pose.position = row.position;
-    if (table.has_orientation)
-      object.pose.orientation =
-          table.of_body ? row.orientation : BodyTurn(object.solid, row.orientation);
+    const Eigen::Quaterniond turn = table.has_orientation
+                                        ? row.orientation
+                                        : objects::OriginOf(object.solid, object.pose).orientation;
+    object.pose = objects::BodyOf(object.solid, {row.position, turn});
     if (table.has_linear_velocity) object.linear_velocity = row.linear_velocity;
     if (table.has_angular_velocity) object.angular_velocity = row.angular_velocity;
   }
@@ -141,16 +139,17 @@ Eigen::Quaterniond TurnAbout(const Vector3d& rotation_vector) {
 
 objects::Pose PoseAt(const ObjectState& object, double time) {
   objects::Pose pose = object.pose;
-  if (object.path != nullptr) {
-    pose.position = object.path->PositionAt(time);
-  } else {
-    pose.position += time * object.linear_velocity;
-  }
+  pose.position += time * object.linear_velocity;
   if (object.path != nullptr && object.path->has_orientation()) {
     pose.orientation = BodyTurn(object.solid, object.path->OrientationAt(time));
   } else if (!object.angular_velocity.isZero(0)) {
     pose.orientation = (TurnAbout(time * object.angular_velocity) * pose.orientation).normalized();
   }
+  if (object.path == nullptr) return pose;
+  pose.position = object.path->PositionAt(time);
+  // The path is that of the origin.
+  if (object.solid.compound != nullptr && !object.solid.compound->OriginToCentre().isZero(0))
+    pose.position += pose.orientation * object.solid.compound->OriginToCentre();
   return pose;
 }
 

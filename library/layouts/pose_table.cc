@@ -59,12 +59,6 @@ std::pair<PoseTable, std::string> ReadWithHash(const schema::Call& poses) {
   return {std::move(table), std::move(sha256)};
 }
 
-/// The line before each table: `b` or `o` for body or object axes, and the lengths of key and
-/// table.
-std::string HeadOf(bool of_body, std::size_t key, std::size_t csv) {
-  return fmt::format("{} {} {}\n", of_body ? 'b' : 'o', key, csv);
-}
-
 }  // namespace
 
 void SetPoseReader(ReadHdf5Poses reader) { Hdf5Reader() = std::move(reader); }
@@ -106,7 +100,8 @@ std::string PackPoses(const plan::Scene& scene) {
     if (poses == nullptr || analysis::IsCsv(*poses)) continue;
     const PoseTable table = ReadPoseTable(*poses);
     const std::string key = schema::ToText(schema::Value(*poses)), csv = ToCsv(table);
-    packed += HeadOf(table.of_body, key.size(), csv.size()) + key + csv;
+    // The line before each table has the lengths of key and table.
+    packed += fmt::format("{} {}\n", key.size(), csv.size()) + key + csv;
   }
   return packed;
 }
@@ -114,20 +109,17 @@ std::string PackPoses(const plan::Scene& scene) {
 PoseTable UnpackPoses(std::string_view packed, const schema::Call& poses) {
   const std::string wanted = schema::ToText(schema::Value(poses));
   while (!packed.empty()) {
-    const bool of_body = packed[0] == 'b';
     std::size_t sizes[2] = {0, 0};
-    const char *at = packed.data() + 1, *end = packed.data() + packed.size();
+    const char *at = packed.data(), *end = packed.data() + packed.size();
     for (std::size_t& size : sizes) {
+      at = std::from_chars(at, end, size).ptr;
       CDB_CHECK(at < end);
-      at = std::from_chars(at + 1, end, size).ptr;
+      ++at;
     }
-    packed.remove_prefix(static_cast<std::size_t>(at - packed.data()) + 1);
+    packed.remove_prefix(static_cast<std::size_t>(at - packed.data()));
     CDB_CHECK(sizes[0] + sizes[1] <= packed.size());
-    if (packed.substr(0, sizes[0]) == wanted) {
-      PoseTable table = ParsePoseCsv(packed.substr(sizes[0], sizes[1]), FileOf(poses));
-      table.of_body = of_body;
-      return table;
-    }
+    if (packed.substr(0, sizes[0]) == wanted)
+      return ParsePoseCsv(packed.substr(sizes[0], sizes[1]), FileOf(poses));
     packed.remove_prefix(sizes[0] + sizes[1]);
   }
   throw SceneError(fmt::format("{}: its poses did not come with the run", FileOf(poses)),

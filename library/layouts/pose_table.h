@@ -1,11 +1,11 @@
 // Positions, orientations and velocities of a group's objects from a file: `location
 // poses("start.csv")`.
 //
-// A CSV file begins with a line of column names: x, y, z (m, the centre of mass) and, optionally,
-// qw, qx, qy, qz (unit quaternion, the rotation of `orientation`), vx, vy, vz (m/s) and wx, wy, wz
-// (rad/s). One line per object; empty lines and lines that begin with # are skipped. Errors:
-// SceneError with the file, the line, the cause and the remedy. Threads: any, except for
-// SetPoseReader. Source: RFC 4180, without quotes.
+// A CSV file begins with a line of column names: x, y, z (m, the centre of mass, or the origin of a
+// mesh) and, optionally, qw, qx, qy, qz (unit quaternion, the rotation of `orientation`), vx, vy,
+// vz (m/s) and wx, wy, wz (rad/s). One line per object; empty lines and lines that begin with # are
+// skipped. Errors: SceneError with the file, the line, the cause and the remedy. Threads: any,
+// except for SetPoseReader. Source: RFC 4180, without quotes.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,9 +29,6 @@ struct PoseRow {
 
 struct PoseTable {
   bool has_orientation = false, has_linear_velocity = false, has_angular_velocity = false;
-  /// Orientations are those of the bodies' own axes, as in a recorded run, instead of the rotation
-  /// of `orientation`; they differ for compounds.
-  bool of_body = false;
   std::vector<PoseRow> rows;
 };
 
@@ -39,7 +36,7 @@ struct PoseTable {
 PoseTable ParsePoseCsv(std::string_view csv, std::string_view name);
 /// A path: the columns t (s, ascending), x, y, z and, optionally, qw, qx, qy, qz.
 PoseTable ParsePathCsv(std::string_view csv, std::string_view name);
-/// Reads back to the same table, except for `of_body`.
+/// Reads back to the same table.
 std::string ToCsv(const PoseTable& table);
 /// The unit quaternion of four numbers, up to rounding; nullopt if they are not one.
 std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, double z);

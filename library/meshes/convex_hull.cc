@@ -160,11 +160,29 @@ std::optional<Hull> TryConvexHull(std::span<const Vector3d> points) {
   return hull;
 }
 
+namespace {
+
+/// Without those of no face, unless there are no faces.
+std::vector<Vector3d> UsedVertices(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return mesh.vertices;
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles)
+    for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
+  std::vector<Vector3d> used;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (is_used[i]) used.push_back(mesh.vertices[i]);
+  return used;
+}
+
+}  // namespace
+
 Hull ConvexHull(const Mesh& mesh, std::string_view name) {
-  std::optional<Hull> hull = TryConvexHull(mesh.vertices);
+  const std::vector<Vector3d> used = UsedVertices(mesh);
+  std::optional<Hull> hull = TryConvexHull(used);
   if (!hull)
     throw library::SceneError(
-        fmt::format("{}: is flat, so its convex hull has no volume; a solid needs one", name));
+        fmt::format("{}: is flat, so its convex hull has no volume; a solid needs one{}", name,
+                    mesh.triangles.empty() ? "" : "; surface takes it as it is"));
   return *std::move(hull);
 }
 

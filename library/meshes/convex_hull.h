@@ -23,7 +23,7 @@ struct Hull {
 
 /// Nullopt if the points are flat: in a plane up to rounding, on a line, or fewer than 4.
 std::optional<Hull> TryConvexHull(std::span<const Eigen::Vector3d> points);
-/// The hull of all vertices. Rejects flat meshes.
+/// The hull of the faces, or of all vertices of a mesh without faces. Rejects flat meshes.
 Hull ConvexHull(const Mesh& mesh, std::string_view name);
 /// Its boundary, closed and counter-clockwise from outside, with the vertices of the hull.
 Mesh SurfaceOf(const Hull& hull);

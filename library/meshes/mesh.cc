@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 #include <utility>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "library/meshes/mesh_formats.h"
+#include "library/meshes/polygon.h"
 #include "library/scene_error.h"
 
 namespace cdb::meshes {
@@ -35,7 +39,11 @@ double Number(std::string_view word, std::string_view name, Place place) {
   if (digits.starts_with('+')) digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value))
+  // Not a value for numbers that are too small as well as for those that are too large.
+  if (error == std::errc::result_out_of_range)
+    value = std::strtod(std::string(digits).c_str(), nullptr);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size() ||
+      !std::isfinite(value))
     Refuse(name, place, fmt::format("`{}` should be a number", word));
   return value;
 }
@@ -58,20 +66,38 @@ void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name,
   mesh.vertices.push_back(vertex);
 }
 
-void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
-                std::string_view name, Place place, std::uint32_t first) {
-  if (corners.size() < 3)
-    Refuse(name, place, fmt::format("a face needs 3 corners or more, not {}", corners.size()));
-  for (const std::uint32_t corner : corners)
-    if (corner >= vertices)
-      Refuse(name, place,
-             fmt::format("a face has vertex {}, counted from {}, but there are {}",
-                         std::uint64_t{corner} + first, first, vertices));
-  if (mesh.triangles.size() + corners.size() - 2 > kMaxTriangles)
+void CheckTriangles(std::size_t count, std::string_view name, Place place) {
+  if (count > kMaxTriangles)
     Refuse(name, place,
            fmt::format("more than {} triangles; simplify the model first", kMaxTriangles));
-  for (std::size_t i = 2; i < corners.size(); ++i)
-    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+}
+
+void PolygonList::Add(std::span<const std::uint32_t> corners, Place place) {
+  if (corners.size() < 3)
+    Refuse(name_, place, fmt::format("a face needs 3 corners or more, not {}", corners.size()));
+  corners_.insert(corners_.end(), corners.begin(), corners.end());
+  ends_.push_back(corners_.size());
+  places_.push_back(place.number);
+  CheckTriangles(corners_.size() - 2 * ends_.size(), name_, place);
+}
+
+void PolygonList::AddTo(Mesh& mesh) const {
+  mesh.triangles.reserve(corners_.size() - 2 * ends_.size());
+  for (std::size_t i = 0, begin = 0; i < ends_.size(); begin = ends_[i++]) {
+    const auto corners = std::span(corners_).subspan(begin, ends_[i] - begin);
+    const Place place{unit_, places_[i]};
+    for (const std::uint32_t corner : corners)
+      if (corner >= mesh.vertices.size())
+        Refuse(name_, place,
+               fmt::format("a face has vertex {}, counted from {}, but there are {}",
+                           std::uint64_t{corner} + first_, first_, mesh.vertices.size()));
+    if (corners.size() > kMaxCorners && !IsFan(corners, mesh.vertices))
+      Refuse(name_, place,
+             fmt::format("a face that is not convex has {} corners, more than {}; triangulate the "
+                         "model first",
+                         corners.size(), kMaxCorners));
+    Triangulate(corners, mesh.vertices, mesh.triangles);
+  }
 }
 
 bool Lines::Next() {
@@ -94,28 +120,42 @@ void SplitWords(std::string_view line, std::vector<std::string_view>& words) {
   }
 }
 
+std::string_view WithoutMark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
 std::string LowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return lower;
 }
 
+namespace {
+
+Mesh ParseFormat(const std::string& extension, std::string_view bytes, std::string_view name) {
+  if (extension == ".obj") return ParseObj(bytes, name);
+  if (extension == ".off") return ParseOff(bytes, name);
+  if (extension == ".ply") return ParsePly(bytes, name);
+  if (extension == ".stl") return MergeEqualVertices(ParseStl(bytes, name));
+  throw library::SceneError(fmt::format(
+      "{}: unknown format; the name of a model ends in .obj, .ply, .stl or .off", name));
+}
+
+}  // namespace
+
 Mesh ParseMesh(std::string_view bytes, std::string_view name) {
-  const std::string extension = LowerCase(std::filesystem::path(name).extension().string());
-  Mesh mesh;
-  if (extension == ".obj")
-    mesh = ParseObj(bytes, name);
-  else if (extension == ".off")
-    mesh = ParseOff(bytes, name);
-  else if (extension == ".ply")
-    mesh = ParsePly(bytes, name);
-  else if (extension == ".stl")
-    mesh = MergeEqualVertices(ParseStl(bytes, name));
-  else
-    throw library::SceneError(fmt::format(
-        "{}: unknown format; the name of a model ends in .obj, .ply, .stl or .off", name));
-  if (mesh.triangles.empty()) throw library::SceneError(fmt::format("{}: has no faces", name));
-  return mesh;
+  try {
+    Mesh mesh =
+        ParseFormat(LowerCase(std::filesystem::path(name).extension().string()), bytes, name);
+    if (mesh.vertices.empty())
+      throw library::SceneError(fmt::format("{}: has no faces and no vertices", name));
+    return mesh;
+  } catch (const library::SceneError&) {
+    const auto [kind, remedy] = plan::ForeignModelOf(name, bytes);
+    if (kind.empty()) throw;
+    throw library::SceneError(fmt::format("{}: is {}", name, kind), remedy);
+  }
 }
 
 Mesh ReadMesh(const std::filesystem::path& file) {
@@ -135,20 +175,12 @@ std::string ReadMeshFile(const std::filesystem::path& file) {
   return std::move(*bytes);
 }
 
-Mesh MergeEqualVertices(const Mesh& mesh) {
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    return std::lexicographical_compare(mesh.vertices[a].begin(), mesh.vertices[a].end(),
-                                        mesh.vertices[b].begin(), mesh.vertices[b].end());
-  };
-  std::vector<std::uint32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), less);
-  // The first of several equal vertices represents all.
-  std::vector<std::uint32_t> first(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? first[order[i - 1]] : order[i];
+namespace {
+
+/// `first`: by vertex, the first of those that are merged with it.
+Mesh Merged(const Mesh& mesh, std::span<const std::uint32_t> first) {
   Mesh merged;
-  std::vector<std::uint32_t> number(order.size());
+  std::vector<std::uint32_t> number(first.size());
   for (std::uint32_t i = 0; i < first.size(); ++i) {
     if (first[i] == i) {
       number[i] = static_cast<std::uint32_t>(merged.vertices.size());
@@ -163,6 +195,52 @@ Mesh MergeEqualVertices(const Mesh& mesh) {
       merged.triangles.push_back(next);
   }
   return merged;
+}
+
+}  // namespace
+
+Mesh MergeEqualVertices(const Mesh& mesh) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    return std::lexicographical_compare(mesh.vertices[a].begin(), mesh.vertices[a].end(),
+                                        mesh.vertices[b].begin(), mesh.vertices[b].end());
+  };
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), less);
+  // The first of several equal vertices represents all.
+  std::vector<std::uint32_t> first(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? first[order[i - 1]] : order[i];
+  return Merged(mesh, first);
+}
+
+Mesh MergeCloseVertices(const Mesh& mesh, std::span<const std::uint32_t> vertices,
+                        double distance) {
+  std::vector<std::uint32_t> first(mesh.vertices.size());
+  std::iota(first.begin(), first.end(), 0u);
+  const auto root = [&](std::uint32_t i) {
+    while (first[i] != i) i = first[i] = first[first[i]];
+    return i;
+  };
+  // Vertices that are closer than half the side of a cell share one in at least one of these grids.
+  for (int shift = 0; shift < 8 && distance > 0; ++shift) {
+    std::vector<std::pair<std::array<double, 3>, std::uint32_t>> cells;
+    for (const std::uint32_t i : vertices) {
+      std::array<double, 3> cell;
+      for (int axis = 0; axis < 3; ++axis)
+        cell[static_cast<std::size_t>(axis)] =
+            std::floor(mesh.vertices[i][axis] / (2 * distance) + (shift >> axis & 1) * 0.5);
+      cells.emplace_back(cell, i);
+    }
+    std::ranges::sort(cells);
+    for (std::size_t i = 1; i < cells.size(); ++i) {
+      if (cells[i].first != cells[i - 1].first) continue;
+      const std::uint32_t a = root(cells[i].second), b = root(cells[i - 1].second);
+      first[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = root(i);
+  return Merged(mesh, first);
 }
 
 }  // namespace cdb::meshes

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +27,10 @@ struct Mesh {
 };
 
 /// Reads OBJ, PLY (ASCII and both binary forms), STL (ASCII and binary) or OFF, selected by the
-/// extension of the name. Polygons become fans about their first corner. Colours, normals and
-/// textures are ignored; unknown content that would change the surface is an error. STL has no
-/// shared vertices, so equal ones are merged.
+/// extension of the name. Polygons become triangles (library/meshes/polygon.h). Colours, normals
+/// and textures are ignored, and bytes after the end of PLY and STL; unknown content that would
+/// change the surface is an error. STL has no shared vertices, so equal ones are merged. A file may
+/// have vertices alone, for a convex hull.
 Mesh ReadMesh(const std::filesystem::path& file);
 /// The bytes of such a file.
 std::string ReadMeshFile(const std::filesystem::path& file);
@@ -38,6 +40,10 @@ Mesh ParseMesh(std::string_view bytes, std::string_view name);
 /// Merges vertices that are equal to the last bit. Triangles that lose a corner by that are
 /// dropped: their two remaining edges are opposite, so that a closed mesh stays closed.
 Mesh MergeEqualVertices(const Mesh& mesh);
+
+/// Merges those of the given vertices that are closer than `distance` along each axis, or are
+/// connected by such vertices; triangles are dropped as above.
+Mesh MergeCloseVertices(const Mesh& mesh, std::span<const std::uint32_t> vertices, double distance);
 
 /// The corners of a triangle.
 inline std::array<Eigen::Vector3d, 3> CornersOf(const Mesh& mesh, const Triangle& triangle) {

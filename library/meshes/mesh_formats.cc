@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
+
+#include "library/scene_error.h"
 
 namespace cdb::meshes {
 namespace {
@@ -55,15 +58,11 @@ std::uint32_t ReadCorner(std::string_view word, std::size_t vertices, std::strin
 }  // namespace
 
 Mesh ParseObj(std::string_view bytes, std::string_view name) {
-  // A face may precede its vertices, so faces are kept until the number of vertices is known.
-  struct Face {
-    std::size_t begin;  ///< of its corners
-    Place place;
-  };
-  std::vector<Face> faces;
+  // A face may precede its vertices.
+  PolygonList faces(name, Place::Unit::kLine, 1);
   std::vector<std::uint32_t> corners;
   Mesh mesh;
-  Lines lines(bytes);
+  Lines lines(WithoutMark(bytes));
   std::string text;
   std::vector<std::string_view> words;
   for (Place place; NextLine(lines, text, place);) {
@@ -76,138 +75,171 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
                  Number(words[3], name, place)},
                 mesh, name, place);
     } else if (words[0] == "f" || words[0] == "fo") {
-      faces.push_back({corners.size(), place});
+      corners.clear();
       for (std::size_t i = 1; i < words.size(); ++i)
         corners.push_back(ReadCorner(words[i], mesh.vertices.size(), name, place));
+      faces.Add(corners, place);
     } else if (std::find(std::begin(kNoSurface), std::end(kNoSurface), words[0]) ==
                std::end(kNoSurface)) {
       Refuse(name, place, fmt::format("cannot read `{}`; export the model as polygons", words[0]));
     }
   }
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::size_t end = i + 1 < faces.size() ? faces[i + 1].begin : corners.size();
-    AddPolygon(std::span(corners).subspan(faces[i].begin, end - faces[i].begin),
-               mesh.vertices.size(), mesh, name, faces[i].place, 1);
-  }
+  faces.AddTo(mesh);
   return mesh;
 }
 
 namespace {
 
-/// Reads lines that are not empty.
-class OffReader {
+/// The words of a text; each may be on any line.
+class Words {
  public:
-  OffReader(std::string_view bytes, std::string_view name) : lines_(bytes), name_(name) {}
+  Words(std::string_view text, std::string_view name) : lines_(text), name_(name) {}
 
-  bool Next() {
-    while (lines_.Next()) {
+  /// Empty at the end.
+  std::string_view Peek() {
+    while (at_ == words_.size()) {
+      if (!lines_.Next()) return {};
       SplitWords(lines_.line(), words_);
-      if (!words_.empty()) return true;
+      at_ = 0;
     }
-    return false;
+    return words_[at_];
   }
-  void Require(std::string_view what) {
-    if (!Next()) Refuse(name_, lines_.place(), fmt::format("the file ends before {}", what));
+  template <typename... What>
+  std::string_view Take(fmt::format_string<What...> what, What&&... values) {
+    const std::string_view word = Peek();
+    if (word.empty())
+      Refuse(name_, place(),
+             "the file ends before " + fmt::format(what, std::forward<What>(values)...));
+    ++at_;
+    return word;
   }
-  std::vector<std::string_view>& words() { return words_; }
+  void SkipLine() { at_ = words_.size(); }
+  bool IsAtEndOfLine() const { return at_ == words_.size(); }
   Place place() const { return lines_.place(); }
+  std::string_view name() const { return name_; }
 
  private:
   Lines lines_;
   std::string_view name_;
   std::vector<std::string_view> words_;
+  std::size_t at_ = 0;
 };
 
-/// True for OFF with the prefixes for additional vertex data: textures, colour, normal.
-bool IsHeader(std::string_view word) {
-  for (const std::string_view prefix : {"ST", "C", "N"})
-    if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
-  return word == "OFF";
-}
+/// Reads OFF, with the prefixes for additional vertex data: textures, colour, normal.
+class OffParser {
+ public:
+  /// `by_line`: each vertex and each face begins a line, and the rest of its last line is ignored:
+  /// colours, mostly. Otherwise nothing is, and line ends have no meaning.
+  OffParser(std::string_view bytes, std::string_view name, bool by_line)
+      : size_(bytes.size()), words_(WithoutMark(bytes), name), by_line_(by_line) {}
 
-/// Reads the number of `what`.
-std::uint64_t ReadCount(std::string_view word, std::string_view what, std::string_view bytes,
-                        std::string_view name, Place place) {
-  const std::int64_t count = Integer(word, name, place);
-  // Each takes a separate line of at least two bytes.
-  if (count < 0 || static_cast<std::uint64_t>(count) > bytes.size() / 2)
-    Refuse(
-        name, place,
-        fmt::format("declares {} {}, which do not fit into {} bytes", count, what, bytes.size()));
-  return static_cast<std::uint64_t>(count);
-}
-
-struct Counts {
-  std::uint64_t vertices, faces;
-};
-
-Counts ReadHead(std::string_view bytes, std::string_view name, OffReader& reader) {
-  reader.Require("its first word");
-  auto& words = reader.words();
-  if (!IsHeader(words[0]))
-    Refuse(name, reader.place(),
-           fmt::format("starts with `{}`; should start with OFF, STOFF, COFF or NOFF", words[0]));
-  words.erase(words.begin());
-  if (!words.empty() && words[0] == "BINARY")
-    Refuse(name, reader.place(), "binary OFF is not supported; export the model as text");
-  if (words.empty()) reader.Require("the numbers of vertices and faces");
-  if (words.size() < 2 || words.size() > 3)
-    Refuse(name, reader.place(), "should be the numbers of vertices, faces and edges");
-  const std::uint64_t vertices = ReadCount(words[0], "vertices", bytes, name, reader.place());
-  const std::uint64_t faces = ReadCount(words[1], "faces", bytes, name, reader.place());
-  if (words.size() == 3) Integer(words[2], name, reader.place());
-  return {vertices, faces};
-}
-
-void ReadVertex(std::string_view name, OffReader& reader, Mesh& mesh) {
-  const auto& words = reader.words();
-  if (words.size() < 3)
-    Refuse(name, reader.place(), "should be a line with the 3 coordinates of a vertex");
-  AddVertex({Number(words[0], name, reader.place()), Number(words[1], name, reader.place()),
-             Number(words[2], name, reader.place())},
-            mesh, name, reader.place());
-}
-
-/// Reads the corners of a face into `corners`.
-void ReadCorners(std::uint64_t vertices, std::string_view name, OffReader& reader,
-                 std::vector<std::uint32_t>& corners) {
-  const auto& words = reader.words();
-  const std::int64_t count = Integer(words[0], name, reader.place());
-  // The colour of the face follows the corners.
-  if (count < 0 || static_cast<std::uint64_t>(count) > words.size() - 1)
-    Refuse(name, reader.place(),
-           fmt::format("declares {} corners but has {}", count, words.size() - 1));
-  corners.clear();
-  for (std::int64_t k = 1; k <= count; ++k) {
-    const std::int64_t corner = Integer(words[static_cast<std::size_t>(k)], name, reader.place());
-    if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertices)
-      Refuse(
-          name, reader.place(),
-          fmt::format("a face has vertex {}, counted from 0, but there are {}", corner, vertices));
-    corners.push_back(static_cast<std::uint32_t>(corner));
+  Mesh Parse() {
+    ReadHead();
+    Mesh mesh;
+    for (std::uint64_t i = 1; i <= vertices_; ++i) {
+      Eigen::Vector3d vertex;
+      for (double& x : vertex) x = ReadNumber(i);
+      AddVertex(vertex, mesh, words_.name(), words_.place());
+      for (int k = 0; !by_line_ && k < further_numbers_; ++k) ReadNumber(i);
+      if (by_line_) words_.SkipLine();
+    }
+    PolygonList faces(words_.name(), Place::Unit::kLine, 0);
+    for (std::uint64_t i = 1; i <= faces_; ++i) ReadFace(i, faces);
+    if (!words_.Peek().empty())
+      Refuse(words_.name(), words_.place(),
+             fmt::format("continues after the {} faces that its header declares", faces_));
+    faces.AddTo(mesh);
+    return mesh;
   }
-}
+
+ private:
+  double ReadNumber(std::uint64_t vertex) {
+    const std::string_view word = words_.Take("vertex {} of {}", vertex, vertices_);
+    return Number(word, words_.name(), words_.place());
+  }
+
+  void ReadHead() {
+    const std::string_view written = words_.Take("its first word");
+    std::string_view word = written;
+    struct Prefix {
+      std::string_view letters;
+      int numbers;
+    };
+    for (const auto& [letters, numbers] : {Prefix{"ST", 2}, Prefix{"C", 4}, Prefix{"N", 3}}) {
+      if (!word.starts_with(letters)) continue;
+      word.remove_prefix(letters.size());
+      further_numbers_ += numbers;
+    }
+    const bool is_off = word.starts_with("OFF");
+    if (is_off) word.remove_prefix(3);
+    if (!is_off || !(word.empty() || (word[0] >= '0' && word[0] <= '9')))
+      Refuse(words_.name(), words_.place(),
+             fmt::format("starts with `{}`; should start with OFF, STOFF, COFF or NOFF", written));
+    if (words_.Peek() == "BINARY")
+      Refuse(words_.name(), words_.place(),
+             "binary OFF is not supported; export the model as text");
+    vertices_ = ReadCount(word, "vertices");
+    faces_ = ReadCount({}, "faces");
+    if (by_line_ && words_.IsAtEndOfLine()) return;
+    Integer(words_.Take("the number of edges"), words_.name(), words_.place());
+    if (by_line_ && !words_.IsAtEndOfLine())
+      Refuse(words_.name(), words_.place(), "should be the numbers of vertices, faces and edges");
+  }
+
+  /// `word`: empty if it comes next.
+  std::uint64_t ReadCount(std::string_view word, std::string_view what) {
+    if (word.empty()) word = words_.Take("the number of {}", what);
+    const std::int64_t count = Integer(word, words_.name(), words_.place());
+    // Each takes at least a digit and a separator.
+    if (count < 0 || static_cast<std::uint64_t>(count) > size_ / 2)
+      Refuse(words_.name(), words_.place(),
+             fmt::format("declares {} {}, which do not fit into {} bytes", count, what, size_));
+    return static_cast<std::uint64_t>(count);
+  }
+
+  void ReadFace(std::uint64_t number, PolygonList& faces) {
+    const auto next = [&] {
+      const std::string_view word = words_.Take("the end of face {} of {}", number, faces_);
+      return Integer(word, words_.name(), words_.place());
+    };
+    const std::int64_t count = next();
+    const Place place = words_.place();
+    if (count < 1 || static_cast<std::uint64_t>(count) > size_ / 2)
+      Refuse(words_.name(), place, fmt::format("a face cannot have {} corners", count));
+    corners_.clear();
+    for (std::int64_t k = 0; k < count; ++k) {
+      const std::int64_t corner = next();
+      if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertices_)
+        Refuse(words_.name(), words_.place(),
+               fmt::format("a face has vertex {}, counted from 0, but there are {}", corner,
+                           vertices_));
+      corners_.push_back(static_cast<std::uint32_t>(corner));
+    }
+    if (by_line_) words_.SkipLine();
+    // OFF writes points and edges as faces too.
+    if (count >= 3) faces.Add(corners_, place);
+  }
+
+  std::size_t size_;
+  Words words_;
+  bool by_line_;
+  int further_numbers_ = 0;  ///< of each vertex
+  std::uint64_t vertices_ = 0, faces_ = 0;
+  std::vector<std::uint32_t> corners_;
+};
 
 }  // namespace
 
 Mesh ParseOff(std::string_view bytes, std::string_view name) {
-  OffReader reader(bytes, name);
-  const Counts counts = ReadHead(bytes, name, reader);
-  Mesh mesh;
-  for (std::uint64_t i = 0; i < counts.vertices; ++i) {
-    reader.Require(fmt::format("vertex {} of {}", i + 1, counts.vertices));
-    ReadVertex(name, reader, mesh);
+  try {
+    return OffParser(bytes, name, true).Parse();
+  } catch (const library::SceneError&) {
+    try {
+      return OffParser(bytes, name, false).Parse();
+    } catch (const library::SceneError&) {
+    }
+    throw;
   }
-  std::vector<std::uint32_t> corners;
-  for (std::uint64_t i = 0; i < counts.faces; ++i) {
-    reader.Require(fmt::format("face {} of {}", i + 1, counts.faces));
-    ReadCorners(counts.vertices, name, reader, corners);
-    AddPolygon(corners, mesh.vertices.size(), mesh, name, reader.place());
-  }
-  if (reader.Next())
-    Refuse(name, reader.place(),
-           fmt::format("continues after the {} faces that its header declares", counts.faces));
-  return mesh;
 }
 
 namespace {
@@ -224,12 +256,14 @@ std::uint32_t Word(std::string_view bytes, std::size_t at) {
 
 void AddLastThree(Mesh& mesh, std::string_view name, Place place) {
   const auto count = static_cast<std::uint32_t>(mesh.vertices.size());
-  AddPolygon(std::array{count - 3, count - 2, count - 1}, count, mesh, name, place);
+  mesh.triangles.push_back({count - 3, count - 2, count - 1});
+  CheckTriangles(mesh.triangles.size(), name, place);
 }
 
 Mesh ParseBinary(std::string_view bytes, std::string_view name) {
   Mesh mesh;
-  for (std::size_t at = kHead + 4; at < bytes.size(); at += kTriangle) {
+  const std::size_t end = kHead + 4 + kTriangle * std::size_t{Word(bytes, kHead)};
+  for (std::size_t at = kHead + 4; at < end; at += kTriangle) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       Eigen::Vector3d vertex;
       const std::size_t begin = at + 12 + 12 * corner;
@@ -242,95 +276,71 @@ Mesh ParseBinary(std::string_view bytes, std::string_view name) {
   return mesh;
 }
 
-/// The words of the text form, which have a fixed order.
-class StlText {
- public:
-  StlText(std::string_view bytes, std::string_view name) : lines_(bytes), name_(name) {}
+/// Takes the next of the words, which have a fixed order, if it is this one.
+bool TakeIf(Words& words, std::string_view word) {
+  // A `#` does not begin a comment here, but text after it would be invalid anyway.
+  if (LowerCase(words.Peek()) != word) return false;
+  words.Take("it");
+  return true;
+}
 
-  /// Empty at the end.
-  std::string_view Peek() {
-    while (at_ == words_.size()) {
-      if (!lines_.Next()) return {};
-      // A `#` does not begin a comment here, but text after it would be invalid anyway.
-      SplitWords(lines_.line(), words_);
-      at_ = 0;
-    }
-    return words_[at_];
-  }
-  bool Take(std::string_view word) {
-    if (LowerCase(Peek()) != word) return false;
-    ++at_;
-    return true;
-  }
-  void Expect(std::string_view word) {
-    if (Take(word)) return;
-    const std::string_view got = Peek();
-    Refuse(name_, place(),
-           got.empty() ? fmt::format("the file ends before `{}`", word)
-                       : fmt::format("`{}` instead of `{}`", got, word));
-  }
-  std::string_view TakeAny(std::string_view what) {
-    const std::string_view word = Peek();
-    if (word.empty()) Refuse(name_, place(), fmt::format("the file ends before {}", what));
-    ++at_;
-    return word;
-  }
-  /// The name of a solid can be any words, or missing.
-  void SkipLine() { at_ = words_.size(); }
-  Place place() const { return lines_.place(); }
-
- private:
-  Lines lines_;
-  std::string_view name_;
-  std::vector<std::string_view> words_;
-  std::size_t at_ = 0;
-};
+void Expect(Words& words, std::string_view word) {
+  if (TakeIf(words, word)) return;
+  const std::string_view got = words.Take("`{}`", word);
+  Refuse(words.name(), words.place(), fmt::format("`{}` instead of `{}`", got, word));
+}
 
 Mesh ParseText(std::string_view bytes, std::string_view name) {
   Mesh mesh;
-  StlText text(bytes, name);
-  do {
-    text.Expect("solid");
-    text.SkipLine();
-    while (text.Take("facet")) {
-      text.Expect("normal");
+  Words words(WithoutMark(bytes), name);
+  // Whatever follows the last solid is ignored, as after binary triangles.
+  for (bool is_first = true; is_first || LowerCase(words.Peek()) == "solid"; is_first = false) {
+    Expect(words, "solid");
+    words.SkipLine();  // its name can be any words, or missing
+    while (TakeIf(words, "facet")) {
+      Expect(words, "normal");
       // Often zero or NaN; the order of the corners determines the outside.
-      for (int i = 0; i < 3; ++i) text.TakeAny("a normal");
-      text.Expect("outer");
-      text.Expect("loop");
+      for (int i = 0; i < 3; ++i) words.Take("a normal");
+      Expect(words, "outer");
+      Expect(words, "loop");
       for (int corner = 0; corner < 3; ++corner) {
-        text.Expect("vertex");
+        Expect(words, "vertex");
         Eigen::Vector3d vertex;
-        for (double& coordinate : vertex)
-          coordinate = Number(text.TakeAny("a coordinate"), name, text.place());
-        AddVertex(vertex, mesh, name, text.place());
+        for (double& x : vertex) {
+          const std::string_view word = words.Take("a coordinate");
+          x = Number(word, name, words.place());
+        }
+        AddVertex(vertex, mesh, name, words.place());
       }
-      text.Expect("endloop");
-      text.Expect("endfacet");
-      AddLastThree(mesh, name, text.place());
+      Expect(words, "endloop");
+      Expect(words, "endfacet");
+      AddLastThree(mesh, name, words.place());
     }
-    text.Expect("endsolid");
-    text.SkipLine();
-  } while (!text.Peek().empty());
+    Expect(words, "endsolid");
+    words.SkipLine();
+  }
   return mesh;
 }
 
 }  // namespace
 
 Mesh ParseStl(std::string_view bytes, std::string_view name) {
-  // Binary files may begin with `solid` too; only their length distinguishes them.
-  if (bytes.size() >= kHead + 4 &&
-      bytes.size() == kHead + 4 + std::uint64_t{kTriangle} * Word(bytes, kHead))
-    return ParseBinary(bytes, name);
-  if (LowerCase(bytes.substr(0, 5)) == "solid") return ParseText(bytes, name);
+  const std::string_view text = WithoutMark(bytes);
+  const std::string_view word =
+      text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()), 5);
+  // Binary files may begin with `solid` too, but have zero bytes: in their number of triangles.
+  if (LowerCase(word) == "solid" && bytes.substr(0, kHead + 4).find('\0') == bytes.npos)
+    return ParseText(bytes, name);
   if (bytes.size() < kHead + 4)
     Refuse(name, {Place::Unit::kByte, bytes.size()},
            "the file ends before the number of triangles; it is not an STL file, or truncated");
   const std::uint32_t count = Word(bytes, kHead);
-  Refuse(name, {Place::Unit::kByte, kHead},
-         fmt::format("declares {} triangles, which take {} bytes, but the file has {}; it is "
-                     "truncated, or not an STL file",
-                     count, kHead + 4 + std::uint64_t{kTriangle} * count, bytes.size()));
+  if (bytes.size() < kHead + 4 + std::uint64_t{kTriangle} * count)
+    Refuse(name, {Place::Unit::kByte, kHead},
+           fmt::format("declares {} triangles, which take {} bytes, but the file has {}; it is "
+                       "truncated, or not an STL file",
+                       count, kHead + 4 + std::uint64_t{kTriangle} * count, bytes.size()));
+  return ParseBinary(bytes, name);
 }
 
 }  // namespace cdb::meshes

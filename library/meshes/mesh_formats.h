@@ -34,10 +34,27 @@ double Number(std::string_view word, std::string_view name, Place place);
 /// The same for integers.
 std::int64_t Integer(std::string_view word, std::string_view name, Place place);
 
-/// Adds a fan; rejects fewer than three corners, corners from `vertices` on, and too many
-/// triangles. `first`: the format's number of the first vertex.
-void AddPolygon(std::span<const std::uint32_t> corners, std::size_t vertices, Mesh& mesh,
-                std::string_view name, Place place, std::uint32_t first = 0);
+/// The faces of a file, which become triangles when all of its vertices are known.
+class PolygonList {
+ public:
+  /// `first`: the format's number of the first vertex.
+  PolygonList(std::string_view name, Place::Unit unit, std::uint32_t first)
+      : name_(name), unit_(unit), first_(first) {}
+  /// Rejects fewer than three corners, and too many triangles.
+  void Add(std::span<const std::uint32_t> corners, Place place);
+  /// Rejects corners that the mesh does not have.
+  void AddTo(Mesh& mesh) const;
+
+ private:
+  std::string_view name_;
+  Place::Unit unit_;
+  std::uint32_t first_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<std::size_t> ends_, places_;  ///< by face
+};
+
+/// Rejects more than kMaxTriangles.
+void CheckTriangles(std::size_t count, std::string_view name, Place place);
 void AddVertex(const Eigen::Vector3d& vertex, Mesh& mesh, std::string_view name, Place place);
 
 /// The lines of a text, with any of the three line ends.
@@ -56,6 +73,8 @@ class Lines {
   std::size_t offset_ = 0, number_ = 0;
 };
 
+/// The text without the mark that may begin UTF-8.
+std::string_view WithoutMark(std::string_view text);
 /// The words of a line, up to a `#`.
 void SplitWords(std::string_view line, std::vector<std::string_view>& words);
 std::string LowerCase(std::string_view text);

@@ -61,11 +61,12 @@ class Values {
  public:
   virtual ~Values() = default;
   virtual double Next(Type type) = 0;
+  /// Passes a value that need not be a number.
+  virtual void Skip(Type type) = 0;
   virtual Place place() = 0;
   virtual std::size_t BytesLeft() = 0;
   /// The minimum number of bytes of a value.
   virtual std::size_t LeastBytes(Type type) const = 0;
-  virtual bool IsAtEnd() = 0;
 };
 
 class TextValues : public Values {
@@ -74,9 +75,10 @@ class TextValues : public Values {
       : lines_(body), size_(body.size()), header_lines_(header_lines), name_(name) {}
 
   double Next(Type) override {
-    if (IsAtEnd()) Refuse(name_, place(), "the file ends before the data that its header declares");
-    return Number(words_[at_++], name_, place());
+    const std::string_view word = Take();
+    return Number(word, name_, place());
   }
+  void Skip(Type) override { Take(); }
   /// The location of the next value, which may be some lines below.
   Place place() override {
     IsAtEnd();
@@ -84,7 +86,13 @@ class TextValues : public Values {
   }
   std::size_t BytesLeft() override { return size_ - lines_.offset() + lines_.line().size() + 1; }
   std::size_t LeastBytes(Type) const override { return 2; }  // a digit and a separator
-  bool IsAtEnd() override {
+
+ private:
+  std::string_view Take() {
+    if (IsAtEnd()) Refuse(name_, place(), "the file ends before the data that its header declares");
+    return words_[at_++];
+  }
+  bool IsAtEnd() {
     while (at_ == words_.size()) {
       if (!lines_.Next()) return true;
       SplitWords(lines_.line(), words_);
@@ -93,7 +101,6 @@ class TextValues : public Values {
     return false;
   }
 
- private:
   Lines lines_;
   std::size_t size_, header_lines_;
   std::string_view name_;
@@ -131,10 +138,10 @@ class BinaryValues : public Values {
         return static_cast<double>(bits);
     }
   }
+  void Skip(Type type) override { Next(type); }
   Place place() override { return {Place::Unit::kByte, at_}; }
   std::size_t BytesLeft() override { return bytes_.size() - at_; }
   std::size_t LeastBytes(Type type) const override { return BytesOf(type); }
-  bool IsAtEnd() override { return at_ == bytes_.size(); }
 
  private:
   std::string_view bytes_;
@@ -152,22 +159,23 @@ class PlyParser {
     for (const Element& element : elements_) {
       if (element.name == "vertex")
         ReadVertices(element);
-      else if (element.name == "face")
+      else if (element.name == "face" || IsOfStrips(element))
         ReadFaces(element);
       else
         Skip(element);
     }
-    if (!values_->IsAtEnd())
-      Refuse(name_, values_->place(), "continues after the data that its header declares");
+    // Whatever follows is ignored.
+    faces_->AddTo(mesh_);
     return std::move(mesh_);
   }
 
  private:
   void ParseHeader() {
     Lines lines(bytes_);
-    if (!lines.Next() || lines.line() != "ply")
-      Refuse(name_, lines.place(), "should start with a line `ply`");
     std::vector<std::string_view> words;
+    if (lines.Next()) SplitWords(WithoutMark(lines.line()), words);
+    if (words.size() != 1 || words[0] != "ply")
+      Refuse(name_, lines.place(), "should start with a line `ply`");
     std::string_view format;
     for (;;) {
       if (!lines.Next()) Refuse(name_, lines.place(), "the header has no `end_header`");
@@ -203,12 +211,11 @@ class PlyParser {
              fmt::format("the format `{}` is not one of ascii, binary_little_endian and "
                          "binary_big_endian",
                          format));
+    const bool is_text = format == "ascii";
+    faces_.emplace(name_, is_text ? Place::Unit::kLine : Place::Unit::kByte, 0);
     for (const Element& element : elements_) {
       if (element.name == "vertex" && vertices_) Refuse(name_, element.place, "vertices twice");
       if (element.name == "vertex") vertices_ = element.count;
-      if (element.name == "tristrips" || element.name == "tristrip")
-        Refuse(name_, element.place,
-               "triangle strips are not supported; export the model as triangles");
     }
     if (!vertices_) Refuse(name_, lines.place(), "the header has no `element vertex`");
   }
@@ -247,7 +254,7 @@ class PlyParser {
 
   void SkipValue(const Property& property) {
     const std::uint64_t length = property.count ? ListLength(property) : 1;
-    for (std::uint64_t i = 0; i < length; ++i) values_->Next(property.type);
+    for (std::uint64_t i = 0; i < length; ++i) values_->Skip(property.type);
   }
 
   void Skip(const Element& element) {
@@ -303,6 +310,11 @@ class PlyParser {
         corners.clear();
         for (std::uint64_t left = ListLength(property); left > 0; --left) {
           const double corner = values_->Next(property.type);
+          if (IsOfStrips(element) && corner == -1) {
+            AddStrip(corners, place);
+            corners.clear();
+            continue;
+          }
           if (!(corner >= 0 && corner < static_cast<double>(*vertices_)) ||
               corner != std::floor(corner))
             Refuse(name_, place,
@@ -310,9 +322,25 @@ class PlyParser {
                                *vertices_));
           corners.push_back(static_cast<std::uint32_t>(corner));
         }
-        AddPolygon(corners, *vertices_, mesh_, name_, place);
+        if (IsOfStrips(element))
+          AddStrip(corners, place);
+        else
+          faces_->Add(corners, place);
       }
     }
+  }
+
+  /// Each corner from the third on ends a triangle; every second one is turned round. A corner of
+  /// -1 begins the next strip of a list.
+  static bool IsOfStrips(const Element& element) {
+    return element.name == "tristrips" || element.name == "tristrip";
+  }
+
+  void AddStrip(std::span<const std::uint32_t> corners, Place place) {
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      faces_->Add(std::array{corners[i - (i % 2 == 0 ? 2 : 1)], corners[i - (i % 2 == 0 ? 1 : 2)],
+                             corners[i]},
+                  place);
   }
 
   std::string_view bytes_, name_;
@@ -320,6 +348,7 @@ class PlyParser {
   std::optional<std::uint64_t> vertices_;
   std::unique_ptr<Values> values_;
   Mesh mesh_;
+  std::optional<PolygonList> faces_;
 };
 
 }  // namespace

@@ -43,8 +43,11 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
   const AlignedBox3d box = BoxOf(mesh.vertices);
   const Vector3d sides = box.sizes();
   form.proportions = sides / sides.maxCoeff();
+  form.native_side = sides.maxCoeff();
+  form.file_origin = -box.center().cwiseQuotient(sides);
   form.volume = properties.volume / sides.prod();
   form.centre = (properties.centre - box.center()).cwiseQuotient(sides);
+  form.origin = form.centre;
   const Matrix3d& inertia = properties.inertia;
   const Matrix3d moments = inertia.trace() / 2 * Matrix3d::Identity() - inertia;
   form.second_moments = moments.cwiseQuotient(sides * sides.transpose());

@@ -78,10 +78,15 @@ struct ConvexDecomposition {
   std::string name;             ///< as written in a scenario: `bunny`, `mesh("rock.obj")`
   Eigen::Vector3d proportions;  ///< sides of the mesh's own box, the longest 1
   std::vector<ConvexPiece> pieces;
+  double native_side = 0;  ///< the longest side, in the unit of the file
+  Eigen::Vector3d file_origin = Eigen::Vector3d::Zero();     ///< that of the file; in the cube
   double volume = 0;                                         ///< of the mesh; in the cube
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0, overlap = 0;  ///< of the pieces: library/meshes/decompose.h
+  double unit = 1;                                ///< m, of the file
+  /// The point that a user places; in the cube.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// For a surface (library/objects/surface.h): a tree of the boxes of its triangles. Null for
   /// solids.
   std::shared_ptr<const BoxTree> tree = nullptr;
@@ -108,6 +113,10 @@ class Compound {
   const Eigen::Vector3d& InertiaPerMass() const { return inertia_; }
   /// The rotation from the axes of the mesh, along which the sides are, to those of the body.
   const Eigen::Matrix3d& from_mesh() const { return from_mesh_; }
+  /// From the point that a user places to the centre of mass.
+  Eigen::Vector3d OriginToCentre() const {
+    return from_mesh_ * (form_->centre - form_->origin).cwiseProduct(sides_);
+  }
   /// The centre of the box of a piece.
   Eigen::Vector3d PieceCentre(std::size_t piece) const;
   /// A vertex of a piece.

@@ -63,4 +63,26 @@ Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation) {
   return box;
 }
 
+Pose OriginOf(const Solid& solid, const Pose& body) {
+  if (solid.compound == nullptr) return body;
+  const Compound& compound = *solid.compound;
+  Pose origin = body;
+  const Eigen::Vector3d way = compound.OriginToCentre();
+  if (!way.isZero(0)) origin.position -= body.orientation * way;
+  if (!compound.from_mesh().isIdentity(0))
+    origin.orientation = body.orientation * Eigen::Quaterniond(compound.from_mesh());
+  return origin;
+}
+
+Pose BodyOf(const Solid& solid, const Pose& origin) {
+  if (solid.compound == nullptr) return origin;
+  const Compound& compound = *solid.compound;
+  Pose body = origin;
+  const Eigen::Matrix3d to_mesh = compound.from_mesh().transpose();
+  body.orientation = origin.orientation * Eigen::Quaterniond(to_mesh);
+  const Eigen::Vector3d way = compound.OriginToCentre();
+  if (!way.isZero(0)) body.position += body.orientation * way;
+  return body;
+}
+
 }  // namespace cdb::objects

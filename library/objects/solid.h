@@ -159,6 +159,13 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< unit
 };
 
+/// The same place by the point of the solid that a user places, and the axes along which its sides
+/// are: those of the file of a mesh. The argument is the pose of its centre of mass and of its
+/// principal axes, which differ from these only for compounds.
+Pose OriginOf(const Solid& solid, const Pose& body);
+/// The inverse.
+Pose BodyOf(const Solid& solid, const Pose& origin);
+
 /// The smallest box in world axes around the solid, with the centre of mass at the origin.
 Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation);
 

@@ -13,6 +13,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
+#include "dsl/text/check.h"
 #include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
@@ -79,6 +80,26 @@ ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& c
   return form;
 }
 
+/// The arguments that do not change the pieces.
+ConvexDecomposition WithFrame(ConvexDecomposition form, const schema::Call& call) {
+  struct Unit {
+    std::string_view name;
+    double metres;
+  };
+  constexpr Unit kUnits[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}};
+  const auto word = [&](const char* argument) -> std::string_view {
+    return std::get<schema::Word>(ArgumentOf(call, argument)).text;
+  };
+  const auto* unit = std::ranges::find(kUnits, word("unit"), &Unit::name);
+  CDB_CHECK(unit != std::end(kUnits));
+  form.unit = unit->metres;
+  const std::string_view origin = word("origin");
+  form.origin = origin == "file"  ? form.file_origin
+                : origin == "box" ? Vector3d::Zero()
+                                  : form.centre;
+  return form;
+}
+
 ConvexDecomposition FormOfFile(const schema::Call& call) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
   const std::string name = fmt::format("{}(\"{}\")", call.name, file);
@@ -89,14 +110,16 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
     throw library::SceneError(
         fmt::format("{}: it differs from the file that the plan was made with; plan again", file));
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
-  if (call.name == "surface") return MakeSurface(name, meshes::ParseMesh(bytes, file));
-  return DecomposeOnce(name, SourceOf(file, sha256, call.name), [&] {
+  if (call.name == "surface")
+    return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
+  const auto make = [&] {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
     if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file));
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
     return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
-  });
+  };
+  return WithFrame(DecomposeOnce(name, SourceOf(file, sha256, call.name), make), call);
 }
 
 /// Null for a type with a closed form.
@@ -120,12 +143,22 @@ Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const 
   const auto& form = found->second;
   Solid solid;
   solid.sides = size.cwiseProduct(aspect);
+  const bool is_native = size.isZero(0);
+  if (is_native && (schema::AsCall(type) == nullptr || aspect != Vector3d::Ones()))
+    throw library::SceneError(
+        schema::AsCall(type) == nullptr
+            ? fmt::format("a {} has no file that gives it a size, but the size is native", name)
+            : "the size is native, but the aspect is not 1 : 1 : 1",
+        schema::AsCall(type) == nullptr ? "write a size in m" : "remove the aspect");
   if (form == nullptr) {
     solid.shape = ShapeOf(name);
     return solid;
   }
   solid.shape = Shape::kCompound;
-  if (aspect == Vector3d::Ones()) solid.sides = size.cwiseProduct(form->proportions);
+  if (is_native)
+    solid.sides = form->native_side * form->unit * form->proportions;
+  else if (aspect == Vector3d::Ones())
+    solid.sides = size.cwiseProduct(form->proportions);
   auto& compound = compounds_[{form.get(), solid.sides.x(), solid.sides.y(), solid.sides.z()}];
   if (compound == nullptr) compound = std::make_shared<const Compound>(form, solid.sides);
   solid.compound = compound;
@@ -172,7 +205,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 2;
+constexpr int kVersion = 4;
 
 /// Appends the values passed to it.
 class Writer {
@@ -228,8 +261,11 @@ void Visit(auto& archive, ConvexDecomposition& form) {
     for (double& real : matrix.reshaped()) archive.Real(real);
   };
   reals(form.proportions);
+  archive.Real(form.native_side);
+  reals(form.file_origin);
   archive.Real(form.volume);
   reals(form.centre);
+  reals(form.origin);
   reals(form.second_moments);
   archive.Real(form.volume_error);
   archive.Real(form.iou);

@@ -26,7 +26,7 @@ class SolidFactory {
  public:
   /// `type`: a constant value of `objects.type`, a word or a call. `size`: drawn for each side, m;
   /// `aspect` as in the scenario. The sides of a solid are size times aspect. At 1 : 1 : 1 a mesh
-  /// keeps its own proportions, with its longest side equal to the size.
+  /// keeps its own proportions, with its longest side equal to the size. A size of 0 is native.
   Solid Make(const schema::Value& type, const Eigen::Vector3d& size, const Eigen::Vector3d& aspect);
   /// The forms of all compounds made, in the order of their names.
   std::vector<std::shared_ptr<const ConvexDecomposition>> Forms() const;

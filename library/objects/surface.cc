@@ -48,6 +48,8 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
   // A flat mesh has no extent along one axis, so that any scale along it will do.
   const Vector3d sides = (box.sizes().array() > 0).select(box.sizes(), longest);
   form.proportions = sides / longest;
+  form.native_side = longest;
+  form.file_origin = -box.center().cwiseQuotient(sides);
   std::vector<AlignedBox3d> boxes;
   for (const meshes::Triangle& triangle : mesh.triangles) {
     const Corners corners = meshes::CornersOf(mesh, triangle);
@@ -66,8 +68,10 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
     boxes.push_back(around);
   }
   if (form.pieces.empty())
-    throw library::SceneError(fmt::format("{}: its triangles have no area", form.name),
-                              "name another model");
+    throw library::SceneError(
+        fmt::format("{}: {}", form.name,
+                    mesh.triangles.empty() ? "has no faces" : "its triangles have no area"),
+        mesh.triangles.empty() ? "hull takes its vertices" : "name another model");
   if (form.pieces.size() > kMaxSurfaceTriangles)
     throw library::SceneError(fmt::format("{}: it has {} triangles; the limit is {}", form.name,
                                           form.pieces.size(), kMaxSurfaceTriangles),

@@ -159,6 +159,21 @@ std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, co
   return dataset.Read();
 }
 
+/// Puts the quaternions of a dataset into the order w, x, y, z.
+void PutWFirst(const hdf5::Dataset& dataset, const std::string& path, std::vector<double>& rows) {
+  std::string order = dataset.Text("order");
+  std::erase_if(order, [](char c) { return c == ' ' || c == ','; });
+  if (order.empty() || order == "wxyz") return;
+  if (order != "xyzw")
+    throw files::StoreError(fmt::format(
+        "{}: the attribute `order` of its `orientation` should be `wxyz` or `xyzw`, not `{}`", path,
+        dataset.Text("order")));
+  for (std::size_t i = 0; i + 3 < rows.size(); i += 4)
+    std::rotate(rows.begin() + static_cast<std::ptrdiff_t>(i),
+                rows.begin() + static_cast<std::ptrdiff_t>(i + 3),
+                rows.begin() + static_cast<std::ptrdiff_t>(i + 4));
+}
+
 }  // namespace
 
 std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
@@ -170,6 +185,8 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
     arrays.position = ReadRows(file, name, "position", 3, 0);
     const std::uint64_t rows = arrays.position.size() / 3;
     arrays.orientation = ReadRows(file, name, "orientation", 4, rows);
+    if (!arrays.orientation.empty())
+      PutWFirst(file.OpenDataset("orientation"), name, arrays.orientation);
     arrays.linear_velocity = ReadRows(file, name, "linear_velocity", 3, rows);
     arrays.angular_velocity = ReadRows(file, name, "angular_velocity", 3, rows);
     return arrays;

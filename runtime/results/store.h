@@ -219,8 +219,9 @@ class MergedProvenance {
 };
 
 // Poses in an HDF5 file made by the user: datasets `position` (n x 3, m), and optionally
-// `orientation` (n x 4, quaternions w, x, y, z), `linear_velocity` (n x 3, m/s) and
-// `angular_velocity` (n x 3, rad/s), each in the root of the file.
+// `orientation` (n x 4, quaternions w, x, y, z, or as its attribute `order` says: `xyzw`),
+// `linear_velocity` (n x 3, m/s) and `angular_velocity` (n x 3, rad/s), each in the root of the
+// file.
 
 /// The rows of all objects, one after the other; empty if the file has no such dataset.
 struct PoseArrays {

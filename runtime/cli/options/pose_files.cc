@@ -119,7 +119,7 @@ PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
   if (first == end || poses.size() < end * protocol::kPoseSize)
     Refuse(from, "it has no poses of such objects", "name another run or group");
   PoseTable table;
-  table.has_orientation = table.of_body = true;
+  table.has_orientation = true;
   for (std::size_t i = first; i < end; ++i) {
     const double* pose = &poses[i * protocol::kPoseSize];
     const auto turn = layouts::UnitQuaternion(pose[6], pose[3], pose[4], pose[5]);

@@ -287,12 +287,14 @@ void Probes::RecordPoses(std::uint64_t cycle) {
   auto at = recording_.Reals("poses")
                 .subspan(cycle * engine_.objects().size() * protocol::kPoseSize)
                 .begin();
-  for (const auto& body : engine_.objects()) {
-    const btTransform& pose = body->getWorldTransform();
-    const btQuaternion turn = pose.getRotation();
-    for (int i = 0; i < 3; ++i) *at++ = static_cast<double>(pose.getOrigin()[i]);
-    for (const btScalar part : {turn.x(), turn.y(), turn.z(), turn.w()})
-      *at++ = static_cast<double>(part);
+  for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    const btTransform& body = engine_.objects()[i]->getWorldTransform();
+    const btQuaternion turn = body.getRotation();
+    const objects::Pose pose =
+        objects::OriginOf(engine_.initial_state().objects[i].solid,
+                          {world::ToEigen(body.getOrigin()), world::ToEigen(turn)});
+    for (const double x : pose.position) *at++ = x;
+    for (const double part : pose.orientation.coeffs()) *at++ = part;  // x, y, z, w
   }
 }
 

@@ -45,7 +45,9 @@ void AddBodies(const SceneRecording& recording, Json& run) {
     groups.push_back(static_cast<std::int32_t>(object.group));
     masses.push_back(object.mass);
     Append(sides, object.solid.sides);
-    radii.push_back(object.solid.OuterRadius());
+    const auto& compound = object.solid.compound;
+    radii.push_back(object.solid.OuterRadius() +
+                    (compound != nullptr ? compound->OriginToCentre().norm() : 0));
     for (const Part& part : tessellation.PartsOf(object.solid)) {
       part_bodies.push_back(static_cast<std::int32_t>(i));
       part_meshes.push_back(static_cast<std::int32_t>(part.mesh));
@@ -259,8 +261,8 @@ TriangleMesh Turned(std::string name, const std::vector<Profile>& profiles, int 
   return mesh;
 }
 
-/// All convex pieces, or the triangles of a surface from both sides, in the axes of the model with
-/// the centre of mass at the origin.
+/// All convex pieces, or the triangles of a surface from both sides, in the axes of the model and
+/// about its origin, to which recorded poses refer.
 TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
   TriangleMesh mesh{form.name, {}, {}, {}};
   for (const objects::ConvexPiece& piece : form.pieces)
@@ -268,7 +270,7 @@ TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
       std::vector<Vector3d> corners;
       for (const auto corner : face)
         corners.push_back(piece.vertices[static_cast<std::size_t>(corner)] + piece.centre -
-                          form.centre);
+                          form.origin);
       AddFace(mesh, corners);
       if (!form.IsSurface()) continue;
       std::ranges::reverse(corners);
@@ -315,7 +317,7 @@ std::vector<Part> Tessellation::CapsuleParts(const objects::Solid& solid) {
 Part Tessellation::CompoundPart(const objects::Solid& solid) {
   const objects::ConvexDecomposition& form = solid.compound->form();
   return {MeshOf(&form, [&] { return CompoundMesh(form); }), solid.compound->sides(),
-          Eigen::Quaterniond(solid.compound->from_mesh()).normalized(), 0};
+          Eigen::Quaterniond::Identity(), 0};
 }
 
 std::vector<Part> Tessellation::PartsOf(const objects::Solid& solid) {

@@ -97,8 +97,7 @@ void RequireBodies(const plan::Scene& scene) {
 void Start(SceneRecording& recording) {
   recording.state = layouts::MakeInitialState(recording.scene);
   for (const layouts::ObjectState& object : recording.state.objects) {
-    const Eigen::Vector3d& p = object.pose.position;
-    const Eigen::Quaterniond& q = object.pose.orientation;
+    const auto [p, q] = objects::OriginOf(object.solid, object.pose);
     for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
       recording.poses.push_back(value);
   }

@@ -30,7 +30,7 @@ TEST(PoseCsv, ReadsColumnsInAnyOrder) {
       "start.csv");
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_TRUE(table.has_angular_velocity);
-  EXPECT_FALSE(table.has_linear_velocity || table.has_orientation || table.of_body);
+  EXPECT_FALSE(table.has_linear_velocity || table.has_orientation);
   EXPECT_EQ(table.rows[0].position, Vector3d(1, 2, 3));
   EXPECT_EQ(table.rows[0].angular_velocity, Vector3d(4, 5, 6));
   EXPECT_EQ(table.rows[1].position, Vector3d(0.1, 0.2, -0.3));
@@ -130,7 +130,7 @@ TEST(PackedPoses, ComeBackByTheirCall) {
   layouts::SetPoseReader([](const schema::Call& poses) {
     const bool is_first = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text == "a.h5";
     PoseTable table;
-    table.of_body = table.has_orientation = is_first;
+    table.has_orientation = is_first;
     table.rows.resize(is_first ? 2 : 1);
     table.rows[0].position = {0.1, 0.2, 0.3};
     return table;
@@ -142,9 +142,9 @@ TEST(PackedPoses, ComeBackByTheirCall) {
   const PoseTable a = layouts::UnpackPoses(packed, *schema::AsCall(any("a.h5"))),
                   b = layouts::UnpackPoses(packed, *schema::AsCall(any("b.h5")));
   EXPECT_EQ(a.rows.size(), 2u);
-  EXPECT_TRUE(a.of_body);
+  EXPECT_TRUE(a.has_orientation);
   EXPECT_EQ(b.rows.size(), 1u);
-  EXPECT_FALSE(b.of_body);
+  EXPECT_FALSE(b.has_orientation);
   EXPECT_EQ(b.rows[0].position, Vector3d(0.1, 0.2, 0.3));
   EXPECT_THROW(layouts::UnpackPoses(packed, *schema::AsCall(any("c.h5"))), library::SceneError);
   layouts::SetPoseReader({});

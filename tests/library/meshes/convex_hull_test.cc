@@ -81,6 +81,15 @@ TEST(ConvexHull, FlatSetsHaveNone) {
             "m: is flat, so its convex hull has no volume; a solid needs one");
 }
 
+TEST(ConvexHull, HasVerticesOfNoFaceOnlyIfThereAreNoFaces) {
+  meshes::Mesh mesh = BoxMesh({0, 0, 0}, {1, 1, 1});
+  mesh.vertices.emplace_back(5, 5, 5);
+  EXPECT_EQ(meshes::ConvexHull(mesh, "m").vertices.size(), 8u);
+  mesh.triangles.clear();
+  EXPECT_EQ(meshes::ConvexHull(mesh, "m").vertices.size(), 8u);
+  EXPECT_EQ(meshes::ConvexHull(mesh, "m").vertices.back(), Vector3d(5, 5, 5));
+}
+
 TEST(ConvexHull, FewerVerticesKeepMostOfTheVolume) {
   const meshes::Hull ball = meshes::ConvexHull(SphereMesh(1, 4), "m");
   EXPECT_EQ(ball.vertices.size(), 1026u);

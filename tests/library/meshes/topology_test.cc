@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/primitives.h"
 #include "tests/library/meshes/test_meshes.h"
@@ -29,21 +32,41 @@ TEST(Topology, ClosedMeshesStayAsTheyAre) {
 TEST(Topology, OpenEdgesAreCountedAndPlaced) {
   meshes::Mesh open = Cube();
   open.triangles.pop_back();
-  EXPECT_EQ(RefusedMesh(open),
-            "m: is not watertight: 3 edges of one face only, the first from (1, -1, -1) to "
-            "(1, -1, 1); close the holes in a modelling program");
+  EXPECT_EQ(
+      RefusedMesh(open),
+      "m: is not watertight: 3 edges of one face only, the first from (1, -1, -1) to "
+      "(1, -1, 1); close the holes in a modelling program; hull and surface take it as it is");
 }
 
-TEST(Topology, FacesMustAgree) {
+TEST(Topology, EdgesOfThreeFacesAreRefused) {
+  meshes::Mesh fin = Cube();
+  fin.vertices.emplace_back(0, 0, 3);
+  fin.triangles.insert(fin.triangles.end(), {{4, 5, 8}, {5, 7, 8}, {7, 4, 8}});
+  EXPECT_EQ(RefusedMesh(fin),
+            "m: 3 edges of an odd number of faces, the first from (-1, -1, 1) to (1, -1, 1); a "
+            "solid's surface has an even number at each; hull and surface take it as it is");
+}
+
+TEST(Topology, DegenerateAndDoubledFacesAreDropped) {
   meshes::Mesh mesh = Cube();
-  std::swap(mesh.triangles[0][1], mesh.triangles[0][2]);
-  EXPECT_EQ(RefusedMesh(mesh).substr(0, 47), "m: 3 edges where the two faces are oriented inc");
+  mesh.triangles.push_back({0, 1, 1});
+  mesh.triangles.push_back({3, 0, 2});
+  EXPECT_EQ(meshes::Watertight(mesh, "m"), Cube());
+  // A file with both sides of each face.
+  EXPECT_EQ(meshes::Watertight(Joined(Cube(), {}), "m"), Cube());
+  meshes::Mesh sides = Cube();
+  for (const meshes::Triangle& t : InsideOut(Cube()).triangles) sides.triangles.push_back(t);
+  EXPECT_EQ(meshes::Watertight(sides, "m"), Cube());
+}
+
+TEST(Topology, EdgesOfFourFacesAreTakenIfTheyBalance) {
   // Two cubes that share an edge with the same vertices.
-  const meshes::Mesh crowded = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
-  EXPECT_EQ(RefusedMesh(crowded).substr(0, 36), "m: 1 edge of more than two faces, th");
-  meshes::Mesh twice = Cube();
-  twice.triangles.push_back({0, 1, 1});
-  EXPECT_EQ(RefusedMesh(twice).substr(0, 42), "m: 1 of 13 triangles have a vertex twice, ");
+  const meshes::Mesh touching = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
+  EXPECT_EQ(meshes::Watertight(touching, "m"), touching);
+  // One of them inside out: neighbours by angle show which faces bound the solid.
+  meshes::Mesh turned = touching;
+  for (std::size_t i = 0; i < 12; ++i) std::swap(turned.triangles[i][1], turned.triangles[i][2]);
+  EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::Watertight(turned, "m")), 16);
 }
 
 TEST(Topology, InsideOutIsTurnedRound) {
@@ -52,20 +75,72 @@ TEST(Topology, InsideOutIsTurnedRound) {
   EXPECT_EQ(turned, Cube());
 }
 
-TEST(Topology, APartInsideOutIsACavityOrAnError) {
+TEST(Topology, APartInsideOutIsACavityOnlyWithinAnother) {
   const meshes::Mesh hollow = Joined(Cube(2), InsideOut(Cube(1)));
-  EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::Watertight(hollow, "m")), 64 - 8);
-  EXPECT_EQ(RefusedMesh(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0})))),
-            "m: the part from (4, -1, -1) to (6, 1, 1) is inside out, but not a cavity of another "
-            "part; flip its faces");
+  EXPECT_EQ(meshes::Watertight(hollow, "m"), hollow);
+  EXPECT_EQ(meshes::Watertight(InsideOut(hollow), "m"), hollow);
+  EXPECT_EQ(meshes::Watertight(Joined(Cube(2), InsideOut(Cube(1, {5, 0, 0}))), "m"),
+            Joined(Cube(2), Cube(1, {5, 0, 0})));
+  // In the box of the other part, but not in the part.
+  const meshes::Mesh beside =
+      Joined(Moved(AngleMesh(), 4 * Eigen::Matrix3d::Identity(), {0, 0, 0}), Cube(0.5, {6, 6, 2}));
+  EXPECT_EQ(
+      meshes::Watertight(Joined(Moved(AngleMesh(), 4 * Eigen::Matrix3d::Identity(), {0, 0, 0}),
+                                InsideOut(Cube(0.5, {6, 6, 2}))),
+                         "m"),
+      beside);
+  // A hollow part inside out, beside a larger one that is not.
+  EXPECT_EQ(meshes::Watertight(Joined(Cube(4, {9, 0, 0}), InsideOut(hollow)), "m"),
+            Joined(Cube(4, {9, 0, 0}), hollow));
+  // Overlapping parts stay: points in both are inside.
+  const meshes::Mesh overlapping = Joined(Cube(2), Cube(1));
+  EXPECT_EQ(meshes::Watertight(overlapping, "m"), overlapping);
+}
+
+/// Whether two meshes have the same faces, in the same directions.
+bool SameFaces(meshes::Mesh a, meshes::Mesh b) {
+  for (meshes::Mesh* mesh : {&a, &b})
+    for (meshes::Triangle& t : mesh->triangles) std::ranges::rotate(t, std::ranges::min_element(t));
+  return a == b;
+}
+
+TEST(Topology, FacesTurnedAtRandomGiveTheSameSolid) {
+  std::mt19937 random(1);
+  const meshes::Mesh island =
+      Joined(Joined(SphereMesh(9, 2), InsideOut(Cube(4))), meshes::TorusMesh(2, 1, 12, 8));
+  for (const meshes::Mesh& mesh :
+       {Cube(), AngleMesh(), SphereMesh(2, 3), meshes::TorusMesh(3, 1, 12, 8), island,
+        Joined(island, Cube(1, {12, 0, 0})),
+        meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})))})
+    for (const unsigned part : {2u, 3u, 50u}) {
+      meshes::Mesh turned = mesh;
+      for (meshes::Triangle& t : turned.triangles)
+        if (random() % part == 0) std::swap(t[1], t[2]);
+      EXPECT_TRUE(SameFaces(meshes::Watertight(turned, "m"), mesh)) << part;
+    }
+}
+
+TEST(Topology, OneSidedSurfacesAreRefused) {
+  // The projective plane with six vertices: closed, but without an inside.
+  meshes::Mesh mesh;
+  for (int i = 0; i < 6; ++i) mesh.vertices.emplace_back(i, i * i, i * i * i);
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1},
+                    {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
+  EXPECT_EQ(
+      RefusedMesh(mesh).substr(0, 88),
+      "m: has no inside: its faces cannot be made to agree, as on a Moebius strip, at the edge ");
 }
 
 TEST(Topology, NoVolumeIsRefused) {
   meshes::Mesh flat;
   flat.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
-  EXPECT_EQ(RefusedMesh(flat), "m: has no volume; a flat or folded surface is not a solid");
-  EXPECT_EQ(RefusedMesh({}), "m: has no faces; a model needs a closed surface");
+  EXPECT_EQ(RefusedMesh(flat),
+            "m: has no volume; a flat or folded surface is not a solid; surface takes it as it is");
+  EXPECT_EQ(RefusedMesh({}),
+            "m: has no faces; a solid needs a closed surface; no type takes it as it is");
+  EXPECT_EQ(RefusedMesh({Cube().vertices, {}}),
+            "m: has no faces; a solid needs a closed surface; hull takes it as it is");
 }
 
 TEST(Topology, UnusedVerticesAreDropped) {
@@ -76,20 +151,38 @@ TEST(Topology, UnusedVerticesAreDropped) {
   EXPECT_EQ(meshes::Watertight(mesh, "m"), Cube());
 }
 
-TEST(Topology, SeamsAreClosedAndTouchingPartsStayApart) {
-  // Each face has separate vertices.
+/// With separate vertices for each face, each moved by up to `distance` along each axis.
+meshes::Mesh Split(const meshes::Mesh& mesh, double distance) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> by(-distance, distance);
   meshes::Mesh split;
-  const meshes::Mesh cube = Cube();
-  for (const meshes::Triangle& t : cube.triangles)
-    for (const Vector3d& corner : meshes::CornersOf(cube, t)) split.vertices.push_back(corner);
-  for (std::uint32_t i = 0; i < 36; i += 3) split.triangles.push_back({i, i + 1, i + 2});
-  EXPECT_EQ(meshes::Watertight(split, "m").vertices.size(), 8u);
+  for (const meshes::Triangle& t : mesh.triangles) {
+    const auto next = static_cast<std::uint32_t>(split.vertices.size());
+    for (const Vector3d& corner : meshes::CornersOf(mesh, t))
+      split.vertices.push_back(corner + Vector3d(by(random), by(random), by(random)));
+    split.triangles.push_back({next, next + 1, next + 2});
+  }
+  return split;
+}
+
+TEST(Topology, SeamsAreClosedAndTouchingPartsStayApart) {
+  EXPECT_EQ(meshes::Watertight(Split(Cube(), 0), "m").vertices.size(), 8u);
   EXPECT_EQ(meshes::Watertight(Joined(Cube(), Cube(1, {2, 2, 0})), "m").vertices.size(), 16u);
 }
 
-TEST(Topology, PartsAreCounted) {
-  EXPECT_EQ(meshes::PartsOf(Joined(Cube(), Cube(1, {5, 0, 0}))).back(), 1u);
-  EXPECT_EQ(meshes::PartsOf(AngleMesh()), std::vector<std::uint32_t>(20, 0));
+TEST(Topology, CloseVerticesOfSeamsAreWelded) {
+  for (const meshes::Mesh& mesh :
+       {Cube(), AngleMesh(), SphereMesh(1000, 3), meshes::TorusMesh(3, 1, 12, 8)}) {
+    double size = 0;
+    for (const Vector3d& vertex : mesh.vertices) size = std::max(size, vertex.maxCoeff());
+    // Two vertices are up to twice as far apart as each has moved.
+    const meshes::Mesh welded = meshes::Watertight(Split(mesh, 0.4e-8 * size), "m");
+    EXPECT_EQ(welded.vertices.size(), mesh.vertices.size());
+    EXPECT_EQ(welded.triangles.size(), mesh.triangles.size());
+    EXPECT_NEAR(meshes::SignedVolume(welded), meshes::SignedVolume(mesh),
+                1e-6 * meshes::SignedVolume(mesh));
+    EXPECT_TRUE(RefusedMesh(Split(mesh, 1e-4 * size)).starts_with("m: is not watertight"));
+  }
 }
 
 TEST(Topology, HolesAreCapped) {

@@ -11,6 +11,7 @@
 #include "library/meshes/primitives.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/cache.h"
+#include "tests/support/files.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/scene.h"
 
@@ -135,6 +136,67 @@ TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
   EXPECT_EQ(make(plan::Sha256Hex(ToOff(AngleMesh()))).sides, Vector3d(1, 1, 0.5));
   EXPECT_EQ(Refusal([&] { make("0123"); }),
             file() + ": it differs from the file that the plan was made with; plan again");
+}
+
+/// `word("file")` with these further arguments.
+schema::Value FromFile(const char* word, const std::string& file, const char* unit,
+                       const char* origin) {
+  return schema::Call{word, {schema::Text{file}, Word("any"), Word(unit), Word(origin)}};
+}
+
+TEST(SolidFactory, NativeSizeIsThatOfTheFile) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "box.off").string();
+  WriteFile(file, ToOff(BoxMesh({10, 0, 0}, {14, 2, 1})));
+  objects::SolidFactory maker;
+  const auto native = [&](const schema::Value& type, const Vector3d& aspect = Vector3d::Ones()) {
+    return maker.Make(type, Vector3d::Zero(), aspect);
+  };
+  EXPECT_EQ(native(FromFile("hull", file, "m", "mass")).sides, Vector3d(4, 2, 1));
+  for (const char* word : {"mesh", "hull"}) {
+    const objects::Solid solid = native(FromFile(word, file, "mm", "mass"));
+    EXPECT_LE((solid.sides - Vector3d(4e-3, 2e-3, 1e-3)).norm(), 1e-18);
+    EXPECT_NEAR(solid.Volume(), 8e-9, 1e-21);
+  }
+  EXPECT_LE(
+      (native(FromFile("surface", file, "in", "box")).sides - 0.0254 * Vector3d(4, 2, 1)).norm(),
+      1e-15);
+  EXPECT_EQ(Refusal([&] { native(Word("cuboid")); }),
+            "a cuboid has no file that gives it a size, but the size is native; write a size in m");
+  EXPECT_EQ(Refusal([&] {
+              native(FromFile("hull", file, "m", "mass"), {1, 2, 1});
+            }),
+            "the size is native, but the aspect is not 1 : 1 : 1; remove the aspect");
+}
+
+TEST(SolidFactory, PosesReferToTheOriginAndTheAxesOfTheFile) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "angle.off").string();
+  const meshes::Mesh mesh = Moved(AngleMesh(), Eigen::Matrix3d::Identity(), {7, 0, 0});
+  WriteFile(file, ToOff(mesh));
+  const Vector3d centre = meshes::MassPropertiesOf(mesh).centre;
+  objects::SolidFactory maker;
+  const objects::Pose at{{1, 2, 3}, Eigen::Quaterniond(0.1, 0.7, -0.5, 0.5).normalized()};
+  const std::pair<const char*, Vector3d> origins[] = {
+      {"mass", centre}, {"file", Vector3d::Zero()}, {"box", {8, 1, 0.5}}};
+  for (const auto& [origin, point] : origins) {
+    const objects::Solid solid =
+        maker.Make(FromFile("mesh", file, "m", origin), Vector3d::Zero(), Vector3d::Ones());
+    const objects::Pose body = objects::BodyOf(solid, at);
+    EXPECT_LE((body.position - (at.position + at.orientation * (centre - point))).norm(), 1e-12);
+    // The axes of the body are the principal ones: the supports of both are the same.
+    const Vector3d along(0.2, 0.4, -0.1);
+    const Vector3d farthest =
+        body.position +
+        body.orientation * solid.compound->Support(body.orientation.conjugate() * along);
+    double most = -1e9;
+    for (const Vector3d& vertex : mesh.vertices)
+      most = std::max(most, along.dot(at.position + at.orientation * (vertex - point)));
+    EXPECT_NEAR(along.dot(farthest), most, 1e-9);
+    const objects::Pose back = objects::OriginOf(solid, body);
+    EXPECT_LE((back.position - at.position).norm(), 1e-12);
+    EXPECT_LE(back.orientation.angularDistance(at.orientation), 1e-7);
+  }
 }
 
 TEST(SolidFactory, ModelsAreTheirMeshes) {

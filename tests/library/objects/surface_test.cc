@@ -122,6 +122,13 @@ TEST(Surface, LeavesOutTrianglesWithoutArea) {
   } catch (const library::SceneError& error) {
     EXPECT_EQ(error.cause(), "m: its triangles have no area");
   }
+  mesh.triangles.clear();
+  try {
+    objects::MakeSurface("m", mesh);
+    FAIL();
+  } catch (const library::SceneError& error) {
+    EXPECT_STREQ(error.what(), "m: has no faces; hull takes its vertices");
+  }
 }
 
 TEST(Surface, IsMadeOfOpenMeshesToo) {

@@ -1,0 +1,20 @@
+// Files that hold models, but not in a format that cdb reads: what they are, and the way out.
+//
+// Errors: none. Threads: any.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace cdb::plan {
+
+struct ForeignModel {
+  std::string kind;    ///< `a COLLADA scene`; empty if the file is none that is known
+  std::string remedy;  ///< one sentence, without a full stop
+};
+
+/// By the first bytes, or else by the extension of the name. A file of a format that cdb reads is
+/// foreign if its extension is that of another.
+ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes);
+
+}  // namespace cdb::plan
