@@ -34,6 +34,7 @@ struct Piece {
   std::vector<Excess> excesses;
   std::int32_t cuts = 0;  ///< number of planes that have cut it; the number of its next cap
   double volume = 0;      ///< where the winding number is 1 or more
+  std::vector<Eigen::Vector3d> corners;  ///< of its convex hull
   double hull_volume = 0;
   /// The volume by which its hull would be too large.
   double Defect() const { return hull_volume - volume; }
@@ -46,7 +47,7 @@ double VolumeOf(const Piece& piece);
 
 /// The triangles with equal labels as pieces of their own; the whole if these would be more than
 /// `most`, or if one is a cavity. Parts below `least_volume` are dropped. Sets the volumes, but not
-/// those of the hulls.
+/// the hulls.
 std::vector<Piece> Separated(const Piece& piece, std::span<const std::uint32_t> labels,
                              double least_volume, std::size_t most);
 

@@ -194,7 +194,7 @@ void CutSearch::Try(const Plane& plane) {
 }
 
 void CutSearch::AddAcross() {
-  const std::size_t positions = std::clamp<std::size_t>(budget_ / 2 / 13, 1, 9);
+  const std::size_t positions = std::clamp<std::size_t>(budget_ / 2 / 13, 1, 19);
   std::vector<Vector3d> directions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (budget_ > 60)
     directions.insert(directions.end(), {{1, 1, 0},
@@ -261,7 +261,7 @@ void CutSearch::AddAlongConcaveEdges() {
 }
 
 /// Moves and tilts a plane as long as that helps.
-void CutSearch::Refine(Candidate best) {
+void CutSearch::Refine(Found best) {
   double low = 0, high = 0;
   for (const Vector3d& vertex : vertices_) {
     low = std::min(low, best.plane.Above(vertex));
@@ -292,23 +292,23 @@ void CutSearch::Refine(Candidate best) {
   candidates_.push_back(best);
 }
 
-std::optional<Plane> CutSearch::Find(const Piece& piece, std::size_t most) {
+std::optional<CutSearch::Found> CutSearch::Find(const Piece& piece, std::size_t most) {
   most_ = std::max<std::size_t>(most, 1);
   Prepare(piece);
   AddAlongConcaveEdges();
   AddAcross();
   const auto sort = [&] {
     std::stable_sort(candidates_.begin(), candidates_.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+                     [](const Found& a, const Found& b) { return a.score > b.score; });
   };
   sort();
   if (candidates_.empty()) return std::nullopt;
-  const std::vector<Candidate> best(
+  const std::vector<Found> best(
       candidates_.begin(),
       candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(candidates_.size(), kRefined)));
-  for (const Candidate& candidate : best) Refine(candidate);
+  for (const Found& candidate : best) Refine(candidate);
   sort();
-  return candidates_[0].plane;
+  return candidates_[0];
 }
 
 }  // namespace cdb::meshes

@@ -1,7 +1,7 @@
 // The plane along which it is best to cut a piece.
 //
 // The gain of a cut is the volume by which the convex hulls of the parts are smaller than that of
-// the piece. Candidates are planes across a few directions, planes of the faces at concave edges,
+// the piece. Founds are planes across a few directions, planes of the faces at concave edges,
 // and planes through two of these edges; the best are then moved and tilted a little. Of cuts
 // without gain, those through concave edges come first: several may be needed before the hulls
 // shrink. Lengths in the unit of the mesh. Errors: none. Threads: one at a time for each object.
@@ -25,8 +25,13 @@ class CutSearch {
   /// Vertices within `flat` of a plane are on it.
   explicit CutSearch(double flat) : flat_(flat) {}
 
+  struct Found {
+    Plane plane;
+    /// By which the hulls shrink, with a little for concave edges that disappear.
+    double score;
+  };
   /// `most`: of the parts of one side, or else they count as one. Nullopt if no plane cuts it.
-  std::optional<Plane> Find(const Piece& piece, std::size_t most);
+  std::optional<Found> Find(const Piece& piece, std::size_t most);
 
  private:
   struct Edge {
@@ -39,10 +44,6 @@ class CutSearch {
     double weight;  ///< length times the sine of the angle
     std::array<Plane, 2> faces;
   };
-  struct Candidate {
-    Plane plane;
-    double score;
-  };
 
   void Prepare(const Piece& piece);
   void AddEdge(const Piece& piece, std::span<const std::array<std::uint32_t, 4>> sides);
@@ -53,7 +54,7 @@ class CutSearch {
   void AddAcross();
   void AddAlongConcaveEdges();
   void Try(const Plane& plane);
-  void Refine(Candidate candidate);
+  void Refine(Found candidate);
 
   double flat_;
   std::size_t most_ = 1, evaluations_ = 0, budget_ = 0;
@@ -62,7 +63,7 @@ class CutSearch {
   std::vector<char> is_corner_;  ///< by vertex: it may be a corner of a part's hull
   std::vector<Edge> edges_;
   std::vector<ConcaveEdge> concave_;
-  std::vector<Candidate> candidates_;
+  std::vector<Found> candidates_;
 
   // Of the plane that is tried.
   std::vector<double> above_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -30,10 +31,23 @@ constexpr int kAlgorithm = 2;
 /// A vertex that is closer to a plane is on it, as a fraction of the diagonal of the mesh: files
 /// have coordinates of single precision or six digits.
 constexpr double kFlat = 1e-5;
-/// A piece with a smaller part of the admissible defect is not cut.
-constexpr double kTooGood = 0.02;
 
 double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
+
+/// The hull of the corners, with fewer of them as long as little volume is lost. Round hulls may have
+/// more if there are few hulls.
+std::optional<Hull> Limited(const std::vector<Vector3d>& corners, std::size_t hulls,
+                            const DecomposeOptions& options) {
+  constexpr double kEnough = 0.98;
+  constexpr std::size_t kMostGrowth = 4;
+  QuickHull hull;
+  const double enough = kEnough * hull.Volume(corners);
+  hull.Volume(corners, options.vertices_per_hull * std::max<std::size_t>(kMostGrowth / hulls, 1),
+              enough);
+  std::vector<Vector3d> fewer;
+  for (const std::uint32_t i : hull.Corners()) fewer.push_back(corners[i]);
+  return TryConvexHull(fewer);
+}
 
 class Decomposer {
  public:
@@ -50,13 +64,9 @@ class Decomposer {
     Split();
     Merge();
     std::vector<Hull> hulls;
-    for (const Piece& piece : pieces_) {
-      hull_.Volume(piece.mesh.vertices, options_.vertices_per_hull);
-      std::vector<Vector3d> corners;
-      for (const std::uint32_t i : hull_.Corners()) corners.push_back(piece.mesh.vertices[i]);
-      std::optional<Hull> hull = TryConvexHull(corners);
-      if (hull) hulls.push_back(*std::move(hull));
-    }
+    for (const Piece& piece : pieces_)
+      if (std::optional<Hull> hull = Limited(piece.corners, pieces_.size(), options_))
+        hulls.push_back(*std::move(hull));
     return hulls;
   }
 
@@ -82,7 +92,7 @@ class Decomposer {
       excesses.push_back({rays.PointAt(from.ray, from.at), rays.PointAt(to.ray, to.at), area});
       excess_volume += std::abs(area) * (to.at - from.at);
     }
-    Piece whole{mesh, std::vector<std::int32_t>(mesh.triangles.size(), kSurface), {}, 0, 0, 0};
+    Piece whole{mesh, std::vector<std::int32_t>(mesh.triangles.size(), kSurface), {}, 0, 0, {}, 0};
     volume_ = SignedVolume(mesh);
     if (excess_volume > kNoExcess * volume_) whole.excesses = std::move(excesses);
     volume_ = VolumeOf(whole);
@@ -93,7 +103,7 @@ class Decomposer {
 
   void Keep(std::vector<Piece> pieces) {
     for (Piece& piece : pieces) {
-      piece.hull_volume = hull_.Volume(piece.mesh.vertices);
+      FindHull(piece, piece.mesh.vertices);
       pieces_.push_back(std::move(piece));
     }
   }
@@ -116,69 +126,96 @@ class Decomposer {
           worst = i;
       if (worst == pieces_.size()) return;
       const std::size_t left = most - pieces_.size();
-      const std::optional<Plane> plane = search_.Find(pieces_[worst], left);
+      const double price = kPrice * Defect() / static_cast<double>(options_.hulls);
+      const auto cut = search_.Find(pieces_[worst], left);
       std::vector<Piece> parts;
-      if (plane) parts = Cut(pieces_[worst], *plane, flat_, options_.least_volume * volume_, left);
+      if (cut) parts = Cut(pieces_[worst], cut->plane, flat_, options_.least_volume * volume_, left);
       if (parts.size() < 2) {
         is_done[worst] = true;
         continue;
       }
+      for (Piece& part : parts) FindHull(part, part.mesh.vertices);
+      // A plane may also have cut where nothing is gained, such as a second limb.
+      JoinCheap(parts, 2, price);
       pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(worst));
       is_done.erase(is_done.begin() + static_cast<std::ptrdiff_t>(worst));
-      Keep(std::move(parts));
+      for (Piece& part : parts) pieces_.push_back(std::move(part));
       is_done.resize(pieces_.size(), false);
     }
   }
 
   /// What the hull of two pieces adds to those of each.
   double CostOf(const Piece& a, const Piece& b) {
-    std::vector<Vector3d> points = a.mesh.vertices;
-    points.insert(points.end(), b.mesh.vertices.begin(), b.mesh.vertices.end());
+    std::vector<Vector3d> points = a.corners;
+    points.insert(points.end(), b.corners.begin(), b.corners.end());
     return hull_.Volume(points) - a.hull_volume - b.hull_volume;
   }
 
-  /// Joins the pieces whose common hull adds least, as long as there are too many or the sum of the
-  /// defects remains admissible.
+  /// Joins pieces as long as there are too many or the sum of the defects remains admissible.
   void Merge() {
-    for (Piece& piece : pieces_) ReduceToHull(piece);
-    double spare = options_.error * volume_ - Defect();
-    std::vector<std::vector<double>> costs(pieces_.size());
-    for (std::size_t i = 0; i < pieces_.size(); ++i)
-      for (std::size_t k = 0; k < i; ++k) costs[i].push_back(CostOf(pieces_[i], pieces_[k]));
-    while (pieces_.size() > 1) {
+    JoinCheap(pieces_, options_.hulls, std::numeric_limits<double>::infinity());
+    // What a join adds may be in a third hull.
+    const double spare = std::min(options_.error * volume_ - Defect(), kMostOverlap * volume_);
+    JoinCheap(pieces_, 1, spare, spare);
+  }
+
+  /// Joins the two pieces whose common hull adds least, down to `least` pieces, as long as that
+  /// costs at most `price`, and all joins together at most `sum`.
+  void JoinCheap(std::vector<Piece>& pieces, std::size_t least, double price,
+                 double sum = std::numeric_limits<double>::infinity()) {
+    if (pieces.size() <= least) return;
+    std::vector<std::vector<double>> costs(pieces.size());
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) costs[i].push_back(CostOf(pieces[i], pieces[k]));
+    while (pieces.size() > least) {
       std::size_t first = 1, second = 0;
-      for (std::size_t i = 1; i < pieces_.size(); ++i)
+      for (std::size_t i = 1; i < pieces.size(); ++i)
         for (std::size_t k = 0; k < i; ++k)
           if (costs[i][k] < costs[first][second]) std::tie(first, second) = std::tie(i, k);
       const double cost = costs[first][second];
-      if (pieces_.size() <= options_.hulls && cost > spare) return;
-      spare -= cost;
-      Piece& joined = pieces_[second];
-      std::vector<Vector3d>& points = joined.mesh.vertices;
-      points.insert(points.end(), pieces_[first].mesh.vertices.begin(),
-                    pieces_[first].mesh.vertices.end());
-      joined.volume += pieces_[first].volume;
-      ReduceToHull(joined);
+      if (cost > std::min(price, sum)) return;
+      sum -= cost;
+      Join(pieces[second], pieces[first]);
       const auto at = static_cast<std::ptrdiff_t>(first);
-      pieces_.erase(pieces_.begin() + at);
+      pieces.erase(pieces.begin() + at);
       costs.erase(costs.begin() + at);
       for (std::size_t i = first; i < costs.size(); ++i) costs[i].erase(costs[i].begin() + at);
-      for (std::size_t i = 0; i < pieces_.size(); ++i)
+      for (std::size_t i = 0; i < pieces.size(); ++i)
         if (i != second)
-          costs[std::max(i, second)][std::min(i, second)] = CostOf(pieces_[i], pieces_[second]);
+          costs[std::max(i, second)][std::min(i, second)] = CostOf(pieces[i], pieces[second]);
     }
   }
 
-  void ReduceToHull(Piece& piece) {
-    piece.hull_volume = hull_.Volume(piece.mesh.vertices);
+  void Join(Piece& to, const Piece& from) {
+    const auto base = static_cast<std::uint32_t>(to.mesh.vertices.size());
+    to.mesh.vertices.insert(to.mesh.vertices.end(), from.mesh.vertices.begin(),
+                            from.mesh.vertices.end());
+    for (const Triangle& t : from.mesh.triangles)
+      to.mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+    for (const std::int32_t cap : from.caps)
+      to.caps.push_back(cap == kSurface ? cap : cap + to.cuts);
+    to.cuts += from.cuts;
+    to.excesses.insert(to.excesses.end(), from.excesses.begin(), from.excesses.end());
+    to.volume += from.volume;
+    std::vector<Vector3d> points = to.corners;
+    points.insert(points.end(), from.corners.begin(), from.corners.end());
+    FindHull(to, points);
+  }
+
+  void FindHull(Piece& piece, const std::vector<Vector3d>& points) {
+    piece.hull_volume = hull_.Volume(points);
     std::vector<Vector3d> corners;
-    for (const std::uint32_t i : hull_.Corners()) corners.push_back(piece.mesh.vertices[i]);
-    piece.mesh = {std::move(corners), {}};
+    for (const std::uint32_t i : hull_.Corners()) corners.push_back(points[i]);
+    piece.corners = std::move(corners);
   }
 
   static constexpr double kNoExcess = 1e-3;
   /// More pieces than hulls are made at first, as cuts that prove useless can be undone.
   static constexpr std::size_t kSurplus = 2;
+  /// The defect that a cut must avoid, as a fraction of that per hull.
+  static constexpr double kPrice = 0.5;
+  /// Of the hulls, as a fraction of the volume of the mesh, by joins that are not necessary.
+  static constexpr double kMostOverlap = 0.01;
 
   const DecomposeOptions& options_;
   double flat_, volume_ = 0;
@@ -210,7 +247,8 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
   const double volume = SignedVolume(mesh);
   const Hull whole = ConvexHull(mesh, name);
   const bool is_convex = VolumeOf(whole) - volume <= 1e-4 * volume;
-  Decomposition one = Assessed({WithFewerVertices(whole, options.vertices_per_hull)}, mesh);
+  const std::optional<Hull> limited = Limited(whole.vertices, 1, options);
+  Decomposition one = Assessed({limited ? *limited : whole}, mesh);
   if (is_convex) return one;
   std::vector<Hull> hulls = Decomposer(mesh, options).Hulls();
   if (hulls.empty()) return one;

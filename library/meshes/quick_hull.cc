@@ -204,29 +204,19 @@ std::uint32_t QuickHull::LargestGain() {
   return best;
 }
 
-void QuickHull::Grow(std::size_t most) {
-  next_point_.assign(points_.size(), kNone);
-  starts_.assign(points_.size(), kNone);
-  for (std::uint32_t i = 0; i < points_.size(); ++i) Assign(i, 0);
-  if (most < points_.size()) {
-    for (std::size_t corners = 4; corners < most; ++corners) {
-      const std::uint32_t face = LargestGain();
-      if (face == kNone) return;
-      Add(face);
-    }
-    return;
-  }
-  for (std::uint32_t i = 0; i < faces_.size(); ++i)
-    while (faces_[i].is_alive && faces_[i].outside != kNone) Add(i);
-}
-
-double QuickHull::Volume(std::span<const Vector3d> points, std::size_t most) {
+bool QuickHull::Begin(std::span<const Vector3d> points) {
   points_ = points;
   if (!Start()) {
     faces_.clear();
-    return 0;
+    return false;
   }
-  Grow(most);
+  next_point_.assign(points_.size(), kNone);
+  starts_.assign(points_.size(), kNone);
+  for (std::uint32_t i = 0; i < points_.size(); ++i) Assign(i, 0);
+  return true;
+}
+
+double QuickHull::Measure() const {
   const Vector3d apex = points_[faces_[0].corner[0]];
   double six = 0;
   for (const Face& face : faces_) {
@@ -235,6 +225,23 @@ double QuickHull::Volume(std::span<const Vector3d> points, std::size_t most) {
     six += (points_[a] - apex).dot((points_[b] - apex).cross(points_[c] - apex));
   }
   return six / 6;
+}
+
+double QuickHull::Volume(std::span<const Vector3d> points) {
+  if (!Begin(points)) return 0;
+  for (std::uint32_t i = 0; i < faces_.size(); ++i)
+    while (faces_[i].is_alive && faces_[i].outside != kNone) Add(i);
+  return Measure();
+}
+
+double QuickHull::Volume(std::span<const Vector3d> points, std::size_t most, double enough) {
+  if (!Begin(points)) return 0;
+  for (std::size_t corners = 4; corners < most && Measure() < enough; ++corners) {
+    const std::uint32_t face = LargestGain();
+    if (face == kNone) break;
+    Add(face);
+  }
+  return Measure();
 }
 
 std::vector<std::uint32_t> QuickHull::Corners() const {

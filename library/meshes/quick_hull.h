@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,10 +18,10 @@ namespace cdb::meshes {
 
 class QuickHull {
  public:
-  /// The volume of the hull of at most `most` of the points, 4 or more: the next one is always the
-  /// one that adds the largest volume. Without a limit, of all points.
-  double Volume(std::span<const Eigen::Vector3d> points,
-                std::size_t most = std::numeric_limits<std::size_t>::max());
+  double Volume(std::span<const Eigen::Vector3d> points);
+  /// Of at most `most` of the points, 4 or more, or as many as have the volume `enough`: the next
+  /// one is always the one that adds most.
+  double Volume(std::span<const Eigen::Vector3d> points, std::size_t most, double enough);
   /// The corners of the last hull, as indices of its points, ascending. Empty for flat points.
   std::vector<std::uint32_t> Corners() const;
 
@@ -48,12 +47,13 @@ class QuickHull {
   double Distance(const Face& face, std::uint32_t point) const;
   void Assign(std::uint32_t point, std::size_t first_face);
   void FindVisible(std::uint32_t face, std::uint32_t eye);
-  /// Twice the area seen from `eye`, times its distance: six times the volume that it adds.
+  /// Six times the volume that `eye` adds.
   double AddedVolume(std::uint32_t face, std::uint32_t eye);
   void Add(std::uint32_t face);
   void Drop(std::uint32_t face);
   std::uint32_t LargestGain();
-  void Grow(std::size_t most);
+  bool Begin(std::span<const Eigen::Vector3d> points);
+  double Measure() const;
 
   std::span<const Eigen::Vector3d> points_;
   double tolerance_ = 0;
