@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -39,6 +40,101 @@ std::vector<Arc> Net(std::vector<Arc> arcs) {
   return net;
 }
 
+/// Joins loops of the boundary that a line meets at the two ends of an interval inside.
+void JoinAcross(const std::vector<Arc>& boundary, const std::vector<Vector3d>& vertices, int along,
+                int across, UnionFind& regions) {
+  struct Extent {
+    double low, high;
+  };
+  std::vector<std::pair<std::uint32_t, Extent>> loops;
+  for (const Arc& arc : boundary) {
+    const auto [low, high] = std::minmax(vertices[arc.from][across], vertices[arc.to][across]);
+    loops.push_back({regions.Root(arc.from), {low, high}});
+  }
+  std::sort(loops.begin(), loops.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.low, a.second.high) <
+           std::tie(b.first, b.second.low, b.second.high);
+  });
+  std::vector<double> lines;
+  for (std::size_t begin = 0, end; begin < loops.size(); begin = end) {
+    Extent extent = loops[begin].second;
+    for (end = begin; end < loops.size() && loops[end].first == loops[begin].first; ++end)
+      extent.high = std::max(extent.high, loops[end].second.high);
+    for (const double part : {0.237, 0.513, 0.763})
+      lines.push_back(extent.low + part * (extent.high - extent.low));
+  }
+  // More lines would take too long.
+  constexpr std::size_t kMostLines = 1000;
+  const std::size_t step = lines.size() / kMostLines + 1;
+  struct Hit {
+    double at;
+    int turns;
+    std::uint32_t vertex;
+  };
+  std::vector<Hit> hits;
+  for (std::size_t i = 0; i < lines.size(); i += step) {
+    const double line = lines[i];
+    hits.clear();
+    for (const Arc& arc : boundary) {
+      const Vector3d &a = vertices[arc.from], &b = vertices[arc.to];
+      if ((a[across] <= line) == (b[across] <= line)) continue;
+      const double part = (line - a[across]) / (b[across] - a[across]);
+      hits.push_back({a[along] + part * (b[along] - a[along]), a[across] <= line ? 1 : -1, arc.from});
+    }
+    std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+      return std::tie(a.at, a.vertex, a.turns) < std::tie(b.at, b.vertex, b.turns);
+    });
+    int winding = 0;
+    for (std::size_t k = 0; k + 1 < hits.size(); ++k) {
+      winding += hits[k].turns;
+      if (winding != 0) regions.Join(hits[k].vertex, hits[k + 1].vertex);
+    }
+  }
+}
+
+/// Adds fans with this boundary, one for each connected region of the plane.
+void AppendCap(const std::vector<Arc>& boundary, std::int32_t cap, Piece& side) {
+  if (boundary.empty()) return;
+  const std::vector<Vector3d>& vertices = side.mesh.vertices;
+  UnionFind regions(vertices.size());
+  for (const Arc& arc : boundary) regions.Join(arc.from, arc.to);
+  // Lines are along the two axes in which the region is largest.
+  Vector3d area = Vector3d::Zero();
+  const Vector3d& origin = vertices[boundary[0].from];
+  for (const Arc& arc : boundary)
+    area += (vertices[arc.from] - origin).cross(vertices[arc.to] - origin);
+  int steepest = 0;
+  area.cwiseAbs().maxCoeff(&steepest);
+  const int u = (steepest + 1) % 3, v = (steepest + 2) % 3;
+  JoinAcross(boundary, vertices, u, v, regions);
+  JoinAcross(boundary, vertices, v, u, regions);
+  std::vector<std::uint32_t> apex(vertices.size(), kNoVertex);
+  for (const Arc& arc : boundary) {
+    std::uint32_t& from = apex[regions.Root(arc.from)];
+    if (from == kNoVertex) from = arc.from;
+    if (arc.from == from || arc.to == from) continue;
+    side.mesh.triangles.push_back({from, arc.from, arc.to});
+    side.caps.push_back(cap);
+  }
+}
+
+/// By cap in ascending order, the numbers of its triangles.
+std::vector<std::pair<std::int32_t, std::vector<std::uint32_t>>> TrianglesByCap(
+    const std::vector<std::int32_t>& caps) {
+  std::vector<std::pair<std::int32_t, std::vector<std::uint32_t>>> by_cap;
+  std::vector<std::int32_t> sorted = caps;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  for (const std::int32_t cap : sorted)
+    if (cap != kSurface) by_cap.push_back({cap, {}});
+  for (std::uint32_t i = 0; i < caps.size(); ++i)
+    if (caps[i] != kSurface)
+      std::lower_bound(by_cap.begin(), by_cap.end(), caps[i],
+                       [](const auto& a, std::int32_t cap) { return a.first < cap; })
+          ->second.push_back(i);
+  return by_cap;
+}
+
 /// The part of a line above (`sign` 1) or below a plane.
 bool Clip(Excess& excess, const Plane& plane, int sign) {
   const double from = sign * plane.Above(excess.from), to = sign * plane.Above(excess.to);
@@ -63,13 +159,12 @@ class Cutter {
   }
 
   /// `sign`: 1 above, -1 below.
-  Piece Closed(int sign) const {
+  Piece Closed(int sign, std::int32_t cut) const {
     const Piece side = Clipped(sign);
     // Caps that the plane cuts are made anew: the fan of the old one could connect parts.
     std::vector<Arc> section;
     Piece closed;
     closed.mesh.vertices = vertices_;
-    closed.cuts = piece_.cuts + 1;
     for (Excess excess : piece_.excesses)
       if (Clip(excess, plane_, sign)) closed.excesses.push_back(excess);
     for (std::size_t i = 0; i < side.mesh.triangles.size(); ++i) {
@@ -78,10 +173,10 @@ class Cutter {
       closed.caps.push_back(kSurface);
       AppendArcs(side.mesh.triangles[i], section, nullptr);
     }
-    for (std::int32_t cap = 0; cap < piece_.cuts; ++cap) {
+    for (const auto& [cap, triangles] : TrianglesByCap(side.caps)) {
       std::vector<Arc> inner, on_plane;
-      for (std::size_t i = 0; i < side.mesh.triangles.size(); ++i)
-        if (side.caps[i] == cap) AppendArcs(side.mesh.triangles[i], on_plane, &inner);
+      for (const std::uint32_t i : triangles)
+        AppendArcs(side.mesh.triangles[i], on_plane, &inner);
       std::vector<Arc> boundary = Net(std::move(inner));
       for (const Arc& arc : Straightened(on_plane)) {
         section.push_back(arc);
@@ -90,7 +185,7 @@ class Cutter {
       AppendCap(boundary, cap, closed);
     }
     for (Arc& arc : section) std::swap(arc.from, arc.to);
-    AppendCap(Net(std::move(section)), piece_.cuts, closed);
+    AppendCap(Net(std::move(section)), cut, closed);
     return closed;
   }
 
@@ -190,10 +285,6 @@ class Cutter {
     return straight;
   }
 
-  /// Fans with this boundary, one for each connected region of the plane.
-  void AppendCap(const std::vector<Arc>& boundary, std::int32_t cap, Piece& side) const;
-  void JoinAcross(const std::vector<Arc>& boundary, int along, int across, UnionFind& regions) const;
-
   const Piece& piece_;
   const Plane& plane_;
   std::vector<Vector3d> vertices_;
@@ -201,82 +292,6 @@ class Cutter {
   std::vector<int> sides_;  ///< by vertex: 1 above, 0 on, -1 below the plane
   std::vector<std::pair<std::uint32_t, std::uint32_t>> crossings_;
 };
-
-/// Joins loops of the boundary that a line meets at the two ends of an interval inside.
-void Cutter::JoinAcross(const std::vector<Arc>& boundary, int along, int across,
-                        UnionFind& regions) const {
-  struct Extent {
-    double low, high;
-  };
-  std::vector<std::pair<std::uint32_t, Extent>> loops;
-  for (const Arc& arc : boundary) {
-    const auto [low, high] = std::minmax(vertices_[arc.from][across], vertices_[arc.to][across]);
-    loops.push_back({regions.Root(arc.from), {low, high}});
-  }
-  std::sort(loops.begin(), loops.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.first, a.second.low, a.second.high) <
-           std::tie(b.first, b.second.low, b.second.high);
-  });
-  std::vector<double> lines;
-  for (std::size_t begin = 0, end; begin < loops.size(); begin = end) {
-    Extent extent = loops[begin].second;
-    for (end = begin; end < loops.size() && loops[end].first == loops[begin].first; ++end)
-      extent.high = std::max(extent.high, loops[end].second.high);
-    for (const double part : {0.237, 0.513, 0.763})
-      lines.push_back(extent.low + part * (extent.high - extent.low));
-  }
-  // More lines would take too long.
-  constexpr std::size_t kMostLines = 1000;
-  const std::size_t step = lines.size() / kMostLines + 1;
-  struct Hit {
-    double at;
-    int turns;
-    std::uint32_t vertex;
-  };
-  std::vector<Hit> hits;
-  for (std::size_t i = 0; i < lines.size(); i += step) {
-    const double line = lines[i];
-    hits.clear();
-    for (const Arc& arc : boundary) {
-      const Vector3d &a = vertices_[arc.from], &b = vertices_[arc.to];
-      if ((a[across] <= line) == (b[across] <= line)) continue;
-      const double part = (line - a[across]) / (b[across] - a[across]);
-      hits.push_back({a[along] + part * (b[along] - a[along]), a[across] <= line ? 1 : -1, arc.from});
-    }
-    std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
-      return std::tie(a.at, a.vertex, a.turns) < std::tie(b.at, b.vertex, b.turns);
-    });
-    int winding = 0;
-    for (std::size_t k = 0; k + 1 < hits.size(); ++k) {
-      winding += hits[k].turns;
-      if (winding != 0) regions.Join(hits[k].vertex, hits[k + 1].vertex);
-    }
-  }
-}
-
-void Cutter::AppendCap(const std::vector<Arc>& boundary, std::int32_t cap, Piece& side) const {
-  if (boundary.empty()) return;
-  UnionFind regions(vertices_.size());
-  for (const Arc& arc : boundary) regions.Join(arc.from, arc.to);
-  // Lines are along the two axes in which the region is largest.
-  Vector3d area = Vector3d::Zero();
-  const Vector3d& origin = vertices_[boundary[0].from];
-  for (const Arc& arc : boundary)
-    area += (vertices_[arc.from] - origin).cross(vertices_[arc.to] - origin);
-  int steepest = 0;
-  area.cwiseAbs().maxCoeff(&steepest);
-  const int u = (steepest + 1) % 3, v = (steepest + 2) % 3;
-  JoinAcross(boundary, u, v, regions);
-  JoinAcross(boundary, v, u, regions);
-  std::vector<std::uint32_t> apex(vertices_.size(), kNoVertex);
-  for (const Arc& arc : boundary) {
-    std::uint32_t& from = apex[regions.Root(arc.from)];
-    if (from == kNoVertex) from = arc.from;
-    if (arc.from == from || arc.to == from) continue;
-    side.mesh.triangles.push_back({from, arc.from, arc.to});
-    side.caps.push_back(cap);
-  }
-}
 
 /// The triangles with equal labels, each a piece with the vertices that it uses.
 std::vector<Piece> Grouped(const Piece& piece, std::span<const std::uint32_t> labels) {
@@ -287,7 +302,7 @@ std::vector<Piece> Grouped(const Piece& piece, std::span<const std::uint32_t> la
     std::uint32_t& at = part[labels[i]];
     if (at == kNoVertex) {
       at = static_cast<std::uint32_t>(parts.size());
-      parts.emplace_back().cuts = piece.cuts;
+      parts.emplace_back();
     }
     Piece& one = parts[at];
     Triangle triangle{};
@@ -345,12 +360,12 @@ std::vector<Piece> Separated(const Piece& piece, std::span<const std::uint32_t> 
   return parts;
 }
 
-std::vector<Piece> Cut(const Piece& piece, const Plane& plane, double flat, double least_volume,
-                       std::size_t most) {
+std::vector<Piece> Cut(const Piece& piece, const Plane& plane, std::int32_t cut, double flat,
+                       double least_volume, std::size_t most) {
   Cutter cutter(piece, plane, flat);
   std::vector<Piece> pieces;
   for (const int sign : {-1, 1}) {
-    Piece side = cutter.Closed(sign);
+    Piece side = cutter.Closed(sign, cut);
     if (side.mesh.triangles.empty()) continue;
     UnionFind connected(side.mesh.vertices.size());
     for (const Triangle& t : side.mesh.triangles) {
@@ -363,6 +378,53 @@ std::vector<Piece> Cut(const Piece& piece, const Plane& plane, double flat, doub
       pieces.push_back(std::move(part));
   }
   return pieces;
+}
+
+Piece Joined(const Piece& first, const Piece& second) {
+  Piece joined = first;
+  // Both sides of a cut have the same vertices, to the last bit.
+  const auto less = [](const Vector3d& a, const Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::vector<Vector3d>& vertices = joined.mesh.vertices;
+  std::vector<std::uint32_t> order(vertices.size()), number;
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return less(first.mesh.vertices[a], first.mesh.vertices[b]);
+  });
+  for (const Vector3d& vertex : second.mesh.vertices) {
+    const auto at = std::lower_bound(
+        order.begin(), order.end(), vertex,
+        [&](std::uint32_t a, const Vector3d& b) { return less(first.mesh.vertices[a], b); });
+    if (at != order.end() && first.mesh.vertices[*at] == vertex) {
+      number.push_back(*at);
+    } else {
+      number.push_back(static_cast<std::uint32_t>(vertices.size()));
+      vertices.push_back(vertex);
+    }
+  }
+  for (const auto& [a, b, c] : second.mesh.triangles)
+    joined.mesh.triangles.push_back({number[a], number[b], number[c]});
+  joined.caps.insert(joined.caps.end(), second.caps.begin(), second.caps.end());
+  joined.excesses.insert(joined.excesses.end(), second.excesses.begin(), second.excesses.end());
+  joined.volume += second.volume;
+  // The caps between them disappear.
+  Piece open = joined;
+  joined.mesh.triangles.clear();
+  joined.caps.clear();
+  for (std::size_t i = 0; i < open.caps.size(); ++i) {
+    if (open.caps[i] != kSurface) continue;
+    joined.mesh.triangles.push_back(open.mesh.triangles[i]);
+    joined.caps.push_back(kSurface);
+  }
+  for (const auto& [cap, triangles] : TrianglesByCap(open.caps)) {
+    std::vector<Arc> arcs;
+    for (const std::uint32_t i : triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        arcs.push_back({open.mesh.triangles[i][k], open.mesh.triangles[i][(k + 1) % 3]});
+    AppendCap(Net(std::move(arcs)), cap, joined);
+  }
+  return joined;
 }
 
 }  // namespace cdb::meshes

@@ -30,9 +30,8 @@ struct Excess {
 
 struct Piece {
   Mesh mesh;
-  std::vector<std::int32_t> caps;  ///< by triangle: the number of its cap, or kSurface
+  std::vector<std::int32_t> caps;  ///< by triangle: the number of the cut that it caps, or kSurface
   std::vector<Excess> excesses;
-  std::int32_t cuts = 0;  ///< number of planes that have cut it; the number of its next cap
   double volume = 0;      ///< where the winding number is 1 or more
   std::vector<Eigen::Vector3d> corners;  ///< of its convex hull
   double hull_volume = 0;
@@ -51,8 +50,12 @@ double VolumeOf(const Piece& piece);
 std::vector<Piece> Separated(const Piece& piece, std::span<const std::uint32_t> labels,
                              double least_volume, std::size_t most);
 
-/// The connected pieces on both sides; `least_volume` and `most` as above, for each side.
-std::vector<Piece> Cut(const Piece& piece, const Plane& plane, double flat, double least_volume,
-                       std::size_t most);
+/// The connected pieces on both sides; `least_volume` and `most` as above, for each side. `cut`: a
+/// number, another one for each plane.
+std::vector<Piece> Cut(const Piece& piece, const Plane& plane, std::int32_t cut, double flat,
+                       double least_volume, std::size_t most);
+
+/// The two as one piece, without the caps between them. Its hull is not set.
+Piece Joined(const Piece& first, const Piece& second);
 
 }  // namespace cdb::meshes

@@ -38,8 +38,10 @@ double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
 /// more if there are few hulls.
 std::optional<Hull> Limited(const std::vector<Vector3d>& corners, std::size_t hulls,
                             const DecomposeOptions& options) {
-  constexpr double kEnough = 0.98;
+  constexpr double kEnough = 0.985;
+  constexpr std::size_t kFew = 24;
   constexpr std::size_t kMostGrowth = 4;
+  if (corners.size() <= std::min(kFew, options.vertices_per_hull)) return TryConvexHull(corners);
   QuickHull hull;
   const double enough = kEnough * hull.Volume(corners);
   hull.Volume(corners, options.vertices_per_hull * std::max<std::size_t>(kMostGrowth / hulls, 1),
@@ -92,7 +94,7 @@ class Decomposer {
       excesses.push_back({rays.PointAt(from.ray, from.at), rays.PointAt(to.ray, to.at), area});
       excess_volume += std::abs(area) * (to.at - from.at);
     }
-    Piece whole{mesh, std::vector<std::int32_t>(mesh.triangles.size(), kSurface), {}, 0, 0, {}, 0};
+    Piece whole{mesh, std::vector<std::int32_t>(mesh.triangles.size(), kSurface), {}, 0, {}, 0};
     volume_ = SignedVolume(mesh);
     if (excess_volume > kNoExcess * volume_) whole.excesses = std::move(excesses);
     volume_ = VolumeOf(whole);
@@ -129,7 +131,7 @@ class Decomposer {
       const double price = kPrice * Defect() / static_cast<double>(options_.hulls);
       const auto cut = search_.Find(pieces_[worst], left);
       std::vector<Piece> parts;
-      if (cut) parts = Cut(pieces_[worst], cut->plane, flat_, options_.least_volume * volume_, left);
+      if (cut) parts = Cut(pieces_[worst], cut->plane, cuts_++, flat_, options_.least_volume * volume_, left);
       if (parts.size() < 2) {
         is_done[worst] = true;
         continue;
@@ -187,18 +189,9 @@ class Decomposer {
   }
 
   void Join(Piece& to, const Piece& from) {
-    const auto base = static_cast<std::uint32_t>(to.mesh.vertices.size());
-    to.mesh.vertices.insert(to.mesh.vertices.end(), from.mesh.vertices.begin(),
-                            from.mesh.vertices.end());
-    for (const Triangle& t : from.mesh.triangles)
-      to.mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
-    for (const std::int32_t cap : from.caps)
-      to.caps.push_back(cap == kSurface ? cap : cap + to.cuts);
-    to.cuts += from.cuts;
-    to.excesses.insert(to.excesses.end(), from.excesses.begin(), from.excesses.end());
-    to.volume += from.volume;
     std::vector<Vector3d> points = to.corners;
     points.insert(points.end(), from.corners.begin(), from.corners.end());
+    to = Joined(to, from);
     FindHull(to, points);
   }
 
@@ -220,6 +213,7 @@ class Decomposer {
   const DecomposeOptions& options_;
   double flat_, volume_ = 0;
   std::vector<Piece> pieces_;
+  std::int32_t cuts_ = 0;
   CutSearch search_;
   QuickHull hull_;
 };

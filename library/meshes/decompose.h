@@ -20,7 +20,7 @@
 namespace cdb::meshes {
 
 struct DecomposeOptions {
-  std::size_t hulls = 32;  ///< the largest number of them
+  std::size_t hulls = 40;  ///< the largest number of them
   double error = 0.04;     ///< admissible volume of all hulls outside the mesh, relative to it
   std::size_t vertices_per_hull = 64;
   double least_volume = 1e-5;  ///< as a fraction of that of the mesh; smaller pieces are dropped
