@@ -16,6 +16,7 @@ constexpr Domain kNotNegative = ParameterTable::kNotNegative;
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
+constexpr Domain kHulls = {.min = 1, .max = 1024};
 
 struct ArgumentOptions {
   std::string_view first_default = {};
@@ -72,6 +73,11 @@ constexpr Parameter kPath[] = {
     Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"})};
+constexpr Parameter kMesh[] = {
+    Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("hulls", kCount, kHulls, "", "the largest number of convex hulls; fit is 40, or fewer if the error allows", kFit),
+    Argument("error", kReal, kPositive, "", "admissible volume of the hulls outside the mesh, relative to that of the mesh; fit is 0.04", kFit)};
 constexpr Parameter kModel[] = {
     Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"})};
@@ -106,7 +112,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
     {"poses", "positions from a file, with orientations and velocities if it has them", kPoses},
     {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
-    {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
+    {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kMesh},
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kModel},
     {"heights", "a height field, as ground for fixed objects", kHeights},
