@@ -79,7 +79,8 @@ void JoinAcross(const std::vector<Arc>& boundary, const std::vector<Vector3d>& v
       const Vector3d &a = vertices[arc.from], &b = vertices[arc.to];
       if ((a[across] <= line) == (b[across] <= line)) continue;
       const double part = (line - a[across]) / (b[across] - a[across]);
-      hits.push_back({a[along] + part * (b[along] - a[along]), a[across] <= line ? 1 : -1, arc.from});
+      hits.push_back(
+          {a[along] + part * (b[along] - a[along]), a[across] <= line ? 1 : -1, arc.from});
     }
     std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
       return std::tie(a.at, a.vertex, a.turns) < std::tie(b.at, b.vertex, b.turns);
@@ -129,9 +130,9 @@ std::vector<std::pair<std::int32_t, std::vector<std::uint32_t>>> TrianglesByCap(
     if (cap != kSurface) by_cap.push_back({cap, {}});
   for (std::uint32_t i = 0; i < caps.size(); ++i)
     if (caps[i] != kSurface)
-      std::lower_bound(by_cap.begin(), by_cap.end(), caps[i],
-                       [](const auto& a, std::int32_t cap) { return a.first < cap; })
-          ->second.push_back(i);
+      std::lower_bound(by_cap.begin(), by_cap.end(), caps[i], [](const auto& a, std::int32_t cap) {
+        return a.first < cap;
+      })->second.push_back(i);
   return by_cap;
 }
 
@@ -139,9 +140,9 @@ std::vector<std::pair<std::int32_t, std::vector<std::uint32_t>>> TrianglesByCap(
 bool Clip(Excess& excess, const Plane& plane, int sign) {
   const double from = sign * plane.Above(excess.from), to = sign * plane.Above(excess.to);
   if (from <= 0 && to <= 0) return false;
-  const Vector3d at = from * to < 0 ? Vector3d(excess.from + from / (from - to) *
-                                                                 (excess.to - excess.from))
-                                    : excess.from;
+  const Vector3d at = from * to < 0
+                          ? Vector3d(excess.from + from / (from - to) * (excess.to - excess.from))
+                          : excess.from;
   if (from < 0) excess.from = at;
   if (to < 0) excess.to = at;
   return true;
@@ -175,8 +176,7 @@ class Cutter {
     }
     for (const auto& [cap, triangles] : TrianglesByCap(side.caps)) {
       std::vector<Arc> inner, on_plane;
-      for (const std::uint32_t i : triangles)
-        AppendArcs(side.mesh.triangles[i], on_plane, &inner);
+      for (const std::uint32_t i : triangles) AppendArcs(side.mesh.triangles[i], on_plane, &inner);
       std::vector<Arc> boundary = Net(std::move(inner));
       for (const Arc& arc : Straightened(on_plane)) {
         section.push_back(arc);

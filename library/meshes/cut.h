@@ -32,7 +32,7 @@ struct Piece {
   Mesh mesh;
   std::vector<std::int32_t> caps;  ///< by triangle: the number of the cut that it caps, or kSurface
   std::vector<Excess> excesses;
-  double volume = 0;      ///< where the winding number is 1 or more
+  double volume = 0;                     ///< where the winding number is 1 or more
   std::vector<Eigen::Vector3d> corners;  ///< of its convex hull
   double hull_volume = 0;
   /// The volume by which its hull would be too large.

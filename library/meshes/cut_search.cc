@@ -106,8 +106,8 @@ void CutSearch::Collect(int sign) {
       points_.emplace_back(parts_.Root(number(inner)), vertices_[outer]);
     } else if (edge.is_convex) {
       const double at = above_[edge.from] / (above_[edge.from] - above_[edge.to]);
-      points_.emplace_back(parts_.Root(inner), vertices_[edge.from] +
-                                                   at * (vertices_[edge.to] - vertices_[edge.from]));
+      points_.emplace_back(parts_.Root(inner),
+                           vertices_[edge.from] + at * (vertices_[edge.to] - vertices_[edge.from]));
     }
   }
 }
@@ -215,8 +215,8 @@ void CutSearch::AddAcross() {
       high = std::max(high, direction.dot(vertex));
     }
     for (std::size_t i = 1; i <= positions; ++i)
-      Try({direction, low + (high - low) * static_cast<double>(i) /
-                                static_cast<double>(positions + 1)});
+      Try({direction,
+           low + (high - low) * static_cast<double>(i) / static_cast<double>(positions + 1)});
   }
 }
 
@@ -240,9 +240,8 @@ void CutSearch::AddAlongConcaveEdges() {
       else if (faces.size() < kMostFaces)
         faces.push_back({face, concave_[i].weight});
     }
-  std::stable_sort(faces.begin(), faces.end(), [](const FacePlane& a, const FacePlane& b) {
-    return a.weight > b.weight;
-  });
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const FacePlane& a, const FacePlane& b) { return a.weight > b.weight; });
   const std::size_t tried = std::min({faces.size(), kFacePlanes, budget_ / 5});
   for (std::size_t i = 0; i < tried; ++i) Try(faces[i].plane);
   const std::size_t paired = budget_ > 100 ? std::min(concave_.size(), kPairedEdges) : 0;
@@ -267,9 +266,8 @@ void CutSearch::Refine(Found best) {
     low = std::min(low, best.plane.Above(vertex));
     high = std::max(high, best.plane.Above(vertex));
   }
-  Vector3d first = best.plane.normal.cross(std::abs(best.plane.normal.x()) < 0.7
-                                               ? Vector3d(1, 0, 0)
-                                               : Vector3d(0, 1, 0));
+  Vector3d first = best.plane.normal.cross(
+      std::abs(best.plane.normal.x()) < 0.7 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0));
   first /= std::sqrt(first.squaredNorm());
   const Vector3d second = best.plane.normal.cross(first);
   Vector3d middle = Vector3d::Zero();
@@ -277,9 +275,12 @@ void CutSearch::Refine(Found best) {
   double shift = (high - low) / 20, tilt = 0.12;
   for (int round = 0; round < 4; ++round, shift /= 2, tilt /= 2) {
     const Plane from = best.plane;
-    for (const auto& [along, u, v] :
-         {std::tuple{1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, -1.0, 0.0},
-          {0.0, 0.0, 1.0}, {0.0, 0.0, -1.0}}) {
+    for (const auto& [along, u, v] : {std::tuple{1.0, 0.0, 0.0},
+                                      {-1.0, 0.0, 0.0},
+                                      {0.0, 1.0, 0.0},
+                                      {0.0, -1.0, 0.0},
+                                      {0.0, 0.0, 1.0},
+                                      {0.0, 0.0, -1.0}}) {
       if (evaluations_ >= budget_) break;
       Vector3d normal = from.normal + tilt * (u * first + v * second);
       normal /= std::sqrt(normal.squaredNorm());

@@ -32,10 +32,13 @@ constexpr int kAlgorithm = 2;
 /// have coordinates of single precision or six digits.
 constexpr double kFlat = 1e-5;
 
+/// Takes about a minute.
+constexpr std::size_t kMostTriangles = 3'000'000;
+
 double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
 
-/// The hull of the corners, with fewer of them as long as little volume is lost. Round hulls may have
-/// more if there are few hulls.
+/// The hull of the corners, with fewer of them as long as little volume is lost. Round hulls may
+/// have more if there are few hulls.
 std::optional<Hull> Limited(const std::vector<Vector3d>& corners, std::size_t hulls,
                             const DecomposeOptions& options) {
   constexpr double kEnough = 0.985;
@@ -124,14 +127,17 @@ class Decomposer {
     while (pieces_.size() < most && Defect() > admissible) {
       std::size_t worst = pieces_.size();
       for (std::size_t i = 0; i < pieces_.size(); ++i)
-        if (!is_done[i] && (worst == pieces_.size() || pieces_[i].Defect() > pieces_[worst].Defect()))
+        if (!is_done[i] &&
+            (worst == pieces_.size() || pieces_[i].Defect() > pieces_[worst].Defect()))
           worst = i;
       if (worst == pieces_.size()) return;
       const std::size_t left = most - pieces_.size();
       const double price = kPrice * Defect() / static_cast<double>(options_.hulls);
       const auto cut = search_.Find(pieces_[worst], left);
       std::vector<Piece> parts;
-      if (cut) parts = Cut(pieces_[worst], cut->plane, cuts_++, flat_, options_.least_volume * volume_, left);
+      if (cut)
+        parts =
+            Cut(pieces_[worst], cut->plane, cuts_++, flat_, options_.least_volume * volume_, left);
       if (parts.size() < 2) {
         is_done[worst] = true;
         continue;
@@ -244,6 +250,11 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
   const std::optional<Hull> limited = Limited(whole.vertices, 1, options);
   Decomposition one = Assessed({limited ? *limited : whole}, mesh);
   if (is_convex) return one;
+  if (mesh.triangles.size() > kMostTriangles)
+    throw library::SceneError(fmt::format(
+        "{}: has {} triangles, and decomposing more than {} takes longer than a minute; "
+        "simplify it, or use its convex hull",
+        name, mesh.triangles.size(), kMostTriangles));
   std::vector<Hull> hulls = Decomposer(mesh, options).Hulls();
   if (hulls.empty()) return one;
   Decomposition several = Assessed(std::move(hulls), mesh);

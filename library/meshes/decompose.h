@@ -2,9 +2,9 @@
 //
 // The solid is cut by planes, always the piece whose convex hull is too large by most; then pieces
 // are joined whose common hull adds little. A hull is that of the surface within its piece, so that
-// the hulls cover the mesh, and overlap little. Lengths in the unit of the mesh. The same mesh gives
-// the same bytes on any machine. Errors: SceneError that begins with `name`. Threads: any. Takes
-// seconds, and tens of MiB. Sources: Mamou, "Volumetric hierarchical approximate convex
+// the hulls cover the mesh, and overlap little. Lengths in the unit of the mesh. The same mesh
+// gives the same bytes on any machine. Errors: SceneError that begins with `name`. Threads: any.
+// Takes seconds, and tens of MiB. Sources: Mamou, "Volumetric hierarchical approximate convex
 // decomposition", Game Engine Gems 3, 2016; Wei et al., "Approximate convex decomposition for 3D
 // meshes with collision-aware concavity and tree search", ACM TOG 41(4), 2022.
 #pragma once

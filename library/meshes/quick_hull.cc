@@ -25,7 +25,8 @@ std::uint32_t QuickHull::AddFace(std::uint32_t a, std::uint32_t b, std::uint32_t
   // A face without area sees nothing.
   normal = length > tolerance_ * tolerance_ * 1e-4 ? Vector3d(normal / length) : Vector3d::Zero();
   const double offset = normal.dot(pa);
-  faces_.push_back({{a, b, c}, {kNone, kNone, kNone}, normal, offset, kNone, kNone, 0, kNone, true});
+  faces_.push_back(
+      {{a, b, c}, {kNone, kNone, kNone}, normal, offset, kNone, kNone, 0, kNone, true});
   return static_cast<std::uint32_t>(faces_.size() - 1);
 }
 
@@ -121,7 +122,8 @@ double QuickHull::AddedVolume(std::uint32_t face, std::uint32_t eye) {
   double volume = 0;
   for (const std::uint32_t seen : visible_) {
     const auto& [a, b, c] = faces_[seen].corner;
-    volume += (points_[b] - points_[a]).cross(points_[c] - points_[a]).dot(points_[eye] - points_[a]);
+    volume +=
+        (points_[b] - points_[a]).cross(points_[c] - points_[a]).dot(points_[eye] - points_[a]);
     faces_[seen].seen_from = kNone;
   }
   return volume;

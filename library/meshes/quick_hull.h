@@ -32,7 +32,7 @@ class QuickHull {
     std::array<std::uint32_t, 3> next;  ///< the face across the edge from corner i to i + 1
     Eigen::Vector3d normal;
     double offset;
-    std::uint32_t outside;   ///< the first point of a list: outside this face, in none of the others
+    std::uint32_t outside;  ///< the first point of a list: outside this face, in none of the others
     std::uint32_t farthest;  ///< of that list
     double distance;         ///< of the farthest point; 0 without points
     std::uint32_t seen_from;

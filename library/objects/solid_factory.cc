@@ -97,9 +97,8 @@ std::pair<meshes::DecomposeOptions, std::string> OptionsOf(const schema::Call& c
 
 ConvexDecomposition FormOfFile(const schema::Call& call) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
-  const auto [options, words] = call.name == "mesh"
-                                    ? OptionsOf(call)
-                                    : std::pair<meshes::DecomposeOptions, std::string>();
+  const auto [options, words] =
+      call.name == "mesh" ? OptionsOf(call) : std::pair<meshes::DecomposeOptions, std::string>();
   const std::string name = fmt::format("{}(\"{}\"{})", call.name, file, words);
   const auto* planned = std::get_if<schema::Text>(&ArgumentOf(call, "sha256"));
   const std::string bytes = meshes::ReadMeshFile(file);
@@ -111,8 +110,7 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   if (call.name == "surface") return MakeSurface(name, meshes::ParseMesh(bytes, file));
   return DecomposeOnce(name, SourceOf(file, sha256, call.name + words), [&, &options = options] {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
-    if (call.name == "mesh")
-      return FormOfMesh(name, meshes::Watertight(mesh, file), options);
+    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file), options);
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
     return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});

@@ -25,7 +25,8 @@ void ExpectWellFormed(const meshes::Decomposition& pieces, const meshes::Mesh& m
               meshes::DecomposeOptions().least_volume * meshes::SignedVolume(mesh));
 }
 
-/// A polygon, counter-clockwise and star-shaped about its first corner, between z = 0 and z = height.
+/// A polygon, counter-clockwise and star-shaped about its first corner, between z = 0 and z =
+/// height.
 meshes::Mesh PrismMesh(const std::vector<std::array<double, 2>>& corners, double height) {
   meshes::Mesh mesh;
   const auto count = static_cast<std::uint32_t>(corners.size());
@@ -87,8 +88,7 @@ TEST(Decompose, SimpleSolidsAreExact) {
     star.push_back({r * std::cos(angle), r * std::sin(angle)});
   }
   meshes::Mesh comb = BoxMesh({0, 0, 0}, {10, 1, 1});
-  for (int i = 0; i < 10; ++i)
-    comb = Joined(comb, BoxMesh({i + 0.2, 0.5, 0.1}, {i + 0.8, 5, 0.9}));
+  for (int i = 0; i < 10; ++i) comb = Joined(comb, BoxMesh({i + 0.2, 0.5, 0.1}, {i + 0.8, 5, 0.9}));
   const meshes::Mesh ball = SphereMesh(1, 3);
   const double star_volume = 10 * 0.4 * std::sin(std::numbers::pi / 5) / 2;
   const Case cases[] = {
@@ -100,9 +100,9 @@ TEST(Decompose, SimpleSolidsAreExact) {
        Joined(BoxMesh({-2, -0.5, -0.5}, {2, 0.5, 0.5}), BoxMesh({-0.5, -2, -0.5}, {0.5, 2, 0.5})),
        7, 3},
       {"comb", comb, 10 + 10 * 0.6 * 4 * 0.8, 11},
-      {"ball in a shell", Joined(Joined(BoxMesh({0, 0, 0}, {4, 4, 4}),
-                                        InsideOut(BoxMesh({1, 1, 1}, {3, 3, 3}))),
-                                 BoxMesh({1.5, 1.5, 1.5}, {2.5, 2.5, 2.5})),
+      {"ball in a shell",
+       Joined(Joined(BoxMesh({0, 0, 0}, {4, 4, 4}), InsideOut(BoxMesh({1, 1, 1}, {3, 3, 3}))),
+              BoxMesh({1.5, 1.5, 1.5}, {2.5, 2.5, 2.5})),
        57, 7}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
@@ -149,8 +149,8 @@ TEST(Decompose, DoesNotDependOnSizeBeyondRounding) {
   // Powers of two, so that there is no rounding error.
   const meshes::Mesh angle = AngleMesh();
   const meshes::Decomposition pieces = meshes::Decompose(angle, "m");
-  const meshes::Decomposition large = meshes::Decompose(
-      Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m");
+  const meshes::Decomposition large =
+      meshes::Decompose(Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m");
   ASSERT_EQ(large.hulls.size(), pieces.hulls.size());
   EXPECT_NEAR(large.iou, pieces.iou, 1e-9);
 }
