@@ -76,7 +76,7 @@ TEST(Decompose, AConvexMeshIsOneHull) {
 }
 
 TEST(Decompose, SimpleSolidsAreExact) {
-  struct Case {
+  struct KnownSolid {
     std::string name;
     meshes::Mesh mesh;
     double volume;
@@ -91,7 +91,7 @@ TEST(Decompose, SimpleSolidsAreExact) {
   for (int i = 0; i < 10; ++i) comb = Joined(comb, BoxMesh({i + 0.2, 0.5, 0.1}, {i + 0.8, 5, 0.9}));
   const meshes::Mesh ball = SphereMesh(1, 3);
   const double star_volume = 10 * 0.4 * std::sin(std::numbers::pi / 5) / 2;
-  const Case cases[] = {
+  const KnownSolid solids[] = {
       {"angle", AngleMesh(), 3, 2},
       {"tray", TrayMesh(0.03), 0.2 - 0.94 * 0.94 * 0.17, 5},
       {"thin tray", TrayMesh(0.005), 0.2 - 0.99 * 0.99 * 0.195, 5},
@@ -104,7 +104,7 @@ TEST(Decompose, SimpleSolidsAreExact) {
        Joined(Joined(BoxMesh({0, 0, 0}, {4, 4, 4}), InsideOut(BoxMesh({1, 1, 1}, {3, 3, 3}))),
               BoxMesh({1.5, 1.5, 1.5}, {2.5, 2.5, 2.5})),
        57, 7}};
-  for (const Case& c : cases) {
+  for (const KnownSolid& c : solids) {
     SCOPED_TRACE(c.name);
     const meshes::Mesh mesh = meshes::Watertight(c.mesh, c.name);
     const meshes::Decomposition pieces = meshes::Decompose(mesh, c.name);
