@@ -162,13 +162,22 @@ class ValueReader : public Nodes {
       if (call.arguments.empty()) Fail(node.Mark(), fmt::format("`{}` needs a point", info.name));
       return call;
     }
-    if (!arguments.IsMap() || arguments.size() != info.arguments.size())
+    schema::Call call{std::string(info.name), {}};
+    std::size_t given = 0;
+    if (arguments.IsMap())
+      for (const schema::Parameter& argument : info.arguments) {
+        // Plans of earlier versions lack arguments that were added since.
+        const YAML::Node value = arguments[std::string(argument.name)];
+        given += value ? 1 : 0;
+        if (value)
+          call.arguments.push_back(ReadValue(value, argument));
+        else if (!argument.first_default.empty())
+          call.arguments.push_back(schema::DefaultOf(argument));
+      }
+    if (!arguments.IsMap() || given != arguments.size() ||
+        call.arguments.size() != info.arguments.size())
       Fail(node.Mark(), fmt::format("expected a map with the {} arguments of `{}`",
                                     info.arguments.size(), info.name));
-    schema::Call call{std::string(info.name), {}};
-    for (const schema::Parameter& argument : info.arguments)
-      call.arguments.push_back(
-          ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
     return call;
   }
 
