@@ -54,7 +54,6 @@ EXTERNAL = [
     (r"^embree", ("library/detectors/third_party/embree/",)),
     (r"^boost/", ("library/detectors/third_party/boost/",)),
     (r"^ccd/", ("library/detectors/third_party/ccd/",)),
-    (r"^(hacd|meshoptimizer)", ("library/meshes/decompose.cc",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
     (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/")),

@@ -16,6 +16,7 @@ constexpr Domain kNotNegative = ParameterTable::kNotNegative;
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
+constexpr Domain kHulls = {.min = 1, .max = 1024};
 
 struct ArgumentOptions {
   std::string_view first_default = {};
@@ -92,9 +93,12 @@ constexpr Parameter kOnTop[] = {
 constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file");
 constexpr Parameter kModelHash = Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"});
 constexpr Parameter kModelUnit = Argument("unit", kWord, kAny, "", "of the coordinates in the file, for `size native`", {.first_default = "m", .words = "m cm mm in", .omitted_at_default = true});
-constexpr Parameter kModel[] = {
-    kModelFile, kModelHash, kModelUnit,
-    Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the centre of mass, the origin of the file or the middle of the box", {.first_default = "mass", .words = "mass file box", .omitted_at_default = true})};
+constexpr Parameter kModelOrigin = Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the centre of mass, the origin of the file or the middle of the box", {.first_default = "mass", .words = "mass file box", .omitted_at_default = true});
+constexpr Parameter kMesh[] = {
+    kModelFile, kModelHash, kModelUnit, kModelOrigin,
+    Argument("hulls", kCount, kHulls, "", "the largest number of convex hulls; fit is 40, or fewer if the error allows", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
+    Argument("error", kReal, kPositive, "", "admissible volume of the hulls outside the mesh, relative to that of the mesh; fit is 0.04", {.first_default = "fit", .words = "fit", .omitted_at_default = true})};
+constexpr Parameter kModel[] = {kModelFile, kModelHash, kModelUnit, kModelOrigin};
 constexpr Parameter kSurface[] = {
     kModelFile, kModelHash, kModelUnit,
     Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the middle of the box or the origin of the file", {.first_default = "box", .words = "box file", .omitted_at_default = true})};
@@ -133,7 +137,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"above", "the box over the bounding box of a group, from its top up", kAbove},
     {"beside", "the box at one side of the bounding box of a group, as large along the other axes", kBeside},
     {"on_top", "above a group, with the objects standing on the top of its bounding box", kOnTop},
-    {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kModel},
+    {"mesh", "your own solid, as a compound of convex hulls; the mesh must be watertight", kMesh},
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},

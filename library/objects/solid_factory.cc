@@ -48,9 +48,10 @@ ConvexDecomposition TorusForm() {
   });
 }
 
-ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh) {
+ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh,
+                               const meshes::DecomposeOptions& options = {}) {
   return MakeDecomposition(name, mesh, meshes::MassPropertiesOf(mesh),
-                           meshes::Decompose(mesh, name));
+                           meshes::Decompose(mesh, name, options));
 }
 
 /// `made`: the method of making the form. The extension of the file determines its format.
@@ -100,9 +101,26 @@ ConvexDecomposition WithFrame(ConvexDecomposition form, const schema::Call& call
   return form;
 }
 
+/// The options of a mesh, and these as text, empty by default. Other values are the word `fit`.
+std::pair<meshes::DecomposeOptions, std::string> OptionsOf(const schema::Call& call) {
+  meshes::DecomposeOptions options;
+  std::string text;
+  if (const schema::Number* hulls = schema::AsNumber(ArgumentOf(call, "hulls"))) {
+    options.hulls = static_cast<std::size_t>(hulls->AsReal());
+    text += fmt::format(", hulls: {}", options.hulls);
+  }
+  if (const schema::Number* error = schema::AsNumber(ArgumentOf(call, "error"))) {
+    options.error = error->AsReal();
+    text += fmt::format(", error: {}", options.error);
+  }
+  return {options, text};
+}
+
 ConvexDecomposition FormOfFile(const schema::Call& call) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
-  const std::string name = fmt::format("{}(\"{}\")", call.name, file);
+  const auto [options, words] =
+      call.name == "mesh" ? OptionsOf(call) : std::pair<meshes::DecomposeOptions, std::string>();
+  const std::string name = fmt::format("{}(\"{}\"{})", call.name, file, words);
   const auto* planned = std::get_if<schema::Text>(&ArgumentOf(call, "sha256"));
   const std::string bytes = meshes::ReadMeshFile(file);
   const std::string sha256 = plan::Sha256Hex(bytes);
@@ -112,14 +130,14 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
   if (call.name == "surface")
     return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
-  const auto make = [&] {
+  const auto make = [&, &options = options] {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
-    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file));
+    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file), options);
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
     return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
   };
-  return WithFrame(DecomposeOnce(name, SourceOf(file, sha256, call.name), make), call);
+  return WithFrame(DecomposeOnce(name, SourceOf(file, sha256, call.name + words), make), call);
 }
 
 /// Null for a type with a closed form.

@@ -192,7 +192,9 @@ TEST(Model, IsNamedFromTheFileThatSaysItAndByItsBytes) {
       std::get<schema::Distribution>(plan.runs.at(0).scene.groups[0].settings.Get("type"));
   const schema::Value hash = schema::Text{plan::Sha256Hex(kRock)};
   EXPECT_EQ(type.arguments[0],
-            schema::Value(schema::Call{"mesh", {schema::Text{"parts/rock.obj"}, hash}}));
+            schema::Value(schema::Call{
+                "mesh",
+                {schema::Text{"parts/rock.obj"}, hash, schema::Word{"fit"}, schema::Word{"fit"}}}));
   EXPECT_EQ(type.arguments[2],
             schema::Value(schema::Call{
                 "hull", {schema::Text{"rock.OBJ"}, schema::Text{plan::Sha256Hex("v 1 1 1")}}}));

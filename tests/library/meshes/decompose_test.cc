@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/primitives.h"
@@ -17,20 +19,47 @@ namespace {
 using namespace testing;
 using Eigen::Vector3d;
 
-/// Options for a small decomposition, so that HACD takes little time.
-meshes::DecomposeOptions Coarse() {
-  meshes::DecomposeOptions options;
-  options.faces = 400;
-  return options;
+void ExpectWellFormed(const meshes::Decomposition& pieces, const meshes::Mesh& mesh) {
+  for (const meshes::Hull& hull : pieces.hulls)
+    EXPECT_GE(meshes::SignedVolume(meshes::Watertight(meshes::SurfaceOf(hull), "hull")),
+              meshes::DecomposeOptions().least_volume * meshes::SignedVolume(mesh));
 }
 
-void ExpectWellFormed(const meshes::Decomposition& pieces, const meshes::Mesh& mesh,
-                      const meshes::DecomposeOptions& options) {
-  for (const meshes::Hull& hull : pieces.hulls) {
-    EXPECT_LE(hull.vertices.size(), options.vertices_per_hull);
-    EXPECT_GE(meshes::SignedVolume(meshes::Watertight(meshes::SurfaceOf(hull), "hull")),
-              options.least_volume * meshes::SignedVolume(mesh));
+/// A polygon, counter-clockwise and star-shaped about its first corner, between z = 0 and z =
+/// height.
+meshes::Mesh PrismMesh(const std::vector<std::array<double, 2>>& corners, double height) {
+  meshes::Mesh mesh;
+  const auto count = static_cast<std::uint32_t>(corners.size());
+  for (const double z : {0.0, height})
+    for (const auto& [x, y] : corners) mesh.vertices.emplace_back(x, y, z);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t k = (i + 1) % count;
+    if (i > 0 && k > 0) {
+      mesh.triangles.push_back({count, count + i, count + k});
+      mesh.triangles.push_back({0, k, i});
+    }
+    mesh.triangles.push_back({i, k, k + count});
+    mesh.triangles.push_back({i, k + count, i + count});
   }
+  return mesh;
+}
+
+/// 1 x 1 x 0.2, open above, with walls and a floor of this thickness.
+meshes::Mesh TrayMesh(double wall) {
+  meshes::Mesh mesh;
+  const double far = 1 - wall, top = 0.2;
+  mesh.vertices = {{0, 0, 0},          {1, 0, 0},         {1, 1, 0},        {0, 1, 0},
+                   {0, 0, top},        {1, 0, top},       {1, 1, top},      {0, 1, top},
+                   {wall, wall, top},  {far, wall, top},  {far, far, top},  {wall, far, top},
+                   {wall, wall, wall}, {far, wall, wall}, {far, far, wall}, {wall, far, wall}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {12, 13, 14}, {12, 14, 15}};
+  for (std::uint32_t i = 0; i < 4; ++i)
+    for (const std::uint32_t low : {0u, 4u, 8u}) {
+      const std::uint32_t k = low + (i + 1) % 4;
+      mesh.triangles.push_back({low + i, k, k + 4});
+      mesh.triangles.push_back({low + i, k + 4, low + i + 4});
+    }
+  return mesh;
 }
 
 TEST(Decompose, AConvexMeshIsOneHull) {
@@ -40,47 +69,98 @@ TEST(Decompose, AConvexMeshIsOneHull) {
   EXPECT_EQ(one.hulls[0].vertices, box.vertices);
   EXPECT_NEAR(one.iou, 1, 1e-12);
   EXPECT_NEAR(one.volume_error, 0, 1e-12);
-  const meshes::Mesh ball = SphereMesh(1, 3);
-  const meshes::Decomposition round = meshes::Decompose(ball, "m");
+  const meshes::Decomposition round = meshes::Decompose(SphereMesh(1, 4), "m");
   ASSERT_EQ(round.hulls.size(), 1u);
-  EXPECT_EQ(round.hulls[0].vertices.size(), 64u);
-  EXPECT_GT(round.iou, 0.9);
+  EXPECT_LE(round.hulls[0].vertices.size(), 256u);
+  EXPECT_GT(round.iou, 0.97);
 }
 
-TEST(Decompose, AnAngleIsACoupleOfBoxes) {
-  const meshes::Mesh angle = AngleMesh();
-  const meshes::Decomposition pieces = meshes::Decompose(angle, "m", Coarse());
-  ExpectWellFormed(pieces, angle, Coarse());
-  EXPECT_GE(pieces.hulls.size(), 2u);
-  EXPECT_LE(pieces.hulls.size(), 12u);
-  EXPECT_GT(pieces.iou, 0.9);
-  EXPECT_LT(pieces.volume_error, 0.1);
+TEST(Decompose, SimpleSolidsAreExact) {
+  struct KnownSolid {
+    std::string name;
+    meshes::Mesh mesh;
+    double volume;
+    std::size_t hulls;
+  };
+  std::vector<std::array<double, 2>> star;
+  for (int i = 0; i < 10; ++i) {
+    const double r = i % 2 == 0 ? 0.4 : 1, angle = std::numbers::pi * i / 5;
+    star.push_back({r * std::cos(angle), r * std::sin(angle)});
+  }
+  meshes::Mesh comb = BoxMesh({0, 0, 0}, {10, 1, 1});
+  for (int i = 0; i < 10; ++i) comb = Joined(comb, BoxMesh({i + 0.2, 0.5, 0.1}, {i + 0.8, 5, 0.9}));
+  const meshes::Mesh ball = SphereMesh(1, 3);
+  const double star_volume = 10 * 0.4 * std::sin(std::numbers::pi / 5) / 2;
+  const KnownSolid solids[] = {
+      {"angle", AngleMesh(), 3, 2},
+      {"tray", TrayMesh(0.03), 0.2 - 0.94 * 0.94 * 0.17, 5},
+      {"thin tray", TrayMesh(0.005), 0.2 - 0.99 * 0.99 * 0.195, 5},
+      {"star", PrismMesh(star, 1), star_volume, 6},
+      {"crossed boxes",
+       Joined(BoxMesh({-2, -0.5, -0.5}, {2, 0.5, 0.5}), BoxMesh({-0.5, -2, -0.5}, {0.5, 2, 0.5})),
+       7, 3},
+      {"comb", comb, 10 + 10 * 0.6 * 4 * 0.8, 11},
+      {"ball in a shell",
+       Joined(Joined(BoxMesh({0, 0, 0}, {4, 4, 4}), InsideOut(BoxMesh({1, 1, 1}, {3, 3, 3}))),
+              BoxMesh({1.5, 1.5, 1.5}, {2.5, 2.5, 2.5})),
+       57, 7}};
+  for (const KnownSolid& c : solids) {
+    SCOPED_TRACE(c.name);
+    const meshes::Mesh mesh = meshes::Watertight(c.mesh, c.name);
+    const meshes::Decomposition pieces = meshes::Decompose(mesh, c.name);
+    ExpectWellFormed(pieces, mesh);
+    EXPECT_LE(pieces.hulls.size(), c.hulls);
+    double volume = 0;
+    for (const meshes::Hull& hull : pieces.hulls)
+      volume += meshes::SignedVolume(meshes::SurfaceOf(hull));
+    EXPECT_NEAR(volume / c.volume, 1, 0.02);
+    EXPECT_GT(pieces.iou, 0.98);
+    EXPECT_LT(pieces.hull_overlap, 0.01);
+  }
 }
 
-TEST(Decompose, IsTheSameToTheByteEachTime) {
+TEST(Decompose, RoundSolidsAreWithinTheError) {
   const meshes::Mesh ring = meshes::TorusMesh(2, 0.6, 40, 20);
-  const meshes::Decomposition first = meshes::Decompose(ring, "m", Coarse());
-  ExpectWellFormed(first, ring, Coarse());
-  EXPECT_GT(first.hulls.size(), 3u);
-  EXPECT_GT(first.iou, 0.6);
-  EXPECT_EQ(meshes::Decompose(ring, "m", Coarse()), first);
+  const meshes::Decomposition first = meshes::Decompose(ring, "m");
+  ExpectWellFormed(first, ring);
+  EXPECT_LE(first.hulls.size(), 20u);
+  EXPECT_GT(first.iou, 0.94);
+  EXPECT_LT(first.volume_error, 0.04);
+  EXPECT_LT(first.hull_overlap, 0.01);
+  // The same bytes each time.
+  EXPECT_EQ(meshes::Decompose(ring, "m"), first);
+  const meshes::Mesh hollow = Joined(SphereMesh(1, 3), InsideOut(SphereMesh(0.7, 3)));
+  const meshes::Decomposition shell = meshes::Decompose(hollow, "m");
+  EXPECT_LE(shell.hulls.size(), meshes::DecomposeOptions().hulls);
+  EXPECT_GT(shell.iou, 0.85);
 }
 
-TEST(Decompose, DoesNotDependOnSizeOrPlaceBeyondRounding) {
+TEST(Decompose, OptionsBoundHullsAndError) {
+  const meshes::Mesh ring = meshes::TorusMesh(2, 0.6, 40, 20);
+  const meshes::Decomposition few = meshes::Decompose(ring, "m", {.hulls = 4});
+  EXPECT_LE(few.hulls.size(), 4u);
+  const meshes::Decomposition fine = meshes::Decompose(ring, "m", {.error = 0.01});
+  EXPECT_GT(fine.iou, few.iou);
+  // No more than one hull is needed for an error of all of its volume.
+  EXPECT_EQ(meshes::Decompose(ring, "m", {.error = 2}).hulls.size(), 1u);
+}
+
+TEST(Decompose, DoesNotDependOnSizeBeyondRounding) {
   // Powers of two, so that there is no rounding error.
   const meshes::Mesh angle = AngleMesh();
-  const meshes::Decomposition pieces = meshes::Decompose(angle, "m", Coarse());
-  const meshes::Decomposition large = meshes::Decompose(
-      Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m", Coarse());
+  const meshes::Decomposition pieces = meshes::Decompose(angle, "m");
+  const meshes::Decomposition large =
+      meshes::Decompose(Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m");
   ASSERT_EQ(large.hulls.size(), pieces.hulls.size());
   EXPECT_NEAR(large.iou, pieces.iou, 1e-9);
 }
 
 TEST(Decompose, PartsMayBeApart) {
   const meshes::Mesh two = Joined(BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({5, 0, 0}, {6, 1, 1}));
-  const meshes::Decomposition pieces = meshes::Decompose(two, "m", Coarse());
-  ExpectWellFormed(pieces, two, Coarse());
-  EXPECT_GT(pieces.iou, 0.9);
+  const meshes::Decomposition pieces = meshes::Decompose(two, "m");
+  ExpectWellFormed(pieces, two);
+  EXPECT_EQ(pieces.hulls.size(), 2u);
+  EXPECT_GT(pieces.iou, 0.999);
 }
 
 TEST(Decompose, TheAssessmentCountsBothWays) {

@@ -59,8 +59,6 @@ meshes::Mesh AngleMesh() {
   meshes::Mesh mesh;
   for (const double z : {0.0, 1.0})
     for (const auto& [x, y] : corners) mesh.vertices.emplace_back(x, y, z);
-  // A fan about the outer corner: HACD decomposes it well at once; a fan about the inner corner at
-  // the third try.
   for (std::uint32_t i = 1; i < 5; ++i) {
     mesh.triangles.push_back({6, i + 6, i + 7});
     mesh.triangles.push_back({0, i + 1, i});

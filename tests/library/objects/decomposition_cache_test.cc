@@ -19,11 +19,9 @@ namespace fs = std::filesystem;
 class DecompositionCacheTest : public ::testing::Test {
  protected:
   DecompositionCacheTest() {
-    meshes::DecomposeOptions options;
-    options.faces = 100;
     const meshes::Mesh mesh = AngleMesh();
     form_ = objects::MakeDecomposition("m", mesh, meshes::MassPropertiesOf(mesh),
-                                       meshes::Decompose(mesh, "m", options));
+                                       meshes::Decompose(mesh, "m"));
     form_.centre.x() = -0.0;
   }
 

@@ -76,7 +76,9 @@ class MeshFile : public ::testing::Test {
   static void TearDownTestSuite() { cache_.reset(); }
   static std::string file() { return (cache_->folder() / "angle.off").string(); }
   static schema::Value Call(const char* name, schema::Value sha256 = Word("any")) {
-    return schema::Call{name, {schema::Text{file()}, std::move(sha256)}};
+    schema::Call call{name, {schema::Text{file()}, std::move(sha256)}};
+    if (call.name == "mesh") call.arguments.insert(call.arguments.end(), 2, Word("fit"));
+    return call;
   }
 
   static inline std::unique_ptr<TemporaryCache> cache_;
@@ -121,8 +123,8 @@ TEST_F(MeshFile, SaysIfItsPartsOverlap) {
   const std::string shells = (cache_->folder() / "shells.off").string();
   WriteFile(shells, ToOff(Joined(BoxMesh({0, 0, 0}, {2, 1, 1}), BoxMesh({1, 0, 0}, {3, 1, 1}))));
   objects::SolidFactory maker;
-  maker.Make(schema::Call{"mesh", {schema::Text{shells}, Word("any")}}, Vector3d::Ones(),
-             Vector3d::Ones());
+  maker.Make(schema::Call{"mesh", {schema::Text{shells}, Word("any"), Word("fit"), Word("fit")}},
+             Vector3d::Ones(), Vector3d::Ones());
   EXPECT_NE(objects::ModelsText(maker.Forms())
                 .find("parts overlap: mass and inertia count 33.3 % of the volume twice"),
             std::string::npos);
