@@ -54,6 +54,23 @@ std::optional<Hull> Limited(const std::vector<Vector3d>& corners, std::size_t hu
   return TryConvexHull(fewer);
 }
 
+/// By triangle, the number of its connected part, from 0; triangles are connected by vertices.
+std::vector<std::uint32_t> PartsOf(const Mesh& mesh) {
+  UnionFind connected(mesh.vertices.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    connected.Join(triangle[0], triangle[1]);
+    connected.Join(triangle[0], triangle[2]);
+  }
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoVertex), parts;
+  std::uint32_t count = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    std::uint32_t& part = number[connected.Root(triangle[0])];
+    if (part == kNoVertex) part = count++;
+    parts.push_back(part);
+  }
+  return parts;
+}
+
 class Decomposer {
  public:
   Decomposer(const Mesh& mesh, const DecomposeOptions& options)

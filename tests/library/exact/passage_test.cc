@@ -208,8 +208,12 @@ TEST(Passage, OfToriIsSeen) {
     const bool passed = Passes(meeting);
     passes += deepest > 0.4;
     others += deepest < 0.2;
-    if (deepest > 0.4) EXPECT_TRUE(passed) << i << ", deepest " << deepest;
-    if (deepest < 0.2) EXPECT_FALSE(passed) << i << ", deepest " << deepest;
+    if (deepest > 0.4) {
+      EXPECT_TRUE(passed) << i << ", deepest " << deepest;
+    }
+    if (deepest < 0.2) {
+      EXPECT_FALSE(passed) << i << ", deepest " << deepest;
+    }
     // There and back again.
     exact::Passage passage;
     a.way *= 0.5;
