@@ -169,8 +169,7 @@ analysis::SceneFault FaultOf(const library::SceneError& error, analysis::SceneFa
 
 }  // namespace
 
-std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene,
-                                                   std::uint64_t& draws) {
+std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene, std::uint64_t& draws) {
   using enum analysis::SceneFault::Kind;
   const std::string_view form = scene.world.WordOr("accuracy.closed_form");
   if (form == "none" || analysis::ErrorsOf(scene).empty()) {

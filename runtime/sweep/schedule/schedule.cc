@@ -329,7 +329,8 @@ class Execution {
   const ExecuteOptions& options_;
   process::Launcher& launcher_;
   ProgressListener& listener_;
-  std::optional<journal::RunWriter> writer_;  ///< lists every cycle of a plan: not before it is known to fit
+  std::optional<journal::RunWriter>
+      writer_;  ///< lists every cycle of a plan: not before it is known to fit
   ErrorEvaluator error_evaluator_{plan_, [this](const auto& id) { return folder_->Read(id); }};
   SharedOmissions omissions_;
   bool is_repeating_ = false;  // executes runs again that have already succeeded
