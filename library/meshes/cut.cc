@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "library/meshes/mass_properties.h"
-#include "library/meshes/union_find.h"
 
 namespace cdb::meshes {
 namespace {

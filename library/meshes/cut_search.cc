@@ -1,4 +1,4 @@
-#include "library/meshes/cut_search.h"
+#include "library/meshes/cut.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

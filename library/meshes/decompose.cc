@@ -13,12 +13,10 @@
 
 #include "dsl/text/check.h"
 #include "library/meshes/cut.h"
-#include "library/meshes/cut_search.h"
 #include "library/meshes/mass_properties.h"
 #include "library/meshes/overlap_volume.h"
 #include "library/meshes/quick_hull.h"
 #include "library/meshes/topology.h"
-#include "library/meshes/union_find.h"
 #include "library/scene_error.h"
 
 namespace cdb::meshes {

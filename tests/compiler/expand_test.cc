@@ -6,6 +6,7 @@
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
+#include "tests/support/scene.h"
 
 namespace cdb::tests {
 namespace {
@@ -192,12 +193,10 @@ TEST(Model, IsNamedFromTheFileThatSaysItAndByItsBytes) {
       std::get<schema::Distribution>(plan.runs.at(0).scene.groups[0].settings.Get("type"));
   const schema::Value hash = schema::Text{plan::Sha256Hex(kRock)};
   EXPECT_EQ(type.arguments[0],
-            schema::Value(schema::Call{
-                "mesh",
-                {schema::Text{"parts/rock.obj"}, hash, schema::Word{"fit"}, schema::Word{"fit"}}}));
+            Layout("mesh", {{"file", schema::Text{"parts/rock.obj"}}, {"sha256", hash}}));
   EXPECT_EQ(type.arguments[2],
-            schema::Value(schema::Call{
-                "hull", {schema::Text{"rock.OBJ"}, schema::Text{plan::Sha256Hex("v 1 1 1")}}}));
+            Layout("hull", {{"file", schema::Text{"rock.OBJ"}},
+                            {"sha256", schema::Text{plan::Sha256Hex("v 1 1 1")}}}));
   EXPECT_EQ(type.weights, (std::vector<double>{1, 1, 2}));
 }
 

@@ -237,9 +237,9 @@ TEST(PlanYaml, HoldsWordsAgainstTheirRow) {
     return ErrorOf(Replaced(yaml, stack, location));
   };
   const std::pair<const char*, const char*> rows[] = {
-      {"{stack: {height: 4, gap: fit}}", "changed by hand"},
+      {"{stack: {height: 4, gap: fit}}", "the 3 arguments of `stack`"},
       {"{stack: {height: 4, gap: fit, spacing: 3, x: 1}}", "the 3 arguments of `stack`"},
-      {"{stack: {height: 4, gap: fit, x: 1}}", "the 3 arguments of `stack`"},
+      {"{stack: {height: 4, gap: fit, x: 1}}", "`spacing` is missing"},
       {"{stack: [4, fit, 3]}", "the 3 arguments of `stack`"},
       {"stack", "`location` takes one of uniform"},
       {"{stack: {height: 0, gap: fit, spacing: 3}}", "`height` takes a whole number, 1 or more"},

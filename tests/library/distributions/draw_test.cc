@@ -124,7 +124,8 @@ TEST(Draw, AScheduleDrawsOnAndOn) {
 TEST(Draw, AChoiceIsAWordOrAModel) {
   plan::Scene scene = DefaultScene(1, 500);
   EXPECT_EQ(GroupDraw(scene, "type").Choice(), Word("sphere"));
-  const Value rock = schema::Call{"hull", {schema::Text{"rock.obj"}, schema::Text{"00"}}};
+  const Value rock =
+      Layout("mesh", {{"file", schema::Text{"rock.obj"}}, {"sha256", schema::Text{"00"}}});
   SetGroup(scene, "type", rock);
   EXPECT_EQ(GroupDraw(scene, "type").Choice(), rock);
   SetGroup(scene, "type", Distribution{DistributionKind::kAny, {Word("cone"), rock}, {1, 1}});

@@ -76,9 +76,7 @@ class MeshFile : public ::testing::Test {
   static void TearDownTestSuite() { cache_.reset(); }
   static std::string file() { return (cache_->folder() / "angle.off").string(); }
   static schema::Value Call(const char* name, schema::Value sha256 = Word("any")) {
-    schema::Call call{name, {schema::Text{file()}, std::move(sha256)}};
-    if (call.name == "mesh") call.arguments.insert(call.arguments.end(), 2, Word("fit"));
-    return call;
+    return Layout(name, {{"file", schema::Text{file()}}, {"sha256", std::move(sha256)}});
   }
 
   static inline std::unique_ptr<TemporaryCache> cache_;
@@ -123,8 +121,7 @@ TEST_F(MeshFile, SaysIfItsPartsOverlap) {
   const std::string shells = (cache_->folder() / "shells.off").string();
   WriteFile(shells, ToOff(Joined(BoxMesh({0, 0, 0}, {2, 1, 1}), BoxMesh({1, 0, 0}, {3, 1, 1}))));
   objects::SolidFactory maker;
-  maker.Make(schema::Call{"mesh", {schema::Text{shells}, Word("any"), Word("fit"), Word("fit")}},
-             Vector3d::Ones(), Vector3d::Ones());
+  maker.Make(Layout("mesh", {{"file", schema::Text{shells}}}), Vector3d::Ones(), Vector3d::Ones());
   EXPECT_NE(objects::ModelsText(maker.Forms())
                 .find("parts overlap: mass and inertia count 33.3 % of the volume twice"),
             std::string::npos);
@@ -143,7 +140,8 @@ TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
 /// `word("file")` with these further arguments.
 schema::Value FromFile(const char* word, const std::string& file, const char* unit,
                        const char* origin) {
-  return schema::Call{word, {schema::Text{file}, Word("any"), Word(unit), Word(origin)}};
+  return Layout(word,
+                {{"file", schema::Text{file}}, {"unit", Word(unit)}, {"origin", Word(origin)}});
 }
 
 TEST(SolidFactory, NativeSizeIsThatOfTheFile) {

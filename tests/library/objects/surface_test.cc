@@ -135,11 +135,7 @@ TEST(Surface, IsMadeOfOpenMeshesToo) {
   const TemporaryFolder folder;
   const std::string file = (folder / "square.obj").string();
   WriteFile(file, "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 4 3 2\n");
-  const auto call = [&](const char* word) {
-    schema::Call made{word, {schema::Text{file}, Word("any")}};
-    if (made.name == "mesh") made.arguments.insert(made.arguments.end(), 2, Word("fit"));
-    return schema::Value(made);
-  };
+  const auto call = [&](const char* word) { return Layout(word, {{"file", schema::Text{file}}}); };
   objects::SolidFactory solids;
   const Solid solid = solids.Make(call("surface"), Vector3d::Constant(6), Vector3d::Ones());
   EXPECT_TRUE(solid.IsSurface());

@@ -103,8 +103,12 @@ TEST(Trace, OfARunThatFailsIsNone) {
   EXPECT_EQ(refused.status, 1);
   EXPECT_NE(refused.err.find("does not fit between walls 1 m apart"), std::string::npos)
       << refused.err;
-  // An error that appears only at run time.
-  program.Write("full.cdb", "benchmark full { cycles 5; acceleration (0, -1e39, 0) }\n");
+  // An error that appears only at run time: `check` decomposes no mesh.
+  program.Write("tall.obj",
+                "v 0 0 0\nv 1 0 0\nv 0 9 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  program.Write("full.cdb",
+                "benchmark full { cycles 5; world.side 1; objects { quantity 1; size 2; type "
+                "mesh(\"tall.obj\") } }\n");
   const Finished failed = program.Run({"trace", "full.cdb"});
   EXPECT_EQ(failed.status, 3);
   EXPECT_NE(failed.err.find("failed: "), std::string::npos) << failed.err;

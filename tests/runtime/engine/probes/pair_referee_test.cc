@@ -291,9 +291,8 @@ std::vector<schema::Value> Types(const TemporaryFolder& folder) {
   const std::string heights = "0,0,0\n0,1,0\n0,0,0\n";
   WriteFile(folder / "hill.obj", hill);
   WriteFile(folder / "hill.csv", heights);
-  types.push_back(schema::Call{
-      "surface",
-      {schema::Text{(folder / "hill.obj").string()}, schema::Text{plan::Sha256Hex(hill)}}});
+  types.push_back(Layout("surface", {{"file", schema::Text{(folder / "hill.obj").string()}},
+                                     {"sha256", schema::Text{plan::Sha256Hex(hill)}}}));
   types.push_back(schema::Call{"heights",
                                {schema::Text{(folder / "hill.csv").string()},
                                 schema::Text{plan::Sha256Hex(heights)}, Word("unit")}});

@@ -29,8 +29,9 @@ class Surfaces : public testing::Test {
   /// 20 m.
   plan::Scene SurfaceScene(const std::string& obj, const std::vector<Vector3d>& points) {
     const std::string file = NewFile(".obj", obj);
-    return GroundScene(
-        schema::Call{"surface", {schema::Text{file}, schema::Text{plan::Sha256Hex(obj)}}}, points);
+    return GroundScene(Layout("surface", {{"file", schema::Text{file}},
+                                          {"sha256", schema::Text{plan::Sha256Hex(obj)}}}),
+                       points);
   }
   /// The same with a height field, whose cells are 1 wide in the unit of its heights.
   plan::Scene HeightScene(const std::string& csv, const std::vector<Vector3d>& points) {
