@@ -148,6 +148,7 @@ class Maker {
     const bool is_sampled = series.shape == protocol::SeriesShape::kSample;
     Describe(array, series.unit,
              fmt::format("{}{}", is_sampled ? "at each sample: " : "", series.doc));
+    if (series.name == "poses") array.attributes["frame"] = kPoseFrame;
     if (facts_.contacts && series.name == "contacts") {
       array.attributes.emplace("sample_dimension", "contact_row");
       array.attributes.emplace(

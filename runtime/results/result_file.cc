@@ -311,6 +311,11 @@ bool ResultFile::Has(std::string_view dataset) const {
   return impl_->file.Has(impl_->PathOf(dataset));
 }
 
+bool ResultFile::HasPosesOfOrigins() const {
+  return impl_->Reading(
+      [&] { return impl_->file.OpenDataset(impl_->PathOf("poses")).Text("frame") == kPoseFrame; });
+}
+
 Status ResultFile::ReadStatus(const Cell& cell) const {
   const double status = impl_->Reading([&] { return impl_->Number("status", cell); });
   if (!(status >= 0 && status < static_cast<double>(std::size(kStatusNames))))

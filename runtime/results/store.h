@@ -125,6 +125,9 @@ class ResultFile {
   /// `dataset`, here and below: a variable of the root, `accuracy/NAME`, or a fact of a run by its
   /// name in /run. The names are the same for files of every schema version.
   bool Has(std::string_view dataset) const;
+  /// Whether `poses` are of the origins of meshes and the axes of their files. In files of cdb
+  /// before that, they are of the centres of mass and the principal axes.
+  bool HasPosesOfOrigins() const;
 
   /// A cell: the index on each axis, and the repeat.
   struct Cell {

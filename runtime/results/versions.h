@@ -13,6 +13,9 @@ inline constexpr std::string_view kSchema = "cdb-results";
 inline constexpr int kSchemaVersion = 2;
 inline constexpr int kOldestSchemaVersion = 1;
 
+/// The attribute `frame` of `poses`; files without it have poses of bodies.
+inline constexpr std::string_view kPoseFrame = "origin";
+
 /// `Conventions`: the meaning of the attributes of a file, for netCDF readers. CF has groups and
 /// texts from 1.8 on.
 inline constexpr std::string_view kConventions = "CF-1.8";

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "compiler/schema/parametrised_words.h"
+#include "library/meshes/models.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/selection.h"
@@ -75,6 +76,13 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
   return cell;
 }
 
+bool MayBeCompound(const schema::Value& type) {
+  if (const auto* word = std::get_if<schema::Word>(&type))
+    return word->text == "torus" || meshes::FindModel(word->text) != nullptr;
+  const schema::Distribution* drawn = schema::AsDistribution(type);
+  return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeCompound);
+}
+
 /// The range of objects requested: the first, and the one after the last.
 std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const ResultFile::Cell& cell,
                                               const Arguments& from) {
@@ -88,7 +96,15 @@ std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const Resu
   std::string names;
   for (const plan::Group& group : run->scene.groups) {
     const std::size_t count = group.settings.Count("quantity");
-    if (from.group && group.name == *from.group) return {first, first + count};
+    const bool is_asked_for = !from.group || group.name == *from.group;
+    if (is_asked_for && MayBeCompound(group.settings.Get("type")) && !file.HasPosesOfOrigins())
+      Refuse(
+          from,
+          fmt::format("an earlier version of cdb recorded the poses of `{}`, about other axes of "
+                      "their meshes",
+                      group.name),
+          "run it again with this one");
+    if (from.group && is_asked_for) return {first, first + count};
     names += fmt::format("{}{}", names.empty() ? "" : ", ", group.name);
     first += count;
   }

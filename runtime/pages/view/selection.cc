@@ -157,7 +157,20 @@ class FrameReader {
       if (known == cycle) return poses;
     std::swap(last_[0], last_[1]);
     last_[1] = {cycle, ReadCycle("poses", kPose, cycle)};
+    if (!has_origins_) ToOrigins(last_[1].second);
     return last_[1].second;
+  }
+
+  /// Of bodies, as earlier versions recorded them.
+  void ToOrigins(std::vector<double>& poses) const {
+    for (std::size_t i = 0; i < objects_; ++i) {
+      double* pose = &poses[i * kPose];
+      const auto [p, q] = objects::OriginOf(
+          out_.state.objects[i].solid,
+          {{pose[0], pose[1], pose[2]}, Eigen::Quaterniond(pose[6], pose[3], pose[4], pose[5])});
+      const double origin[kPose] = {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+      std::copy_n(origin, kPose, pose);
+    }
   }
 
   /// `width` values for each object, and possibly more.
@@ -173,6 +186,7 @@ class FrameReader {
   const ResultFile::Cell& cell_;
   SceneRecording& out_;
   const std::size_t objects_;
+  const bool has_origins_ = file_.HasPosesOfOrigins();
   std::vector<std::uint64_t> first_contact_;
   std::pair<std::uint64_t, std::vector<double>> last_[2] = {{~0ULL, {}}, {~0ULL, {}}};
 };

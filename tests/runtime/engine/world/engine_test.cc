@@ -94,6 +94,7 @@ std::vector<Variations> AllVariations() {
            {"objects.type", Objects("type", Word("cone"))},
            {"objects.aspect", Objects("aspect", schema::Ratio{{1, 1, 1.1}})},
            {"objects.location", Objects("location", Word("normal"))},
+           {"objects.region", Objects("region", Word("floor"))},
            {"objects.size", Objects("size", 49.0)},
            {"objects.mass", Objects("mass", Uniform(1.0, 9.0))},
            {"objects.linear_velocity", Objects("linear_velocity", Vector3d(1, 0, 0))},
