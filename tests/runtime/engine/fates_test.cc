@@ -96,7 +96,10 @@ TEST(Fates, AreJudgedAndForeseen) {
   EXPECT_EQ(fates.Of("false stable").size(), 0u);
   EXPECT_EQ(fates.Of("false bad").size(), 0u);
   EXPECT_EQ(fates.Of("false will").size(), 0u);
-  EXPECT_LE(fates.Of("silent").size(), fates.Count(false) / 20);
+  // A share of all scenes: the first of each sweep are not spread as they are.
+  if (!kAddressSanitizer) {
+    EXPECT_LE(fates.Of("silent").size(), fates.Count(false) / 20);
+  }
 }
 
 }  // namespace
