@@ -101,8 +101,8 @@ class RegionFinder {
 
   [[noreturn]] void Refuse(const std::string& cause, const std::string& remedy) const {
     throw library::SceneError(
-        fmt::format("the region of group `{}` is none: {}", range_.group->name, cause), remedy,
-        range_.group->name, "region");
+        fmt::format("the region of group `{}` cannot be determined: {}", range_.group->name, cause),
+        remedy, range_.group->name, "region");
   }
 
   const Bodies& bodies_;
