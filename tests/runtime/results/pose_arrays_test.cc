@@ -73,6 +73,28 @@ TEST_F(PoseArraysOf, AreRefusedInOtherShapes) {
   EXPECT_NE(Fault().find("array of numbers"), std::string::npos) << Fault();
 }
 
+TEST_F(PoseArraysOf, SayTheOrderOfTheirQuaternions) {
+  const auto write = [&](const char* order) {
+    hdf5::File file = hdf5::File::Create(path_);
+    Add(file, "position", {2, 3});
+    Add(file, "orientation", {2, 4});
+    if (order != nullptr) file.OpenDataset("orientation").SetText("order", order);
+    file.Close();
+  };
+  const auto quaternions = [&] { return results::ReadPoseArrays(path_)->orientation; };
+  const std::vector<double> as_written = {0, 1, 2, 3, 4, 5, 6, 7};
+  write(nullptr);
+  EXPECT_EQ(quaternions(), as_written);
+  write("wxyz");
+  EXPECT_EQ(quaternions(), as_written);
+  for (const char* order : {"xyzw", "x, y, z, w"}) {
+    write(order);
+    EXPECT_EQ(quaternions(), (std::vector<double>{3, 0, 1, 2, 7, 4, 5, 6})) << order;
+  }
+  write("zyxw");
+  EXPECT_NE(Fault().find("should be `wxyz` or `xyzw`, not `zyxw`"), std::string::npos) << Fault();
+}
+
 TEST_F(PoseArraysOf, NeedHdf5) {
   WriteFile(path_, "x,y,z\n1,2,3\n");
   EXPECT_NE(Fault().find("not HDF5"), std::string::npos) << Fault();
