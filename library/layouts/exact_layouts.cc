@@ -246,7 +246,7 @@ class ExactPlacer {
   }
 
   void RefuseRegion() const {
-    if (!region_.is_named) return;
+    if (region_.IsDefault()) return;
     throw library::SceneError(
         fmt::format("`{}` does not place the objects of group `{}` in a region", layout_.name,
                     range_.group->name),

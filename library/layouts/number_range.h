@@ -9,8 +9,8 @@ namespace cdb::layouts {
 
 /// Throws SceneError, which names the group and the setting, if a number of an object, the
 /// acceleration or `world.side`, rounded to the scene's `precision`, overflows, or vanishes where
-/// Bullet divides by it; or if the two objects of a spring have a
-/// layout that puts them at one position, so that the spring has no direction. O(N). Threads: any.
+/// Bullet divides by it; or if a layout puts the two objects of a spring at one position, so that
+/// the spring has no direction. O(N). Threads: any.
 void CheckRange(const plan::Scene& scene, const InitialState& state);
 
 }  // namespace cdb::layouts

@@ -252,7 +252,7 @@ std::string PackingFraction::Advice() const {
 void PackingFraction::TooFull(std::size_t index, const Region& region,
                               std::string_view when) const {
   const std::string& group = bodies_.GroupOf(index).name;
-  if (!region.is_cube || region.stands) {
+  if (!region.IsDefault()) {
     double needed = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
       if (bodies_.GroupOf(i).name == group)

@@ -26,10 +26,8 @@ class RegionFinder {
     if (call == nullptr) {
       region.stands = range_.group->settings.WordOr("region") == "floor";
       region.is_cube = true;
-      region.is_named = region.stands;
       return region;
     }
-    region.is_named = true;
     region.stands = call->name == "on_top";
     if (call->name == "box") {
       region.box = {std::get<Vector3d>(schema::ArgumentOf(*call, "lower")),

@@ -13,9 +13,9 @@ namespace cdb::layouts {
 
 struct Region {
   objects::Box box;
-  bool stands = false;    ///< the objects stand on the lower face of the box
-  bool is_cube = false;   ///< the layouts' own region; it may still be one to stand in
-  bool is_named = false;  ///< the benchmark sets it
+  bool stands = false;   ///< the objects stand on the lower face of the box
+  bool is_cube = false;  ///< the box is the cube
+  bool IsDefault() const { return is_cube && !stands; }
   Eigen::Vector3d Centre() const { return (box.lower + box.upper) / 2; }
   Eigen::Vector3d Extents() const { return box.upper - box.lower; }
   double Volume() const { return Extents().prod(); }
