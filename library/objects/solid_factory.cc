@@ -157,11 +157,13 @@ void CheckIou(const ConvexDecomposition& form, const schema::Call& call) {
   const schema::Number* given = schema::AsNumber(ArgumentOf(call, "iou"));
   const double least = given != nullptr ? given->AsReal() : kLeastIou;
   if (form.pieces.empty() || form.iou >= least) return;
+  const std::size_t hulls = form.pieces.size();
   throw library::SceneError(
-      fmt::format("{}: {} with an IoU of {:.2g} do not fit the mesh; {:.2g} is the least", form.name,
-                  form.pieces.size() == 1 ? "1 convex hull" : fmt::format("{} convex hulls", form.pieces.size()), form.iou, least),
+      fmt::format("{}: {} with an IoU of {:.2g} {} not fit the mesh; {:.2g} is the least",
+                  form.name, hulls == 1 ? "1 convex hull" : fmt::format("{} convex hulls", hulls),
+                  form.iou, hulls == 1 ? "does" : "do", least),
       fmt::format("allow more hulls, such as `hulls: {}`, or accept it: `iou: {:.2g}`",
-                  2 * std::max<std::size_t>(form.pieces.size(), meshes::DecomposeOptions().hulls),
+                  2 * std::max(hulls, meshes::DecomposeOptions().hulls),
                   std::floor(100 * form.iou) / 100));
 }
 
@@ -180,7 +182,8 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
   if (call.name == "surface")
     return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
   const bool is_mesh = call.name == "mesh";
-  const bool is_given = is_mesh && std::get<schema::Word>(ArgumentOf(call, "parts")).text == "given";
+  const bool is_given =
+      is_mesh && std::get<schema::Word>(ArgumentOf(call, "parts")).text == "given";
   const auto make = [&, &options = options] {
     if (is_given) return FormOfParts(name, bytes, file);
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
@@ -191,8 +194,8 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
     return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
   };
-  ConvexDecomposition form = WithFrame(
-      Decomposed(name, SourceOf(file, sha256, call.name + words), reading, make), call);
+  ConvexDecomposition form =
+      WithFrame(Decomposed(name, SourceOf(file, sha256, call.name + words), reading, make), call);
   if (is_mesh) CheckIou(form, call);
   return form;
 }
@@ -299,8 +302,8 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
     return facts;
   }
   facts.has_size = call != nullptr;
-  facts.sides = facts.has_size ? form->native_side * form->unit * form->proportions
-                               : form->proportions;
+  facts.sides =
+      facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
   facts.placed = form->origin;
   if (form->pieces.empty()) return facts;
   if (!form->IsSurface()) facts.iou = form->iou;

@@ -39,7 +39,10 @@ compiler::Compilation CompileExample(std::string_view text) {
     return std::nullopt;
   };
   return compiler::Compile("wrong.cdb", read,
-                           {"", std::nullopt, {{}, describe}, {}, closed_forms::FindSceneFault});
+                           {.library = "",
+                            .plugins = {{}, describe},
+                            .find_fault = closed_forms::FindSceneFault,
+                            .read_model = manual::ExampleModel});
 }
 
 TEST(Explanation, EveryKindHasACodeOfItsOwn) {
