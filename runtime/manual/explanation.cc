@@ -8,6 +8,7 @@
 
 #include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/parametrised_words.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 

@@ -39,10 +39,13 @@ compiler::Compilation CompileExample(std::string_view text) {
     return std::nullopt;
   };
   return compiler::Compile("wrong.cdb", read,
-                           {.library = "",
-                            .plugins = {{}, describe},
-                            .find_fault = closed_forms::FindSceneFault,
-                            .read_model = manual::ExampleModel});
+                           {"",
+                            std::nullopt,
+                            {{}, describe},
+                            {},
+                            closed_forms::FindSceneFault,
+                            {},
+                            manual::ExampleModel});
 }
 
 TEST(Explanation, EveryKindHasACodeOfItsOwn) {
