@@ -86,6 +86,8 @@ std::optional<BoxMeasure> Names::FindMeasure(std::string_view path,
       {"extent", BoxMeasure::Kind::kExtent},
       {"lower", BoxMeasure::Kind::kLower},
       {"upper", BoxMeasure::Kind::kUpper}};
+  // A name without a dot is a word, such as that of a group.
+  if (path.find('.') == path.npos) return std::nullopt;
   BoxMeasure measure;
   constexpr std::string_view kAxes = "xyz";
   if (path.size() > 2 && path[path.size() - 2] == '.')
