@@ -10,6 +10,7 @@
 
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/standing.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
 #include "compiler/schema/catalogue.h"
@@ -44,7 +45,7 @@ void AddLayout(double side, GroupFacts& objects) {
   objects.position = Vector3d::Constant(side / 2);
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
   if (layout == nullptr) return;
-  const bool is_in_cube = schema::AsCall(objects.settings->Get("region")) == nullptr;
+  const bool is_in_cube = !analysis::IsInBox(*objects.settings);
   if (const auto position = FixedPositionOf(objects)) {
     objects.position = position->cwiseAbs();
   } else if (layout->name == "pair" && is_in_cube) {
@@ -134,15 +135,15 @@ bool AddSides(const FactReaders& read, GroupFacts& objects) {
   objects.longest_side = objects.most_sides.maxCoeff();
   // One draw for all sides keeps the aspect.
   const schema::Value& sizes = settings.Get("size");
-  objects.elongation = is_native || schema::AsCall(sizes) != nullptr ||
-                               schema::AsFormula(sizes) != nullptr
-                           ? aspect.maxCoeff() / aspect.minCoeff()
-                           : objects.longest_side / objects.least_side;
+  objects.elongation =
+      is_native || schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
+          ? aspect.maxCoeff() / aspect.minCoeff()
+          : objects.longest_side / objects.least_side;
   return true;
 }
 
-std::optional<GroupFacts> GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side,
-                        const FactReaders& read) {
+std::optional<GroupFacts> GroupFactsOf(const plan::GroupSettings& settings, std::size_t index,
+                                       double side, const FactReaders& read) {
   GroupFacts objects;
   objects.settings = &settings;
   objects.index = index;
@@ -225,7 +226,7 @@ double SceneFacts::FallHeight(const GroupFacts& objects) const {
     for (const Vector3d& place : objects.places) highest = std::max(highest, place.y());
     return std::clamp(highest + side / 2 - objects.least_side / 2, 0.0, side);
   }
-  if (objects.tower > 1 && schema::AsCall(objects.settings->Get("region")) == nullptr)
+  if (objects.tower > 1 && !analysis::IsInBox(*objects.settings))
     return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
   return side;
 }

@@ -30,9 +30,6 @@ constexpr int kAlgorithm = 2;
 /// have coordinates of single precision or six digits.
 constexpr double kFlat = 1e-5;
 
-/// Takes about a minute.
-constexpr std::size_t kMostTriangles = 3'000'000;
-
 /// Of a part that is taken as its hull, as a fraction of its volume: files have few digits.
 constexpr double kMostOutside = 0.01;
 
@@ -252,11 +249,11 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
   const std::optional<Hull> limited = Limited(whole.vertices, 1, options);
   Decomposition one = Assessed({limited ? *limited : whole}, mesh);
   if (is_convex) return one;
-  if (mesh.triangles.size() > kMostTriangles)
+  if (mesh.triangles.size() > options.most_triangles)
     throw library::SceneError(fmt::format(
         "{}: has {} triangles, and decomposing more than {} takes longer than a minute; "
         "simplify it, or use its convex hull",
-        name, mesh.triangles.size(), kMostTriangles));
+        name, mesh.triangles.size(), options.most_triangles));
   std::vector<Hull> hulls = Decomposer(mesh, options).Hulls();
   if (hulls.empty()) return one;
   Decomposition several = Assessed(std::move(hulls), mesh);

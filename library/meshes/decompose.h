@@ -26,6 +26,7 @@ struct DecomposeOptions {
   double error = 0.04;     ///< admissible volume of all hulls outside the mesh, relative to it
   std::size_t vertices_per_hull = 64;
   double least_volume = 1e-5;  ///< as a fraction of that of the mesh; smaller pieces are dropped
+  std::size_t most_triangles = 3'000'000;  ///< more take longer than a minute, and are refused
   /// Called before each cut, with the number of pieces so far.
   std::function<void(std::size_t pieces)> progress = {};
 };

@@ -146,6 +146,17 @@ TEST(Decompose, OptionsBoundHullsAndError) {
   EXPECT_EQ(meshes::Decompose(ring, "m", {.error = 2}).hulls.size(), 1u);
 }
 
+TEST(Decompose, RefusesMeshesThatTakeTooLong) {
+  meshes::DecomposeOptions options;
+  options.most_triangles = 19;
+  EXPECT_EQ(
+      Refusal([&] { meshes::Decompose(AngleMesh(), "m", options); }),
+      "m: has 20 triangles, and decomposing more than 19 takes longer than a minute; simplify "
+      "it, or use its convex hull");
+  options.most_triangles = 20;
+  EXPECT_EQ(meshes::Decompose(AngleMesh(), "m", options).hulls.size(), 2u);
+}
+
 TEST(Decompose, DoesNotDependOnSizeBeyondRounding) {
   // Powers of two, so that there is no rounding error.
   const meshes::Mesh angle = AngleMesh();
