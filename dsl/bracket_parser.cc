@@ -16,11 +16,37 @@ bool IsName(std::string_view path) { return path.find('.') == std::string_view::
 }  // namespace
 
 Token ValueParser::TakeOpen() {
+  const std::size_t before = cursor_.index();
   const Token open = cursor_.Take();
   if (open.kind == TokenKind::kLeftBracket)
     cursor_.Report(kSquareBracket, cursor_.SpanOf(open), "square brackets have no meaning here",
-                   "vectors and arguments are enclosed in ( )");
+                   InsteadOfSquareBrackets(open, before));
   return open;
+}
+
+/// The remedy for a list in square brackets, whose first token is `open`, number `index`.
+std::string ValueParser::InsteadOfSquareBrackets(const Token& open, std::size_t index) const {
+  constexpr const char* kGeneral = "vectors and arguments are enclosed in ( )";
+  const Token& before = cursor_.TokenAt(index == 0 ? 0 : index - 1);
+  const bool is_call = before.kind == TokenKind::kPath && before.end == open.begin;
+  std::size_t count = 1, ahead = 0;
+  for (; cursor_.Peek(ahead).kind != TokenKind::kRightBracket; ++ahead) {
+    const TokenKind kind = cursor_.Peek(ahead).kind;
+    const bool is_simple = kind == TokenKind::kNumber || kind == TokenKind::kPath ||
+                           kind == TokenKind::kMinus || kind == TokenKind::kComma;
+    if (!is_simple) return kGeneral;
+    count += kind == TokenKind::kComma;
+  }
+  if (is_call || ahead == 0) return kGeneral;
+  const std::string items =
+      cursor_.Excerpt({&cursor_.source(), cursor_.Peek().begin, cursor_.Peek(ahead - 1).end});
+  const bool is_in_sweep = before.kind == TokenKind::kLeftParen && index >= 2 &&
+                           cursor_.Text(cursor_.TokenAt(index - 2)) == "sweep";
+  if (is_in_sweep) return text::Concat({"write ", items, " without brackets"});
+  if (count == 3 && cursor_.Peek().kind != TokenKind::kPath)
+    return text::Concat(
+        {"write (", items, ") for a vector, sweep(", items, ") for one run with each"});
+  return text::Concat({"for one run with each, write sweep(", items, ")"});
 }
 
 void ValueParser::SkipElement() {
@@ -167,7 +193,9 @@ ExprPtr ValueParser::ParseBracketed() {
     cursor_.Report(kVectorParts, span,
                    text::Concat({"a vector has three components, but this one has ",
                                  std::to_string(items.size())}),
-                   "a vector is written (x, y, z)");
+                   text::Concat({"for one run with each value, write sweep(",
+                                 cursor_.Excerpt(Join(items.front()->span, items.back()->span)),
+                                 "); a vector is written (x, y, z)"}));
   ExprPtr vector = Make(ExprKind::kVector, open.begin);
   vector->items = std::move(items);
   return Finish(std::move(vector), cursor_.SpanOf(open));
@@ -313,7 +341,16 @@ bool ValueParser::ParseLabelled(Argument& argument) {
 // begins with a name from a named argument.
 bool ValueParser::ParseArgument(Expr& call) {
   Argument argument;
-  if (!AtLabel()) {
+  const Token& sign = cursor_.Peek(1);
+  if (cursor_.At(TokenKind::kPath) && sign.kind == TokenKind::kAssign) {
+    const Token name = cursor_.Take();
+    const Token equals = cursor_.Take();
+    cursor_.Report(
+        kEqualsInSetting, cursor_.SpanOf(equals), "an argument with a name is written with ':'",
+        text::Concat({"write ", cursor_.Text(name), ": ", cursor_.Text(cursor_.Peek())}));
+    argument.name = Name{std::string(cursor_.Text(name)), cursor_.SpanOf(name)};
+    argument.value = ParseValue();
+  } else if (!AtLabel()) {
     argument.value = ParseValue();
   } else if (!ParseLabelled(argument)) {
     return false;

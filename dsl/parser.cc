@@ -138,8 +138,12 @@ std::optional<Let> StatementParser::ParseLet() {
   if (!value) {
     SkipStatement();
   } else if (cursor_.At(TokenKind::kComma)) {
+    const bool begins_let =
+        cursor_.Peek(1).kind == TokenKind::kPath && cursor_.Peek(2).kind == TokenKind::kAssign;
     cursor_.Report(kOneValue, cursor_.SpanOf(cursor_.Peek()), "a let holds one value",
-                   "to vary it, write sweep(a, b)");
+                   begins_let ? text::Concat({"write ';' and another let: let ",
+                                              cursor_.Text(cursor_.Peek(1)), " = …"})
+                              : std::string("to vary it, write sweep(a, b)"));
     SkipStatement();
   }
   if (names.size() == 1) return Let{std::move(*name), std::move(value)};

@@ -61,13 +61,37 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
   }
 }
 
+/// True if the token is a name right after a value, and no unit.
+bool StatementParser::BeginsAnotherValue(std::size_t ahead) const {
+  const TokenKind before = cursor_.Peek(ahead - 1).kind;
+  return cursor_.Peek(ahead).kind == TokenKind::kPath &&
+         (before == TokenKind::kNumber || before == TokenKind::kPath ||
+          before == TokenKind::kText || before == TokenKind::kRightParen) &&
+         !text::IsUnitName(cursor_.Text(cursor_.Peek(ahead)));
+}
+
 void StatementParser::RefuseSign() {
   const Token sign = cursor_.Peek();
   if (sign.kind != TokenKind::kAssign && sign.kind != TokenKind::kColon) return;
-  if (!sign.faulty)
+  if (!sign.faulty) {
+    const std::string name(cursor_.Text(cursor_.Previous()));
+    std::size_t last = 0;
+    while (!cursor_.AtStatementEnd(last + 1) && !BeginsAnotherValue(last + 1)) ++last;
+    const bool is_block = cursor_.Peek(1).kind == TokenKind::kLeftBrace;
+    const std::string text =
+        is_block ? "{ … }"
+        : last == 0
+            ? "…"
+            : cursor_.Excerpt({&cursor_.source(), cursor_.Peek(1).begin, cursor_.Peek(last).end});
+    const bool may_be_let =
+        sign.kind == TokenKind::kAssign && !is_block && name.find('.') == std::string::npos;
     cursor_.Report(kEqualsInSetting, cursor_.SpanOf(sign),
                    text::Concat({"a setting is written without ", cursor_.Quote(sign)}),
-                   "write a space between the name and its value");
+                   text::Concat({"write ", name, " ", text,
+                                 may_be_let ? text::Concat({"; or let ", name, " = ", text,
+                                                            " for a name of yours"})
+                                            : std::string()}));
+  }
   cursor_.Take();
 }
 
@@ -200,7 +224,8 @@ bool StatementParser::ParseMoreValues(Setting& setting) {
     comma.reset();
     const Token next = cursor_.Peek();
     if (!cursor_.AtValueStart() || next.faulty || cursor_.AtWord("as")) return true;
-    if (RefuseUnit(kind) || RefuseSecondNumber(setting)) return false;
+    if (RefuseWordOfRange(setting) || RefuseUnit(setting) || RefuseSecondNumber(setting))
+      return false;
     if (RefuseMissingSemicolon(kind, word)) return true;
     if (!comma_reported)
       cursor_.Report(kMissingComma, cursor_.SpanOf(next),
@@ -251,27 +276,45 @@ bool StatementParser::RefuseCommaBetweenStatements(const Setting& setting, const
 }
 
 /// At `timestep 10 seconds` or `timestep n ms`: true, with a report.
-bool StatementParser::RefuseUnit(ExprKind last) {
+bool StatementParser::RefuseUnit(const Setting& setting) {
   const Token next = cursor_.Peek();
   if (next.kind != TokenKind::kPath) return false;
   const std::string_view word = cursor_.Text(next);
+  const Expr& value = *setting.values.back();
+  const ExprKind last = value.kind;
   const bool is_number = last == ExprKind::kNumber || last == ExprKind::kBinary ||
                          last == ExprKind::kNegate || last == ExprKind::kVector;
   const std::string_view unit = text::UnitCalled(word);
-  const bool ends = cursor_.Peek(1).kind == TokenKind::kNewline ||
-                    cursor_.Peek(1).kind == TokenKind::kSemicolon ||
-                    cursor_.Peek(1).kind == TokenKind::kRightBrace ||
-                    cursor_.Peek(1).kind == TokenKind::kEnd;
+  const bool ends = cursor_.AtStatementEnd(1);
+  if (ends && text::IsUnitName(word) && cursor_.Previous().kind == TokenKind::kPath) {
+    const std::string written = cursor_.Excerpt(value.span);
+    cursor_.Report(kWrittenUnit, cursor_.SpanOf(next),
+                   "a unit must follow a number or a parenthesis",
+                   text::Concat({"write (", written, ") ", word}));
+    return true;
+  }
   if (is_number && (!unit.empty() || ends)) {
     cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), cursor_.Quote(next) + " is not a unit",
                    unit.empty() ? text::Concat({"units are ", text::UnitNames()})
                                 : text::Concat({"write ", unit}));
     return true;
   }
-  if (last != ExprKind::kPath || !ends || !text::IsUnitName(word)) return false;
-  const Token name = cursor_.Previous();
-  cursor_.Report(kWrittenUnit, cursor_.SpanOf(next), "a unit must follow a number or a parenthesis",
-                 text::Concat({"write (", cursor_.Text(name), ") ", word}));
+  return false;
+}
+
+/// At `quantity 100 to 1000`: true, with a report.
+bool StatementParser::RefuseWordOfRange(const Setting& setting) {
+  const ExprKind last = setting.values.back()->kind;
+  const bool is_number = last == ExprKind::kNumber || last == ExprKind::kNegate;
+  if (!is_number || !(cursor_.AtWord("to") || cursor_.AtWord("through") || cursor_.AtWord("until")))
+    return false;
+  const Token& end = cursor_.Peek(1);
+  if (end.kind != TokenKind::kNumber) return false;
+  const text::Span& begin = setting.values.back()->span;
+  cursor_.Report(kBadRange, cursor_.SpanOf(cursor_.Peek()), "a range is written with '..'",
+                 text::Concat({"write sweep(",
+                               cursor_.source().text().substr(begin.begin, begin.end - begin.begin),
+                               " .. ", cursor_.Text(end), ") for one run with each value"}));
   return true;
 }
 
@@ -298,10 +341,14 @@ bool StatementParser::RefuseLoop() {
       !cursor_.AtWord("foreach") && !cursor_.AtWord("repeat"))
     return false;
   if (!cursor_.AtValueStart(1)) return false;
+  const bool is_count = cursor_.AtWord("repeat") && cursor_.Peek(1).kind == TokenKind::kNumber &&
+                        cursor_.Peek(2).kind != TokenKind::kLeftBrace;
   cursor_.Report(kNoLoops, cursor_.SpanOf(word),
                  text::Concat({"there is no ", cursor_.Quote(word), " in this language"}),
-                 is_branch ? "skip when … skips runs; cases { } sets several values together"
-                           : "sweep(1 .. 3) makes a run for each value");
+                 is_branch  ? "skip when … skips runs; cases { } sets several values together"
+                 : is_count ? text::Concat({"write repeats ", cursor_.Text(cursor_.Peek(1)),
+                                            " to measure each run as often"})
+                            : std::string("sweep(1 .. 3) makes a run for each value"));
   AddDamage(Damage::kLost);
   SkipStatement();
   return true;

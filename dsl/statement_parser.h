@@ -47,7 +47,9 @@ class StatementParser {
   bool RefuseSecondArgument(const Expr& value);
   bool RefuseCommaBetweenStatements(const Setting& setting, const Token& comma, std::size_t start,
                                     const Expr& value);
-  bool RefuseUnit(ExprKind last);
+  bool BeginsAnotherValue(std::size_t ahead) const;
+  bool RefuseUnit(const Setting& setting);
+  bool RefuseWordOfRange(const Setting& setting);
   bool RefuseSecondNumber(const Setting& setting);
   bool RefuseLoop();
   /// Of `size = 5` and `size: 5`.

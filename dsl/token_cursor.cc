@@ -57,9 +57,17 @@ bool TokenCursor::AtWord(std::string_view word, std::size_t ahead) const {
   return Peek(ahead).kind == TokenKind::kPath && Text(Peek(ahead)) == word;
 }
 
-bool TokenCursor::AtStatementEnd() const {
-  return At(TokenKind::kNewline) || At(TokenKind::kSemicolon) || At(TokenKind::kRightBrace) ||
-         At(TokenKind::kEnd);
+std::string TokenCursor::Excerpt(const text::Span& span) const {
+  constexpr std::size_t kLongest = 60;
+  const std::string_view text = text::TextOf(span);
+  return text.size() > kLongest || text.find_first_of("\r\n") != text.npos ? "…"
+                                                                           : std::string(text);
+}
+
+bool TokenCursor::AtStatementEnd(std::size_t ahead) const {
+  const TokenKind kind = Peek(ahead).kind;
+  return kind == TokenKind::kNewline || kind == TokenKind::kSemicolon ||
+         kind == TokenKind::kRightBrace || kind == TokenKind::kEnd;
 }
 
 bool TokenCursor::AtValueStart(std::size_t ahead) const {

@@ -26,6 +26,7 @@ class TokenCursor {
 
   /// The token `ahead` tokens after the current one; kEnd past the end.
   const Token& Peek(std::size_t ahead = 0) const;
+  const Token& TokenAt(std::size_t index) const { return tokens_[index]; }
   /// The token taken last; kEnd before the first.
   const Token& Previous() const;
   Token Take();
@@ -33,7 +34,7 @@ class TokenCursor {
   /// True at a word such as `step`, which is an ordinary name elsewhere.
   bool AtWord(std::string_view word, std::size_t ahead = 0) const;
   /// True where a statement can end: at a line end, `;`, `}` or the end of the file.
-  bool AtStatementEnd() const;
+  bool AtStatementEnd(std::size_t ahead = 0) const;
   /// True at a name, number, text or opening bracket.
   bool AtValueStart(std::size_t ahead = 0) const;
   /// True at the end of a line if the next line can only continue the value before it.
@@ -47,6 +48,8 @@ class TokenCursor {
   void Rewind(std::size_t index) { index_ = index; }
 
   std::string_view Text(const Token& token) const;
+  /// The text of a span for the help of a message: `…` if it is long or has a line break.
+  std::string Excerpt(const text::Span& span) const;
   text::Span SpanOf(const Token& token) const { return {&source_, token.begin, token.end}; }
   /// From `begin` to the end of the token taken last.
   text::Span SpanFrom(std::uint32_t begin) const { return {&source_, begin, Previous().end}; }

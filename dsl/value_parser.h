@@ -90,6 +90,7 @@ class ValueParser {
   /// Skips to the next `,` or closing bracket of this list, or to the end of the statement.
   void SkipElement();
   Token TakeOpen();
+  std::string InsteadOfSquareBrackets(const Token& open, std::size_t index) const;
 
   ExprPtr Make(ExprKind kind, std::uint32_t begin) const;
   /// Sets span and height from the parts; null, with a report, if it nests too deeply.

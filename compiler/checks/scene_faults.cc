@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <string_view>
 
 #include "compiler/lints/lint_facts.h"
@@ -78,10 +79,13 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
       if (!model || model->iou.value_or(1) >= kGoodFit || !poor_fits_.insert(model->text).second)
         continue;
       diagnostics_.Report(
-          scenario::kPoorFit, configuration.SpanOf({group.name, schema::GroupParameter("type").get()}, benchmark_),
+          scenario::kPoorFit,
+          configuration.SpanOf({group.name, schema::GroupParameter("type").get()}, benchmark_),
           fmt::format("the hulls differ from the mesh, so that objects touch where it is not, or "
-                      "sink in where it is: {}", model->text),
-          "allow more hulls or a smaller error, such as `hulls: 80, error: 0.01`, and look at them in "
+                      "sink in where it is: {}",
+                      model->text),
+          "allow more hulls or a smaller error, such as `hulls: 80, error: 0.01`, and look at them "
+          "in "
           "`cdb view`");
     }
   return std::nullopt;
@@ -90,6 +94,7 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
 void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene& scene,
                       std::size_t runs) {
   WarnOfEllipsoids(configuration, scene);
+  WarnOfDegrees(configuration, scene);
   if (!find_) return;
   WarnOfDefaultSizes(configuration, scene);
   const auto found = Find(configuration, scene);
@@ -166,6 +171,21 @@ void SceneFaults::WarnOfEllipsoids(configure::Configuration& configuration,
                         configuration.SpanOf({group.name, size.get()}, benchmark_),
                         "each side is drawn separately, so that the spheres are ellipsoids",
                         fmt::format("size same({}) draws one value for all sides", text));
+  }
+}
+
+void SceneFaults::WarnOfDegrees(configure::Configuration& configuration, const plan::Scene& scene) {
+  const GroupParameter orientation = "orientation";
+  constexpr double kTurn = 2 * std::numbers::pi;
+  for (const plan::Group& group : scene.groups) {
+    const auto* angles = std::get_if<Eigen::Vector3d>(&group.settings.Get(orientation));
+    if (angles == nullptr || !(angles->norm() > kTurn * (1 + 1e-9)) ||
+        group.settings.Count("quantity") == 0)
+      continue;
+    diagnostics_.Report(
+        scenario::kLargeAngle, configuration.SpanOf({group.name, orientation.get()}, benchmark_),
+        fmt::format("this turns by {:.4g} rad, more than a full turn", angles->norm()),
+        fmt::format("for degrees, write ({}, {}, {}) deg", angles->x(), angles->y(), angles->z()));
   }
 }
 

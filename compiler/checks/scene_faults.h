@@ -60,6 +60,8 @@ class SceneFaults {
   void WarnOfDefaultSizes(configure::Configuration& configuration, const plan::Scene& scene);
   /// Warns of spheres whose sides are drawn one by one.
   void WarnOfEllipsoids(configure::Configuration& configuration, const plan::Scene& scene);
+  /// Warns of orientations of more than a turn, which are probably in degrees.
+  void WarnOfDegrees(configure::Configuration& configuration, const plan::Scene& scene);
   text::Span SpanOf(configure::Configuration& configuration,
                     const analysis::SceneFault& fault) const;
 

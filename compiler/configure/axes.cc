@@ -270,6 +270,13 @@ class AxisFinder {
     return coordinates;
   }
 
+  /// True for `sweep(100 .. 1000, 100)`.
+  static bool IsRangeAndStep(const Expr& call) {
+    return call.arguments.size() == 2 && call.arguments[0].value->kind == ExprKind::kRange &&
+           call.arguments[0].value->range == dsl::RangeKind::kByOne &&
+           call.arguments[1].value->kind == ExprKind::kNumber;
+  }
+
   void CheckDistinct(const SweepAxis& axis, const evaluate::Sweep& sweep,
                      const std::vector<Value>& values) {
     std::unordered_set<plan::Coordinate> seen;
@@ -279,7 +286,11 @@ class AxisFinder {
       evaluator_.diagnostics().Report(
           scenario::kBadArguments, item != nullptr ? item->span : axis.call->span,
           fmt::format("the value {} is on this axis twice", LabelOf(values[i])),
-          "to measure a point several times, use `repeats`");
+          IsRangeAndStep(*axis.call)
+              ? fmt::format("for steps of {}, write sweep({} step {})", text::TextOf(item->span),
+                            text::TextOf(axis.call->arguments[0].value->span),
+                            text::TextOf(item->span))
+              : "to measure a point several times, use `repeats`");
     }
   }
 

@@ -90,6 +90,24 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
   return call;
 }
 
+/// The sweep for a function of Python or NumPy that lists numbers; empty for others.
+std::string InsteadOfRange(const Expr& expr) {
+  const auto written = [&](std::size_t i) { return text::TextOf(expr.arguments[i].value->span); };
+  const std::size_t count = expr.arguments.size();
+  const bool is_by_step = expr.text == "range" || expr.text == "arange";
+  const bool is_log = expr.text == "geomspace";
+  if (is_by_step && count == 3)
+    return fmt::format("sweep({} .. {} step {})", written(0), written(1), written(2));
+  if (is_by_step && count == 2) return fmt::format("sweep({} .. {})", written(0), written(1));
+  if ((is_log || expr.text == "linspace") && count == 3)
+    return fmt::format("sweep({} .. {} count {}{})", written(0), written(1), written(2),
+                       is_log ? " log" : "");
+  if (expr.text == "logspace" && count == 3)
+    return fmt::format("sweep(10 ^ {} .. 10 ^ {} count {} log)", written(0), written(1),
+                       written(2));
+  return {};
+}
+
 std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                               Evaluator& evaluator) {
   const auto takes_word = [&](const schema::Parameter& parameter) {
@@ -102,6 +120,10 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
     return evaluator.Error(scenario::kBadArguments, expr.span,
                            fmt::format("'{}' takes no arguments", expr.text),
                            fmt::format("write {} alone", expr.text));
+  if (const std::string range = InsteadOfRange(expr); !range.empty())
+    return evaluator.Error(scenario::kUnknownName, expr.span,
+                           fmt::format("no function is called '{}'", expr.text),
+                           fmt::format("write {}", range));
   std::vector<std::string_view> names = schema::DistributionNames();
   names.insert(names.begin(), "sweep");
   const std::vector<std::string_view> functions = FunctionNames();

@@ -139,15 +139,37 @@ class Converter {
     return Error(scenario::kWrongKind,
                  fmt::format("'{}' takes {}, but this is {}", parameter_.name,
                              parameter_.Takes(plugins_), names::KindName(value)),
-                 text != nullptr && parameter_.TakesCall("mesh")
-                     ? fmt::format("write mesh({})", ToText(Value(*text)))
-                     : "");
+                 InsteadOf(value));
+  }
+
+  /// What to write instead of a value of another kind; empty if that is unknown.
+  std::string InsteadOf(const Value& value) const {
+    if (AsText(value) != nullptr && parameter_.TakesCall("mesh"))
+      return fmt::format("write mesh({})", ToText(value));
+    if (const schema::Number* number = AsNumber(value);
+        number != nullptr && parameter_.type == schema::ParameterType::kSwitch)
+      return number->AsReal() == 0 ? "write off" : "write on";
+    const Eigen::Vector3d* vector = AsVector(value);
+    if (vector == nullptr) return {};
+    const auto joined = [&](const char* separator) {
+      return fmt::format("{0:}{3}{1:}{3}{2:}", vector->x(), vector->y(), vector->z(), separator);
+    };
+    if (parameter_.TakesCall("at")) return fmt::format("write at({})", joined(", "));
+    if (!(vector->minCoeff() > 0)) return {};
+    if (parameter_.type == schema::ParameterType::kRatio)
+      return fmt::format("write {}", joined(" : "));
+    if (schema::GroupParameter("size").get() == &parameter_)
+      return fmt::format("write size {}; aspect 1 : {} : {}", vector->x(),
+                         vector->y() / vector->x(), vector->z() / vector->x());
+    return {};
   }
 
   bool InDomain(double value, const std::string& text) const {
     if (parameter_.domain.Contains(value)) return true;
     Error(scenario::kOutOfDomain,
-          fmt::format("'{}' must be {}, not {}", parameter_.name, parameter_.domain.Text(), text));
+          fmt::format("'{}' must be {}, not {}", parameter_.name, parameter_.domain.Text(), text),
+          value == 0 && parameter_.HasWord("fixed") ? "write mass fixed for objects that never move"
+                                                    : "");
     return false;
   }
 
@@ -354,10 +376,6 @@ namespace {
 
 using schema::Formula;
 
-std::string_view TextOf(const text::Span& span) {
-  return span.source->text().substr(span.begin, span.end - span.begin);
-}
-
 /// The names of settings in a formula, also in one that is the argument of same( ) or density( ).
 std::vector<const Formula*> NamesIn(const Value& value) {
   const schema::Call* call = AsCall(value);
@@ -420,9 +438,9 @@ std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
 void RefuseFormula(const Formula& formula, dsl::Diagnostics& diagnostics) {
   const Value value = formula;
   const Formula& name = *schema::SettingsIn(value).front();
-  diagnostics.Report(
-      scenario::kWrongKind, name.written,
-      fmt::format("'{}' is drawn for each object and has no single value", TextOf(name.written)));
+  diagnostics.Report(scenario::kWrongKind, name.written,
+                     fmt::format("'{}' is drawn for each object and has no single value",
+                                 text::TextOf(name.written)));
 }
 
 std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
@@ -440,7 +458,7 @@ std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
         scenario::kWrongKind, name->written,
         fmt::format(
             "'{}' is drawn for each object of '{}', and has no single value for those of '{}'",
-            TextOf(name->written), name->group, key.first),
+            text::TextOf(name->written), name->group, key.first),
         "an expression can name drawn settings of its own group only");
   }
   return value;

@@ -132,10 +132,12 @@ void Dimensions::CheckFor(const schema::Parameter& parameter, std::string_view u
     Report(expr.span, fmt::format("'{}' has no unit, but this is {}", parameter.name,
                                   DimensionName(found.unit)));
   } else {
+    const bool is_rate = expr.kind == ExprKind::kQuantity && expr.text == "Hz" && unit == "s";
     Report(expr.span,
            fmt::format("'{}' is {}, but this is {}", parameter.name, DimensionName(wanted),
                        DimensionName(found.unit)),
-           fmt::format("a number without a unit is in {}", unit));
+           is_rate ? fmt::format("write 1/{} s", text::TextOf(expr.items[0]->span))
+                   : fmt::format("a number without a unit is in {}", unit));
   }
 }
 
@@ -503,8 +505,14 @@ std::optional<Value> Scaled(const dsl::Expr& expr, const text::Unit& unit, const
     return ScaledDistribution(expr, unit, *AsDistribution(value), evaluator);
   if (AsFormula(value))
     return MakeFormula("*", {value, InSi(Number::Whole(1), unit)}, expr.span, evaluator);
+  const Expr& inner = *expr.items[0];
+  const bool is_call = AsCall(value) != nullptr && inner.kind == ExprKind::kCall;
   return evaluator.Error(scenario::kWrongUnit, expr.text_span,
-                         fmt::format("{} has no unit", names::KindName(value)));
+                         fmt::format("{} has no unit", names::KindName(value)),
+                         is_call && inner.arguments.size() == 1
+                             ? fmt::format("write {}({} {})", inner.text,
+                                           text::TextOf(inner.arguments[0].value->span), expr.text)
+                             : "");
 }
 
 std::optional<Value> ScaledDistribution(const dsl::Expr& expr, const text::Unit& unit,

@@ -174,9 +174,12 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
     // It may be the name of a let with a syntax error.
     if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
     if (expr.text == kPiName) return Number(kPi);
-    if (expr.text.find('.') != std::string::npos)
-      return Error(scenario::kUnknownName, expr.span,
-                   fmt::format("'{}' is not defined", expr.text));
+    if (expr.text.find('.') != std::string::npos) {
+      const bool is_text =
+          scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kText;
+      return Error(scenario::kUnknownName, expr.span, fmt::format("'{}' is not defined", expr.text),
+                   is_text ? fmt::format("write \"{}\"", expr.text) : "");
+    }
     return schema::Word{expr.text};
   }
   if (referent.is_object_count) return CountObjects();

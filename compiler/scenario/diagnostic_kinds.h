@@ -38,6 +38,7 @@ inline constexpr dsl::DiagnosticKind kEllipsoids{"W0204", "ellipsoids"};
 inline constexpr dsl::DiagnosticKind kNoEffect{"W0205", "no-effect"};
 
 inline constexpr dsl::DiagnosticKind kPoorFit{"W0206", "poor-fit"};
+inline constexpr dsl::DiagnosticKind kLargeAngle{"W0207", "large-angle"};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
@@ -46,6 +47,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
     &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable,      &kNoEffect,
-    &kPoorFit};
+    &kPoorFit,        &kLargeAngle};
 
 }  // namespace cdb::scenario

@@ -53,6 +53,10 @@ std::string SuggestParameter(std::string_view word, const std::string& block, bo
   std::vector<std::string> names;
   for (const schema::Parameter& parameter : schema::Schema()) {
     const std::string name = NameIn(parameter, block, in_group);
+    if (name.ends_with(fmt::format(".{}", word))) return fmt::format("did you mean '{}'?", name);
+  }
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    const std::string name = NameIn(parameter, block, in_group);
     if (name.empty()) continue;
     if (schema::ListsWord(parameter.also, word))
       return fmt::format("did you mean '{}', {}?", name,
@@ -132,12 +136,19 @@ void LayeredBenchmark::DeclareGroup(const std::string& name, const Place& place)
   groups_.push_back({name, place.case_axis, place.case_index});
 }
 
-void LayeredBenchmark::Once(int layer, const std::string& what, const text::Span& span,
+void LayeredBenchmark::Once(const Place& place, const std::string& what, const text::Span& span,
                             const std::string& message) {
-  const auto [first, is_new] = seen_.emplace(std::pair(layer, what), span);
-  if (!is_new)
-    diagnostics_.Report(kSetTwice, span, message, "keep one of them",
-                        {{first->second, "it is here before"}});
+  const auto [first, is_new] =
+      seen_.emplace(std::pair(place.layer, what), Seen{span, place.objects});
+  if (is_new) return;
+  const bool are_two_groups = place.group == kUnnamedGroup && place.objects != nullptr &&
+                              first->second.objects != nullptr &&
+                              place.objects != first->second.objects;
+  diagnostics_.Report(kSetTwice, span, message,
+                      are_two_groups
+                          ? "two groups of objects need names: objects a { … } objects b { … }"
+                          : "keep one of them",
+                      {{first->second.span, "it is here before"}});
 }
 
 void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
@@ -166,7 +177,7 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
     diagnostics_.Report(kReservedName, let.name.span,
                         fmt::format("'{}' is a word of the language", let.name.text),
                         "give the let another name");
-  Once(place.layer, "let " + Joined(place.group, place.block) + "." + let.name.text, let.name.span,
+  Once(place, "let " + Joined(place.group, place.block) + "." + let.name.text, let.name.span,
        fmt::format("there is already a let '{}'", let.name.text));
   Entry entry;
   entry.case_axis = place.case_axis;
@@ -187,6 +198,7 @@ void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
                           fmt::format("'{}' is a word of the language", inner.group),
                           "give the group another name");
     DeclareGroup(inner.group, place);
+    inner.objects = &group;
   } else if (HasBlock(place.block, !place.group.empty(), kind)) {
     inner.block = Joined(place.block, kind);
     if (group.label)
@@ -241,14 +253,14 @@ void LayeredBenchmark::WalkCases(const dsl::Cases& cases, const Place& place) {
   // Cases replace those of the same name in a base.
   auto index = std::ranges::find(case_axes_, axis.name, &CaseAxis::name) - case_axes_.begin();
   if (index < static_cast<std::ptrdiff_t>(case_axes_.size())) {
-    Once(place.layer, "cases " + axis.name, axis.span,
+    Once(place, "cases " + axis.name, axis.span,
          fmt::format("there are already cases '{}'", axis.name));
     std::erase_if(entries_, [&](const Entry& entry) { return entry.case_axis == index; });
     std::erase_if(groups_, [&](const GroupDeclaration& g) { return g.case_axis == index; });
     axis.order = case_axes_[static_cast<std::size_t>(index)].order;
     case_axes_[static_cast<std::size_t>(index)] = axis;
   } else {
-    Once(place.layer, "cases " + axis.name, axis.span, {});
+    Once(place, "cases " + axis.name, axis.span, {});
     case_axes_.push_back(axis);
   }
   if (cases.cases.empty() && is_complete())
@@ -332,7 +344,7 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
 void LayeredBenchmark::WalkSetting(const dsl::Setting& setting, const Place& place) {
   const auto key = Resolve(setting.path, place);
   if (!key) return;
-  Once(place.layer, key->first + "/" + std::string(key->second->name), setting.path.span,
+  Once(place, key->first + "/" + std::string(key->second->name), setting.path.span,
        fmt::format("'{}' is set twice", setting.path.text));
   Entry entry;
   entry.case_axis = place.case_axis;

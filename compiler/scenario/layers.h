@@ -96,7 +96,8 @@ class LayeredBenchmark {
   /// The current position: the layer (the statements of a benchmark, or one case) and the block.
   struct Place {
     const ScenarioFile* file = nullptr;
-    std::string group, block;  ///< as in Scope
+    std::string group, block;             ///< as in Scope
+    const dsl::Group* objects = nullptr;  ///< the block of the group; null outside of one
     int case_axis = -1;
     std::size_t case_index = 0;
     int layer = 0;
@@ -117,7 +118,8 @@ class LayeredBenchmark {
   /// Reports the reason why there is no block of this name here.
   void ReportBlock(const dsl::Name& kind, const Place& place);
   void DeclareGroup(const std::string& name, const Place& place);
-  void Once(int layer, const std::string& what, const text::Span& span, const std::string& message);
+  void Once(const Place& place, const std::string& what, const text::Span& span,
+            const std::string& message);
 
   const Scenario& scenario_;
   dsl::Diagnostics& diagnostics_;
@@ -132,7 +134,11 @@ class LayeredBenchmark {
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;
-  std::map<std::pair<int, std::string>, text::Span> seen_;
+  struct Seen {
+    text::Span span;
+    const dsl::Group* objects;  ///< as in Place
+  };
+  std::map<std::pair<int, std::string>, Seen> seen_;
   bool has_base_ = true;
   dsl::Damage damage_ = dsl::Damage::kNone;  ///< of the benchmark, its bases, and the files
   int order_ = 0;

@@ -55,6 +55,11 @@ struct Span {
   std::uint32_t end = 0;
 };
 
+/// The text of a span.
+inline std::string_view TextOf(const Span& span) {
+  return span.source->text().substr(span.begin, span.end - span.begin);
+}
+
 /// The smallest span that contains both, which must be of one source.
 Span Join(const Span& first, const Span& last);
 

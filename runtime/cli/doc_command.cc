@@ -1,7 +1,9 @@
 // `cdb doc`: the reference of the language and of the results.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -51,6 +53,21 @@ std::string ScenarioText(const std::string& name) {
   return {};
 }
 
+/// The scenarios that come with cdb whose file has this name, in any folder.
+std::vector<std::string> ScenariosCalled(const std::string& name) {
+  std::vector<std::string> found;
+  const std::filesystem::path library = options::ScenarioLibrary();
+  std::error_code error;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(library, error))
+    if (entry.path().extension() == ".cdb" && entry.path().stem() == name)
+      found.push_back(std::filesystem::path(entry.path())
+                          .replace_extension()
+                          .lexically_relative(library)
+                          .string());
+  std::ranges::sort(found);
+  return found;
+}
+
 /// `name`: a topic, a parameter, a word, a command or a scenario; empty for the list of topics.
 options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
   const std::string text =
@@ -63,6 +80,11 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
     terminal::PrintExact(scenario);
     return options::ExitStatus::kGood;
   }
+  if (const std::vector<std::string> found = ScenariosCalled(name); !found.empty())
+    throw options::CommandError(
+        fmt::format("no entry for '{}'; there {} {}: `cdb doc {}`", name,
+                    found.size() == 1 ? "is the scenario" : "are the scenarios",
+                    fmt::join(found, ", "), found.front()));
   const std::vector<std::string> names = DocNames();
   throw options::CommandError(fmt::format(
       "no entry for '{}'; {}", name,

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dsl/diagnostics.h"
@@ -23,13 +24,65 @@ namespace {
 using cdb::options::CommandError;
 using cdb::options::ExitStatus;
 
+/// Commands of other programs, with ours.
+constexpr std::pair<std::string_view, std::string_view> kOtherCommands[] = {
+    {"plot", "report"}, {"graph", "report"}, {"bench", "run"},    {"benchmark", "run"},
+    {"exec", "run"},    {"start", "run"},    {"sweep", "run"},    {"validate", "check"},
+    {"lint", "check"},  {"test", "verify"},  {"diff", "compare"}, {"open", "view"},
+    {"render", "view"}, {"edit", "view"},    {"inspect", "show"}, {"info", "show"},
+    {"print", "show"},  {"csv", "show"},     {"docs", "doc"},     {"man", "doc"},
+    {"ls", "list"},     {"expand", "plan"},  {"compile", "plan"}, {"format", "fmt"},
+};
+
 /// Throws CommandError if there is no command `name`.
 void CheckCommandName(std::string_view name) {
   std::vector<std::string_view> names;
   for (const cdb::options::Command& command : cdb::cli::Commands()) names.push_back(command.name);
   if (std::ranges::find(names, name) != names.end()) return;
-  throw CommandError(fmt::format("there is no command '{}'; {}", name,
-                                 cdb::options::Suggestion(name, names, "`cdb --help` lists them")));
+  const auto* other =
+      std::ranges::find(kOtherCommands, name, [](const auto& pair) { return pair.first; });
+  names.insert(names.end(), {"help", "version"});
+  throw CommandError(
+      fmt::format("there is no command '{}'; {}", name,
+                  other != std::end(kOtherCommands)
+                      ? fmt::format("did you mean '{}'?", other->second)
+                      : cdb::options::Suggestion(name, names, "`cdb --help` lists them")));
+}
+
+/// The arguments with `help`, `help COMMAND` and `version` as the options of these names.
+std::vector<std::string> WithOptionsForWords(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (arguments.empty()) return arguments;
+  if (arguments[0] == "version") arguments[0] = "--version";
+  if (arguments[0] == "help") {
+    arguments.erase(arguments.begin());
+    arguments.insert(arguments.begin() + (arguments.empty() ? 0 : 1), "--help");
+  }
+  return arguments;
+}
+
+/// The reason why `command` does not take the arguments that are left over.
+std::string WhyNotTaken(const CLI::App& command) {
+  const std::vector<std::string> rest = command.remaining();
+  const auto option = std::ranges::find_if(rest, [](const auto& each) { return each[0] == '-'; });
+  const std::string name = command.get_name();
+  if (option == rest.end())
+    return fmt::format("cdb {} takes no further argument '{}'; `cdb {} --help` lists its options\n",
+                       name, rest.empty() ? "" : rest.front(), name);
+  const std::string written = option->substr(0, option->find('='));
+  const std::string bare = written.substr(std::min(written.find_first_not_of('-'), written.size()));
+  std::vector<std::string> names;
+  for (const CLI::Option* known : command.get_options())
+    for (const std::string& one : known->get_lnames()) names.push_back(one);
+  const auto begun = std::ranges::find_if(names, [&](const std::string& known) {
+    return known.size() > 2 &&
+           (bare.starts_with(known) || (bare.size() > 2 && known.starts_with(bare)));
+  });
+  const std::string near =
+      begun != names.end() ? *begun
+                           : std::string(cdb::dsl::DidYouMean(bare, {names.begin(), names.end()}));
+  return fmt::format("cdb {}: there is no option '{}'; {}`cdb {} --help` lists them\n", name,
+                     written, near.empty() ? "" : fmt::format("did you mean '--{}'? ", near), name);
 }
 
 ExitStatus Main(int argc, char** argv) {
@@ -43,9 +96,26 @@ ExitStatus Main(int argc, char** argv) {
     row.declare(command);
   }
   cdb::layouts::SetPoseReader(cdb::options::ReadHdf5Poses);
-  if (argc > 1 && argv[1][0] != '-') CheckCommandName(argv[1]);
+  std::vector<std::string> arguments = WithOptionsForWords(argc, argv);
+  if (!arguments.empty() && !arguments[0].starts_with('-')) CheckCommandName(arguments[0]);
+  app.name(argc > 0 ? argv[0] : "cdb");
   try {
-    app.parse(argc, argv);
+    // CLI11 takes them from the back.
+    std::ranges::reverse(arguments);
+    app.parse(std::move(arguments));
+  } catch (const CLI::ExtrasError&) {
+    const auto commands = app.get_subcommands();
+    cdb::terminal::Say(WhyNotTaken(commands.empty() ? app : *commands.front()));
+    return ExitStatus::kEnvironmentError;
+  } catch (const CLI::RequiredError& error) {
+    const auto commands = app.get_subcommands();
+    if (commands.empty()) {
+      cdb::terminal::Say(app.help());
+    } else {
+      const std::string name = commands.front()->get_name();
+      cdb::terminal::Say(fmt::format("cdb {}: {}; `cdb {} --help`\n", name, error.what(), name));
+    }
+    return ExitStatus::kEnvironmentError;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, err;
     const int code = app.exit(error, out, err);

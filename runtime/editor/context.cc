@@ -200,10 +200,6 @@ const schema::Parameter* ParameterAt(const Context& context, const std::string& 
 
 namespace {
 
-std::string_view TextOf(const text::Span& span) {
-  return span.source->text().substr(span.begin, span.end - span.begin);
-}
-
 Json LocationJson(const text::Span& span) {
   return {{"uri", UriOf(span.source->name())}, {"range", RangeJson(span)}};
 }

@@ -386,6 +386,11 @@ constexpr Explanation kScenarioRows[] = {
      "`surface` keeps the triangles of a mesh that does not move.",
      "benchmark b { objects.type mesh(\"wheel.stl\") }\n",
      "benchmark b { objects.type mesh(\"wheel.stl\", hulls: 200) }\n"},
+    {&scenario::kLargeAngle,
+     "An orientation, an axis times an angle in rad, turns by more than a full turn. Angles in "
+     "degrees need a unit.",
+     "benchmark b { objects.orientation (0, 90, 0) }\n",
+     "benchmark b { objects.orientation (0, 90, 0) deg }\n"},
     {&scenario::kDefaultSize,
      "A group has the default size, and all other groups are much smaller or larger. This may be "
      "an oversight: set the size.",

@@ -122,6 +122,9 @@ std::string FindScenario(const std::string& file) {
   if (file == "-")
     throw CommandError(
         "only check, fmt and plan read standard input (`-`); other commands need a file");
+  if (file.ends_with(".h5"))
+    throw CommandError(
+        fmt::format("'{}' is a results file, not a scenario; `cdb show {}` shows it", file, file));
   std::error_code error;
   if (fs::exists(file, error)) return file;
   const fs::path library = ScenarioLibrary();
@@ -184,7 +187,8 @@ class ModelProgress {
       name_ = name;
       if (Clock::now() - began_ < std::chrono::seconds(1)) return;
       is_shown_ = true;
-      terminal::SayExact(fmt::format("\r\033[Kdecomposing {}: {} pieces", text::Printable(name), pieces));
+      terminal::SayExact(
+          fmt::format("\r\033[Kdecomposing {}: {} pieces", text::Printable(name), pieces));
     }};
   }
   ~ModelProgress() {
