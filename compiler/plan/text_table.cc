@@ -345,18 +345,18 @@ void TextTable::RefuseLoneComma(std::size_t line, std::string_view example) cons
 
 void TextTable::FindFormOfHeadings(const Line& line) {
   if (dialect_.separator != 0) return;
-  std::string_view headings = text_.substr(line.begin);
   bool is_quoted = false;
   std::string found;
-  for (const char c : headings) {
+  Line after = line;
+  for (; after.begin < text_.size(); ++after.begin) {
+    const char c = text_[after.begin];
+    if (c == '\n') ++after.number;
     if (c == '\n' && !is_quoted) break;
     if (c == '"') is_quoted = !is_quoted;
     if (is_quoted || c == ' ' || (c == ',' && dialect_.decimal == ',')) continue;
     if (kSeparators.find(c) != kSeparators.npos && found.find(c) == found.npos) found += c;
   }
-  Line after = line;
-  std::vector<Field> fields;
-  Split(after, 0, false, fields);
+  after.begin = std::min(after.begin + 1, text_.size());
   const bool has_rows = SkipToContent(after);
   if (found.empty()) {
     // Spaces separate the columns if they do so in the numbers; otherwise they belong to a name.
@@ -539,7 +539,7 @@ Column TextTable::Find(std::string_view written) const {
   return {*found, *found < headings_.size() ? headings_[*found] : name.stem, name.unit};
 }
 
-bool TextTable::IsBlank(std::size_t index) const {
+bool TextTable::IsEmptyColumn(std::size_t index) const {
   if (!headings_[index].empty()) return false;
   for (std::size_t row = 0; row < rows(); ++row)
     if (!Cell(row, index).empty()) return false;

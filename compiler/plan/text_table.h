@@ -79,7 +79,7 @@ class TextTable {
   /// The column of a heading, with its unit.
   Column At(std::size_t index) const;
   /// True if the column has neither a heading nor values, as spreadsheets leave them at the right.
-  bool IsBlank(std::size_t index) const;
+  bool IsEmptyColumn(std::size_t index) const;
   /// Recognises the decimal sign of these columns. Call it once, before Number.
   void FindDecimal(std::span<const Column> columns);
   /// A finite number, in SI units.

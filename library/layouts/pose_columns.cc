@@ -386,7 +386,7 @@ std::vector<std::pair<std::size_t, Column>> OwnColumns(const TextTable& table,
   for (std::size_t i = 0; i < headings.size(); ++i) {
     const auto column = ColumnCalled(plan::ParseColumnName(headings[i]).stem, layout);
     if (!column) {
-      if (table.IsBlank(i)) continue;
+      if (table.IsEmptyColumn(i)) continue;
       if (++unknown_count <= 4)
         unknown += fmt::format("{}`{}`", unknown.empty() ? "" : ", ", text::Printable(headings[i]));
       continue;
