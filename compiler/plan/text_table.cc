@@ -328,11 +328,15 @@ bool TextTable::FindFormOfNumbers(const Line& line) {
 /// True if each line is one number with a decimal comma, or without one.
 bool TextTable::MayHaveDecimalCommas(Line line) {
   std::vector<Field> fields;
-  while (SkipToContent(line)) {
-    Split(line, 0, true, fields);
-    if (!fields[0].text.empty() && !IsNumber(fields[0].text, ',')) return false;
+  try {
+    while (SkipToContent(line)) {
+      Split(line, 0, true, fields);
+      if (!fields[0].text.empty() && !IsNumber(fields[0].text, ',')) return false;
+    }
+    return true;
+  } catch (const TableError&) {
+    return false;  // text after a quote
   }
-  return true;
 }
 
 void TextTable::RefuseLoneComma(std::size_t line, std::string_view example) const {
