@@ -59,14 +59,14 @@ def compare_csv(folder, count):
     for i in range(count):
         values, call, unit = write_table(folder / f"{i}.csv", generator)
         parameter = "size" if "m" in unit else "mass"
-        text += f"objects g{i} {{ {parameter} {call} }}\n"
+        text += f"objects g{i} {{ quantity 0; {parameter} {call} }}\n"
         wanted[f"g{i}"] = values
     (folder / "b.cdb").write_text(text + "}\n")
     plan = run("plan", "b.cdb", "-o", "b.yaml", folder=folder)
     assert plan.returncode == 0, plan.stderr[:3000]
     written = (folder / "b.yaml").read_text()
     for name, values in wanted.items():
-        found = re.search(rf"\b{name}:.*?empirical: \[(.*?)\]", written, re.S)
+        found = re.search(rf"name: {name}\n.*?empirical: \[(.*?)\]", written, re.S)
         numbers = [float(v) for v in found.group(1).split(",") if re.fullmatch(r"\s*[-+.\deE]+\s*", v)]
         assert len(numbers) == len(values), (name, found.group(1), values)
         for a, b in zip(numbers, values):

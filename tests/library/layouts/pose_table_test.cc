@@ -58,7 +58,8 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"x,y\n1,2\n", "start.csv:1: 1 of the columns x, y, z are missing"},
       {"x,y,z,vx\n1,2,3,4\n", "start.csv:1: 2 of the columns vx, vy, vz are missing; give all"},
       {"x,y,z,mass\n", "start.csv:1: `mass` is not a known column; name those to read"},
-      {"x,y,z,mass\n1,2,3,4\n", "name those to read: columns: \"x=x, y=y, z=z\"; it has #1 x, #2"},
+      {"x,y,z,mass\n1,2,3,4\n",
+       "`mass` is not a known column; name those to read: columns: \"x=x, y=y, z=z\"; it has #1"},
       {"id,pos.x,pos.y,pos.z\n",
        "start.csv:1: `id`, `pos.x`, `pos.y`, `pos.z` are not known columns; name those to read: "
        "columns: \"x=pos.x, y=pos.y, z=pos.z\""},
@@ -73,7 +74,7 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"x,y,z\n1,inf,2\n", "y is `inf`"},
       {"x,y,z\n1,,2\n", "y is ``"},
       {"x,y,z\n1,2 m,2\n", "y is `2 m`"},
-      {"x,y,z\n1,1e300,2\n", "y is 1e300, beyond 1e+15"},
+      {"x,y,z\n1,1e300,2\n", "y is 1e+300, beyond 1e+15"},
       {"x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "start.csv:2: qw, qx, qy, qz are not a unit"},
   };
   for (const auto& [csv, message] : rows)
