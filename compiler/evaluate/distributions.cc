@@ -370,6 +370,16 @@ bool IsOfWeights(const std::string& heading) {
   return std::ranges::find(kWords, word) != std::end(kWords);
 }
 
+/// A column that may have the values, for a suggestion: not a number or a name of the row.
+std::size_t LikelyColumn(const plan::TextTable& table) {
+  constexpr std::string_view kOfRows[] = {"",     "id",   "ID",     "Id",  "nr",  "Nr",
+                                          "Nr.",  "no",   "No",     "No.", "#",   "index",
+                                          "name", "Name", "sample", "t",   "time"};
+  for (std::size_t i = 0; i < table.headings().size(); ++i)
+    if (std::ranges::find(kOfRows, table.headings()[i]) == std::end(kOfRows)) return i;
+  return 0;
+}
+
 /// The columns of a table in which none is named: values, or values and weights.
 std::vector<plan::Column> UnnamedColumns(const plan::TextTable& table) {
   const std::string& place = table.PlaceOfHeadings();
@@ -379,7 +389,8 @@ std::vector<plan::Column> UnnamedColumns(const plan::TextTable& table) {
   if (table.width() > 2)
     throw TableError(
         fmt::format("{}: it has {} columns, {}", place, table.width(), table.ColumnList()),
-        fmt::format("name the one of the values: column: \"{}\"", shown(0)));
+        fmt::format("name the one of the values: column: \"{}\"",
+                    text::Printable(shown(LikelyColumn(table)))));
   if (table.width() == 2 && table.has_heading_line() && !IsOfWeights(table.headings()[1]))
     throw TableError(
         fmt::format("{}: it has two columns, `{}` and `{}`, and the second may not be weights",

@@ -48,6 +48,13 @@ struct ColumnName {
   std::optional<text::Unit> unit;  ///< nullopt if none is written, or it is not known
 };
 ColumnName ParseColumnName(std::string_view text);
+/// The unit written in a heading: `mm`, `Seconds`, `m s^-1`, `°/s`; nullopt if it is not known.
+std::optional<text::Unit> UnitNamed(std::string_view written);
+/// `-1.5e3`, with digits on both sides of a decimal comma; `nan` and `inf`, which are refused when
+/// they are read.
+bool IsNumber(std::string_view text, char decimal);
+inline bool IsBlankInField(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+std::string_view TrimmedField(std::string_view text);
 /// The value in SI units.
 double InSi(double value, const text::Unit& unit);
 
@@ -87,6 +94,8 @@ class TextTable {
   std::string_view Cell(std::size_t row, std::size_t column) const {
     return cells_[row * width_ + column].text;
   }
+  /// `if the headings are in line 7, write header: 7`, if another line looks like them, or nothing.
+  std::string HeaderAdvice();
   /// `#1 t, #2 x`, for messages.
   std::string ColumnList() const;
 
@@ -117,6 +126,8 @@ class TextTable {
   void FindFormOfHeadings(const Line& line);
   bool MayHaveDecimalCommas(Line line);
   void CheckHeadings(const std::vector<Field>& fields, const Line& line);
+  /// The line above the first one of three numbers or more, from `line` on; 0 if there is none.
+  std::size_t LikelyHeader(Line line);
   [[noreturn]] void RefuseLoneComma(std::size_t line, std::string_view example) const;
   void ReadHeadings(Line& line);
   void ReadUnits(Line& line);

@@ -122,8 +122,8 @@ std::vector<NamedColumn> NamedColumns(const schema::Call& call) {
     const std::string_view name = trimmed(part.substr(0, equals));
     const auto column = ColumnCalled(name, layout);
     if (equals == part.npos || !column || trimmed(part.substr(equals + 1)).empty())
-      throw SceneError(fmt::format("{}: `{}` in `columns` does not name a column", FileNamedBy(call),
-                                   text::Printable(part)),
+      throw SceneError(fmt::format("{}: `{}` in `columns` does not name a column",
+                                   FileNamedBy(call), text::Printable(part)),
                        fmt::format("write them as in {}; {}", layout.by_number, layout.columns));
     if (std::ranges::find(columns, *column, &NamedColumn::column) != columns.end())
       throw SceneError(fmt::format("{}: `columns` names {} twice", FileNamedBy(call), name),
@@ -154,10 +154,11 @@ void CheckUnit(std::size_t column, const std::optional<text::Unit>& unit, const 
         fmt::format("write deg or rad into the heading, or columns: \"{}={} [deg], …\"", row.name,
                     name));
   if (!unit || unit->HasDimensionOf(*text::ParseUnit(row.unit))) return;
-  throw SceneError(fmt::format("{}: the unit of the column `{}` is not one of {}", place,
+  throw SceneError(fmt::format("{}: the column `{}` cannot be {} in this unit", place,
                                text::Printable(name), row.name),
-                   row.unit.empty() ? std::string("a quaternion has no unit")
-                                    : fmt::format("it is in {} or a multiple of it", row.unit));
+                   row.unit.empty()
+                       ? std::string("a quaternion has no unit")
+                       : fmt::format("{} is in {} or a multiple of it", row.name, row.unit));
 }
 
 namespace {
@@ -239,7 +240,10 @@ class PoseMaker {
         Refuse(columns_.place(i),
                fmt::format("{} is {:g}, beyond {:g}", kColumnRows[column].name,
                            columns_.values[column][i], kLargest),
-               "positions, velocities and times are in m, m/s, rad/s and s");
+               column == kTime.first
+                   ? "times are in s; write their unit after the name of the column, as in "
+                     "columns: \"t=time [ns], …\""
+                   : "positions and velocities are in m, m/s and rad/s");
     PoseRow row;
     row.position = Turned(VectorAt(i, kPosition));
     row.linear_velocity = Turned(VectorAt(i, kVelocity));
@@ -334,34 +338,38 @@ bool LooksLike(const std::string& heading, std::size_t column) {
   const std::string_view name = kColumnRows[column].name, last = words.back();
   const std::string_view axis = name.substr(name.size() - 1);
   if (column == kTime.first)
-    return last == "t" || last.starts_with("time") || last == "stamp" || last == "sec";
+    return last == "t" || last.starts_with("time") || last.ends_with("stamp") || last == "sec";
   if (column < kPosition.count)
     return last == fmt::format("t{}", axis) || last == fmt::format("p{}", axis) ||
            last == fmt::format("pos{}", axis) ||
            (last == axis && !begins({"orient", "quat", "rot", "q", "vel", "v", "ang", "lin",
                                      "twist", "acc", "a", "b", "w"}));
-  return last == name || (last == axis && begins({"orient", "quat", "rot", "q"}));
+  return last == name || last == fmt::format("ori{}", axis) ||
+         last == fmt::format("quat{}", axis) ||
+         (last == axis && begins({"orient", "quat", "rot", "q"}));
 }
 
 /// `columns: "x=pos.x, y=pos.y, z=…"`: the columns of the table, as far as they can be told.
 std::string SuggestedColumns(const TextTable& table, const Layout& layout) {
   const std::vector<std::string>& headings = table.headings();
+  const auto has_value = [&](std::size_t i) {
+    return table.rows() == 0 || !table.Cell(0, i).empty();
+  };
   std::string text;
   for (const Quantity& quantity : layout.quantities) {
     if (quantity.first > kOrientation.first && quantity.first != kTime.first) continue;
     std::string part;
     bool is_complete = true;
     for (std::size_t column = quantity.first; column < quantity.first + quantity.count; ++column) {
-      const auto found = std::ranges::find_if(
-          headings, [&](const std::string& heading) { return LooksLike(heading, column); });
+      std::size_t i = 0;
+      while (i < headings.size() && !(LooksLike(headings[i], column) && has_value(i))) ++i;
       std::string name = "…";
-      if (found == headings.end()) {
+      // Of several headings alike, only the user knows which.
+      if (i == headings.size() || std::ranges::count(headings, headings[i]) > 1) {
         is_complete = false;
-      } else if (std::ranges::count(headings, *found) > 1 ||
-                 found->find_first_of(",=\"\\") != found->npos) {
-        name = fmt::format("#{}", found - headings.begin() + 1);
       } else {
-        name = *found;
+        name = headings[i].find_first_of(",=\"\\") != std::string::npos ? fmt::format("#{}", i + 1)
+                                                                        : headings[i];
       }
       part += fmt::format("{}{}={}", part.empty() ? "" : ", ", kColumnRows[column].name, name);
     }
@@ -372,8 +380,7 @@ std::string SuggestedColumns(const TextTable& table, const Layout& layout) {
 }
 
 /// The columns with the names of cdb's own; refuses others.
-std::vector<std::pair<std::size_t, Column>> OwnColumns(const TextTable& table,
-                                                       const Layout& layout) {
+std::vector<std::pair<std::size_t, Column>> OwnColumns(TextTable& table, const Layout& layout) {
   const std::vector<std::string>& headings = table.headings();
   if (headings.empty())
     throw SceneError(fmt::format("{}: it has no headings", table.PlaceOfHeadings()),
@@ -388,22 +395,27 @@ std::vector<std::pair<std::size_t, Column>> OwnColumns(const TextTable& table,
     if (!column) {
       if (table.IsEmptyColumn(i)) continue;
       if (++unknown_count <= 4)
-        unknown += fmt::format("{}`{}`", unknown.empty() ? "" : ", ", text::Printable(headings[i]));
+        unknown += fmt::format(
+            "{}`{}`", unknown.empty() ? "" : ", ",
+            headings[i].empty() ? fmt::format("#{}", i + 1) : text::Printable(headings[i]));
       continue;
     }
     if (std::ranges::find(columns, *column, &std::pair<std::size_t, Column>::first) !=
         columns.end())
       throw SceneError(fmt::format("{}: the column `{}` occurs twice", table.PlaceOfHeadings(),
                                    kColumnRows[*column].name),
-                       "keep one of them, or name it by its number in `columns`");
+                       fmt::format("name those to read: {}; it has {}",
+                                   SuggestedColumns(table, layout), table.ColumnList()));
     columns.emplace_back(*column, table.At(i));
   }
   if (unknown_count > 0)
     throw SceneError(
         fmt::format("{}: {}{} {}", table.PlaceOfHeadings(), unknown, unknown_count > 4 ? ", …" : "",
                     unknown_count == 1 ? "is not a known column" : "are not known columns"),
-        fmt::format("name those to read: {}; it has {}; {}", SuggestedColumns(table, layout),
-                    table.ColumnList(), layout.columns));
+        table.HeaderAdvice().empty()
+            ? fmt::format("name those to read: {}; it has {}; {}", SuggestedColumns(table, layout),
+                          table.ColumnList(), layout.columns)
+            : table.HeaderAdvice());
   return columns;
 }
 

@@ -57,7 +57,7 @@ TEST(TextTable, RecognisesHowItIsWritten) {
            "\"a;1\";\"b\"\n\"1.5\";-2\n3;\"0.25\"\n",   // another separator in quotes
            "\"a\nb\",c\n# no row\n1.5,-2\n\n3,0.25\n",  // a heading in two lines
            "# a b\n1.5 -2\n3 0.25\n",                   // headings in a comment
-           "a x;y,b\n1.5,-2\n3,0.25\n",               // only commas fit the numbers
+           "a x;y,b\n1.5,-2\n3,0.25\n",                 // only commas fit the numbers
        })
     EXPECT_EQ(NumbersOf(text), two) << text << FaultOf(text);
   EXPECT_EQ(NumbersOf("a [mm],b (deg/s)\n1500,-180\n"), (Rows{{1.5, -3.141592653589793}}));
@@ -78,7 +78,8 @@ TEST(TextTable, RefusesWhatCanBeReadInTwoWays) {
       {"a;b\n1,5;2.5\n", "a.csv:2: it has numbers with a comma, `1,5` in line 2, and with a point"},
       {"a;b,c\n1;2,3\n", "a.csv:1: semicolons and commas may separate the columns; name one: sepa"},
       {"r1,1.5\nr2,3\n", "a.csv:1: it has words and numbers, so it may be headings or values; nam"},
-      {"Format,1.2\n\na,b\n1,2\n", "name the line of the headings, such as header: 3, or write h"},
+      {"Format,1.2\n\na,b,c\n,mm,mm\n1,2,3\n",
+       "name the line of the headings: header: 3, or write h"},
       {"Rigid\nFrame,x\n1,2,3\n", "a.csv:2: Rigid is `Frame,x`, which is not a finite"},
       {"\"a\n1\n", "a.csv:1: a quoted field does not end; write the second quote"},
       {"\"a\"b,c\n1,2\n", "a.csv:1: text follows a quoted field"},

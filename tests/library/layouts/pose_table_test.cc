@@ -63,8 +63,9 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"id,pos.x,pos.y,pos.z\n",
        "start.csv:1: `id`, `pos.x`, `pos.y`, `pos.z` are not known columns; name those to read: "
        "columns: \"x=pos.x, y=pos.y, z=pos.z\""},
+      {"Frame,X,Y,Z,X,Y,Z\n1,2,3,4,5,6,7\n", "name those to read: columns: \"x=…, y=…, z=…\"; it"},
       {"1,2,3\n", "start.csv: it has no headings; write a line of column names first: x,y,z"},
-      {"x [s],y,z\n1,2,3\n", "the unit of the column `x [s]` is not one of x; it is in m"},
+      {"x [s],y,z\n1,2,3\n", "the column `x [s]` cannot be x in this unit; x is in m or"},
       {"x,y,z,roll,pitch,yaw\n", "the angles in the column `roll` have no unit; write deg or rad"},
       {"x,y,z,roll [deg],pitch [deg],yaw [deg]\n1,2,3,0,0,0\n", "the meaning of rx, ry, rz"},
       {"x,y,z,x\n", "the column `x` occurs twice"},
