@@ -149,28 +149,29 @@ constexpr std::uint64_t kMostObjects = 100'000'000;
 std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, const char* name,
                              std::uint64_t width, std::uint64_t rows) {
   if (!file.Has(name)) return {};
-  const auto refuse = [&](const std::string& found, const std::string& remedy) {
+  const auto refuse = [&](const std::string& why) {
     throw files::StoreError(
-        fmt::format("{}: its `{}` should be an array of numbers with {} and {} columns{}", path,
+        fmt::format("{}: its `{}` should be an array of numbers with {} and {} columns{}{}", path,
                     name, rows == 0 ? "a row for each object" : fmt::format("{} rows", rows), width,
-                    found.empty() ? "" : fmt::format(", but it has {}: {}", found, remedy)));
+                    why.empty() ? "" : ", but ", why));
   };
   hdf5::Numbers numbers;
   try {
     numbers = file.ReadNumbers(name);
-  } catch (const hdf5::Error&) {
-    refuse({}, {});
+  } catch (const hdf5::Error& error) {
+    refuse(error.what());
   }
   const hdf5::Shape& shape = numbers.shape;
   const bool is_transposed = shape.size() == 2 && shape[0] == width && shape[1] != width;
   if (numbers.is_from_matlab && shape == hdf5::Shape{width, width})
-    refuse(fmt::format("{} by {}, which may be transposed, from MATLAB", width, width),
-           fmt::format("name its columns, such as columns: \"x=/{0}[0,:], y=/{0}[1,:], …\" for "
-                       "MATLAB's {0}(:,1), {0}(:,2), …",
-                       name));
+    refuse(
+        fmt::format("it has {0} by {0} from MATLAB, which may be transposed: name its columns, "
+                    "such as columns: \"x=/{1}[0,:], y=/{1}[1,:], …\" for MATLAB's {1}(:,1), "
+                    "{1}(:,2), …",
+                    width, name));
   if (is_transposed && !numbers.is_from_matlab)
-    refuse(fmt::format("{} rows and {} columns", shape[0], shape[1]),
-           fmt::format("write it by f[\"{0}\"] = {0}.T in Python", name));
+    refuse(fmt::format("it has {0} rows and {1} columns: write it by f[\"{2}\"] = {2}.T in Python",
+                       shape[0], shape[1], name));
   if (is_transposed && numbers.is_from_matlab) {
     std::vector<double> turned(numbers.values.size());
     for (std::size_t i = 0; i < shape[1]; ++i)
@@ -180,7 +181,7 @@ std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, co
   }
   const bool fits = shape.size() == 2 && shape[1] == width && shape[0] > 0 &&
                     shape[0] <= kMostObjects && (rows == 0 || shape[0] == rows);
-  if (!fits) refuse({}, {});
+  if (!fits) refuse(fmt::format("it has the shape {}", fmt::join(shape, " x ")));
   return std::move(numbers.values);
 }
 
@@ -205,6 +206,9 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
   const std::string name = path.string();
   try {
     const hdf5::File file = hdf5::File::Open(path);
+    if (!file.Has("position") && file.Text("schema").empty())
+      throw files::StoreError(
+          fmt::format("{}: it has no dataset `position`, and is not a results file", name));
     if (!file.Has("position")) return std::nullopt;
     PoseArrays arrays;
     arrays.position = ReadRows(file, name, "position", 3, 0);

@@ -232,8 +232,8 @@ struct PoseArrays {
   std::vector<double> position, orientation, linear_velocity, angular_velocity;
 };
 
-/// Nullopt if the file is HDF5 and has no dataset `position`. Throws StoreError, which names the
-/// dataset, for other shapes and types.
+/// Nullopt if it is a results file. Throws StoreError, which names the dataset, for other shapes
+/// and types, and if there is none.
 std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file);
 /// Columns of arrays anywhere in the file: `/log/x`, `/robot/position[:,2]`. Throws StoreError,
 /// which names the column.

@@ -229,14 +229,16 @@ void CheckArguments(const Arguments& from, const schema::Call& poses) {
   }
 }
 
-std::string RemedyFor(const Arguments& from) {
+std::string RemedyFor(const Arguments& from, bool names_columns) {
   const std::string arrays = results::ArraysIn(from.file);
   if (arrays.empty()) return "name a results file with poses, or one with a dataset `position`";
   const bool is_pandas = arrays.find("block0_values") != std::string::npos ||
                          arrays.find("values_block_0") != std::string::npos;
   return fmt::format(
-      "name a results file with poses, or one with a dataset `position`, or name the columns, such "
-      "as columns: \"x=/log/x, y=/log/position[:,1], …\"; it has {}{}",
+      "{}it has {}{}",
+      names_columns ? ""
+                    : "name a results file with poses, one with a dataset `position`, or the "
+                      "columns, such as columns: \"x=/log/x, y=/log/position[:,1], …\"; ",
       arrays,
       is_pandas ? "; from pandas, write h5py.File(\"start.h5\", \"w\")[\"position\"] = df[[\"x\", "
                   "\"y\", \"z\"]]"
@@ -270,7 +272,7 @@ PoseTable ReadHdf5Poses(const schema::Call& poses) {
   } catch (const files::StoreError& error) {
     const std::string what = error.what();
     throw SceneError(what.starts_with(from.file) ? what : fmt::format("{}: {}", from.file, what),
-                     RemedyFor(from));
+                     RemedyFor(from, AsText(schema::ArgumentOf(poses, "columns")) != nullptr));
   }
 }
 

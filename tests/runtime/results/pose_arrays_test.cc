@@ -101,7 +101,9 @@ TEST_F(PoseArraysOf, NeedHdf5) {
   hdf5::File file = hdf5::File::Create(path_);
   Add(file, "places", {2, 3});
   file.Close();
-  EXPECT_FALSE(results::ReadPoseArrays(path_));
+  EXPECT_NE(Fault().find("it has no dataset `position`, and is not a results file"),
+            std::string::npos)
+      << Fault();
 }
 
 }  // namespace
