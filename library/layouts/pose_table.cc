@@ -182,7 +182,7 @@ analysis::PoseFacts FactsOfPath(const Path& path, const std::string& sha256) {
   facts.first_time = rows.front().time;
   facts.last_time = rows.back().time;
   for (std::size_t i = 1; i < rows.size(); ++i) {
-    const Vector3d &from = rows[i - 1].position, &to = rows[i].position;
+    const Eigen::Vector3d &from = rows[i - 1].position, &to = rows[i].position;
     facts.least = facts.least.cwiseMin(to);
     facts.most = facts.most.cwiseMax(to);
     facts.fastest = std::max(facts.fastest, (to - from).norm() / (rows[i].time - rows[i - 1].time));
