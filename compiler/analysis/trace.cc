@@ -31,11 +31,11 @@ const schema::Call* PathOf(const plan::Group& group) {
 }
 
 bool IsCsv(const schema::Call& poses) {
-  std::string end = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
-  end.erase(0, end.size() - std::min<std::size_t>(end.size(), 4));
+  const std::string& file = std::get<schema::Text>(schema::ArgumentOf(poses, "file")).text;
+  std::string end = file.substr(file.size() - std::min<std::size_t>(file.size(), 4));
   for (char& c : end)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return end == ".csv";
+  return std::ranges::find(kTextFormats, end) != std::end(kTextFormats);
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "compiler/plan/plan.h"
 
@@ -45,6 +46,7 @@ struct PoseFacts {
   /// Of a path: the bounds of its positions, and the largest speed, m/s.
   Eigen::Vector3d least = Eigen::Vector3d::Zero(), most = Eigen::Vector3d::Zero();
   double fastest = 0;
+  double first_time = 0, last_time = 0;  ///< s; of a path
 };
 
 /// The reason why a table cannot be used.
@@ -61,7 +63,9 @@ using ReadPoses = std::function<std::optional<PoseFacts>(const schema::Call& cal
 const schema::Call* PosesOf(const plan::Group& group);
 /// The layout of the group if it is the path of a kinematic object, otherwise null.
 const schema::Call* PathOf(const plan::Group& group);
-/// True for a CSV file, which a worker reads itself.
+/// The endings of tables of text.
+inline constexpr std::string_view kTextFormats[] = {".csv", ".tsv", ".txt"};
+/// True for CSV and other text, which a worker reads itself.
 bool IsCsv(const schema::Call& poses);
 
 // Objects whose type is a surface: triangles without an inside, which cannot move.

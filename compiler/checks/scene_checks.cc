@@ -86,7 +86,7 @@ bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const pla
     const bool is_at = location != nullptr && location->name == "at";
     const bool is_pair = location != nullptr && location->name == "pair";
     if (analysis::PosesOf(group) != nullptr || analysis::PathOf(group) != nullptr)
-      good = CheckTable(configuration, group) && good;
+      good = CheckTable(configuration, scene, group) && good;
     if (!is_at && !is_pair) continue;
     const std::uint64_t places = is_pair                          ? 2
                                  : schema::ListsPoints(*location) ? location->arguments.size()
@@ -111,7 +111,8 @@ bool SceneChecks::CheckPlaces(configure::Configuration& configuration, const pla
 }
 
 // A table has one line for each object, and no setting may repeat or contradict its columns.
-bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan::Group& group) {
+bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan::Scene& scene,
+                             const plan::Group& group) {
   analysis::PoseFault why;
   const bool is_path = analysis::PathOf(group) != nullptr;
   const schema::Call& poses = is_path ? *analysis::PathOf(group) : *analysis::PosesOf(group);
@@ -133,6 +134,7 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
                               facts->count == 1 ? "" : "s", group.name, quantity),
                   is_path ? "remove the quantity; another object needs its own group and path"
                           : "remove the quantity, or name another file");
+  if (is_path) WarnOfMissedPath(configuration, scene, group, *facts);
   struct Given {
     schema::GroupParameter parameter;
     bool is_given;
@@ -149,6 +151,29 @@ bool SceneChecks::CheckTable(configure::Configuration& configuration, const plan
                         ? "take it out here"
                         : "remove it here, or its columns from the file");
   return true;
+}
+
+// A path in Unix times begins half a century after the run.
+void SceneChecks::WarnOfMissedPath(configure::Configuration& configuration,
+                                   const plan::Scene& scene, const plan::Group& group,
+                                   const analysis::PoseFacts& facts) {
+  const schema::Call& path = *analysis::PathOf(group);
+  const double end =
+      scene.world.Real("timestep") * static_cast<double>(scene.world.Count("cycles"));
+  if (facts.first_time == facts.last_time || (facts.first_time < end && facts.last_time > 0) ||
+      std::get<schema::Word>(schema::ArgumentOf(path, "then")).text == "repeat")
+    return;
+  const std::string message = fmt::format(
+      "the path of {} lasts from {} s to {} s, but the run from 0 s to {} s: it does not move",
+      group.name, schema::FormatReal(facts.first_time), schema::FormatReal(facts.last_time),
+      schema::FormatReal(end));
+  if (misplaced_.emplace(group.name, message).second)
+    diagnostics_.Report(
+        scenario::kNoEffect,
+        configuration.SpanOf({group.name, schema::GroupParameter("location").get()}, benchmark_),
+        message,
+        "write start: first to count from its first time; if its times are not in "
+        "s, write their unit: columns: \"t=t [ns], …\"");
 }
 
 // A word with arguments must name existing groups.

@@ -37,7 +37,10 @@ class SceneChecks {
   bool Trace(configure::Configuration& configuration, plan::Scene& scene);
   bool CheckCounts(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(configure::Configuration& configuration, const plan::Scene& scene);
-  bool CheckTable(configure::Configuration& configuration, const plan::Group& group);
+  bool CheckTable(configure::Configuration& configuration, const plan::Scene& scene,
+                  const plan::Group& group);
+  void WarnOfMissedPath(configure::Configuration& configuration, const plan::Scene& scene,
+                        const plan::Group& group, const analysis::PoseFacts& facts);
   bool CheckMotion(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckCollisions(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckGroupsInCalls(configure::Configuration& configuration, const plan::Scene& scene,

@@ -58,36 +58,12 @@ std::optional<Value> EvaluateWord(const Expr& expr, const schema::ParametrisedWo
   const auto has_points = HasPoints(expr, info, scope, evaluator);
   if (!has_points) return std::nullopt;
   if (*has_points) return EvaluatePoints(expr, info, scope, evaluator);
-  const names::GivenArguments given(expr, info, evaluator.diagnostics());
-  bool good = given.good();
-  schema::Call call{std::string(info.name), {}};
-  std::vector<std::string_view> missing;
-  for (std::size_t i = 0; i < info.arguments.size(); ++i) {
-    const schema::Parameter& parameter = info.arguments[i];
-    if (given[i] == nullptr) {
-      if (parameter.DefaultText().empty()) {
-        missing.push_back(parameter.name);
-      } else {
-        call.arguments.push_back(schema::DefaultOf(parameter));
-      }
-      continue;
-    }
-    scenario::Scope inner = scope;
-    inner.parameter = &parameter;
-    const Expr& written = *given[i]->value;
-    auto value = evaluator.Evaluate(written, inner);
-    if (value) value = evaluator.ConvertFor(parameter, *value, written, inner);
-    good = good && value;
-    if (value) call.arguments.push_back(*value);
-  }
-  // A misspelt name explains a missing argument.
-  if (given.good() && !missing.empty())
-    ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
-  if (!good || !missing.empty()) return std::nullopt;
+  auto call = EvaluateArguments(expr, info, scope, evaluator);
+  if (!call) return std::nullopt;
   if (schema::NamesFile(info) &&
-      !names::ReadNamedFile(evaluator.scenario(), call, evaluator.diagnostics()))
+      !names::ReadNamedFile(evaluator.scenario(), *call, evaluator.diagnostics()))
     return std::nullopt;
-  return call;
+  return *std::move(call);
 }
 
 /// The sweep for a function of Python or NumPy that lists numbers; empty for others.
@@ -150,6 +126,38 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
 }
 
 }  // namespace
+
+std::optional<schema::Call> EvaluateArguments(const Expr& expr,
+                                              const schema::ParametrisedWord& info,
+                                              const scenario::Scope& scope, Evaluator& evaluator) {
+  const names::GivenArguments given(expr, info, evaluator.diagnostics());
+  bool good = given.good();
+  schema::Call call{std::string(info.name), {}};
+  std::vector<std::string_view> missing;
+  for (std::size_t i = 0; i < info.arguments.size(); ++i) {
+    const schema::Parameter& parameter = info.arguments[i];
+    if (given[i] == nullptr) {
+      if (parameter.DefaultText().empty()) {
+        missing.push_back(parameter.name);
+      } else {
+        call.arguments.push_back(schema::DefaultOf(parameter));
+      }
+      continue;
+    }
+    scenario::Scope inner = scope;
+    inner.parameter = &parameter;
+    const Expr& written = *given[i]->value;
+    auto value = evaluator.Evaluate(written, inner);
+    if (value) value = evaluator.ConvertFor(parameter, *value, written, inner);
+    good = good && value;
+    if (value) call.arguments.push_back(*value);
+  }
+  // A misspelt name explains a missing argument.
+  if (given.good() && !missing.empty())
+    ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());
+  if (!good || !missing.empty()) return std::nullopt;
+  return call;
+}
 
 std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope,
                                   Evaluator& evaluator) {

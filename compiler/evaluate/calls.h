@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/value.h"
 
 namespace cdb::evaluate {
@@ -13,5 +14,10 @@ class Evaluator;
 /// Nullopt after a diagnostic.
 std::optional<schema::Value> EvaluateCall(const dsl::Expr& call, const scenario::Scope& scope,
                                           Evaluator& evaluator);
+
+/// The arguments of a call, with the defaults of those not given; nullopt after a diagnostic.
+std::optional<schema::Call> EvaluateArguments(const dsl::Expr& expr,
+                                              const schema::ParametrisedWord& info,
+                                              const scenario::Scope& scope, Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/distributions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/names/names.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -303,6 +304,10 @@ Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Sco
 
 /// The dimension of the draws themselves, without their limits.
 Dimensions::Dimension Dimensions::FindDrawn(const Expr& expr, const scenario::Scope& scope) {
+  if (expr.text == "empirical") {
+    const auto unit = UnitOfEmpirical(expr, scope, evaluator_);
+    return unit ? Of(*unit) : Dimension{};
+  }
   if (expr.text == "normal") return FindNormal(expr, scope);
   if (expr.text == "empirical") return {};
   const Parts parts = ArgumentsOf(expr, scope);

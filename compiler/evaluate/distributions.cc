@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -13,10 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/evaluate/calls.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/names/names.h"
+#include "compiler/plan/text_table.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/parametrised_words.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::evaluate {
@@ -217,7 +219,7 @@ std::optional<Value> EvaluateDistribution(const Expr& call, DistributionKind kin
   std::optional<Value> drawn;
   if (kind == kAny) return EvaluateAny(call, scope, evaluator);
   if (kind == kEmpirical) {
-    drawn = EvaluateEmpirical(call, evaluator);
+    drawn = EvaluateEmpirical(call, scope, evaluator);
   } else if (kind == kUniform || kind == kNormal || kind == kLogUniform) {
     drawn = PairDistribution(call, kind, scope, evaluator).Evaluate();
   } else {
@@ -348,123 +350,152 @@ std::optional<Value> EvaluatePositive(const dsl::Expr& call, DistributionKind ki
 
 namespace {
 
-std::string_view TrimmedField(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r";
-  const std::size_t first = text.find_first_not_of(kSpaces);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kSpaces) + 1 - first);
-}
+using plan::TableError;
 
-std::optional<double> TableNumber(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    return std::nullopt;
-  return value;
-}
-
-/// A heading is a word: `size_mm`, `"size"`.
-bool IsHeading(std::string_view field) {
-  return !field.empty() && (field[0] == '"' || text::IsLetter(field[0]));
-}
-
-/// Reads a table line by line; `fault` describes the error in the line added last.
-class TableReader {
- public:
-  bool Add(std::string_view line) {
-    line = TrimmedField(line.substr(0, line.find('#')));
-    if (line.empty()) return true;
-    const std::vector<std::string_view> fields = Split(line);
-    if (std::exchange(is_first_, false) && IsHeading(fields[0])) return true;
-    if (fields.size() > 2)
-      return Refuse(
-          fmt::format("{} columns; a table has a column of values, and may have one of weights",
-                      fields.size()));
-    if (columns_ != 0 && fields.size() != columns_)
-      return Refuse(fmt::format("{} column{}, but {} in the lines before", fields.size(),
-                                fields.size() == 1 ? "" : "s", columns_));
-    columns_ = fields.size();
-    if (table_.arguments.size() == kMaxTableValues)
-      return Refuse(fmt::format("more than {} values", kMaxTableValues));
-    return AddValue(fields[0]) && (fields.size() == 1 || AddWeight(fields[1]));
-  }
-
-  schema::Distribution& table() { return table_; }
-  const std::string& fault() const { return fault_; }
-
- private:
-  static std::vector<std::string_view> Split(std::string_view line) {
-    std::vector<std::string_view> fields;
-    for (std::size_t comma = 0; comma != std::string_view::npos;) {
-      comma = line.find(',');
-      fields.push_back(TrimmedField(line.substr(0, comma)));
-      if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
-    }
-    return fields;
-  }
-
-  bool AddValue(std::string_view field) {
-    const auto value = TableNumber(field);
-    if (!value) return Refuse(fmt::format("'{}' is not a finite number", text::Printable(field)));
-    table_.arguments.emplace_back(*value);
-    return true;
-  }
-
-  bool AddWeight(std::string_view field) {
-    const auto weight = TableNumber(field);
-    if (!weight || !(*weight > 0))
-      return Refuse(fmt::format("'{}' is not a weight greater than 0", text::Printable(field)));
-    table_.weights.push_back(*weight);
-    return true;
-  }
-
-  bool Refuse(std::string fault) {
-    fault_ = std::move(fault);
-    return false;
-  }
-
-  schema::Distribution table_{schema::DistributionKind::kEmpirical, {}, {}};
-  std::size_t columns_ = 0;
-  bool is_first_ = true;
-  std::string fault_;
+/// The values of a table, in SI units if their heading has one.
+struct Measured {
+  std::vector<double> values, weights;
+  std::optional<text::Unit> unit;
 };
 
-}  // namespace
+/// True for a heading of numbers that count values, as `part` does.
+bool IsOfWeights(const std::string& heading) {
+  std::string word = plan::ParseColumnName(heading).stem;
+  for (char& c : word)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  constexpr std::string_view kWords[] = {
+      "weight",    "weights",     "part",      "parts",       "count", "counts", "number",
+      "n",         "w",           "frequency", "frequencies", "share", "shares", "fraction",
+      "fractions", "probability", "p",         "percent",     "%"};
+  return std::ranges::find(kWords, word) != std::end(kWords);
+}
 
-std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator& evaluator) {
-  const bool is_text = call.arguments.size() == 1 && !call.arguments[0].name &&
-                       !call.arguments[0].weight &&
+/// A column that may have the values, for a suggestion: not a number or a name of the row.
+std::size_t LikelyColumn(const plan::TextTable& table) {
+  constexpr std::string_view kOfRows[] = {"",     "id",   "ID",     "Id",  "nr",  "Nr",
+                                          "Nr.",  "no",   "No",     "No.", "#",   "index",
+                                          "name", "Name", "sample", "t",   "time"};
+  for (std::size_t i = 0; i < table.headings().size(); ++i)
+    if (std::ranges::find(kOfRows, table.headings()[i]) == std::end(kOfRows)) return i;
+  return 0;
+}
+
+/// The columns of a table in which none is named: values, or values and weights.
+std::vector<plan::Column> UnnamedColumns(const plan::TextTable& table) {
+  const std::string& place = table.PlaceOfHeadings();
+  const auto shown = [&](std::size_t i) {
+    return table.has_heading_line() ? table.headings()[i] : fmt::format("#{}", i + 1);
+  };
+  if (table.width() > 2)
+    throw TableError(
+        fmt::format("{}: it has {} columns, {}", place, table.width(), table.ColumnList()),
+        fmt::format("name the one of the values: column: \"{}\"",
+                    text::Printable(shown(LikelyColumn(table)))));
+  if (table.width() == 2 && table.has_heading_line() && !IsOfWeights(table.headings()[1]))
+    throw TableError(
+        fmt::format("{}: it has two columns, `{}` and `{}`, and the second may not be weights",
+                    place, text::Printable(shown(0)), text::Printable(shown(1))),
+        fmt::format("name the one of the values: column: \"{}\"; and that of the weights, if there "
+                    "is one: weight: \"{}\"",
+                    text::Printable(shown(1)), text::Printable(shown(0))));
+  std::vector<plan::Column> columns;
+  for (std::size_t i = 0; i < table.width(); ++i) {
+    if (table.has_heading_line()) {
+      const plan::ColumnName name = plan::ParseColumnName(table.headings()[i]);
+      if (i == 0 && name.unit && plan::InSi(1, *name.unit) != 1)
+        throw TableError(fmt::format("{}: the values are in {}", place, name.unit_text),
+                         fmt::format("write column: \"{}\", and no unit after the parentheses",
+                                     text::Printable(table.headings()[i])));
+    }
+    columns.push_back({i, i == 0 ? "the value" : "the weight", std::nullopt});
+  }
+  return columns;
+}
+
+Measured ReadMeasured(std::string_view text, const std::string& path, const schema::Call& call) {
+  const schema::Text* named[] = {AsText(schema::ArgumentOf(call, "column")),
+                                 AsText(schema::ArgumentOf(call, "weight"))};
+  plan::Dialect dialect = plan::DialectOf(call);
+  dialect.has_trailing_comments = named[0] == nullptr;
+  plan::TextTable table(text, path, dialect);
+  std::vector<plan::Column> columns;
+  if (named[0] == nullptr && named[1] != nullptr)
+    throw TableError(fmt::format("{}: only the column of the weights is named", path),
+                     "name the one of the values, too: column: \"#1\"");
+  if (table.rows() == 0)
+    throw TableError(fmt::format("'{}' contains no value", path), "write a value in each line");
+  for (const schema::Text* name : named)
+    if (name != nullptr) columns.push_back(table.Find(name->text));
+  if (columns.empty()) columns = UnnamedColumns(table);
+  table.FindDecimal(columns);
+  if (table.rows() > kMaxTableValues)
+    throw TableError(
+        fmt::format("{}: more than {} values", table.Place(kMaxTableValues), kMaxTableValues),
+        "count equal values, and write the counts as weights");
+  Measured measured{{}, {}, columns[0].unit};
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double value = table.Number(row, columns[0]);
+    const double weight = columns.size() > 1 ? table.Number(row, columns[1]) : 1;
+    if (weight < 0)
+      throw TableError(fmt::format("{}: the weight is {}, less than 0", table.Place(row),
+                                   table.Cell(row, columns[1].index)),
+                       "a weight is 0 or more");
+    if (weight == 0) continue;
+    measured.values.push_back(value);
+    if (columns.size() > 1) measured.weights.push_back(weight);
+  }
+  if (measured.values.empty())
+    throw TableError(fmt::format("{}: all weights are 0", path), "write a weight more than 0");
+  return measured;
+}
+
+/// The values of the table, and its path; nullopt after a diagnostic.
+std::optional<std::pair<Measured, std::string>> MeasuredIn(const Expr& call,
+                                                           const scenario::Scope& scope,
+                                                           Evaluator& evaluator) {
+  const bool is_text = !call.arguments.empty() && !call.arguments[0].name &&
                        call.arguments[0].value->kind == dsl::ExprKind::kText;
   if (!is_text)
     return evaluator.Error(scenario::kBadArguments, call.span,
                            "empirical() takes the name of a file in quotes",
                            "write empirical(\"sizes.csv\")");
-  const dsl::Expr& name = *call.arguments[0].value;
+  const auto arguments = EvaluateArguments(call, schema::EmpiricalTable(), scope, evaluator);
+  if (!arguments) return std::nullopt;
+  const Expr& name = *call.arguments[0].value;
   const auto folder = std::filesystem::path(name.span.source->name()).parent_path();
-  const std::string path = (folder / name.text).lexically_normal().string();
+  std::string path = (folder / name.text).lexically_normal().string();
   std::string why;
   const auto text = evaluator.scenario().TextOf(path, why);
   if (!text)
     return evaluator.Error(scenario::kNoSuchFile, name.span,
                            fmt::format("cannot read '{}': {}", path, why),
                            "the path is relative to the folder of the .cdb file that names it");
-  TableReader reader;
-  std::string_view rest = *text;
-  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
-  for (std::size_t line = 1; !rest.empty(); ++line) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    if (!reader.Add(rest.substr(0, end)))
-      return evaluator.Error(scenario::kBadTable, name.span,
-                             fmt::format("{}:{}: {}", path, line, reader.fault()),
-                             "a line contains a value, or a value, a comma and its weight");
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  try {
+    return std::pair(ReadMeasured(*text, path, *arguments), std::move(path));
+  } catch (const TableError& error) {
+    return evaluator.Error(scenario::kBadTable, name.span, error.what(), error.remedy);
   }
-  schema::Distribution& table = reader.table();
-  if (table.arguments.empty())
-    return evaluator.Error(scenario::kBadTable, name.span,
-                           fmt::format("'{}' contains no value", path));
+}
+
+}  // namespace
+
+std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, const scenario::Scope& scope,
+                                               Evaluator& evaluator) {
+  const auto found = MeasuredIn(call, scope, evaluator);
+  if (!found) return std::nullopt;
+  const auto& [measured, path] = *found;
+  schema::Distribution table{DistributionKind::kEmpirical, {}, measured.weights};
+  for (const double value : measured.values) table.arguments.emplace_back(value);
   table.file = path;
-  return std::move(table);
+  return table;
+}
+
+std::optional<text::Unit> UnitOfEmpirical(const dsl::Expr& call, const scenario::Scope& scope,
+                                          const Evaluator& evaluator) {
+  dsl::Diagnostics reported_by_evaluation;
+  Evaluator quiet(evaluator.scenario(), evaluator.layers(), reported_by_evaluation);
+  const auto found = MeasuredIn(call, scope, quiet);
+  return found ? found->first.unit : std::nullopt;
 }
 
 }  // namespace cdb::evaluate

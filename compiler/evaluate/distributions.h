@@ -5,6 +5,7 @@
 
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/value.h"
+#include "dsl/text/units.h"
 
 namespace cdb::evaluate {
 
@@ -35,10 +36,15 @@ class Evaluator;
 /// The maximum number of values: each run of a plan stores them.
 inline constexpr std::size_t kMaxTableValues = 10000;
 
-/// Reads a table, whose path is relative to the .cdb file: one value per line, or a value and its
-/// weight separated by a comma. The first line may be a heading; `#` begins a comment. The
-/// distribution holds the values, so that a plan needs no file. Nullopt after a diagnostic with the
-/// line of the table.
-std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, Evaluator& evaluator);
+/// Reads a table (compiler/plan/text_table.h), whose path is relative to the .cdb file: the columns
+/// that the call names, or a column of values, and one of weights. The distribution holds the
+/// values, so that a plan needs no file; values with the weight 0 are left out. Nullopt after a
+/// diagnostic with the line of the table.
+std::optional<schema::Value> EvaluateEmpirical(const dsl::Expr& call, const scenario::Scope& scope,
+                                               Evaluator& evaluator);
+/// The unit in the heading of the column that the call names, in which the values are read; nullopt
+/// if there is none.
+std::optional<text::Unit> UnitOfEmpirical(const dsl::Expr& call, const scenario::Scope& scope,
+                                          const Evaluator& evaluator);
 
 }  // namespace cdb::evaluate

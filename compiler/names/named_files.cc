@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
-constexpr std::string_view kTableFormats[] = {".csv", ".h5", ".hdf5", ".nc"};
+constexpr std::string_view kTableFormats[] = {".csv", ".tsv", ".txt", ".h5", ".hdf5", ".nc"};
 constexpr std::string_view kCsvFormats[] = {".csv"};
 
 std::string LowerCase(std::string text) {
@@ -28,7 +28,8 @@ std::string LowerCase(std::string text) {
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall) return kTableFormats;
-  if (call.name == schema::kPathCall || call.name == schema::kHeightsCall) return kCsvFormats;
+  if (call.name == schema::kPathCall) return analysis::kTextFormats;
+  if (call.name == schema::kHeightsCall) return kCsvFormats;
   return kModelFormats;
 }
 

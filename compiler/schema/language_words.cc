@@ -74,8 +74,11 @@ constexpr LanguageWord kLanguageWords[] = {
      "objects.size gamma(2, 5)"},
     {"weibull", kFunction, "weibull(SHAPE, SCALE)",
      "drawn for each object from a Weibull distribution", "objects.size weibull(2, 10)"},
-    {"empirical", kFunction, "empirical(\"FILE\")",
-     "drawn for each object: a value of a table, whose lines are `VALUE` or `VALUE, WEIGHT`",
+    {"empirical", kFunction,
+     "empirical(\"FILE\"), empirical(\"FILE\", column: \"HEADING\", weight: \"HEADING\")",
+     "drawn for each object: a value of a table, whose lines are `VALUE` or `VALUE, WEIGHT`, or "
+     "whose "
+     "columns are named",
      "objects.size empirical(\"sizes.csv\")"},
     {"in", kModifier, "VALUE in (A, B), DISTRIBUTION in A .. B",
      "in a condition, tests for one of several values; after a distribution, sets limits: values "

@@ -69,16 +69,31 @@ constexpr Parameter kAt[] = {
     Argument("z", kReal, kAny, "m", "of the centre of mass")};
 constexpr Parameter kPair[] = {
     Argument("distance", kReal, kNotNegative, "m", "between the surfaces; 0 lets them touch")};
+constexpr Parameter kColumns = Argument("columns", kText, kAny, "", "which columns to read, such as \"x=pos.x [mm], y=#3\"; others are ignored; own: x, y, z and so on, with no others", {.first_default = "own", .words = "own", .omitted_at_default = true});
+constexpr Parameter kRotation = Argument("rotation", kWord, kAny, "", "the meaning of columns rx, ry, rz (or roll, pitch, yaw): angles about the axes in this order, each about the turned (intrinsic) or the fixed (extrinsic) axes, or an axis times an angle (vector)", {.first_default = "none", .words = "none intrinsic_xyz intrinsic_xzy intrinsic_yxz intrinsic_yzx intrinsic_zxy intrinsic_zyx extrinsic_xyz extrinsic_xzy extrinsic_yxz extrinsic_yzx extrinsic_zxy extrinsic_zyx vector", .omitted_at_default = true});
+constexpr Parameter kUp = Argument("up", kWord, kAny, "", "the vertical axis of the file; z turns its coordinates (x, y, z) to (x, z, -y)", {.first_default = "y", .words = "y z", .omitted_at_default = true});
+constexpr Parameter kSeparator = Argument("separator", kWord, kAny, "", "between the columns of a text file", {.first_default = "auto", .words = "auto comma semicolon tab spaces", .omitted_at_default = true});
+constexpr Parameter kDecimal = Argument("decimal", kWord, kAny, "", "the decimal sign in a text file", {.first_default = "auto", .words = "auto point comma", .omitted_at_default = true});
+constexpr Parameter kHeader = Argument("header", kCount, kCountFromOne, "", "the line of the headings in a text file; the lines before it are ignored", {.first_default = "auto", .words = "auto none", .omitted_at_default = true});
 constexpr Parameter kPoses[] = {
-    Argument("file", kText, kAny, "", "CSV or HDF5, relative to the .cdb file"),
+    Argument("file", kText, kAny, "", "CSV or other text, or HDF5, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("cycle", kCount, kCountFromZero, "", "for a results file: the cycle after which the poses are taken", {.first_default = "last", .words = "last"}),
     Argument("run", kText, kAny, "", "for a results file: the run, such as \"detector=dbvt, quantity=100\"; only requires that the file has a single run", {.first_default = "only", .words = "only"}),
-    Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.first_default = "all", .words = "all"})};
+    Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.first_default = "all", .words = "all"}),
+    kColumns, kRotation, kUp, kSeparator, kDecimal, kHeader};
 constexpr Parameter kPath[] = {
-    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file"),
+    Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
-    Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"})};
+    Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"}),
+    Argument("start", kWord, kAny, "", "the time that is 0 s in the run: that of the file, or that of its first line", {.first_default = "zero", .words = "zero first", .omitted_at_default = true}),
+    kColumns, kRotation, kUp, kSeparator, kDecimal, kHeader};
+constexpr Parameter kEmpirical[] = {
+    Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file"),
+    Argument("column", kText, kAny, "", "the column of the values: its heading, or its number such as \"#2\"; a unit may follow: \"size [mm]\"", {.first_default = "first", .words = "first"}),
+    Argument("weight", kText, kAny, "", "the column of the weights", {.first_default = "none", .words = "none"}),
+    kSeparator, kDecimal, kHeader};
+constexpr ParametrisedWord kEmpiricalWord = {"empirical", "one of the measured values of a file", kEmpirical};
 constexpr Parameter kBox[] = {
     Argument("lower", kVector, kAny, "m", "the corner with the least coordinates"),
     Argument("upper", kVector, kAny, "m", "the corner with the largest coordinates")};
@@ -156,6 +171,8 @@ constexpr ParametrisedWord kCalls[] = {
 
 std::span<const ParametrisedWord> ParametrisedWords() { return kCalls; }
 
+const ParametrisedWord& EmpiricalTable() { return kEmpiricalWord; }
+
 const ParametrisedWord* FindParametrisedWord(std::string_view name) {
   const auto* row = std::ranges::find(kCalls, name, &ParametrisedWord::name);
   return row == std::end(kCalls) ? nullptr : row;
@@ -186,7 +203,8 @@ bool ListsPoints(const Call& call) {
 }
 
 const Value& ArgumentOf(const Call& call, std::string_view argument) {
-  const ParametrisedWord* info = FindParametrisedWord(call.name);
+  const ParametrisedWord* info =
+      call.name == kEmpiricalWord.name ? &kEmpiricalWord : FindParametrisedWord(call.name);
   CDB_CHECK(info != nullptr && info->arguments.size() == call.arguments.size());
   const auto row = std::ranges::find(info->arguments, argument, &Parameter::name);
   CDB_CHECK(row != info->arguments.end());

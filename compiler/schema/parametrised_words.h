@@ -30,6 +30,9 @@ inline constexpr std::string_view kParametersUnit = "as the parameter";
 std::span<const ParametrisedWord> ParametrisedWords();
 /// Null if there is none with this name.
 const ParametrisedWord* FindParametrisedWord(std::string_view name);
+/// The arguments of empirical( ), which is no parameter's word but a distribution; its values, not
+/// its arguments, are in plans.
+const ParametrisedWord& EmpiricalTable();
 /// The arguments without a default, in order.
 std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info);
 /// The word with all arguments at their defaults; nullopt if one has none.

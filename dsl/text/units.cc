@@ -72,17 +72,21 @@ bool IsUnitName(std::string_view name) { return FindRow(name) != nullptr; }
 
 std::string_view UnitCalled(std::string_view word) {
   constexpr std::pair<std::string_view, std::string_view> kMeant[] = {
-      {"sec", "s"},       {"secs", "s"},   {"second", "s"},   {"seconds", "s"},
-      {"msec", "ms"},     {"mins", "min"}, {"minute", "min"}, {"minutes", "min"},
-      {"hr", "h"},        {"hour", "h"},   {"hours", "h"},    {"meter", "m"},
-      {"meters", "m"},    {"metre", "m"},  {"metres", "m"},   {"degree", "deg"},
-      {"degrees", "deg"}, {"degs", "deg"}, {"radian", "rad"}, {"radians", "rad"},
-      {"rads", "rad"},    {"kilo", "kg"},  {"kgs", "kg"},     {"gram", "g"},
-      {"grams", "g"},     {"hz", "Hz"},    {"newton", "N"},   {"micron", "um"},
-      {"microns", "um"},  {"tonne", "t"},  {"tonnes", "t"},   {"usec", "us"},
-      {"KG", "kg"},       {"CM", "cm"},    {"MM", "mm"},      {"Kg", "kg"},
-      {"byte", "B"},      {"bytes", "B"},  {"KB", "kB"},      {"mb", "MB"},
-      {"gb", "GB"},       {"Gb", "GB"},    {"kiB", "KiB"},    {"gib", "GiB"}};
+      {"sec", "s"},          {"secs", "s"},          {"second", "s"},       {"seconds", "s"},
+      {"msec", "ms"},        {"mins", "min"},        {"minute", "min"},     {"minutes", "min"},
+      {"hr", "h"},           {"hour", "h"},          {"hours", "h"},        {"meter", "m"},
+      {"meters", "m"},       {"metre", "m"},         {"metres", "m"},       {"degree", "deg"},
+      {"degrees", "deg"},    {"degs", "deg"},        {"radian", "rad"},     {"radians", "rad"},
+      {"rads", "rad"},       {"kilo", "kg"},         {"kgs", "kg"},         {"gram", "g"},
+      {"grams", "g"},        {"hz", "Hz"},           {"newton", "N"},       {"micron", "um"},
+      {"microns", "um"},     {"tonne", "t"},         {"tonnes", "t"},       {"usec", "us"},
+      {"KG", "kg"},          {"CM", "cm"},           {"MM", "mm"},          {"Kg", "kg"},
+      {"byte", "B"},         {"bytes", "B"},         {"KB", "kB"},          {"mb", "MB"},
+      {"gb", "GB"},          {"Gb", "GB"},           {"kiB", "KiB"},        {"gib", "GiB"},
+      {"millimeter", "mm"},  {"millimeters", "mm"},  {"millimetre", "mm"},  {"millimetres", "mm"},
+      {"centimeter", "cm"},  {"centimeters", "cm"},  {"centimetre", "cm"},  {"centimetres", "cm"},
+      {"millisecond", "ms"}, {"milliseconds", "ms"}, {"microsecond", "us"}, {"microseconds", "us"},
+      {"nanosecond", "ns"},  {"nanoseconds", "ns"},  {"nsec", "ns"}};
   for (const auto& [word_written, unit] : kMeant)
     if (word_written == word) return unit;
   return {};

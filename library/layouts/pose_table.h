@@ -1,11 +1,9 @@
-// Positions, orientations and velocities of a group's objects from a file: `location
-// poses("start.csv")`.
+// Positions, orientations and velocities of a group's objects from a file, `location
+// poses("start.csv")`, and the paths of kinematic objects, `location path("lift.csv")`: text with a
+// line for each object or time (pose_columns.h, compiler/plan/text_table.h), or HDF5.
 //
-// A CSV file begins with a line of column names: x, y, z (m, the centre of mass, or the origin of a
-// mesh) and, optionally, qw, qx, qy, qz (unit quaternion, the rotation of `orientation`), vx, vy,
-// vz (m/s) and wx, wy, wz (rad/s). One line per object; empty lines and lines that begin with # are
-// skipped. Errors: SceneError with the file, the line, the cause and the remedy. Threads: any,
-// except for SetPoseReader. Source: RFC 4180, without quotes.
+// Errors: SceneError with the file, the line, the cause and the remedy. Threads: any, except for
+// SetPoseReader.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,6 +30,8 @@ struct PoseTable {
   std::vector<PoseRow> rows;
 };
 
+/// The call `poses` or `path` of a file, with the defaults of its other arguments.
+schema::Call TableCall(std::string_view name, std::string_view file);
 /// `name` is the name of the file, for messages.
 PoseTable ParsePoseCsv(std::string_view csv, std::string_view name);
 /// A path: the columns t (s, ascending), x, y, z and, optionally, qw, qx, qy, qz.

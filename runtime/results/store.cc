@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 #include <utility>
 
@@ -148,26 +149,51 @@ constexpr std::uint64_t kMostObjects = 100'000'000;
 std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, const char* name,
                              std::uint64_t width, std::uint64_t rows) {
   if (!file.Has(name)) return {};
-  const hdf5::Dataset dataset = file.OpenDataset(name);
-  const hdf5::Shape& shape = dataset.shape();
-  const bool fits = dataset.type() != hdf5::Type::kText && shape.size() == 2 && shape[1] == width &&
-                    shape[0] > 0 && shape[0] <= kMostObjects && (rows == 0 || shape[0] == rows);
-  if (!fits)
+  const auto refuse = [&](const std::string& why) {
     throw files::StoreError(
-        fmt::format("{}: its `{}` should be an array of numbers with {} and {} columns", path, name,
-                    rows == 0 ? "a row for each object" : fmt::format("{} rows", rows), width));
-  return dataset.Read();
+        fmt::format("{}: its `{}` should be an array of numbers with {} and {} columns{}{}", path,
+                    name, rows == 0 ? "a row for each object" : fmt::format("{} rows", rows), width,
+                    why.empty() ? "" : ", but ", why));
+  };
+  hdf5::Numbers numbers;
+  try {
+    numbers = file.ReadNumbers(name);
+  } catch (const hdf5::Error& error) {
+    refuse(error.what());
+  }
+  const hdf5::Shape& shape = numbers.shape;
+  const bool is_transposed = shape.size() == 2 && shape[0] == width && shape[1] != width;
+  if (numbers.is_from_matlab && shape == hdf5::Shape{width, width})
+    refuse(
+        fmt::format("it has {0} by {0} from MATLAB, which may be transposed: name its columns, "
+                    "such as columns: \"x=/{1}[0,:], y=/{1}[1,:], …\" for MATLAB's {1}(:,1), "
+                    "{1}(:,2), …",
+                    width, name));
+  if (is_transposed && !numbers.is_from_matlab)
+    refuse(fmt::format("it has {0} rows and {1} columns: write it by f[\"{2}\"] = {2}.T in Python",
+                       shape[0], shape[1], name));
+  if (is_transposed && numbers.is_from_matlab) {
+    std::vector<double> turned(numbers.values.size());
+    for (std::size_t i = 0; i < shape[1]; ++i)
+      for (std::size_t k = 0; k < width; ++k)
+        turned[i * width + k] = numbers.values[k * shape[1] + i];
+    numbers = {{shape[1], width}, std::move(turned), false};
+  }
+  const bool fits = shape.size() == 2 && shape[1] == width && shape[0] > 0 &&
+                    shape[0] <= kMostObjects && (rows == 0 || shape[0] == rows);
+  if (!fits) refuse(fmt::format("it has the shape {}", fmt::join(shape, " x ")));
+  return std::move(numbers.values);
 }
 
-/// Puts the quaternions of a dataset into the order w, x, y, z.
-void PutWFirst(const hdf5::Dataset& dataset, const std::string& path, std::vector<double>& rows) {
-  std::string order = dataset.Text("order");
+/// Puts quaternions into the order w, x, y, z; `written` is the attribute `order`.
+void PutWFirst(const std::string& written, const std::string& path, std::vector<double>& rows) {
+  std::string order = written;
   std::erase_if(order, [](char c) { return c == ' ' || c == ','; });
   if (order.empty() || order == "wxyz") return;
   if (order != "xyzw")
     throw files::StoreError(fmt::format(
         "{}: the attribute `order` of its `orientation` should be `wxyz` or `xyzw`, not `{}`", path,
-        dataset.Text("order")));
+        written));
   for (std::size_t i = 0; i + 3 < rows.size(); i += 4)
     std::rotate(rows.begin() + static_cast<std::ptrdiff_t>(i),
                 rows.begin() + static_cast<std::ptrdiff_t>(i + 3),
@@ -180,19 +206,101 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
   const std::string name = path.string();
   try {
     const hdf5::File file = hdf5::File::Open(path);
+    if (!file.Has("position") && file.Text("schema").empty())
+      throw files::StoreError(
+          fmt::format("{}: it has no dataset `position`, and is not a results file", name));
     if (!file.Has("position")) return std::nullopt;
     PoseArrays arrays;
     arrays.position = ReadRows(file, name, "position", 3, 0);
     const std::uint64_t rows = arrays.position.size() / 3;
     arrays.orientation = ReadRows(file, name, "orientation", 4, rows);
     if (!arrays.orientation.empty())
-      PutWFirst(file.OpenDataset("orientation"), name, arrays.orientation);
+      PutWFirst(file.TextOfMember("orientation", "order"), name, arrays.orientation);
     arrays.linear_velocity = ReadRows(file, name, "linear_velocity", 3, rows);
     arrays.angular_velocity = ReadRows(file, name, "angular_velocity", 3, rows);
     return arrays;
   } catch (const hdf5::Error& error) {
     throw files::StoreError(
         fmt::format("{}: it is not HDF5 that can be read: {}", name, error.what()));
+  }
+}
+
+namespace {
+
+/// The part of an array that a column names, as in numpy: `[:,2]`, `[2,:]`.
+struct Slice {
+  std::string path;
+  std::optional<std::uint64_t> row, column;
+};
+
+Slice SliceOf(const std::string& written) {
+  Slice slice{written, {}, {}};
+  const std::size_t open = written.rfind('[');
+  if (!written.ends_with(']') || open == written.npos) return slice;
+  std::string inner = written.substr(open + 1, written.size() - open - 2);
+  std::erase(inner, ' ');
+  const bool is_column = inner.starts_with(":,"), is_row = inner.ends_with(",:");
+  const std::string digits = is_column ? inner.substr(2) : inner.substr(0, inner.find(','));
+  std::uint64_t index = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+  if (is_column == is_row || error != std::errc{} || end != digits.data() + digits.size())
+    throw hdf5::Error(fmt::format("[{}] should be such as [:,0] or [0,:]", inner));
+  slice.path = written.substr(0, open);
+  (is_column ? slice.column : slice.row) = index;
+  return slice;
+}
+
+std::vector<double> ColumnOf(const hdf5::File& file, const std::string& written) {
+  const Slice slice = SliceOf(written);
+  hdf5::Numbers numbers = file.ReadNumbers(slice.path);
+  const hdf5::Shape& shape = numbers.shape;
+  if (!slice.row && !slice.column) {
+    if (shape.size() == 1 || (shape.size() == 2 && (shape[0] == 1 || shape[1] == 1)))
+      return std::move(numbers.values);
+    throw hdf5::Error(fmt::format("it has the shape {}: name a column, as in {}[:,0]",
+                                  fmt::join(shape, " x "), slice.path));
+  }
+  if (shape.size() != 2 || (slice.row && *slice.row >= shape[0]) ||
+      (slice.column && *slice.column >= shape[1]))
+    throw hdf5::Error(fmt::format("its shape is {}", fmt::join(shape, " x ")));
+  std::vector<double> column;
+  if (slice.row) {
+    const auto begin = numbers.values.begin() + static_cast<std::ptrdiff_t>(*slice.row * shape[1]);
+    column.assign(begin, begin + static_cast<std::ptrdiff_t>(shape[1]));
+  } else {
+    for (std::size_t i = 0; i < shape[0]; ++i)
+      column.push_back(numbers.values[i * shape[1] + *slice.column]);
+  }
+  return column;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> ReadColumns(const std::filesystem::path& path,
+                                             const std::vector<std::string>& written) {
+  const std::string* reading = nullptr;
+  try {
+    const hdf5::File file = hdf5::File::Open(path);
+    std::vector<std::vector<double>> columns;
+    for (const std::string& name : written) {
+      reading = &name;
+      columns.push_back(ColumnOf(file, name));
+    }
+    return columns;
+  } catch (const hdf5::Error& error) {
+    if (reading == nullptr)
+      throw files::StoreError(
+          fmt::format("{}: it is not HDF5 that can be read: {}", path.string(), error.what()));
+    throw files::StoreError(fmt::format("{}: `{}`: {}", path.string(), *reading, error.what()));
+  }
+}
+
+std::string ArraysIn(const std::filesystem::path& path) {
+  constexpr std::size_t kMost = 16;
+  try {
+    return fmt::format("{}", fmt::join(hdf5::File::Open(path).ListArrays(kMost), ", "));
+  } catch (const hdf5::Error&) {
+    return {};
   }
 }
 

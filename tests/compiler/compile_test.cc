@@ -133,6 +133,23 @@ TEST(Golden, Plans) {
   }
 }
 
+TEST(Compile, WarnsOfAPathThatTheRunMisses) {
+  const auto warnings = [](const std::string& arguments) {
+    return dsl::Render(
+        CompileText(
+            "benchmark b { cycles 60; objects { mass kinematic; location path(\"unix.csv\"" +
+                arguments + ") } }",
+            {{"unix.csv", "t,x,y,z\n1305031102.5,0,0,0\n1305031103.5,1,0,0\n"}})
+            .diagnostics);
+  };
+  EXPECT_NE(
+      warnings("").find("the path of objects lasts from 1305031102.5 s to 1305031103.5 s, but "
+                        "the run from 0 s to 1 s: it does not move"),
+      std::string::npos)
+      << warnings("");
+  EXPECT_EQ(warnings(", start: first").find("does not move"), std::string::npos);
+}
+
 TEST(Compile, LongChainsOfLetsAreRefusedOnce) {
   std::string text;
   for (int i = 0; i < 2000; ++i) text += fmt::format("let a{} = a{} + 1\n", i, i + 1);

@@ -11,7 +11,7 @@
 #include "compiler/compile.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
-#include "library/layouts/pose_table.h"
+#include "library/layouts/pose_columns.h"
 #include "library/objects/solid.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
@@ -78,10 +78,9 @@ inline analysis::ReadPoses ReadTables(const scenario::ReadFile& read) {
         why = {true, path + ": " + missing, "write it"};
         return std::nullopt;
       }
+      const layouts::PoseTable table = layouts::ParsePoseText(*text, poses);
       if (poses.name == schema::kPathCall)
-        return layouts::FactsOfPath(layouts::Path(poses, layouts::ParsePathCsv(*text, path)),
-                                    plan::Sha256Hex(*text));
-      const layouts::PoseTable table = layouts::ParsePoseCsv(*text, path);
+        return layouts::FactsOfPath(layouts::Path(poses, table), plan::Sha256Hex(*text));
       return analysis::PoseFacts{plan::Sha256Hex(*text), table.rows.size(), table.has_orientation,
                                  table.has_linear_velocity, table.has_angular_velocity};
     } catch (const library::SceneError& error) {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <string>
 
+#include "compiler/plan/text_table.h"
 #include "compiler/schema/parametrised_words.h"
+#include "library/layouts/pose_columns.h"
 #include "library/meshes/models.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
@@ -177,11 +179,89 @@ PoseTable TableOf(const results::PoseArrays& arrays, const Arguments& from) {
   return table;
 }
 
+/// The poses of the columns that the call names.
+PoseTable PosesOfColumns(const std::vector<layouts::NamedColumn>& named, const Arguments& from,
+                         const schema::Call& poses) {
+  std::vector<std::string> written;
+  std::vector<std::optional<text::Unit>> units;
+  for (const layouts::NamedColumn& column : named) {
+    plan::ColumnName name = plan::ParseColumnName(column.written);
+    // Part of the array: `/pos[:,0]`.
+    if (name.unit_text.find(':') != std::string::npos) name = {column.written, {}, {}};
+    if (!name.unit_text.empty() && !name.unit)
+      Refuse(from, fmt::format("`{}` is not a known unit", name.unit_text),
+             fmt::format("the units are {}", text::UnitNames()));
+    layouts::CheckUnit(column.column, name.unit, column.written, from.file);
+    written.push_back(name.stem);
+    units.push_back(name.unit);
+  }
+  std::vector<std::vector<double>> values = results::ReadColumns(from.file, written);
+  layouts::PoseColumns columns;
+  columns.name = from.file;
+  columns.place = [&](std::size_t row) { return fmt::format("{}: row {}", from.file, row); };
+  columns.rows = values[0].size();
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    if (values[i].size() != columns.rows)
+      Refuse(from,
+             fmt::format("`{}` has {} rows, but `{}` has {}", written[i], values[i].size(),
+                         written[0], columns.rows),
+             "name columns of the same length");
+    for (std::size_t row = 0; row < columns.rows; ++row) {
+      double& value = values[i][row];
+      if (!std::isfinite(value))
+        Refuse(from, fmt::format("row {} of `{}` is not finite", row, written[i]),
+               "write finite numbers");
+      if (units[i]) value = plan::InSi(value, *units[i]);
+    }
+    columns.has[named[i].column] = true;
+    columns.values[named[i].column] = std::move(values[i]);
+  }
+  return layouts::PosesOfColumns(columns, poses);
+}
+
+/// The arguments that concern text alone.
+void CheckArguments(const Arguments& from, const schema::Call& poses) {
+  for (const char* argument : {"separator", "decimal", "header"}) {
+    const schema::Word* word = AsWord(schema::ArgumentOf(poses, argument));
+    if (word == nullptr || word->text != "auto")
+      Refuse(from, fmt::format("an HDF5 file has no {}", argument),
+             fmt::format("remove {}", argument));
+  }
+}
+
+std::string RemedyFor(const Arguments& from, bool names_columns) {
+  const std::string arrays = results::ArraysIn(from.file);
+  if (arrays.empty()) return "name a results file with poses, or one with a dataset `position`";
+  const bool is_pandas = arrays.find("block0_values") != std::string::npos ||
+                         arrays.find("values_block_0") != std::string::npos;
+  return fmt::format(
+      "{}it has {}{}",
+      names_columns ? ""
+                    : "name a results file with poses, one with a dataset `position`, or the "
+                      "columns, such as columns: \"x=/log/x, y=/log/position[:,1], …\"; ",
+      arrays,
+      is_pandas ? "; from pandas, write h5py.File(\"start.h5\", \"w\")[\"position\"] = df[[\"x\", "
+                  "\"y\", \"z\"]]"
+                : "");
+}
+
 }  // namespace
 
 PoseTable ReadHdf5Poses(const schema::Call& poses) {
   const Arguments from(poses);
+  CheckArguments(from, poses);
   try {
+    if (const auto named = layouts::NamedColumns(poses); !named.empty()) {
+      if (from.cycle || from.run || from.group)
+        Refuse(from, "columns are named, but not of cycles, runs or groups",
+               "remove cycle, run and group, or columns");
+      return PosesOfColumns(named, from, poses);
+    }
+    for (const char* argument : {"rotation", "up"})
+      if (schema::ArgumentOf(poses, argument) !=
+          schema::Value(schema::Word{argument == std::string_view("up") ? "y" : "none"}))
+        Refuse(from, fmt::format("`{}` applies to columns that are named", argument),
+               "name them: columns: \"x=/position[:,0], y=/position[:,1], z=/position[:,2]\"");
     if (const auto arrays = results::ReadPoseArrays(from.file)) {
       if (from.cycle || from.run || from.group)
         Refuse(from, "it has `position`, but no cycles, runs or groups",
@@ -192,7 +272,7 @@ PoseTable ReadHdf5Poses(const schema::Call& poses) {
   } catch (const files::StoreError& error) {
     const std::string what = error.what();
     throw SceneError(what.starts_with(from.file) ? what : fmt::format("{}: {}", from.file, what),
-                     "name a results file with poses, or one with a dataset `position`");
+                     RemedyFor(from, AsText(schema::ArgumentOf(poses, "columns")) != nullptr));
   }
 }
 

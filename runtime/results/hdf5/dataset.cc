@@ -319,7 +319,7 @@ void CheckLinks(const Id& group) {
     throw Error(fmt::format("'{}' is a link, and files of cdb have none", foreign));
 }
 
-void CheckStorage(const Id& dataset, std::uint64_t file_bytes) {
+void CheckStorage(const Id& dataset, std::uint64_t file_bytes, Accept accept) {
   const Id creation(H5Dget_create_plist(dataset.get()), H5Pclose, "read an array's layout");
   const H5D_layout_t layout = H5Pget_layout(creation.get());
   if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
@@ -328,7 +328,7 @@ void CheckStorage(const Id& dataset, std::uint64_t file_bytes) {
     throw Error("its values are in other files, which results files do not have");
   CheckFilters(creation.get());
   const Id type(H5Dget_type(dataset.get()), H5Tclose, "read an array's type");
-  if (!HasOurType(type.get()))
+  if (accept == Accept::kOurs && !HasOurType(type.get()))
     throw Error("it holds a type of value that results files do not have");
   const Shape shape = ShapeOf({H5Dget_space(dataset.get()), H5Sclose, "read an array's shape"});
   const bool is_empty = std::ranges::find(shape, 0u) != shape.end();

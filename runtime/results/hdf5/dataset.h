@@ -83,8 +83,10 @@ void CloseBackdoors();
 /// not have.
 void CheckLinks(const Id& group);
 
+/// The types of value that an array may have: those of cdb, or also other numbers and compounds.
+enum class Accept { kOurs, kNumbers };
 /// `file_bytes`: length of the file that holds `dataset`. Throws Error.
-void CheckStorage(const Id& dataset, std::uint64_t file_bytes);
+void CheckStorage(const Id& dataset, std::uint64_t file_bytes, Accept accept = Accept::kOurs);
 
 /// The same check before `values` of `item_bytes` each are read at once.
 void CheckReadable(const Id& dataset, std::uint64_t values, std::uint64_t item_bytes,

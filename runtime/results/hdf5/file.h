@@ -17,6 +17,13 @@ namespace cdb::hdf5 {
 
 class Sink;
 
+/// The numbers of an array, row by row.
+struct Numbers {
+  Shape shape;
+  std::vector<double> values;
+  bool is_from_matlab = false;  ///< which stores arrays transposed
+};
+
 class Group : public Object {
  public:
   /// `foreign_bytes`: as in Dataset.
@@ -27,6 +34,13 @@ class Group : public Object {
   std::vector<std::string> MemberNames() const;
   /// Throws Error for a type that results files do not have.
   Dataset OpenDataset(const std::string& name) const;
+  /// An array that another program wrote, of integers or floats of any size and byte order; `path`
+  /// such as `/robot/position`, or `/log/x` for a member of the rows of `/log`. Follows no links.
+  Numbers ReadNumbers(const std::string& path) const;
+  /// The text attribute of a member; empty if there is none.
+  std::string TextOfMember(const std::string& member, const char* attribute) const;
+  /// The first `most` arrays in it and in its groups, with their shapes.
+  std::vector<std::string> ListArrays(std::size_t most) const;
   Dataset CreateDataset(const DatasetSpec& spec);
   Group OpenGroup(const std::string& name) const;
   Group CreateGroup(const std::string& name);

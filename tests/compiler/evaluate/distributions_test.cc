@@ -48,17 +48,31 @@ TEST(Distributions, TablesAreReadFromFiles) {
             SizeOf("empirical(\"a.csv\") mm in 1 mm .. 3 mm", {{"a.csv", "1\n2\n4"}}));
   EXPECT_EQ(SizeOf("empirical(\"t/a.csv\") cm", {{"t/a.csv", "\xEF\xBB\xBFsize,part\n1,3\n2,1\n"}}),
             "empirical(\"t/a.csv\", 0.01 3, 0.02)");
+  // Weights of 0 leave values out; comments may follow the numbers.
+  EXPECT_EQ(SizeOf("empirical(\"a.csv\")", {{"a.csv", "1.5,2 # two\n2,0\n3,4\n"}}),
+            "empirical(\"a.csv\", 1.5 2, 3 4)");
+  const std::map<std::string, std::string> grains = {
+      {"a.csv", "Nr;d [mm];count\n1;2,5;3\n2;4;1\n"}};
+  EXPECT_EQ(SizeOf("empirical(\"a.csv\", column: \"d\", weight: \"count\")", grains),
+            "empirical(\"a.csv\", 0.0025 3, 0.004)");
+  EXPECT_EQ(SizeOf("empirical(\"a.csv\", column: \"#3\") cm", grains),
+            "empirical(\"a.csv\", 0.03, 0.01)");
+  EXPECT_EQ(SizeOf("empirical(\"a.csv\", decimal: comma)", {{"a.csv", "1,5\n2\n"}}),
+            "empirical(\"a.csv\", 1.5, 2)");
 }
 
 TEST(Distributions, DamagedTablesAreRefusedByLine) {
   const std::pair<const char*, const char*> faults[] = {
-      {"1\n2\nx\n", "a.csv:3: 'x' is not a finite number"},
-      {"1\n2,3\n", "a.csv:2: 2 columns, but 1 in the lines before"},
-      {"1,0\n", "a.csv:1: '0' is not a weight greater than 0"},
-      {"1,2,3\n", "a.csv:1: 3 columns"},
-      {"size\nmass\n", "a.csv:2: 'mass' is not a finite number"},
-      {"1\nnan\n", "a.csv:2: 'nan' is not a finite number"},
-      {"1e999\n", "a.csv:1: '1e999' is not a finite number"},
+      {"1\n2\nx\n", "a.csv:3: the value is `x`, which is not a finite number"},
+      {"1\n2,3\n", "a.csv:2: `2,3` may be one number with a decimal comma, or two numbers"},
+      {"1.0,0\n", "a.csv: all weights are 0"},
+      {"1.0,-1\n", "a.csv:1: the weight is -1, less than 0"},
+      {"1,2,3\n", "a.csv: it has 3 columns, #1, #2, #3"},
+      {"id,size\n1,2\n", "it has two columns, `id` and `size`, and the second may not be weights"},
+      {"size [mm]\n1\n", "a.csv:1: the values are in mm"},
+      {"size\nmass\n", "a.csv:2: the value is `mass`, which is not a finite number"},
+      {"1\nnan\n", "a.csv:2: the value is `nan`, which is not a finite number"},
+      {"1e999\n", "a.csv:1: the value is `1e999`, which is not a finite number"},
       {"1\n,\n", "a.csv:2:"},
       {"size\n\n", "'a.csv' contains no value"},
       {"1\n-2\n", "'size' must be more than 0, but 'a.csv' has -2"}};

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
+#include "library/layouts/pose_columns.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/support/files.h"
 
@@ -55,9 +57,17 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"x,y,z\n", "it has no objects; write a line for each object"},
       {"x,y\n1,2\n", "start.csv:1: 1 of the columns x, y, z are missing"},
       {"x,y,z,vx\n1,2,3,4\n", "start.csv:1: 2 of the columns vx, vy, vz are missing; give all"},
-      {"x,y,z,mass\n", "start.csv:1: `mass` is not a known column; the columns are x, y, z"},
-      {"x;y;z\n", "`x;y;z` is not a known column"},
-      {"1,2,3\n", "start.csv:1: `1` is not a known column"},
+      {"x,y,z,mass\n", "start.csv:1: `mass` is not a known column; name those to read"},
+      {"x,y,z,mass\n1,2,3,4\n",
+       "`mass` is not a known column; name those to read: columns: \"x=x, y=y, z=z\"; it has #1"},
+      {"id,pos.x,pos.y,pos.z\n",
+       "start.csv:1: `id`, `pos.x`, `pos.y`, `pos.z` are not known columns; name those to read: "
+       "columns: \"x=pos.x, y=pos.y, z=pos.z\""},
+      {"Frame,X,Y,Z,X,Y,Z\n1,2,3,4,5,6,7\n", "name those to read: columns: \"x=…, y=…, z=…\"; it"},
+      {"1,2,3\n", "start.csv: it has no headings; write a line of column names first: x,y,z"},
+      {"x [s],y,z\n1,2,3\n", "the column `x [s]` cannot be x in this unit; x is in m or"},
+      {"x,y,z,roll,pitch,yaw\n", "the angles in the column `roll` have no unit; write deg or rad"},
+      {"x,y,z,roll [deg],pitch [deg],yaw [deg]\n1,2,3,0,0,0\n", "the meaning of rx, ry, rz"},
       {"x,y,z,x\n", "the column `x` occurs twice"},
       {"x,y,z\n1,2,3\n1,2\n", "start.csv:3: 2 values in this line, but 3 columns"},
       {"x,y,z\n1,2,3,\n", "start.csv:2: 4 values in this line"},
@@ -65,11 +75,57 @@ TEST(PoseCsv, RefusesByLineAndColumn) {
       {"x,y,z\n1,inf,2\n", "y is `inf`"},
       {"x,y,z\n1,,2\n", "y is ``"},
       {"x,y,z\n1,2 m,2\n", "y is `2 m`"},
-      {"x,y,z\n1,1e300,2\n", "y is 1e300, beyond 1e+15"},
+      {"x,y,z\n1,1e300,2\n", "y is 1e+300, beyond 1e+15"},
       {"x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "start.csv:2: qw, qx, qy, qz are not a unit"},
   };
   for (const auto& [csv, message] : rows)
     EXPECT_NE(FaultOf(csv).find(message), std::string::npos) << csv << "\n" << FaultOf(csv);
+}
+
+/// Reads one row with arguments, each a name and a word or, for `columns`, a text.
+layouts::PoseRow RowWith(const std::string& text, std::string_view word,
+                         const std::vector<std::pair<std::string, std::string>>& arguments) {
+  schema::Call call = layouts::TableCall(word, "start.csv");
+  const auto rows = schema::FindParametrisedWord(word)->arguments;
+  for (const auto& [name, value] : arguments) {
+    const auto row = std::ranges::find(rows, name, &schema::Parameter::name);
+    call.arguments[static_cast<std::size_t>(row - rows.begin())] =
+        name == "columns" ? schema::Value(schema::Text{value}) : schema::Value(Word(value));
+  }
+  return layouts::ParsePoseText(text, call).rows.back();
+}
+
+TEST(PoseText, ReadsNamedColumns) {
+  const std::string rosbag =
+      "%time,field.header.seq,field.pose.position.x,field.pose.position.y,field.pose.position.z\n"
+      "1305031102175304000,1,0,0,0\n1305031102675304000,2,1,2,3\n";
+  const auto row = RowWith(rosbag, "path",
+                           {{"columns",
+                             "t=%time [ns], x=field.pose.position.x, y=field.pose.position.y, "
+                             "z=field.pose.position.z"},
+                            {"start", "first"},
+                            {"up", "z"}});
+  EXPECT_NEAR(row.time, 0.5, 1e-6);
+  EXPECT_EQ(row.position, Vector3d(1, 3, -2));
+}
+
+TEST(PoseText, ReadsRotationsInTheOrderNamed) {
+  using Eigen::AngleAxisd, Eigen::Quaterniond;
+  const Quaterniond x(AngleAxisd(0.3, Vector3d::UnitX())), y(AngleAxisd(0.4, Vector3d::UnitY())),
+      z(AngleAxisd(0.5, Vector3d::UnitZ()));
+  const std::string text = "x,y,z,roll [rad],pitch [rad],yaw [rad]\n1,2,3,0.3,0.4,0.5\n";
+  const auto turn = [&](const char* rotation, const char* up = "y") {
+    return RowWith(text, "poses", {{"rotation", rotation}, {"up", up}}).orientation;
+  };
+  EXPECT_LT(turn("intrinsic_zyx").angularDistance(z * y * x), 1e-7);
+  EXPECT_LT(turn("extrinsic_xyz").angularDistance(z * y * x), 1e-7);
+  EXPECT_LT(turn("extrinsic_yzx").angularDistance(x * z * y), 1e-7);
+  const Vector3d axis(0.3, 0.4, 0.5);
+  EXPECT_LT(turn("vector").angularDistance(Quaterniond(AngleAxisd(axis.norm(), axis.normalized()))),
+            1e-7);
+  // With z up, what pointed along the file's z points along y.
+  const Vector3d up = turn("extrinsic_xyz", "z") * ((z * y * x).inverse() * Vector3d::UnitZ());
+  EXPECT_LT((up - Vector3d::UnitY()).norm(), 1e-12);
 }
 
 schema::Value Poses(const std::filesystem::path& file, const std::string& sha256) {

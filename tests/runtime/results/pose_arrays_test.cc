@@ -95,13 +95,57 @@ TEST_F(PoseArraysOf, SayTheOrderOfTheirQuaternions) {
   EXPECT_NE(Fault().find("should be `wxyz` or `xyzw`, not `zyxw`"), std::string::npos) << Fault();
 }
 
+TEST_F(PoseArraysOf, AreTransposedInFilesOfMatlab) {
+  const auto write = [&](const hdf5::Shape& shape, bool is_matlab) {
+    hdf5::File file = hdf5::File::Create(path_);
+    Add(file, "position", shape);
+    if (is_matlab) file.OpenDataset("position").SetText("MATLAB_class", "double");
+    file.Close();
+  };
+  write({3, 2}, true);
+  EXPECT_EQ(results::ReadPoseArrays(path_)->position, (std::vector<double>{0, 2, 4, 1, 3, 5}));
+  write({3, 2}, false);
+  EXPECT_NE(Fault().find("it has 3 rows and 2 columns: write it by f[\"position\"] = position.T"),
+            std::string::npos)
+      << Fault();
+  write({3, 3}, true);
+  EXPECT_NE(Fault().find("it has 3 by 3 from MATLAB, which may be transposed"), std::string::npos);
+  write({3, 3}, false);
+  EXPECT_EQ(results::ReadPoseArrays(path_)->position.size(), 9u);
+}
+
+TEST_F(PoseArraysOf, AreReadByColumns) {
+  hdf5::File file = hdf5::File::Create(path_);
+  Add(file, "position", {2, 3});
+  Add(file, "t", {2});
+  file.Close();
+  EXPECT_EQ(results::ReadColumns(path_, {"/position[:,1]", "position[1,:]", "t"}),
+            (std::vector<std::vector<double>>{{1, 4}, {3, 4, 5}, {0, 1}}));
+  const std::pair<const char*, const char*> rows[] = {
+      {"/position", "`/position`: it has the shape 2 x 3: name a column, as in /position[:,0]"},
+      {"/position[:,3]", "its shape is 2 x 3"},
+      {"/position[0]", "[0] should be such as [:,0] or [0,:]"},
+      {"/position[:,]", "should be such as"},
+      {"/t/x", "there is no `x`"},
+      {"", "not the path of an array"}};
+  for (const auto& [column, message] : rows) try {
+      results::ReadColumns(path_, {column});
+      ADD_FAILURE() << column;
+    } catch (const files::StoreError& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
+    }
+  EXPECT_EQ(results::ArraysIn(path_), "/position (2 x 3), /t (2)");
+}
+
 TEST_F(PoseArraysOf, NeedHdf5) {
   WriteFile(path_, "x,y,z\n1,2,3\n");
   EXPECT_NE(Fault().find("not HDF5"), std::string::npos) << Fault();
   hdf5::File file = hdf5::File::Create(path_);
   Add(file, "places", {2, 3});
   file.Close();
-  EXPECT_FALSE(results::ReadPoseArrays(path_));
+  EXPECT_NE(Fault().find("it has no dataset `position`, and is not a results file"),
+            std::string::npos)
+      << Fault();
 }
 
 }  // namespace
