@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -56,7 +57,10 @@ ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh
 
 /// `made`: the method of making the form. The extension of the file determines its format.
 std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_view made) {
-  return fmt::format("{} {} {}", made, file.extension().string(), sha256);
+  const std::string extension = file.extension().string();
+  const std::string_view importer = plan::ImporterOf(extension);
+  return fmt::format("{} {} {}{}{}", made, extension, sha256, importer.empty() ? "" : " ",
+                     importer);
 }
 
 ConvexDecomposition FormOfModel(const meshes::Model& model) {
