@@ -49,6 +49,11 @@ ConvexDecomposition TorusForm() {
   });
 }
 
+ConvexDecomposition WithLeftOut(ConvexDecomposition form, const meshes::Mesh& read) {
+  form.left_out = read.left_out;
+  return form;
+}
+
 ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh,
                                const meshes::DecomposeOptions& options = {}) {
   return MakeDecomposition(name, mesh, meshes::MassPropertiesOf(mesh),
@@ -132,14 +137,18 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
     throw library::SceneError(
         fmt::format("{}: it differs from the file that the plan was made with; plan again", file));
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
-  if (call.name == "surface")
-    return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
+  if (call.name == "surface") {
+    const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
+    return WithFrame(WithLeftOut(MakeSurface(name, mesh), mesh), call);
+  }
   const auto make = [&, &options = options] {
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
-    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file), options);
+    if (call.name == "mesh")
+      return WithLeftOut(FormOfMesh(name, meshes::Watertight(mesh, file), options), mesh);
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
-    return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
+    return WithLeftOut(
+        MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1}), mesh);
   };
   return WithFrame(DecomposeOnce(name, SourceOf(file, sha256, call.name + words), make), call);
 }
@@ -205,9 +214,11 @@ constexpr double kNoticeableOverlap = 0.01;
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms) {
   std::string text;
   for (const auto& form : forms) {
+    const std::string left_out =
+        form->left_out.empty() ? "" : fmt::format(", left out: {}", form->left_out);
     if (form->IsSurface()) {
-      text += fmt::format("{}: {} triangle{}\n", form->name, form->pieces.size(),
-                          form->pieces.size() == 1 ? "" : "s");
+      text += fmt::format("{}: {} triangle{}{}\n", form->name, form->pieces.size(),
+                          form->pieces.size() == 1 ? "" : "s", left_out);
       continue;
     }
     const std::string twice =
@@ -215,9 +226,9 @@ std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecompositi
             ? fmt::format(", parts overlap: mass and inertia count {:.3g} % of the volume twice",
                           100 * form->overlap)
             : "";
-    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}{}\n", form->name,
+    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}{}{}\n", form->name,
                         form->pieces.size(), form->pieces.size() == 1 ? "" : "s",
-                        100 * form->volume_error, form->iou, twice);
+                        100 * form->volume_error, form->iou, twice, left_out);
   }
   return text;
 }
@@ -227,7 +238,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 
 /// Appends the values passed to it.
 class Writer {
@@ -236,11 +247,9 @@ class Writer {
     for (int i = 0; i < 8; ++i) bytes_ += static_cast<char>(word >> 8 * i & 0xff);
   }
   void Real(double real) { Word(std::bit_cast<std::uint64_t>(real)); }
-  template <typename T>
-  void Size(const std::vector<T>& items) {
-    Word(items.size());
-  }
+  void Size(const auto& items) { Word(items.size()); }
   void Index(std::uint32_t index) { Word(index); }
+  void Character(char c) { bytes_ += c; }
   std::string Take() { return std::move(bytes_); }
 
  private:
@@ -253,14 +262,19 @@ class Reader {
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
   void Real(double& real) { real = std::bit_cast<double>(Next()); }
-  template <typename T>
-  void Size(std::vector<T>& items) {
+  void Size(auto& items) {
     // The data are those written; the limit guards against our own errors.
     const std::uint64_t size = Next();
     is_good_ = is_good_ && size <= bytes_.size();
     items.resize(is_good_ ? size : 0);
   }
   void Index(std::uint32_t& index) { index = static_cast<std::uint32_t>(Next()); }
+  void Character(char& c) {
+    is_good_ = is_good_ && !bytes_.empty();
+    if (!is_good_) return;
+    c = bytes_[0];
+    bytes_.remove_prefix(1);
+  }
   bool IsDone() const { return is_good_ && bytes_.empty(); }
 
  private:
@@ -292,6 +306,8 @@ void Visit(auto& archive, ConvexDecomposition& form) {
   archive.Real(form.volume_error);
   archive.Real(form.iou);
   archive.Real(form.overlap);
+  archive.Size(form.left_out);
+  for (char& c : form.left_out) archive.Character(c);
   archive.Size(form.pieces);
   for (ConvexPiece& piece : form.pieces) {
     reals(piece.centre);

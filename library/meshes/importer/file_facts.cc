@@ -28,7 +28,7 @@ std::uint32_t NumberAt(std::string_view bytes, std::size_t at, int size) {
   return number;
 }
 
-/// The first bytes of a deflated or stored part of a ZIP archive.
+/// The first bytes of a deflated or stored part of a ZIP archive, with its first tags.
 std::string StartOf(std::string_view part, std::uint32_t method) {
   constexpr std::size_t kEnough = 1 << 16;
   if (method == 0) return std::string(part.substr(0, kEnough));
@@ -72,7 +72,8 @@ std::optional<std::string_view> AttributeOf(std::string_view xml, std::string_vi
   for (std::size_t i = inside.find(attribute); i != inside.npos;
        i = inside.find(attribute, i + 1)) {
     const std::size_t equals = inside.find_first_not_of(kBlank, i + attribute.size());
-    if (i == 0 || kBlank.find(inside[i - 1]) == kBlank.npos || equals == inside.npos || inside[equals] != '=')
+    if (i == 0 || kBlank.find(inside[i - 1]) == kBlank.npos || equals == inside.npos ||
+        inside[equals] != '=')
       continue;
     const std::size_t quote = inside.find_first_of("'\"", equals);
     if (quote == inside.npos) break;
@@ -98,6 +99,21 @@ double MetresOf(std::string_view name) {
   return unit->metres;
 }
 
+/// A reader must refuse extensions that it does not know. Those of materials change no surface.
+void CheckExtensionsOf3mf(std::string_view model) {
+  std::string_view names = AttributeOf(model, "<model", "requiredextensions").value_or("");
+  while (!names.empty()) {
+    const std::size_t end = std::min(names.find(' '), names.size());
+    const std::string name(names.substr(0, end));
+    names.remove_prefix(std::min(end + 1, names.size()));
+    const std::string_view address = AttributeOf(model, "<model", "xmlns:" + name).value_or(name);
+    if (!name.empty() && address.find("/material/") == address.npos)
+      throw SceneError(
+          fmt::format("needs the 3MF extension {}, which assimp does not apply", address),
+          "export it without, or as OBJ, PLY or STL");
+  }
+}
+
 /// X3D has one unit for each category, in the head.
 double UnitOfX3d(std::string_view xml) {
   for (std::size_t at = xml.find("<unit"); at != xml.npos; at = xml.find("<unit", at + 1)) {
@@ -116,8 +132,11 @@ double UnitOfX3d(std::string_view xml) {
 }  // namespace
 
 double UnitOf(std::string_view bytes, std::string_view extension) {
-  if (extension == ".3mf")
-    return MetresOf(AttributeOf(ModelOf(bytes), "<model", "unit").value_or("millimeter"));
+  if (extension == ".3mf") {
+    const std::string model = ModelOf(bytes);
+    CheckExtensionsOf3mf(model);
+    return MetresOf(AttributeOf(model, "<model", "unit").value_or("millimeter"));
+  }
   if (extension == ".amf")
     return MetresOf(AttributeOf(bytes, "<amf", "unit").value_or("millimeter"));
   return extension == ".x3d" ? UnitOfX3d(bytes) : 1;
@@ -131,14 +150,21 @@ using Json = nlohmann::json;
 bool IsOfLook(std::string_view extension) {
   for (const std::string_view part : {"_materials_", "_texture_", "_lights_", "_animation_"})
     if (extension.find(part) != extension.npos) return true;
-  return extension == "KHR_xmp_json_ld" || extension == "KHR_techniques_webgl" ||
-         extension == "KHR_node_visibility";
+  return extension == "KHR_xmp_json_ld" || extension == "KHR_technique_webgl" ||
+         extension == "KHR_techniques_webgl" || extension == "KHR_node_visibility";
 }
 
 std::string_view JsonOf(std::string_view bytes) {
   constexpr std::size_t kHead = 20;
   if (!bytes.starts_with("glTF") || bytes.size() < kHead) return bytes;
   return bytes.substr(kHead, NumberAt(bytes, 12, 4));
+}
+
+void CheckVersion(const Json& gltf) {
+  const std::string version = gltf.value("asset", Json::object()).value("version", "");
+  if (!version.starts_with("2."))
+    throw SceneError(fmt::format("is of glTF version {}, not 2", version),
+                     "import it in a program and export version 2.0");
 }
 
 void CheckExtensions(const Json& gltf) {
@@ -156,8 +182,7 @@ void CheckBuffers(const Json& gltf) {
     const std::string uri = buffer.value("uri", "");
     if (!uri.empty() && !uri.starts_with("data:"))
       throw SceneError(fmt::format("its data are in another file, '{}'", uri),
-                       "pack it into one file with the extension .glb, as Blender or `assimp "
-                       "export` write it");
+                       "pack it into one file: `assimp export FILE.gltf FILE.glb`");
   }
 }
 
@@ -181,6 +206,7 @@ void CheckGltf(std::string_view bytes) {
   const Json gltf = Json::parse(JsonOf(bytes), nullptr, false);
   if (!gltf.is_object()) throw SceneError("is not a glTF file: its JSON has an error", "");
   try {
+    CheckVersion(gltf);
     CheckExtensions(gltf);
     if (gltf.value("buffers", Json::array()).is_array()) CheckBuffers(gltf);
     if (gltf.value("meshes", Json::array()).is_array()) CheckPositions(gltf);

@@ -7,6 +7,7 @@
 #include <assimp/BaseImporter.h>
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <bit>
@@ -16,6 +17,7 @@
 #include <optional>
 #include <vector>
 
+#include "library/meshes/mesh.h"
 #include "library/scene_error.h"
 
 namespace cdb::importer {
@@ -49,7 +51,9 @@ void KeepImportersOf(std::string_view extension, Assimp::Importer& importer) {
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
     std::set<std::string> extensions;
     importer.GetImporter(i)->GetExtensionList(extensions);
-    if (!extensions.contains(std::string(extension.substr(1))))
+    // CheckGltf refuses version 1.
+    const std::string_view name = importer.GetImporter(i)->GetInfo()->mName;
+    if (!extensions.contains(std::string(extension.substr(1))) || name.starts_with("glTF "))
       others.push_back(importer.GetImporter(i));
   }
   for (Assimp::BaseImporter* other : others) {
@@ -123,6 +127,8 @@ class PlyWriter {
 
  private:
   void Add(const aiNode& node, const Matrix4d& to_scene) {
+    if (std::ranges::count(node.mChildren, node.mChildren + node.mNumChildren, nullptr) > 0)
+      throw SceneError("refers to an object that assimp does not find", "");
     for (unsigned i = 0; i < node.mNumMeshes; ++i) Add(*scene_.mMeshes[node.mMeshes[i]], to_scene);
     for (unsigned i = 0; i < node.mNumChildren; ++i)
       Add(*node.mChildren[i], to_scene * ToEigen(node.mChildren[i]->mTransformation));
@@ -135,7 +141,8 @@ class PlyWriter {
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];
       const Eigen::Vector4d at = to_scene * Eigen::Vector4d(v.x, v.y, v.z, 1);
-      if (!at.allFinite()) throw SceneError("a vertex is not a finite number", "");
+      if (!(at.cwiseAbs().maxCoeff() <= meshes::kLargestCoordinate))
+        throw SceneError(fmt::format("a vertex is at ({}, {}, {})", at.x(), at.y(), at.z()), "");
       Append(at.head<3>().eval(), vertices_);
     }
     const bool is_mirrored = to_scene.topLeftCorner<3, 3>().determinant() < 0;
@@ -180,10 +187,12 @@ class PlyWriter {
 }  // namespace
 
 std::string PlyOf(const std::string& bytes, std::string_view extension) {
+  if (bytes.empty()) throw SceneError("is empty", "");
   if (extension == ".gltf" || extension == ".glb") CheckGltf(bytes);
   const double unit = UnitOf(bytes, extension);
   std::string wanted;
-  Assimp::Importer importer;
+  // Never destroyed: version 5.2 frees pictures of 3MF files twice.
+  Assimp::Importer& importer = *new Assimp::Importer;
   importer.SetIOHandler(new NoFiles(wanted));
   KeepImportersOf(extension, importer);
   // Skeletons without a mesh would be drawn as meshes.
@@ -194,7 +203,8 @@ std::string PlyOf(const std::string& bytes, std::string_view extension) {
   if (scene == nullptr && !wanted.empty())
     throw SceneError(fmt::format("needs another file, '{}'", wanted),
                      "export it as one file, such as GLB, OBJ, PLY or STL");
-  if (scene == nullptr) throw SceneError(importer.GetErrorString(), "");
+  if (scene == nullptr)
+    throw SceneError(fmt::format("assimp cannot read it: {}", importer.GetErrorString()), "");
   if (scene->mRootNode == nullptr) throw SceneError("has no scene", "");
   return PlyWriter(*scene, extension, unit).Take();
 }

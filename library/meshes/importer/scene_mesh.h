@@ -16,7 +16,8 @@ std::string PlyOf(const std::string& bytes, std::string_view extension);
 
 // Facts of a file that assimp does not tell.
 
-/// The unit of a 3MF, AMF or X3D file, in m.
+/// The unit of a 3MF, AMF or X3D file, in m; 1 for others. Refuses a 3MF file that needs an
+/// extension which changes its surface.
 double UnitOf(std::string_view bytes, std::string_view extension);
 
 /// Refuses a glTF file that needs other files, or an extension that changes its meshes.
