@@ -113,7 +113,7 @@ class PlyWriter {
   }
 
   std::string Take() const {
-    if (vertex_count_ == 0)
+    if (face_count_ == 0)
       throw SceneError(left_out_.empty() ? "has no meshes" : "has no faces, only " + LeftOut(), "");
     const std::string comments = LeftOut().empty() ? "" : fmt::format("comment {}\n", LeftOut());
     return fmt::format(
@@ -135,40 +135,45 @@ class PlyWriter {
   }
 
   void Add(const aiMesh& mesh, const Matrix4d& to_scene) {
-    if (std::uint64_t{vertex_count_} + mesh.mNumVertices >
-        std::numeric_limits<std::uint32_t>::max())
-      throw SceneError("has too many vertices", "simplify the model first");
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      const aiVector3D& v = mesh.mVertices[i];
-      const Eigen::Vector4d at = to_scene * Eigen::Vector4d(v.x, v.y, v.z, 1);
-      if (!(at.cwiseAbs().maxCoeff() <= meshes::kLargestCoordinate))
-        throw SceneError(fmt::format("a vertex is at ({}, {}, {})", at.x(), at.y(), at.z()), "");
-      Append(at.head<3>().eval(), vertices_);
-    }
+    // The vertices of lines and points would be part of a convex hull.
+    constexpr std::uint32_t kUnused = ~std::uint32_t{0};
+    std::vector<std::uint32_t> numbers(mesh.mNumVertices, kUnused);
     const bool is_mirrored = to_scene.topLeftCorner<3, 3>().determinant() < 0;
-    for (unsigned i = 0; i < mesh.mNumFaces; ++i) AddFace(mesh, mesh.mFaces[i], is_mirrored);
-    if (mesh.HasBones()) Count("skin");
-    if (mesh.mNumAnimMeshes > 0) Count("morph target");
-    vertex_count_ += mesh.mNumVertices;
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices < 3) {
+        ++left_out_[face.mNumIndices == 2 ? "line" : "point"];
+        continue;
+      }
+      Append(std::uint32_t{face.mNumIndices}, faces_);
+      ++face_count_;
+      for (unsigned k = 0; k < face.mNumIndices; ++k) {
+        const unsigned index = face.mIndices[is_mirrored ? face.mNumIndices - 1 - k : k];
+        if (index >= mesh.mNumVertices)
+          throw SceneError("a face has a vertex that is not there", "");
+        if (numbers[index] == kUnused) numbers[index] = AddVertex(mesh.mVertices[index], to_scene);
+        Append(numbers[index], faces_);
+      }
+    }
+    if (mesh.HasBones()) ++left_out_["skin"];
+    if (mesh.mNumAnimMeshes > 0) ++left_out_["morph target"];
   }
 
-  void AddFace(const aiMesh& mesh, const aiFace& face, bool is_mirrored) {
-    if (face.mNumIndices < 3) return Count(face.mNumIndices == 2 ? "line" : "point");
-    Append(face.mNumIndices, faces_);
-    for (unsigned i = 0; i < face.mNumIndices; ++i) {
-      const unsigned index = face.mIndices[is_mirrored ? face.mNumIndices - 1 - i : i];
-      if (index >= mesh.mNumVertices) throw SceneError("a face has a vertex that is not there", "");
-      Append(std::uint32_t{vertex_count_ + index}, faces_);
-    }
-    ++face_count_;
+  std::uint32_t AddVertex(const aiVector3D& v, const Matrix4d& to_scene) {
+    const Eigen::Vector4d at = to_scene * Eigen::Vector4d(v.x, v.y, v.z, 1);
+    if (!(at.array().abs() <= meshes::kLargestCoordinate).all())
+      throw SceneError(fmt::format("a vertex is at ({}, {}, {})", at.x(), at.y(), at.z()), "");
+    if (vertex_count_ >= meshes::kMaxVertices)
+      throw SceneError(fmt::format("more than {} vertices", meshes::kMaxVertices),
+                       "simplify the model first");
+    Append(at.head<3>().eval(), vertices_);
+    return vertex_count_++;
   }
 
   template <typename T>
   static void Append(const T& value, std::string& to) {
     to.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-
-  void Count(const char* what) { ++left_out_[what]; }
 
   /// `3 lines, 1 skin`.
   std::string LeftOut() const {
