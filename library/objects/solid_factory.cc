@@ -15,9 +15,9 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
-#include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
+#include "library/objects/models.h"
 #include "library/objects/surface.h"
 #include "library/scene_error.h"
 
@@ -68,14 +68,13 @@ std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_
                      importer);
 }
 
-ConvexDecomposition FormOfModel(const meshes::Model& model) {
+ConvexDecomposition FormOfModel(const Model& model) {
   const std::string name(model.name);
-  const fs::path file = meshes::PathOf(model, meshes::ModelFolders());
+  const fs::path file = PathOf(model, ModelFolders());
   const std::string bytes = meshes::ReadMeshFile(file);
   const std::string_view made = model.has_holes ? "closed mesh" : "mesh";
-  return DecomposeOnce(name, SourceOf(file, plan::Sha256Hex(bytes), made), [&] {
-    return FormOfMesh(name, meshes::ParseModel(model, bytes, file.string()));
-  });
+  return DecomposeOnce(name, SourceOf(file, plan::Sha256Hex(bytes), made),
+                       [&] { return FormOfMesh(name, ParseModel(model, bytes, file.string())); });
 }
 
 ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& call,
@@ -159,7 +158,7 @@ std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type) {
     return std::make_shared<const ConvexDecomposition>(FormOfFile(*call));
   const std::string& name = std::get<schema::Word>(type).text;
   if (name == "torus") return std::make_shared<const ConvexDecomposition>(TorusForm());
-  if (const meshes::Model* model = meshes::FindModel(name))
+  if (const Model* model = FindModel(name))
     return std::make_shared<const ConvexDecomposition>(FormOfModel(*model));
   return nullptr;
 }

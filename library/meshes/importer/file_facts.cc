@@ -146,12 +146,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Extensions that do not change the surface.
-bool IsOfLook(std::string_view extension) {
+/// Extensions that assimp applies or reports, or that do not change the surface.
+bool IsTaken(std::string_view extension) {
   for (const std::string_view part : {"_materials_", "_texture_", "_lights_", "_animation_"})
     if (extension.find(part) != extension.npos) return true;
-  return extension == "KHR_xmp_json_ld" || extension == "KHR_technique_webgl" ||
-         extension == "KHR_techniques_webgl" || extension == "KHR_node_visibility";
+  return extension == "KHR_draco_mesh_compression" || extension == "KHR_xmp_json_ld" ||
+         extension == "KHR_technique_webgl" || extension == "KHR_techniques_webgl" ||
+         extension == "KHR_node_visibility";
 }
 
 std::string_view JsonOf(std::string_view bytes) {
@@ -170,7 +171,7 @@ void CheckVersion(const Json& gltf) {
 void CheckExtensions(const Json& gltf) {
   for (const Json& name : gltf.value("extensionsRequired", Json::array())) {
     const std::string extension = name.is_string() ? name.get<std::string>() : "";
-    if (!IsOfLook(extension))
+    if (!IsTaken(extension))
       throw SceneError(
           fmt::format("needs the glTF extension {}, which assimp does not apply", extension),
           "export it without, or as OBJ, PLY or STL");

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "compiler/schema/parametrised_words.h"
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/selection.h"
@@ -78,7 +78,7 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
 
 bool MayBeCompound(const schema::Value& type) {
   if (const auto* word = std::get_if<schema::Word>(&type))
-    return word->text == "torus" || meshes::FindModel(word->text) != nullptr;
+    return word->text == "torus" || objects::FindModel(word->text) != nullptr;
   const schema::Distribution* drawn = schema::AsDistribution(type);
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeCompound);
 }
