@@ -12,6 +12,7 @@
 #include "library/sanitizers.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/files.h"
+#include "tests/support/folders.h"
 
 namespace cdb::tests {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-const fs::path kCorpus = CDB_IMPORT_CORPUS;
+const fs::path kCorpus = SourceFolder() / "tests/fuzz/corpus_import";
 
 /// An L without symmetry; each file of the corpus has it in its own unit, axes and nodes.
 meshes::Mesh Target() {
