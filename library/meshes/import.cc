@@ -33,6 +33,12 @@ using plan::Descriptor;
 
 constexpr const char* kConvert = "export it again, or as OBJ, PLY or STL";
 
+/// A line of the importer, which may be damaged.
+std::string Shown(std::string_view line) {
+  constexpr std::size_t kMostText = 500;
+  return text::Printable(line.substr(0, kMostText));
+}
+
 [[noreturn]] void FailToStart(std::string_view name, int error) {
   throw library::SceneError(fmt::format("{}: cannot start the importer of this format: {}", name,
                                         std::generic_category().message(error)),
@@ -148,22 +154,20 @@ void CheckAnswer(Ending ending, int status, const std::string& answer, const Imp
   if (signal != 0) refuse(fmt::format("assimp crashes on it ({})", sigdescr_np(signal)), kConvert);
   if (WEXITSTATUS(status) == 0) return;
   // The cause and, on the next line, the remedy.
-  const std::size_t line = std::min(answer.find('\n'), answer.size());
-  const std::string remedy = line < answer.size() ? answer.substr(line + 1) : "";
-  refuse(
-      line > 0 ? text::Printable(answer.substr(0, line)) : "the importer failed without a reason",
-      remedy.empty() ? kConvert : text::Printable(remedy));
+  Lines lines(answer);
+  const std::string cause = lines.Next() ? Shown(lines.line()) : "";
+  const std::string remedy = lines.Next() ? Shown(lines.line()) : "";
+  refuse(cause.empty() ? "the importer failed without a reason" : cause,
+         remedy.empty() ? kConvert : remedy);
 }
 
-/// The comments of the header: the parts of the file that are not in the mesh.
-std::string CommentsOf(std::string_view ply) {
-  std::string comments;
+/// The comment of the header: the parts of the file that are not in the mesh.
+std::string CommentOf(std::string_view ply) {
+  constexpr std::string_view kComment = "comment ";
   Lines lines(ply);
   while (lines.Next() && lines.line() != "end_header")
-    if (lines.line().starts_with("comment "))
-      comments += fmt::format("{}{}", comments.empty() ? "" : ", ",
-                              text::Printable(lines.line().substr(8)));
-  return comments;
+    if (lines.line().starts_with(kComment)) return Shown(lines.line().substr(kComment.size()));
+  return {};
 }
 
 }  // namespace
@@ -204,7 +208,7 @@ Mesh ImportMesh(std::string_view bytes, std::string_view name, const fs::path& p
     if (errno != EINTR) FailToStart(name, errno);
   CheckAnswer(ending, status, answer, limits, name);
   Mesh mesh = ParsePly(answer, name);
-  mesh.left_out = CommentsOf(answer);
+  mesh.left_out = CommentOf(answer);
   return mesh;
 }
 

@@ -13,8 +13,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
+#include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "library/meshes/mesh.h"
@@ -81,9 +83,9 @@ std::optional<double> RealOf(const aiMetadata& data, const char* key) {
 
 /// From the axes and the unit of an FBX file to metres with y up.
 Matrix4d FrameOfFbx(const aiScene& scene) {
-  if (scene.mMetaData == nullptr) return Matrix4d::Identity() * 0.01;
   const auto fact = [&](const char* key, double otherwise) {
-    return RealOf(*scene.mMetaData, key).value_or(otherwise);
+    return scene.mMetaData == nullptr ? otherwise
+                                      : RealOf(*scene.mMetaData, key).value_or(otherwise);
   };
   Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
   const auto row = [&](int to, const char* axis, const char* sign, double otherwise) {
