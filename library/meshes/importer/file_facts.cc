@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "library/meshes/importer/scene_mesh.h"
 #include "library/scene_error.h"
@@ -18,6 +19,12 @@ namespace cdb::importer {
 namespace {
 
 using library::SceneError;
+
+std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
 
 /// A little-endian number of `size` bytes; 0 beyond the end.
 std::uint32_t NumberAt(std::string_view bytes, std::size_t at, int size) {
@@ -45,21 +52,34 @@ std::string StartOf(std::string_view part, std::uint32_t method) {
   return start;
 }
 
-/// The beginning of the model in a 3MF file. Source: APPNOTE.TXT of PKWARE, 4.3.7 and 4.3.12.
+/// The beginning of the part whose entry in the directory of a ZIP archive is `at`; empty if it is
+/// not there. Source: APPNOTE.TXT of PKWARE, 4.3.7 and 4.3.12.
+std::string StartOfEntry(std::string_view zip, std::size_t at) {
+  constexpr std::size_t kLocalSize = 30;
+  const std::size_t local = NumberAt(zip, at + 42, 4);
+  const std::size_t data =
+      local + kLocalSize + NumberAt(zip, local + 26, 2) + NumberAt(zip, local + 28, 2);
+  if (data > zip.size()) return {};
+  return StartOf(zip.substr(data, NumberAt(zip, at + 20, 4)), NumberAt(zip, at + 10, 2));
+}
+
+/// The beginning of the model in a 3MF file: its only part of that kind, or the one with the usual
+/// name.
 std::string ModelOf(std::string_view zip) {
-  constexpr std::string_view kEntry = "PK\x01\x02";
-  constexpr std::size_t kEntrySize = 46, kLocalSize = 30;
+  constexpr std::string_view kEntry = "PK\x01\x02", kUsual = "3d/3dmodel.model";
+  constexpr std::size_t kEntrySize = 46;
+  std::vector<std::size_t> models, usual;
   for (std::size_t at = zip.find(kEntry); at != zip.npos; at = zip.find(kEntry, at + 1)) {
     if (at + kEntrySize > zip.size()) break;
-    const std::string_view name = zip.substr(at + kEntrySize, NumberAt(zip, at + 28, 2));
-    if (!name.ends_with(".model") || !name.starts_with("3D/3")) continue;
-    const std::size_t local = NumberAt(zip, at + 42, 4);
-    const std::size_t data =
-        local + kLocalSize + NumberAt(zip, local + 26, 2) + NumberAt(zip, local + 28, 2);
-    if (data > zip.size()) break;
-    return StartOf(zip.substr(data, NumberAt(zip, at + 20, 4)), NumberAt(zip, at + 10, 2));
+    const std::string name = LowerCase(zip.substr(at + kEntrySize, NumberAt(zip, at + 28, 2)));
+    if (name.ends_with(".model")) models.push_back(at);
+    if (name == kUsual) usual.push_back(at);
   }
-  return {};
+  if (models.size() != 1) models = usual;
+  const std::string model = models.size() == 1 ? StartOfEntry(zip, models[0]) : "";
+  if (model.find("<model") == model.npos)
+    throw SceneError("has no part 3D/3dmodel.model in UTF-8", "");
+  return model;
 }
 
 /// The value of an attribute in the first tag of this name; nullopt if there is none.
@@ -91,9 +111,7 @@ constexpr Unit kUnits[] = {{"micron", 1e-6},     {"millimeter", 1e-3}, {"millime
                            {"feet", 0.3048},     {"meter", 1}};
 
 double MetresOf(std::string_view name) {
-  std::string lower(name);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  const auto* unit = std::ranges::find(kUnits, lower, &Unit::name);
+  const auto* unit = std::ranges::find(kUnits, LowerCase(name), &Unit::name);
   if (unit == std::end(kUnits))
     throw SceneError(fmt::format("its unit is `{}`, which is not one of the format", name), "");
   return unit->metres;

@@ -140,6 +140,10 @@ TEST_F(Imports, RefusesOtherFilesByName) {
   EXPECT_TRUE(Has(Refusal([] { meshes::ReadMesh(kCorpus / "production.3mf"); }),
                   "needs the 3MF extension http://schemas.microsoft.com/3dmanufacturing/"
                   "production/2015/06, which assimp does not apply"));
+  std::string package = ReadFile(kCorpus / "production.3mf");
+  for (std::size_t at; (at = package.find("3dmodel.model")) != package.npos;)
+    package.replace(at, 13, "3dmodel.other");
+  EXPECT_TRUE(Has(refused(package, "a.3mf"), "a.3mf: has no part 3D/3dmodel.model"));
   std::string amf = ReadFile(kCorpus / "angle.amf");
   amf.replace(amf.find("millimeter"), 10, "furlong");
   EXPECT_TRUE(Has(refused(amf, "a.amf"), "its unit is `furlong`"));
