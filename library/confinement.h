@@ -1,4 +1,4 @@
-// Confines this process before it runs code that may be hostile: a plug-in, or an importer of files.
+// Confines this process before it runs code that may be hostile: a plug-in or an importer.
 #pragma once
 
 namespace cdb::library {
