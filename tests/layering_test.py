@@ -44,7 +44,8 @@ CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/y
 # A pattern of headers, and the files or folders that may include them.
 EXTERNAL = [
     (r"(hdf5|H5.*)\.h$", ("runtime/results/hdf5/",)),
-    (r"^zlib", ("runtime/results/hdf5/",)),
+    (r"^zlib", ("runtime/results/hdf5/", "library/meshes/importer/")),
+    (r"^assimp/", ("library/meshes/importer/",)),
     (r"^sqlite3", ("runtime/results/journal/database.",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),
@@ -56,7 +57,8 @@ EXTERNAL = [
     (r"^ccd/", ("library/detectors/third_party/ccd/",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/")),
+    (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/",
+                     "library/meshes/importer/")),
     (r"^httplib", ("runtime/pages/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]

@@ -82,7 +82,8 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const bool is_table = call.name == schema::kPosesCall || call.name == schema::kPathCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
-  if (!formats.empty() && std::ranges::find(formats, extension) == formats.end()) {
+  const bool is_imported = formats.data() == kModelFormats && !plan::ImporterOf(extension).empty();
+  if (!formats.empty() && !is_imported && std::ranges::find(formats, extension) == formats.end()) {
     const auto [kind, remedy] =
         is_table ? plan::ForeignModel() : plan::ForeignModelOf(name, std::string_view());
     diagnostics.Report(

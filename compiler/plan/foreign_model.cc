@@ -11,7 +11,14 @@ namespace cdb::plan {
 namespace {
 
 // The ways to a file that cdb reads.
-constexpr std::string_view kAssimp = "convert it: `assimp export {0} {1}.obj`";
+#ifdef CDB_ASSIMP_VERSION
+constexpr std::string_view kImporter = "assimp " CDB_ASSIMP_VERSION;
+constexpr std::string_view kImport = "let its name end in {2}";
+#else
+constexpr std::string_view kImporter;
+constexpr std::string_view kImport =
+    "install libassimp-dev and build cdb again, or convert it: `assimp export {0} {1}.obj`";
+#endif
 constexpr std::string_view kMeshio = "convert it: `meshio convert {0} {1}.ply`";
 constexpr std::string_view kBlender = "open it in Blender and export OBJ, PLY or STL";
 constexpr std::string_view kCad = "export STL from FreeCAD, or `gmsh {0} -2 -o {1}.stl`";
@@ -35,16 +42,16 @@ constexpr Kind kKinds[] = {
     {"<mujoco", ".mjcf", "a scene (MJCF)", kParts},
     {"#usda", ".usda", "a scene (USD)", kBlender},
     {"pxr-usdc", ".usd .usdc .usdz", "a scene (USD)", kBlender},
-    {"<collada", ".dae", "a scene (COLLADA)", kAssimp},
-    {"gltf", ".glb", "a scene (glTF)", kAssimp},
-    {"", ".gltf", "a scene (glTF)", kAssimp},
-    {"kaydara fbx", ".fbx", "a scene (FBX)", kAssimp},
-    {"<x3d", ".x3d .x3dv", "a scene (X3D)", kAssimp},
-    {"#vrml", ".wrl .vrml", "a scene (VRML)", kAssimp},
-    {"", ".3ds", "a scene (3DS)", kAssimp},
-    {"", ".3mf", "a package for printing (3MF)", kAssimp},
-    {"", ".amf", "a model for printing (AMF)", kAssimp},
-    {"", ".lwo .ms3d .x .ac .ase .b3d .md2 .md5mesh", "a model of another program", kAssimp},
+    {"<collada", ".dae", "a scene (COLLADA)", kImport},
+    {"gltf", ".glb", "a scene (glTF)", kImport},
+    {"", ".gltf", "a scene (glTF)", kImport},
+    {"kaydara fbx", ".fbx", "a scene (FBX)", kImport},
+    {"<x3d", ".x3d", "a scene (X3D)", kImport},
+    {"#vrml", ".wrl .vrml .x3dv", "a scene (VRML)", kBlender},
+    {"", ".3ds", "a scene (3DS)", kImport},
+    {"", ".3mf", "a package for printing (3MF)", kImport},
+    {"<amf", ".amf", "a model for printing (AMF)", kImport},
+    {"", ".lwo .ms3d .x .ac .ase .b3d .md2 .md5mesh", "a model of another program", kImport},
     {"blender", ".blend", "a Blender file", kBlender},
     {"", ".abc .max .ma .mb .c4d .skp", "a model of another program", kBlender},
     {"iso-10303-21", ".step .stp", "a CAD model (STEP)", kCad},
@@ -55,7 +62,7 @@ constexpr Kind kKinds[] = {
     {"# vtk datafile", ".vtk", "a mesh of VTK", kMeshio},
     {"", ".vtu .vtp .msh .mesh .inp .bdf .med .xdmf", "a mesh of simulations", kMeshio},
     {"# .pcd", ".pcd .xyz .pts .las .laz .e57", "a cloud of points", kPoints},
-    {"pk\x03\x04", ".zip", "a ZIP archive", kUnpack},
+    {"pk\x03\x04", ".zip .3mf", "a ZIP archive", kUnpack},
     {"\x1f\x8b", ".gz .tgz", "compressed by gzip", kUnpack},
     {"", ".xz .bz2 .7z .zst .tar .rar", "an archive", kUnpack},
     {"ply\n", ".ply", "a PLY file", "let its name end in .ply"},
@@ -90,7 +97,19 @@ bool HasWord(std::string_view words, std::string_view word) {
          fmt::format(" {} ", words).find(fmt::format(" {} ", word)) != std::string::npos;
 }
 
+/// The row of an extension; null if there is none.
+const Kind* KindOf(std::string_view extension) {
+  const auto* kind = std::ranges::find_if(
+      kKinds, [&](const Kind& row) { return HasWord(row.extensions, extension); });
+  return kind == std::end(kKinds) ? nullptr : kind;
+}
+
 }  // namespace
+
+std::string_view ImporterOf(std::string_view extension) {
+  const Kind* kind = KindOf(LowerCase(extension));
+  return kind != nullptr && kind->remedy == kImport ? kImporter : std::string_view();
+}
 
 ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
   const std::filesystem::path path(name);
@@ -99,7 +118,8 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
   const auto found = [&](const Kind& kind) {
     return ForeignModel{
         std::string(kind.kind),
-        fmt::format(fmt::runtime(kind.remedy), path.filename().string(), path.stem().string())};
+        fmt::format(fmt::runtime(kind.remedy), path.filename().string(), path.stem().string(),
+                    kind.extensions.substr(0, kind.extensions.find(' ')))};
   };
   for (const Kind& kind : kKinds)
     if (!kind.start.empty() && start.starts_with(kind.start) &&
@@ -108,9 +128,8 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
   // Readable formats are in the table only for what begins like them.
   for (const std::string_view readable : {".obj", ".ply", ".off", ".stl"})
     if (extension == readable) return {};
-  for (const Kind& kind : kKinds)
-    if (HasWord(kind.extensions, extension)) return found(kind);
-  return {};
+  const Kind* kind = KindOf(extension);
+  return kind == nullptr || !ImporterOf(extension).empty() ? ForeignModel() : found(*kind);
 }
 
 }  // namespace cdb::plan

@@ -17,4 +17,8 @@ struct ForeignModel {
 /// foreign if its extension is that of another.
 ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes);
 
+/// The library by which this build reads files with this extension, such as `.dae`, with its
+/// version: library/meshes/import.h. Empty if there is none.
+std::string_view ImporterOf(std::string_view extension);
+
 }  // namespace cdb::plan

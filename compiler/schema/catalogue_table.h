@@ -11,7 +11,7 @@
 namespace cdb::schema {
 
 // A type of objects is a closed form (library/objects/solid.h), a model
-// (library/meshes/models.cc) or the torus.
+// (library/objects/models.cc) or the torus.
 // clang-format off
 inline constexpr auto kObjectTypeTable = std::to_array<ObjectType>({
     {.name = "sphere", .doc = "a ball, or an ellipsoid if the sides are unequal", .fill = 0.52},

@@ -106,7 +106,7 @@ constexpr Parameter kBeside[] = {
     Argument("width", kReal, kPositive, "m", "of the box; fit reaches up to the wall", kFit)};
 constexpr Parameter kOnTop[] = {
     Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup)};
-constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL or OFF, relative to the .cdb file");
+constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL, OFF or a format of other programs, relative to the .cdb file");
 constexpr Parameter kModelHash = Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"});
 constexpr Parameter kModelUnit = Argument("unit", kWord, kAny, "", "of the coordinates in the file, for `size native`", {.first_default = "m", .words = "m cm mm in", .omitted_at_default = true});
 constexpr Parameter kModelOrigin = Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the centre of mass, the origin of the file or the middle of the box", {.first_default = "mass", .words = "mass file box", .omitted_at_default = true});

@@ -18,7 +18,7 @@
 #include "library/layouts/number_range.h"
 #include "library/layouts/placement.h"
 #include "library/layouts/region.h"
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 
@@ -29,7 +29,7 @@ namespace {
 bool MayBeMesh(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
   if (const auto* word = std::get_if<schema::Word>(&type))
-    return meshes::FindModel(word->text) != nullptr;
+    return objects::FindModel(word->text) != nullptr;
   const auto* drawn = std::get_if<schema::Distribution>(&type);
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
 }

@@ -14,6 +14,7 @@
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "library/meshes/cut.h"
+#include "library/meshes/import.h"
 #include "library/meshes/mesh_formats.h"
 #include "library/meshes/polygon.h"
 #include "library/scene_error.h"
@@ -134,11 +135,19 @@ std::string LowerCase(std::string_view text) {
 
 namespace {
 
+Mesh ParseImported(std::string_view bytes, std::string_view name) {
+  const Mesh mesh = ImportMesh(bytes, name);
+  Mesh merged = MergeEqualVertices(mesh);
+  merged.left_out = mesh.left_out;
+  return merged;
+}
+
 Mesh ParseFormat(const std::string& extension, std::string_view bytes, std::string_view name) {
   if (extension == ".obj") return ParseObj(bytes, name);
   if (extension == ".off") return ParseOff(bytes, name);
   if (extension == ".ply") return ParsePly(bytes, name);
   if (extension == ".stl") return MergeEqualVertices(ParseStl(bytes, name));
+  if (!plan::ImporterOf(extension).empty()) return ParseImported(bytes, name);
   throw library::SceneError(fmt::format(
       "{}: unknown format; the name of a model ends in .obj, .ply, .stl or .off", name));
 }

@@ -23,14 +23,16 @@ using Triangle = std::array<std::uint32_t, 3>;  ///< indices of vertices
 struct Mesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Triangle> triangles;
+  std::string left_out = {};  ///< parts of an imported file that are not in the mesh, for messages
   bool operator==(const Mesh&) const = default;
 };
 
-/// Reads OBJ, PLY (ASCII and both binary forms), STL (ASCII and binary) or OFF, selected by the
-/// extension of the name. Polygons become triangles (library/meshes/polygon.h). Colours, normals
-/// and textures are ignored, and bytes after the end of PLY and STL; unknown content that would
-/// change the surface is an error. STL has no shared vertices, so equal ones are merged. A file may
-/// have vertices alone, for a convex hull.
+/// Reads OBJ, PLY (ASCII and both binary forms), STL (ASCII and binary), OFF, or a format of
+/// library/meshes/import.h, selected by the extension of the name. Polygons become triangles
+/// (library/meshes/polygon.h). Colours, normals and textures are ignored, and bytes after the end
+/// of PLY and STL; unknown content that would change the surface is an error. STL and imported
+/// formats have no shared vertices, so equal ones are merged. A file may have vertices alone, for a
+/// convex hull.
 Mesh ReadMesh(const std::filesystem::path& file);
 /// The bytes of such a file.
 std::string ReadMeshFile(const std::filesystem::path& file);

@@ -12,12 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
-#include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
+#include "library/objects/models.h"
 #include "library/objects/surface.h"
 #include "library/scene_error.h"
 
@@ -52,6 +53,11 @@ ConvexDecomposition TorusForm() {
   });
 }
 
+ConvexDecomposition WithLeftOut(ConvexDecomposition form, const meshes::Mesh& read) {
+  form.left_out = read.left_out;
+  return form;
+}
+
 /// Without pieces if it is not to be decomposed.
 ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh,
                                const meshes::DecomposeOptions& options, const Reading& reading) {
@@ -78,16 +84,19 @@ ConvexDecomposition Decomposed(const std::string& name, const std::string& sourc
 
 /// `made`: the method of making the form. The extension of the file determines its format.
 std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_view made) {
-  return fmt::format("{} {} {}", made, file.extension().string(), sha256);
+  const std::string extension = file.extension().string();
+  const std::string_view importer = plan::ImporterOf(extension);
+  return fmt::format("{} {} {}{}{}", made, extension, sha256, importer.empty() ? "" : " ",
+                     importer);
 }
 
-ConvexDecomposition FormOfModel(const meshes::Model& model, const Reading& reading) {
+ConvexDecomposition FormOfModel(const Model& model, const Reading& reading) {
   const std::string name(model.name);
-  const fs::path file = meshes::PathOf(model, meshes::ModelFolders());
+  const fs::path file = PathOf(model, ModelFolders());
   const std::string bytes = meshes::ReadMeshFile(file);
   const std::string_view made = model.has_holes ? "closed mesh" : "mesh";
   return Decomposed(name, SourceOf(file, plan::Sha256Hex(bytes), made), reading, [&] {
-    return FormOfMesh(name, meshes::ParseModel(model, bytes, file.string()),
+    return FormOfMesh(name, ParseModel(model, bytes, file.string()),
                       WithProgress({}, name, reading), reading);
   });
 }
@@ -179,8 +188,10 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
     throw library::SceneError(
         fmt::format("{}: it differs from the file that the plan was made with; plan again", file));
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
-  if (call.name == "surface")
-    return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
+  if (call.name == "surface") {
+    const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
+    return WithFrame(WithLeftOut(MakeSurface(name, mesh), mesh), call);
+  }
   const bool is_mesh = call.name == "mesh";
   const bool is_given =
       is_mesh && std::get<schema::Word>(ArgumentOf(call, "parts")).text == "given";
@@ -188,11 +199,13 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
     if (is_given) return FormOfParts(name, bytes, file);
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
     if (is_mesh)
-      return FormOfMesh(name, meshes::Watertight(mesh, file), WithProgress(options, name, reading),
-                        reading);
+      return WithLeftOut(FormOfMesh(name, meshes::Watertight(mesh, file),
+                                    WithProgress(options, name, reading), reading),
+                         mesh);
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
-    return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
+    return WithLeftOut(
+        MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1}), mesh);
   };
   ConvexDecomposition form =
       WithFrame(Decomposed(name, SourceOf(file, sha256, call.name + words), reading, make), call);
@@ -207,7 +220,7 @@ std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type,
     return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
   const std::string& name = std::get<schema::Word>(type).text;
   if (name == "torus") return std::make_shared<const ConvexDecomposition>(TorusForm());
-  if (const meshes::Model* model = meshes::FindModel(name))
+  if (const Model* model = FindModel(name))
     return std::make_shared<const ConvexDecomposition>(FormOfModel(*model, reading));
   return nullptr;
 }
@@ -262,7 +275,9 @@ std::string TextOf(const ConvexDecomposition& form) {
   const auto count = [](std::size_t number, const char* what) {
     return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
   };
-  if (form.IsSurface()) return count(form.pieces.size(), "triangle");
+  const std::string left_out =
+      form.left_out.empty() ? "" : fmt::format(", left out: {}", form.left_out);
+  if (form.IsSurface()) return count(form.pieces.size(), "triangle") + left_out;
   std::string text =
       fmt::format("{}, volume error {:.3g} %, IoU {:.3f}", count(form.pieces.size(), "hull"),
                   100 * form.volume_error, form.iou);
@@ -271,7 +286,7 @@ std::string TextOf(const ConvexDecomposition& form) {
   if (form.overlap > kNoticeableOverlap)
     text += fmt::format(", parts overlap: mass and inertia count {:.3g} % of the volume twice",
                         100 * form.overlap);
-  return text;
+  return text + left_out;
 }
 
 }  // namespace
@@ -319,7 +334,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 
 /// Appends the values passed to it.
 class Writer {
@@ -328,11 +343,9 @@ class Writer {
     for (int i = 0; i < 8; ++i) bytes_ += static_cast<char>(word >> 8 * i & 0xff);
   }
   void Real(double real) { Word(std::bit_cast<std::uint64_t>(real)); }
-  template <typename T>
-  void Size(const std::vector<T>& items) {
-    Word(items.size());
-  }
+  void Size(const auto& items) { Word(items.size()); }
   void Index(std::uint32_t index) { Word(index); }
+  void Character(char c) { bytes_ += c; }
   std::string Take() { return std::move(bytes_); }
 
  private:
@@ -345,14 +358,19 @@ class Reader {
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
 
   void Real(double& real) { real = std::bit_cast<double>(Next()); }
-  template <typename T>
-  void Size(std::vector<T>& items) {
+  void Size(auto& items) {
     // The data are those written; the limit guards against our own errors.
     const std::uint64_t size = Next();
     is_good_ = is_good_ && size <= bytes_.size();
     items.resize(is_good_ ? size : 0);
   }
   void Index(std::uint32_t& index) { index = static_cast<std::uint32_t>(Next()); }
+  void Character(char& c) {
+    is_good_ = is_good_ && !bytes_.empty();
+    if (!is_good_) return;
+    c = bytes_[0];
+    bytes_.remove_prefix(1);
+  }
   bool IsDone() const { return is_good_ && bytes_.empty(); }
 
  private:
@@ -385,6 +403,8 @@ void Visit(auto& archive, ConvexDecomposition& form) {
   archive.Real(form.iou);
   archive.Real(form.overlap);
   archive.Real(form.hull_overlap);
+  archive.Size(form.left_out);
+  for (char& c : form.left_out) archive.Character(c);
   archive.Size(form.pieces);
   for (ConvexPiece& piece : form.pieces) {
     reals(piece.centre);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/components.h"
 #include "compiler/schema/language_words.h"
@@ -210,7 +211,12 @@ std::string ParameterReference(const Parameter& parameter) {
 std::string WordReference(const ParametrisedWord& word) { return Words("word", {&word}); }
 
 std::string ObjectReference() {
-  return Words("objects", schema::ObjectTypes(), CallsOf(*schema::GroupParameter("type")));
+  const std::string_view importer = plan::ImporterOf(".dae");
+  return Words("objects", schema::ObjectTypes(), CallsOf(*schema::GroupParameter("type"))) +
+         fmt::format("\nMeshes of other programs (COLLADA, glTF, FBX, 3MF and so on): {}\n",
+                     importer.empty() ? "not in this build: install libassimp-dev and run ./setup "
+                                        "again, or ./setup --import"
+                                      : fmt::format("read by {}", importer));
 }
 
 std::string LayoutReference() {

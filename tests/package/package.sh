@@ -15,6 +15,8 @@ dpkg-deb --extract "$package" "$folder/root"
 share=$folder/root/usr/share
 [ -s "$share/doc/cdb/copyright" ] && [ -s "$share/man/man1/cdb.1" ] && [ -x "$share/cdb/fetch-models" ]
 
+[ ! -e "$build/cdb-import" ] || [ -x "$folder/root/usr/bin/cdb-import" ]
+
 cd "$folder"
 cdb=$folder/root/usr/bin/cdb
 "$cdb" run -q "$share/doc/cdb/examples/first.cdb"

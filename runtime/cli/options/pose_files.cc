@@ -9,7 +9,7 @@
 #include "compiler/plan/text_table.h"
 #include "compiler/schema/parametrised_words.h"
 #include "library/layouts/pose_columns.h"
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/selection.h"
@@ -80,7 +80,7 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
 
 bool MayBeCompound(const schema::Value& type) {
   if (const auto* word = std::get_if<schema::Word>(&type))
-    return word->text == "torus" || meshes::FindModel(word->text) != nullptr;
+    return word->text == "torus" || objects::FindModel(word->text) != nullptr;
   const schema::Distribution* drawn = schema::AsDistribution(type);
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeCompound);
 }

@@ -13,12 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "library/confinement.h"
 #include "library/detectors/detector.h"
 #include "library/detectors/exact_pairs.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/probes/processor_time.h"
-#include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/protocol/trace_memory.h"
@@ -196,7 +196,7 @@ class Replay {
 
 void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd) {
   try {
-    if (!run.scene.plugins.empty()) Confine();
+    if (!run.scene.plugins.empty()) library::Confine();
     Replay replay(run, recording, trace_fd);
     replay.Time();
     replay.Judge();

@@ -11,6 +11,7 @@
 
 #include "compiler/analysis/reference.h"
 #include "compiler/yaml/plan_yaml.h"
+#include "library/confinement.h"
 #include "library/layouts/initial_state.h"
 #include "library/layouts/placement.h"
 #include "library/objects/solid_factory.h"
@@ -20,7 +21,6 @@
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
-#include "runtime/engine/worker/confinement.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
 
@@ -156,8 +156,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
       if (omissions.Omits(info.component) && schema::ListsWord(kept.names, info.name))
         omissions.Keep(info.component, kept.why);
     if (!run.scene.plugins.empty())
-      Confine();  // after caches are written and before plug-ins are
-                  // loaded
+      library::Confine();  // after caches are written and before plug-ins are loaded
     engine = std::make_unique<world::Engine>(run.scene, std::move(state), std::move(omissions));
     header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
     header.omitted = analysis::OmittedNames(engine->omissions().decisions);

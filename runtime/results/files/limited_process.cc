@@ -19,24 +19,12 @@
 #include <span>
 #include <system_error>
 
+#include "library/sanitizers.h"
 #include "runtime/protocol/file_descriptor_io.h"
 #include "runtime/results/files/errors.h"
 
 namespace cdb::files {
 namespace {
-
-// The sanitizers reserve terabytes of address space.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kLimitsMemory = false;
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool kLimitsMemory = false;
-#else
-constexpr bool kLimitsMemory = true;
-#endif
-#else
-constexpr bool kLimitsMemory = true;
-#endif
 
 std::uint64_t AddressSpace() {
   unsigned long pages = 0;
@@ -68,7 +56,7 @@ void SetLimit(decltype(RLIMIT_CPU) resource, std::uint64_t value) {
   if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
   SetLimit(RLIMIT_CORE, 0);
   SetLimit(RLIMIT_CPU, limits.cpu_s);
-  if (kLimitsMemory) SetLimit(RLIMIT_AS, AddressSpace() + limits.memory_bytes);
+  if (!library::kReservesAddresses) SetLimit(RLIMIT_AS, AddressSpace() + limits.memory_bytes);
   std::string why;
   try {
     work();

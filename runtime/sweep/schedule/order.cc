@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "compiler/analysis/trace.h"
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 #include "library/scene_error.h"
 #include "runtime/protocol/bytes_text.h"
 #include "runtime/protocol/samples.h"
@@ -198,8 +198,8 @@ void CheckModelsOf(const schema::Value& type, std::set<std::string>& checked) {
     for (const schema::Value& choice : drawn->arguments) CheckModelsOf(choice, checked);
   const schema::Word* word = schema::AsWord(type);
   if (word == nullptr || !checked.insert(word->text).second) return;
-  if (const meshes::Model* model = meshes::FindModel(word->text))
-    meshes::PathOf(*model, meshes::ModelFolders());
+  if (const objects::Model* model = objects::FindModel(word->text))
+    objects::PathOf(*model, objects::ModelFolders());
 }
 
 }  // namespace

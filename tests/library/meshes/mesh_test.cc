@@ -127,8 +127,8 @@ TEST(Mesh, FilesOfOtherKindsAreNamed) {
   EXPECT_EQ(RefusedFile("<?xml version='1.0'?>\n<!-- by x --><robot name='r'>", "a.obj"),
             "a.obj: is a robot description (URDF); name the mesh files that it refers to, one for "
             "each object");
-  EXPECT_EQ(RefusedFile("glTF\x02", "some/a.glb"),
-            "some/a.glb: is a scene (glTF); convert it: `assimp export a.glb a.obj`");
+  EXPECT_EQ(RefusedFile("$MeshFormat", "some/a.msh"),
+            "some/a.msh: is a mesh of Gmsh; convert it: `meshio convert a.msh a.ply`");
   EXPECT_EQ(RefusedFile("version https://git-lfs.github.com/spec/v1\n", "a.stl"),
             "a.stl: is a pointer of Git LFS; run `git lfs pull` where it is");
   EXPECT_EQ(RefusedFile(ToPly(Sample()), "a.obj"),

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "compiler/plan/input_file.h"
-#include "library/meshes/models.h"
 #include "library/meshes/primitives.h"
+#include "library/objects/models.h"
 #include "tests/library/meshes/test_meshes.h"
 #include "tests/support/cache.h"
 #include "tests/support/files.h"
@@ -45,7 +45,7 @@ TEST(SolidFactory, EveryTypeOfTheTableIsAClosedFormAModelOrTheTorus) {
   for (const schema::ObjectType& type : schema::kObjectTypeTable) {
     const bool is_closed =
         std::ranges::count(objects::kClosedShapes, type.name, objects::TypeOf) == 1;
-    const bool is_mesh = meshes::FindModel(type.name) != nullptr || type.name == "torus";
+    const bool is_mesh = objects::FindModel(type.name) != nullptr || type.name == "torus";
     EXPECT_NE(is_closed, is_mesh) << type.name;
   }
 }
@@ -244,10 +244,10 @@ TEST(SolidFactory, PosesReferToTheOriginAndTheAxesOfTheFile) {
 }
 
 TEST(SolidFactory, ModelsAreTheirMeshes) {
-  for (const meshes::Model& model : meshes::Models()) {
+  for (const objects::Model& model : objects::Models()) {
     meshes::Mesh mesh;
     try {
-      mesh = meshes::LoadModel(model, meshes::ModelFolders());
+      mesh = objects::LoadModel(model, objects::ModelFolders());
     } catch (const library::SceneError&) {
       GTEST_SKIP() << "no models here: library/meshes/fetch-models gets them";
     }

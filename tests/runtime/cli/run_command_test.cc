@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iostream>
 #include <string>
 
+#include "compiler/plan/foreign_model.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/results/store.h"
 #include "tests/runtime/cli/small_sweep.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -257,6 +260,29 @@ TEST(Run, AMissingModelIsRefusedBeforeAnyRun) {
       << finished.err;
   EXPECT_NE(finished.err.find("fetch-models"), std::string::npos) << finished.err;
   EXPECT_FALSE(program.Exists("b.h5"));
+}
+
+TEST(Run, ImportsMeshesInItsWorkers) {
+  if (plan::ImporterOf(".dae").empty()) {
+    std::cout << "skipped: needs libassimp-dev (./setup --import)\n";
+    GTEST_SKIP();
+  }
+  const Program program;
+  for (const std::string name : {"angle.dae", "angle.glb"})
+    program.Write(name, ReadFile(SourceFolder() / "tests/fuzz/corpus_import" / name));
+  program.Write("b.cdb",
+                "benchmark b { cycles 2; world.side 20\n"
+                "objects a { quantity 2; size native; type mesh(\"angle.dae\") }\n"
+                "objects g { quantity 1; size native; type surface(\"angle.glb\"); mass fixed } }");
+  const Finished finished = program.Run({"run", "b.cdb"});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.out.find("IoU 1.000, left out: 1 line\n"), std::string::npos) << finished.out;
+  EXPECT_NE(finished.out.find("surface(\"angle.glb\"): 20 triangles\n"), std::string::npos);
+  program.Write("angle.dae", "<COLLADA/>");
+  const Finished check = program.Run({"check", "b.cdb"});
+  EXPECT_NE(check.status, 0);
+  EXPECT_NE((check.out + check.err).find("angle.dae: assimp cannot read it: "), std::string::npos)
+      << check.out << check.err;
 }
 
 TEST(Run, FindsOneRunOfAMillion) {

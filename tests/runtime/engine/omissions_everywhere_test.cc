@@ -15,7 +15,7 @@
 #include "compiler/compile.h"
 #include "dsl/diagnostics.h"
 #include "library/layouts/pose_table.h"
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/diagnostics.h"
@@ -51,7 +51,7 @@ std::vector<std::string> ShippedScenarios() {
 /// Decomposing a model takes seconds for each aspect.
 bool HasModel(const plan::Group& group) {
   const std::string type = schema::ToText(group.settings.Get("type"));
-  return std::ranges::any_of(meshes::Models(), [&](const meshes::Model& model) {
+  return std::ranges::any_of(objects::Models(), [&](const objects::Model& model) {
     return type.find(model.name) != std::string::npos;
   });
 }

@@ -1,4 +1,4 @@
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "library/meshes/topology.h"
 #include "library/scene_error.h"
 
-namespace cdb::meshes {
+namespace cdb::objects {
 namespace {
 
 namespace fs = std::filesystem;
@@ -71,14 +71,14 @@ fs::path PathOf(const Model& model, std::span<const fs::path> folders) {
                   model.file, looked, HowToFetch(folders), model.name));
 }
 
-Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name) {
-  const Mesh mesh = ParseMesh(bytes, name);
-  return Watertight(model.has_holes ? CloseHoles(mesh, name) : mesh, name);
+meshes::Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name) {
+  const meshes::Mesh mesh = meshes::ParseMesh(bytes, name);
+  return meshes::Watertight(model.has_holes ? meshes::CloseHoles(mesh, name) : mesh, name);
 }
 
-Mesh LoadModel(const Model& model, std::span<const fs::path> folders) {
+meshes::Mesh LoadModel(const Model& model, std::span<const fs::path> folders) {
   const fs::path file = PathOf(model, folders);
-  return ParseModel(model, ReadMeshFile(file), file.string());
+  return ParseModel(model, meshes::ReadMeshFile(file), file.string());
 }
 
-}  // namespace cdb::meshes
+}  // namespace cdb::objects

@@ -1,7 +1,7 @@
-// Confines this process before it runs the code of a plug-in.
+// Confines this process before it runs code that may be hostile: a plug-in or an importer.
 #pragma once
 
-namespace cdb::worker {
+namespace cdb::library {
 
 /// Environment variable that leaves plug-ins the rights of the user, for debuggers that start
 /// programs, detectors on a graphics card, and the like.
@@ -30,4 +30,4 @@ void RestrictByLandlock();
 /// PR_SET_NO_NEW_PRIVS.
 void FilterSystemCalls();
 
-}  // namespace cdb::worker
+}  // namespace cdb::library

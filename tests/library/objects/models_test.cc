@@ -1,4 +1,4 @@
-#include "library/meshes/models.h"
+#include "library/objects/models.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -27,19 +27,19 @@ TEST_F(ModelFolder, IsTheVariablesOrBesideTheProgram) {
   const char* kept = std::getenv("CDB_MODELS");
   const std::string before = kept == nullptr ? "" : kept;
   setenv("CDB_MODELS", "/somewhere", 1);
-  EXPECT_EQ(meshes::ModelFolders(), std::vector<fs::path>{"/somewhere"});
+  EXPECT_EQ(objects::ModelFolders(), std::vector<fs::path>{"/somewhere"});
   unsetenv("CDB_MODELS");
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
-  EXPECT_EQ(meshes::ModelFolders(),
+  EXPECT_EQ(objects::ModelFolders(),
             (std::vector<fs::path>{program / "models",
                                    program.parent_path() / "share" / "cdb" / "models"}));
   if (!before.empty()) setenv("CDB_MODELS", before.c_str(), 1);
 }
 
 TEST_F(ModelFolder, TheFirstThatHasItCounts) {
-  const meshes::Model& bunny = *meshes::FindModel("bunny");
+  const objects::Model& bunny = *objects::FindModel("bunny");
   const std::vector<fs::path> both = {folder_ / "a", folder_ / "b"};
-  EXPECT_EQ(Refusal([&] { meshes::PathOf(bunny, both); }),
+  EXPECT_EQ(Refusal([&] { objects::PathOf(bunny, both); }),
             "the model `bunny` is not on this machine (looked for bunny.off in " +
                 both[0].string() + " and " + both[1].string() +
                 "); in cdb's source folder run: library/meshes/fetch-models '" + both[0].string() +
@@ -48,17 +48,17 @@ TEST_F(ModelFolder, TheFirstThatHasItCounts) {
   fs::create_directories(folder_ / "share");
   WriteFile(folder_ / "share/fetch-models", "");
   const std::vector<fs::path> installed = {both[0], folder_ / "share/models"};
-  EXPECT_TRUE(Refusal([&] { meshes::PathOf(bunny, installed); })
+  EXPECT_TRUE(Refusal([&] { objects::PathOf(bunny, installed); })
                   .ends_with("); run: '" + (folder_ / "share/fetch-models").string() + "' '" +
                              installed[1].string() + "' bunny"));
   fs::create_directories(both[1]);
   WriteFile(both[1] / "bunny.off", ToOff(InsideOut(AngleMesh())));
-  EXPECT_EQ(meshes::PathOf(bunny, both), both[1] / "bunny.off");
-  EXPECT_EQ(meshes::LoadModel(bunny, both), AngleMesh());
+  EXPECT_EQ(objects::PathOf(bunny, both), both[1] / "bunny.off");
+  EXPECT_EQ(objects::LoadModel(bunny, both), AngleMesh());
   fs::create_directories(both[0]);
   WriteFile(both[0] / "bunny.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_TRUE(Refusal([&] {
-                meshes::LoadModel(bunny, both);
+                objects::LoadModel(bunny, both);
               }).starts_with((both[0] / "bunny.off").string() + ": is not watertight: 3 edges"));
 }
 
@@ -66,10 +66,10 @@ TEST_F(ModelFolder, OnlyTheTeapotsHolesAreClosed) {
   meshes::Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
   open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 2);
   WriteFile(folder_ / "teapot.obj", ToObj(open));
-  EXPECT_DOUBLE_EQ(meshes::SignedVolume(meshes::LoadModel(*meshes::FindModel("teapot"),
-                                                          std::vector{folder_.path()})),
+  EXPECT_DOUBLE_EQ(meshes::SignedVolume(objects::LoadModel(*objects::FindModel("teapot"),
+                                                           std::vector{folder_.path()})),
                    1);
-  EXPECT_EQ(meshes::FindModel("kettle"), nullptr);
+  EXPECT_EQ(objects::FindModel("kettle"), nullptr);
 }
 
 TEST_F(ModelFolder, FetchingIsRefusedWhereItIsWrong) {
@@ -89,7 +89,7 @@ class EveryModel : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     try {
-      meshes::PathOf(*meshes::FindModel(GetParam()), meshes::ModelFolders());
+      objects::PathOf(*objects::FindModel(GetParam()), objects::ModelFolders());
     } catch (const library::SceneError& error) {
       GTEST_SKIP() << error.what();
     }
@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Models, EveryModel, ::testing::Values("bunny", "armadil
 
 TEST_P(EveryModel, IsASolid) {
   const meshes::Mesh mesh =
-      meshes::LoadModel(*meshes::FindModel(GetParam()), meshes::ModelFolders());
+      objects::LoadModel(*objects::FindModel(GetParam()), objects::ModelFolders());
   const meshes::MassProperties mass = meshes::MassPropertiesOf(mesh);
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& vertex : mesh.vertices) box.extend(vertex);

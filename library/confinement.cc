@@ -1,4 +1,4 @@
-#include "runtime/engine/worker/confinement.h"
+#include "library/confinement.h"
 
 #include <fcntl.h>
 #include <linux/audit.h>
@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-namespace cdb::worker {
+namespace cdb::library {
 
 void Confine() {
   const char* unconfined = std::getenv(kUnconfined);
@@ -382,4 +382,4 @@ void FilterSystemCalls() {
           SECCOMP_FILTER_FLAG_TSYNC | SECCOMP_FILTER_FLAG_SPEC_ALLOW, &program);
 }
 
-}  // namespace cdb::worker
+}  // namespace cdb::library

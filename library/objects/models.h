@@ -17,7 +17,7 @@
 
 #include "library/meshes/mesh.h"
 
-namespace cdb::meshes {
+namespace cdb::objects {
 
 struct Model {
   std::string_view name;    ///< its name in a scene
@@ -37,8 +37,8 @@ std::vector<std::filesystem::path> ModelFolders();
 std::filesystem::path PathOf(const Model& model, std::span<const std::filesystem::path> folders);
 
 /// The model from the bytes of its file, as Watertight returns it; `name` is the name of the file.
-Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name);
+meshes::Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name);
 /// The same from the file.
-Mesh LoadModel(const Model& model, std::span<const std::filesystem::path> folders);
+meshes::Mesh LoadModel(const Model& model, std::span<const std::filesystem::path> folders);
 
-}  // namespace cdb::meshes
+}  // namespace cdb::objects
