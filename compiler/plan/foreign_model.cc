@@ -18,18 +18,27 @@ constexpr std::string_view kCad = "export STL from FreeCAD, or `gmsh {0} -2 -o {
 constexpr std::string_view kParts = "name the mesh files that it refers to, one for each object";
 constexpr std::string_view kPoints = "write its points as lines `v x y z` of an OBJ file, for hull";
 constexpr std::string_view kUnpack = "unpack it first";
+constexpr std::string_view kGdal = "convert it: `gdal_translate {0} {1}.tif`";
+constexpr std::string_view kImage = "convert it: `convert {0} -colorspace Gray {1}.png`";
+constexpr std::string_view kRaster = "make a grid of it, such as by `gdal_grid` or `pdal`";
 
 struct Kind {
   std::string_view start;  ///< of the contents, in lower case; empty: known by the extension only
   std::string_view extensions;
   std::string_view kind, remedy;
 };
-constexpr Kind kKinds[] = {
+/// What a download may be in place of any file.
+constexpr Kind kWrappers[] = {
     {"version https://git-lfs", "", "a pointer of Git LFS", "run `git lfs pull` where it is"},
     {"\xff\xfe", "", "text in UTF-16", "save it as UTF-8"},
     {"\xfe\xff", "", "text in UTF-16", "save it as UTF-8"},
     {"<!doctype html", ".html .htm", "a web page", "download the file itself"},
     {"<html", "", "a web page", "download the file itself"},
+    {"pk\x03\x04", ".zip", "a ZIP archive", kUnpack},
+    {"\x1f\x8b", ".gz .tgz", "compressed by gzip", kUnpack},
+    {"", ".xz .bz2 .7z .zst .tar .rar", "an archive", kUnpack},
+};
+constexpr Kind kModels[] = {
     {"<robot", ".urdf .xacro", "a robot description (URDF)", kParts},
     {"<sdf", ".sdf .world", "a scene (SDF)", kParts},
     {"<mujoco", ".mjcf", "a scene (MJCF)", kParts},
@@ -55,14 +64,40 @@ constexpr Kind kKinds[] = {
     {"# vtk datafile", ".vtk", "a mesh of VTK", kMeshio},
     {"", ".vtu .vtp .msh .mesh .inp .bdf .med .xdmf", "a mesh of simulations", kMeshio},
     {"# .pcd", ".pcd .xyz .pts .las .laz .e57", "a cloud of points", kPoints},
-    {"pk\x03\x04", ".zip", "a ZIP archive", kUnpack},
-    {"\x1f\x8b", ".gz .tgz", "compressed by gzip", kUnpack},
-    {"", ".xz .bz2 .7z .zst .tar .rar", "an archive", kUnpack},
     {"ply\n", ".ply", "a PLY file", "let its name end in .ply"},
     {"ply\r", ".ply", "a PLY file", "let its name end in .ply"},
     {"off\n", ".off", "an OFF file", "let its name end in .off"},
     {"off\r", ".off", "an OFF file", "let its name end in .off"},
     {"solid ", ".stl", "an STL file", "let its name end in .stl"},
+    {"\x89png", ".png", "an image (PNG)", "type heights reads heights"},
+    {"ncols", ".asc", "a grid of heights", "type heights reads heights"},
+};
+constexpr Kind kHeights[] = {
+    {"\x89png", ".png", "a PNG image", "let its name end in .png"},
+    {{"ii*\0", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {{"mm\0*", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {{"ii+\0", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {"ncols", ".asc", "an ESRI grid", "let its name end in .asc"},
+    {"dsaa", ".grd", "a grid of Surfer", kGdal},
+    {"dsbb", "", "a grid of Surfer", kGdal},
+    {"north:", "", "a grid of GRASS", kGdal},
+    {"{\"type\"", ".geojson", "a map of lines and points (GeoJSON)", kRaster},
+    {"", ".shp .gpkg .kml", "a map of lines and points", kRaster},
+    {"\xff\xd8\xff", ".jpg .jpeg", "an image (JPEG), whose heights are not exact", kImage},
+    {"bm", ".bmp", "an image (BMP)", kImage},
+    {"gif8", ".gif", "an image (GIF)", kImage},
+    {"riff", ".webp", "an image (WebP)", kImage},
+    {"v/1\x01", ".exr", "an image (EXR)", kGdal},
+    {"p5", ".pgm", "an image (PGM)", kImage},
+    {"", ".ppm .pnm .tga .psd .dds", "an image", kImage},
+    {"cdf", ".nc", "a netCDF file", kGdal},
+    {"\x89hdf", ".h5 .hdf .hdf5", "an HDF5 file", kGdal},
+    {"", ".bil .bip .bsq .flt .img .dem .dt0 .dt1 .dt2 .vrt .adf .rst .jp2 .ter .xyz .grd",
+     "a raster of another format", kGdal},
+    {"", ".raw .r16 .r32", "heights without their number of columns",
+     "convert them: `convert -size 1025x1025 -depth 16 gray:{0} {1}.png`"},
+    {"", ".las .laz .e57 .pcd .ply", "a cloud of points", kRaster},
+    {"", ".obj .stl .off .glb .gltf .dae .fbx", "a model", "type surface reads models"},
 };
 
 std::string LowerCase(std::string_view text) {
@@ -90,9 +125,8 @@ bool HasWord(std::string_view words, std::string_view word) {
          fmt::format(" {} ", words).find(fmt::format(" {} ", word)) != std::string::npos;
 }
 
-}  // namespace
-
-ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
+ForeignModel ForeignOf(std::string_view name, std::string_view bytes, std::span<const Kind> kinds,
+                       std::span<const std::string_view> readable) {
   const std::filesystem::path path(name);
   const std::string extension = LowerCase(path.extension().string());
   const std::string start = LowerCase(PastProlog(bytes.substr(0, 4096)).substr(0, 64));
@@ -101,16 +135,28 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
         std::string(kind.kind),
         fmt::format(fmt::runtime(kind.remedy), path.filename().string(), path.stem().string())};
   };
-  for (const Kind& kind : kKinds)
-    if (!kind.start.empty() && start.starts_with(kind.start) &&
-        !HasWord(kind.extensions, extension))
-      return found(kind);
-  // Readable formats are in the table only for what begins like them.
-  for (const std::string_view readable : {".obj", ".ply", ".off", ".stl"})
-    if (extension == readable) return {};
-  for (const Kind& kind : kKinds)
-    if (HasWord(kind.extensions, extension)) return found(kind);
+  const std::span<const Kind> tables[] = {kWrappers, kinds};
+  for (const auto table : tables)
+    for (const Kind& kind : table)
+      if (!kind.start.empty() && start.starts_with(kind.start) &&
+          !HasWord(kind.extensions, extension))
+        return found(kind);
+  // Readable formats are in the tables only for what begins like them.
+  if (std::ranges::find(readable, extension) != readable.end()) return {};
+  for (const auto table : tables)
+    for (const Kind& kind : table)
+      if (HasWord(kind.extensions, extension)) return found(kind);
   return {};
+}
+
+}  // namespace
+
+ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
+  return ForeignOf(name, bytes, kModels, kModelFormats);
+}
+
+ForeignModel ForeignHeightsOf(std::string_view name, std::string_view bytes) {
+  return ForeignOf(name, bytes, kHeights, kHeightFormats);
 }
 
 }  // namespace cdb::plan

@@ -13,7 +13,7 @@ namespace {
 /// m: the mean of the triangles' shortest edges.
 double UsualEdge(const objects::Compound& surface) {
   double sum = 0;
-  const std::size_t count = surface.form().pieces.size();
+  const std::size_t count = surface.form().PieceCount();
   for (std::size_t triangle = 0; triangle < count; ++triangle) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i)

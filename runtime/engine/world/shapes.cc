@@ -224,12 +224,14 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeSurface(const objects::Compound
 
 std::unique_ptr<btCollisionShape> ShapePool::MakeHeights(const objects::Compound& surface,
                                                          btScalar margin, bool smooth_edges) {
-  const meshes::HeightGrid& grid = *surface.form().heights;
-  const auto [low, high] = std::ranges::minmax(grid.heights);
+  const objects::HeightSurface& field = *surface.form().heights;
+  const terrain::HeightGrid& grid = field.grid();
+  const double low = field.lowest(), high = field.highest();
   const double middle = low + (high - low) / 2,
                scale = high > low ? surface.sides().y() / (high - low) : 0;
   Triangles& triangles = *triangles_.emplace_back(std::make_unique<Triangles>());
   std::vector<btScalar>& heights = triangles.heights;
+  heights.reserve(grid.heights.size());
   for (const double height : grid.heights)
     heights.push_back(static_cast<btScalar>((height - middle) * scale));
   const auto [least, most] = std::ranges::minmax(heights);

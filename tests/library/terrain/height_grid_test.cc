@@ -1,4 +1,4 @@
-#include "library/meshes/heights.h"
+#include "library/terrain/height_grid.h"
 
 #include <gtest/gtest.h>
 

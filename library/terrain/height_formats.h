@@ -1,0 +1,46 @@
+// The formats of height fields, each as a function from bytes to heights. For height_grid.cc.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "library/scene_error.h"
+
+namespace cdb::terrain {
+
+inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
+
+/// What a file says.
+struct Raster {
+  std::size_t columns = 0, rows = 0;
+  std::vector<double> heights;  ///< row by row; kNoData where there are none
+  /// Between columns and rows, in m or degrees.
+  std::optional<Eigen::Vector2d> cell = {};
+  bool is_in_degrees = false;
+  std::optional<double> latitude = {};  ///< degrees, of the middle; for remedies
+  std::string unit = {};                ///< why `cell` is not in m, if for another reason
+  bool has_no_scale = false;            ///< an image, whose numbers have no unit
+};
+
+Raster ReadCsv(std::string_view bytes, std::string_view name);
+Raster ReadAsciiGrid(std::string_view bytes, std::string_view name);
+Raster ReadPng(std::string_view bytes, std::string_view name);
+Raster ReadTiff(std::string_view bytes, std::string_view name);
+Raster ReadHgt(std::string_view bytes, std::string_view name);
+
+[[noreturn]] void RefuseFile(std::string_view name, const std::string& cause,
+                             const std::string& remedy);
+[[noreturn]] void RefuseLine(std::string_view name, std::size_t line, const std::string& cause,
+                             const std::string& remedy);
+/// Throws unless there are from 2 by 2 to kMaxHeights heights.
+void CheckSize(std::uint64_t columns, std::uint64_t rows, std::string_view name);
+
+/// The height in a text, or kNoData for `nan`; nullopt if it is no number.
+std::optional<double> HeightIn(std::string_view word);
+
+}  // namespace cdb::terrain

@@ -1,0 +1,119 @@
+// Grey images by libpng.
+#include <fmt/format.h>
+#include <png.h>
+
+#include <csetjmp>
+#include <cstring>
+
+#include "library/terrain/height_formats.h"
+
+namespace cdb::terrain {
+namespace {
+
+constexpr std::string_view kGreyRemedy =
+    "convert it: `convert IN.png -colorspace Gray -depth 16 png:OUT.png` of ImageMagick";
+
+/// All that the functions below change; plain, as libpng leaves them by longjmp.
+struct Reading {
+  const char* next;
+  std::size_t left;
+  char why[80];
+  std::uint32_t columns, rows;
+  int depth, colour, transparent;  ///< a grey level, or -1
+};
+
+[[noreturn]] void OnPngError(png_structp png, png_const_charp why) {
+  auto& reading = *static_cast<Reading*>(png_get_error_ptr(png));
+  std::strncpy(reading.why, why, sizeof reading.why - 1);
+  png_longjmp(png, 1);
+}
+
+void OnPngWarning(png_structp, png_const_charp) {}
+
+void ReadBytes(png_structp png, png_bytep to, std::size_t count) {
+  auto& reading = *static_cast<Reading*>(png_get_io_ptr(png));
+  if (count > reading.left) png_error(png, "the file is cut off");
+  std::memcpy(to, reading.next, count);
+  reading.next += count;
+  reading.left -= count;
+}
+
+/// False after an error.
+bool ReadHead(png_structp png, png_infop info, Reading& reading) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_read_info(png, info);
+  reading.columns = png_get_image_width(png, info);
+  reading.rows = png_get_image_height(png, info);
+  reading.depth = png_get_bit_depth(png, info);
+  reading.colour = png_get_color_type(png, info);
+  png_color_16p transparent = nullptr;
+  if (png_get_tRNS(png, info, nullptr, nullptr, &transparent) != 0 && transparent != nullptr)
+    reading.transparent = transparent->gray;
+  return true;
+}
+
+/// `rows`: as many pointers as rows, for an interlaced image is read as a whole.
+bool ReadRows(png_structp png, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_interlace_handling(png);
+  png_read_image(png, rows);
+  png_read_end(png, nullptr);
+  return true;
+}
+
+struct Png {
+  explicit Png(Reading& reading)
+      : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading, OnPngError, OnPngWarning)),
+        info(png_create_info_struct(png)) {
+    png_set_read_fn(png, &reading, ReadBytes);
+  }
+  ~Png() { png_destroy_read_struct(&png, &info, nullptr); }
+  Png(const Png&) = delete;
+  png_structp png;
+  png_infop info;
+};
+
+}  // namespace
+
+Raster ReadPng(std::string_view bytes, std::string_view name) {
+  Reading reading = {bytes.data(), bytes.size(), "", 0, 0, 0, 0, -1};
+  const auto check = [&](bool is_read) {
+    if (!is_read)
+      RefuseFile(name,
+                 fmt::format("byte {}: not a sound PNG file ({})", bytes.size() - reading.left,
+                             reading.why),
+                 "download or export it again");
+  };
+  const Png png(reading);
+  check(ReadHead(png.png, png.info, reading));
+  if (reading.colour != PNG_COLOR_TYPE_GRAY)
+    RefuseFile(name,
+               reading.colour == PNG_COLOR_TYPE_GRAY_ALPHA
+                   ? "the image has an alpha channel; a height map is grey"
+                   : "the image has colours; a height map is grey",
+               std::string(kGreyRemedy));
+  if (reading.depth != 8 && reading.depth != 16)
+    RefuseFile(name,
+               fmt::format("the image has {} bit{} a pixel; a height map has 8 or 16",
+                           reading.depth, reading.depth == 1 ? "" : "s"),
+               std::string(kGreyRemedy));
+  CheckSize(reading.columns, reading.rows, name);
+  const std::size_t width = reading.columns * static_cast<std::size_t>(reading.depth / 8);
+  std::vector<unsigned char> pixels(width * reading.rows);
+  std::vector<png_bytep> rows;
+  for (std::size_t row = 0; row < reading.rows; ++row) rows.push_back(&pixels[row * width]);
+  check(ReadRows(png.png, rows.data()));
+  Raster raster;
+  raster.columns = reading.columns;
+  raster.rows = reading.rows;
+  raster.has_no_scale = true;
+  raster.heights.reserve(raster.columns * raster.rows);
+  const std::size_t step = reading.depth == 16 ? 2 : 1;
+  for (std::size_t i = 0; i < pixels.size(); i += step) {
+    const int grey = step == 2 ? pixels[i] << 8 | pixels[i + 1] : pixels[i];
+    raster.heights.push_back(grey == reading.transparent ? kNoData : grey);
+  }
+  return raster;
+}
+
+}  // namespace cdb::terrain
