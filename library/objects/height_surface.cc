@@ -12,8 +12,13 @@ HeightSurface::HeightSurface(std::shared_ptr<const terrain::HeightGrid> grid)
   const auto [low, high] = std::ranges::minmax(grid_->heights);
   lowest_ = low;
   highest_ = high;
-  middle_ = low + (high - low) / 2;
-  unit_ = high > low ? 1 / (high - low) : 0;
+  const Vector3d& scale = grid_->scale;
+  box_ = {Vector3d(0, scale.y() * low, 0),
+          Vector3d(scale.x() * Cells(grid_->columns), scale.y() * high,
+                   scale.z() * Cells(grid_->rows))};
+  middle_ = box_.center();
+  sides_ = box_.sizes();
+  if (!(sides_.y() > 0)) sides_.y() = sides_.maxCoeff();
   width_in_blocks_ = (grid_->columns - 2) / kBlock + 1;
   blocks_.resize(width_in_blocks_ * ((grid_->rows - 2) / kBlock + 1));
   for (std::size_t block = 0; block < blocks_.size(); ++block) {
@@ -36,13 +41,6 @@ HeightSurface::Range HeightSurface::ColumnsOf(std::size_t block) const {
 HeightSurface::Range HeightSurface::RowsOf(std::size_t block) const {
   const std::size_t first = block / width_in_blocks_ * kBlock;
   return {first, std::min(first + kBlock + 1, grid_->rows)};
-}
-
-Eigen::AlignedBox3d HeightSurface::BoxInMetres() const {
-  const Vector3d& scale = grid_->scale;
-  return {Vector3d(0, scale.y() * lowest_, 0),
-          Vector3d(scale.x() * Cells(grid_->columns), scale.y() * highest_,
-                   scale.z() * Cells(grid_->rows))};
 }
 
 Vector3d HeightSurface::Support(const Vector3d& along) const {

@@ -26,15 +26,16 @@ class HeightSurface {
   const terrain::HeightGrid& grid() const { return *grid_; }
   std::size_t TriangleCount() const { return 2 * grid_->cells(); }
   /// Of the field at its own scale, m, with its first height at x = z = 0.
-  Eigen::AlignedBox3d BoxInMetres() const;
+  const Eigen::AlignedBox3d& box() const { return box_; }
   /// In the file's unit.
   double lowest() const { return lowest_; }
   double highest() const { return highest_; }
 
   Eigen::Vector3d Point(std::size_t column, std::size_t row) const {
-    return {static_cast<double>(column) / Cells(grid_->columns) - 0.5,
-            (grid_->heights[row * grid_->columns + column] - middle_) * unit_,
-            static_cast<double>(row) / Cells(grid_->rows) - 0.5};
+    const Eigen::Vector3d& scale = grid_->scale;
+    return {(scale.x() * static_cast<double>(column) - middle_.x()) / sides_.x(),
+            HeightAt(row * grid_->columns + column),
+            (scale.z() * static_cast<double>(row) - middle_.z()) / sides_.z()};
   }
   /// `vertex`: 0 to 2.
   Eigen::Vector3d Corner(std::size_t triangle, std::size_t vertex) const {
@@ -90,7 +91,9 @@ class HeightSurface {
   static bool Meet(const Eigen::AlignedBox3d& box, double low, double high) {
     return low <= box.max().y() && high >= box.min().y();
   }
-  double HeightAt(std::size_t index) const { return (grid_->heights[index] - middle_) * unit_; }
+  double HeightAt(std::size_t index) const {
+    return (grid_->scale.y() * grid_->heights[index] - middle_.y()) / sides_.y();
+  }
   template <typename Visit>
   bool AnyOfCell(std::size_t column, std::size_t row, const Eigen::AlignedBox3d& box,
                  Visit& visit) const {
@@ -111,7 +114,8 @@ class HeightSurface {
 
   std::shared_ptr<const terrain::HeightGrid> grid_;
   double lowest_ = 0, highest_ = 0;
-  double middle_ = 0, unit_ = 0;  ///< of the heights: the middle, and the inverse of the extent
+  Eigen::AlignedBox3d box_;
+  Eigen::Vector3d middle_, sides_;  ///< of the box; a flat one is as high as it is long
   std::size_t width_in_blocks_ = 0;
   std::vector<Extent> blocks_;  ///< along y, in the cube
 };

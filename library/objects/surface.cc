@@ -94,7 +94,7 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
 
 ConvexDecomposition MakeSurface(std::string name, std::shared_ptr<const terrain::HeightGrid> grid) {
   auto heights = std::make_shared<const HeightSurface>(std::move(grid));
-  ConvexDecomposition form = FormIn(heights->BoxInMetres(), std::move(name));
+  ConvexDecomposition form = FormIn(heights->box(), std::move(name));
   form.heights = std::move(heights);
   return form;
 }

@@ -37,6 +37,8 @@ Raster ReadHgt(std::string_view bytes, std::string_view name);
                              const std::string& remedy);
 [[noreturn]] void RefuseLine(std::string_view name, std::size_t line, const std::string& cause,
                              const std::string& remedy);
+/// A remedy with the name of the file, {0}, and without its extension, {1}.
+std::string CommandFor(std::string_view remedy, std::string_view name);
 /// Throws unless there are from 2 by 2 to kMaxHeights heights.
 void CheckSize(std::uint64_t columns, std::uint64_t rows, std::string_view name);
 

@@ -130,14 +130,20 @@ void RefuseLine(std::string_view name, std::size_t line, const std::string& caus
   throw library::SceneError(fmt::format("{}:{}: {}", name, line, cause), remedy);
 }
 
+std::string CommandFor(std::string_view remedy, std::string_view name) {
+  const std::filesystem::path path(name);
+  return fmt::format(fmt::runtime(remedy), path.filename().string(), path.stem().string());
+}
+
 void CheckSize(std::uint64_t columns, std::uint64_t rows, std::string_view name) {
   if (columns < 2 || rows < 2)
     RefuseFile(name, fmt::format("it has {} by {} heights", rows, columns),
                "a height field needs at least 2 by 2");
   if (columns > kMaxHeights / rows)
-    RefuseFile(name,
-               fmt::format("it has {} by {} heights; the limit is {}", rows, columns, kMaxHeights),
-               "cut a part out, or take fewer by `gdal_translate -r average -outsize 50% 50%`");
+    RefuseFile(
+        name, fmt::format("it has {} by {} heights; the limit is {}", rows, columns, kMaxHeights),
+        CommandFor("take fewer: `gdal_translate -r average -outsize 50% 50% {0} {1}_half.tif`",
+                   name));
 }
 
 std::optional<double> HeightIn(std::string_view word) {

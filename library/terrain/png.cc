@@ -10,16 +10,14 @@
 namespace cdb::terrain {
 namespace {
 
-constexpr std::string_view kGreyRemedy =
-    "convert it: `convert IN.png -colorspace Gray -depth 16 png:OUT.png` of ImageMagick";
-
 /// All that the functions below change; plain, as libpng leaves them by longjmp.
 struct Reading {
   const char* next;
   std::size_t left;
   char why[80];
   std::uint32_t columns, rows;
-  int depth, colour, transparent;  ///< a grey level, or -1
+  int depth, channels;
+  int transparent;  ///< a grey level, or -1
 };
 
 [[noreturn]] void OnPngError(png_structp png, png_const_charp why) {
@@ -44,18 +42,23 @@ bool ReadHead(png_structp png, png_infop info, Reading& reading) {
   png_read_info(png, info);
   reading.columns = png_get_image_width(png, info);
   reading.rows = png_get_image_height(png, info);
-  reading.depth = png_get_bit_depth(png, info);
-  reading.colour = png_get_color_type(png, info);
+  const int bits = png_get_bit_depth(png, info), colour = png_get_color_type(png, info);
   png_color_16p transparent = nullptr;
-  if (png_get_tRNS(png, info, nullptr, nullptr, &transparent) != 0 && transparent != nullptr)
-    reading.transparent = transparent->gray;
+  if (colour == PNG_COLOR_TYPE_GRAY &&
+      png_get_tRNS(png, info, nullptr, nullptr, &transparent) != 0 && transparent != nullptr)
+    reading.transparent = transparent->gray * (bits < 8 ? 255 / ((1 << bits) - 1) : 1);
+  if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
+  if (colour == PNG_COLOR_TYPE_GRAY && bits < 8) png_set_expand_gray_1_2_4_to_8(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  reading.depth = png_get_bit_depth(png, info);
+  reading.channels = png_get_channels(png, info);
   return true;
 }
 
 /// `rows`: as many pointers as rows, for an interlaced image is read as a whole.
 bool ReadRows(png_structp png, png_bytepp rows) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
-  png_set_interlace_handling(png);
   png_read_image(png, rows);
   png_read_end(png, nullptr);
   return true;
@@ -86,19 +89,10 @@ Raster ReadPng(std::string_view bytes, std::string_view name) {
   };
   const Png png(reading);
   check(ReadHead(png.png, png.info, reading));
-  if (reading.colour != PNG_COLOR_TYPE_GRAY)
-    RefuseFile(name,
-               reading.colour == PNG_COLOR_TYPE_GRAY_ALPHA
-                   ? "the image has an alpha channel; a height map is grey"
-                   : "the image has colours; a height map is grey",
-               std::string(kGreyRemedy));
-  if (reading.depth != 8 && reading.depth != 16)
-    RefuseFile(name,
-               fmt::format("the image has {} bit{} a pixel; a height map has 8 or 16",
-                           reading.depth, reading.depth == 1 ? "" : "s"),
-               std::string(kGreyRemedy));
   CheckSize(reading.columns, reading.rows, name);
-  const std::size_t width = reading.columns * static_cast<std::size_t>(reading.depth / 8);
+  const std::size_t bytes = static_cast<std::size_t>(reading.depth / 8),
+                    channels = static_cast<std::size_t>(reading.channels),
+                    width = reading.columns * bytes * channels;
   std::vector<unsigned char> pixels(width * reading.rows);
   std::vector<png_bytep> rows;
   for (std::size_t row = 0; row < reading.rows; ++row) rows.push_back(&pixels[row * width]);
@@ -108,10 +102,24 @@ Raster ReadPng(std::string_view bytes, std::string_view name) {
   raster.rows = reading.rows;
   raster.has_no_scale = true;
   raster.heights.reserve(raster.columns * raster.rows);
-  const std::size_t step = reading.depth == 16 ? 2 : 1;
-  for (std::size_t i = 0; i < pixels.size(); i += step) {
-    const int grey = step == 2 ? pixels[i] << 8 | pixels[i + 1] : pixels[i];
-    raster.heights.push_back(grey == reading.transparent ? kNoData : grey);
+  // Grey levels may be stored as equal colours; an even number of channels ends with the opacity.
+  const int opaque = bytes == 2 ? 65535 : 255;
+  for (std::size_t i = 0; i < pixels.size(); i += bytes * channels) {
+    const auto channel = [&](std::size_t number) {
+      const unsigned char* at = &pixels[i + number * bytes];
+      return bytes == 2 ? at[0] << 8 | at[1] : at[0];
+    };
+    const int grey = channel(0);
+    const bool is_missing =
+        grey == reading.transparent || (channels % 2 == 0 && channel(channels - 1) != opaque);
+    if (!is_missing && channels > 2 && (channel(1) != grey || channel(2) != grey))
+      RefuseFile(
+          name,
+          fmt::format("the pixel in row {}, column {} is no grey: heights are levels of grey",
+                      raster.heights.size() / raster.columns + 1,
+                      raster.heights.size() % raster.columns + 1),
+          CommandFor("convert it: `convert {0} -colorspace Gray -depth 16 {1}_grey.png`", name));
+    raster.heights.push_back(is_missing ? kNoData : grey);
   }
   return raster;
 }

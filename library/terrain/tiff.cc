@@ -15,7 +15,7 @@
 namespace cdb::terrain {
 namespace {
 
-constexpr std::string_view kBandRemedy = "convert it: `gdal_translate -b 1 IN.tif OUT.tif`";
+constexpr std::string_view kBandRemedy = "take one: `gdal_translate -b 1 {0} {1}_1.tif`";
 constexpr std::string_view kBrokenRemedy = "download or export it again";
 
 // Tags of GeoTIFF and GDAL, and keys of the former.
@@ -119,7 +119,7 @@ class TiffReader {
     format_ = Tag<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
     if (const auto bands = Tag<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1); bands != 1)
       RefuseFile(name_, fmt::format("it has {} bands; a height field has one", bands),
-                 std::string(kBandRemedy));
+                 Command(kBandRemedy));
     // Scanners and old writers leave the tag out, which is no error of libtiff.
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     TIFFGetField(tiff_.get(), TIFFTAG_PHOTOMETRIC, &photometric);
@@ -130,14 +130,15 @@ class TiffReader {
     if (!(is_float && (bits_ == 32 || bits_ == 64)) &&
         !(is_whole && (bits_ == 8 || bits_ == 16 || bits_ == 32)))
       RefuseFile(name_, fmt::format("its numbers have {} bits of format {}", bits_, format_),
-                 "convert them: `gdal_translate -ot Float32 IN.tif OUT.tif`");
+                 Command("convert them: `gdal_translate -ot Float32 {0} {1}_new.tif`"));
     if (Tag<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
-      RefuseFile(name_, "its rows do not begin at the top left", std::string(kBandRemedy));
+      RefuseFile(name_, "its rows do not begin at the top left",
+                 Command("turn them: `gdalwarp {0} {1}_new.tif`"));
     const std::string metadata = Text(kGdalMetadata);
     if (metadata.find("role=\"scale\"") != metadata.npos ||
         metadata.find("role=\"offset\"") != metadata.npos)
       RefuseFile(name_, "its numbers have a scale or an offset, which cdb does not apply",
-                 "apply it: `gdal_translate -unscale -ot Float32 IN.tif OUT.tif`");
+                 Command("apply it: `gdal_translate -unscale -ot Float32 {0} {1}_new.tif`"));
     CheckSize(columns, rows, name_);
     raster_.columns = columns;
     raster_.rows = rows;
@@ -150,7 +151,7 @@ class TiffReader {
           HeightIn(std::string_view(text).substr(begin, text.find_last_not_of(' ') + 1 - begin));
       if (!mark_)
         RefuseFile(name_, fmt::format("GDAL_NODATA is `{}`, not a number", text),
-                   "set it: `gdal_edit.py -a_nodata -9999 IN.tif`");
+                   Command("set it: `gdal_edit.py -a_nodata -9999 {0}`"));
     }
   }
 
@@ -163,7 +164,7 @@ class TiffReader {
     } else if (matrix.size() == 16) {
       if (matrix[1] != 0 || matrix[4] != 0)
         RefuseFile(name_, "its rows do not run from west to east",
-                   "turn them: `gdalwarp IN.tif OUT.tif`");
+                   Command("turn them: `gdalwarp {0} {1}_new.tif`"));
       raster_.cell = {matrix[0], -matrix[5]};
       raster_.latitude = matrix[7] + static_cast<double>(raster_.rows) / 2 * matrix[5];
     } else {
@@ -171,9 +172,12 @@ class TiffReader {
       return;
     }
     if (!raster_.cell->allFinite() || !(raster_.cell->minCoeff() > 0))
-      RefuseFile(name_,
-                 fmt::format("its cells are {:g} by {:g}", raster_.cell->x(), raster_.cell->y()),
-                 "set them: `gdalwarp IN.tif OUT.tif`");
+      RefuseFile(
+          name_,
+          raster_.cell->y() < 0 && raster_.cell->x() > 0
+              ? "its rows run from the south to the north"
+              : fmt::format("its cells are {:g} by {:g}", raster_.cell->x(), raster_.cell->y()),
+          Command("turn them: `gdalwarp {0} {1}_new.tif`"));
     if (raster_.latitude && !(std::abs(*raster_.latitude) <= 90)) raster_.latitude.reset();
     const auto keys = Values<std::uint16_t>(kGeoKeys, TIFF_SHORT);
     for (std::size_t i = 4; i + 3 < keys.size(); i += 4) {
@@ -248,12 +252,13 @@ class TiffReader {
       const auto kind = Tag<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0);
       if ((kind & FILETYPE_MASK) != 0)
         RefuseFile(name_, "it has a mask of the heights without data, which cdb does not read",
-                   "write them: `gdal_translate -a_nodata -9999 IN.tif OUT.tif`");
+                   Command("write them: `gdal_translate -a_nodata -9999 {0} {1}_new.tif`"));
       if ((kind & FILETYPE_REDUCEDIMAGE) == 0)
         RefuseFile(name_, "it has several images", "name a file with one");
     }
   }
 
+  std::string Command(std::string_view remedy) const { return CommandFor(remedy, name_); }
   [[noreturn]] void RefuseBroken() const {
     RefuseFile(name_,
                fmt::format("byte {}: not a sound TIFF file{}", source_.at,

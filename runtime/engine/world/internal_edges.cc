@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace cdb::world {
 namespace {
@@ -89,10 +90,53 @@ void FindEdges(const objects::Compound& surface, btBvhTriangleMeshShape& shape,
   btGenerateInternalEdgeInfo(&shape, &edges);
 }
 
-void FindEdges(const objects::Compound& surface, btHeightfieldTerrainShape& shape,
-               btTriangleInfoMap& edges) {
+void FindEdges(const objects::Compound& surface, NumberedHeights& shape, btTriangleInfoMap& edges) {
   SetLimits(surface, edges);
-  btGenerateInternalEdgeInfo(&shape, &edges);
+  if (surface.form().heights->grid().cells() > kMostCellsAtOnce) {
+    shape.setTriangleInfoMap(&edges);
+  } else {
+    btGenerateInternalEdgeInfo(&shape, &edges);
+  }
+}
+
+void NumberedHeights::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
+                                          const btVector3& upper) const {
+  struct Numbering final : btTriangleCallback {
+    Numbering(btTriangleCallback& to, int triangles, int wanted)
+        : callback(to), row(triangles), only(wanted) {}
+    void processTriangle(btVector3* corners, int column, int line) override {
+      const int triangle = line * row + column;
+      if (only < 0 || only == triangle) callback.processTriangle(corners, 0, triangle);
+    }
+    btTriangleCallback& callback;
+    const int row, only;
+  };
+  Numbering numbering(*callback, 2 * (m_heightStickWidth - 1), std::exchange(only_, -1));
+  btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
+}
+
+void NumberedHeights::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {
+  if (only_ < 0) {
+    btHeightfieldTerrainShape::getAabb(pose, lower, upper);
+    return;
+  }
+  const int row = 2 * (m_heightStickWidth - 1), column = only_ % row / 2, line = only_ / row;
+  getVertex(column, line, lower);
+  upper = lower;
+  for (const auto& [right, below] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
+    btVector3 corner;
+    getVertex(column + right, line + below, corner);
+    lower.setMin(corner);
+    upper.setMax(corner);
+  }
+}
+
+void NumberedHeights::FindEdgesOf(int triangle) {
+  btTriangleInfoMap* edges = getTriangleInfoMap();
+  if (edges == nullptr || edges->find(btHashInt(triangle)) != nullptr) return;
+  setTriangleInfoMap(nullptr);
+  only_ = triangle;
+  btGenerateInternalEdgeInfo(this, edges);
 }
 
 // In a manifold of Bullet's, the surface is always the second body.
@@ -107,6 +151,10 @@ bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, 
   const btVector3 centre = a->getCollisionObject()->getWorldTransform().getOrigin();
   const bool is_behind = front.dot(centre - pose * triangle.getVertexPtr(0)) < 0;
   const btVector3 before = contact.m_normalWorldOnB;
+  // Bullet hands out what it was given as constant.
+  auto& surface = const_cast<btCollisionShape&>(*b->getCollisionObject()->getCollisionShape());
+  if (surface.getShapeType() == TERRAIN_SHAPE_PROXYTYPE)
+    static_cast<NumberedHeights&>(surface).FindEdgesOf(triangle_b);
   AdjustNormal(contact, a, b, part_b, triangle_b, is_behind ? -front : front, is_behind);
   // A ball with another normal is nearest to another triangle, whose contact it has as well. Here
   // it would touch beside its lowest point, and spin.

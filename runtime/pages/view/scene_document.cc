@@ -263,12 +263,10 @@ TriangleMesh Turned(std::string name, const std::vector<Profile>& profiles, int 
 
 /// The triangles of a height field, or of every few of its rows and columns, if it has many.
 TriangleMesh MeshOfHeights(const objects::ConvexDecomposition& form) {
-  constexpr std::size_t kMostCells = 200;  // along each side: a page of about 20 MB
   const terrain::HeightGrid& grid = form.heights->grid();
   const auto lines = [](std::size_t points) {
-    const std::size_t step = (points - 2) / kMostCells + 1;
     std::vector<std::size_t> at;
-    for (std::size_t i = 0; i < points - 1; i += step) at.push_back(i);
+    for (std::size_t i = 0; i < points - 1; i += HeightStep(points)) at.push_back(i);
     at.push_back(points - 1);
     return at;
   };
