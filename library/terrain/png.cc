@@ -90,9 +90,9 @@ Raster ReadPng(std::string_view bytes, std::string_view name) {
   const Png png(reading);
   check(ReadHead(png.png, png.info, reading));
   CheckSize(reading.columns, reading.rows, name);
-  const std::size_t bytes = static_cast<std::size_t>(reading.depth / 8),
+  const std::size_t depth_bytes = static_cast<std::size_t>(reading.depth / 8),
                     channels = static_cast<std::size_t>(reading.channels),
-                    width = reading.columns * bytes * channels;
+                    width = reading.columns * depth_bytes * channels;
   std::vector<unsigned char> pixels(width * reading.rows);
   std::vector<png_bytep> rows;
   for (std::size_t row = 0; row < reading.rows; ++row) rows.push_back(&pixels[row * width]);
@@ -103,11 +103,11 @@ Raster ReadPng(std::string_view bytes, std::string_view name) {
   raster.has_no_scale = true;
   raster.heights.reserve(raster.columns * raster.rows);
   // Grey levels may be stored as equal colours; an even number of channels ends with the opacity.
-  const int opaque = bytes == 2 ? 65535 : 255;
-  for (std::size_t i = 0; i < pixels.size(); i += bytes * channels) {
+  const int opaque = depth_bytes == 2 ? 65535 : 255;
+  for (std::size_t i = 0; i < pixels.size(); i += depth_bytes * channels) {
     const auto channel = [&](std::size_t number) {
-      const unsigned char* at = &pixels[i + number * bytes];
-      return bytes == 2 ? at[0] << 8 | at[1] : at[0];
+      const unsigned char* at = &pixels[i + number * depth_bytes];
+      return depth_bytes == 2 ? at[0] << 8 | at[1] : at[0];
     };
     const int grey = channel(0);
     const bool is_missing =

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "library/objects/surface.h"
 
@@ -17,7 +20,8 @@ constexpr std::size_t kColumns = 75, kRows = 40;  // three blocks by two
 terrain::HeightGrid Rough() {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> height(-1, 3);
-  terrain::HeightGrid grid{.columns = kColumns, .rows = kRows, .scale = {0.5, 0.25, 0.75}};
+  terrain::HeightGrid grid{
+      .columns = kColumns, .rows = kRows, .heights = {}, .scale = {0.5, 0.25, 0.75}};
   for (std::size_t i = 0; i < kColumns * kRows; ++i) grid.heights.push_back(height(random));
   return grid;
 }
