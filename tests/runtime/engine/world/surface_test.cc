@@ -463,7 +463,9 @@ TEST_F(Surfaces, NorthOfAMapIsTowardsMinusZ) {
       {-9, top(1), -6.6}, {9, top(2), -6.6}, {-9, top(4), 6.6}, {9, top(8), 6.6}};
   std::vector<Vector3d> starts;
   for (const Vector3d& rest : rests) starts.emplace_back(rest + Vector3d(0, 0.3, 0));
-  const Recorded run = RunHere(HeightScene(map, starts, ".asc"));
+  plan::Scene scene = HeightScene(map, starts, ".asc");
+  SetGroup(scene, "edges", Word("smooth"), 1);
+  const Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   for (std::size_t i = 0; i < 4; ++i)
     EXPECT_LT((Position(*run.engine, i) - rests[i]).norm(), 0.01)
