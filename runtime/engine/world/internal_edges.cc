@@ -104,33 +104,30 @@ void FindEdges(const objects::Compound& surface, NumberedHeights& shape, btTrian
 void NumberedHeights::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
                                           const btVector3& upper) const {
   struct Numbering final : btTriangleCallback {
-    Numbering(btTriangleCallback& to, int triangles, int wanted)
-        : callback(to), row(triangles), only(wanted) {}
+    Numbering(btTriangleCallback& to, int triangles_in_row, int wanted)
+        : callback(to), triangles(triangles_in_row), triangle(wanted) {}
     void processTriangle(btVector3* corners, int column, int line) override {
-      const int triangle = line * row + column;
-      if (only < 0 || only == triangle) callback.processTriangle(corners, 0, triangle);
+      const int number = line * triangles + column;
+      if (triangle < 0 || triangle == number) callback.processTriangle(corners, 0, number);
     }
     btTriangleCallback& callback;
-    const int row, only;
+    const int triangles, triangle;
   };
-  Numbering numbering(*callback, 2 * (m_heightStickWidth - 1), std::exchange(only_, -1));
-  btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
-}
-
-void NumberedHeights::getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const {
-  if (only_ < 0) {
-    btHeightfieldTerrainShape::getAabb(pose, lower, upper);
+  const int row = 2 * (m_heightStickWidth - 1), only = std::exchange(only_, -1);
+  Numbering numbering(*callback, row, only);
+  if (only < 0) {
+    btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
     return;
   }
-  const int row = 2 * (m_heightStickWidth - 1), column = only_ % row / 2, line = only_ / row;
-  getVertex(column, line, lower);
-  upper = lower;
+  btVector3 corner, least, most;
+  getVertex(only % row / 2, only / row, least);
+  most = least;
   for (const auto& [right, below] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
-    btVector3 corner;
-    getVertex(column + right, line + below, corner);
-    lower.setMin(corner);
-    upper.setMax(corner);
+    getVertex(only % row / 2 + right, only / row + below, corner);
+    least.setMin(corner);
+    most.setMax(corner);
   }
+  btHeightfieldTerrainShape::processAllTriangles(&numbering, least, most);
 }
 
 void NumberedHeights::FindEdgesOf(int triangle) {

@@ -19,13 +19,12 @@ class NumberedHeights final : public btHeightfieldTerrainShape {
 
   void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
                            const btVector3& upper) const override;
-  void getAabb(const btTransform& pose, btVector3& lower, btVector3& upper) const override;
   /// Finds the edges of a triangle, unless they are known.
   void FindEdgesOf(int triangle);
 
  private:
-  /// The triangle whose edges Bullet looks for: the only one that it shall find first, and in whose
-  /// box. Negative: none.
+  /// The triangle whose edges are looked for: the only one that Bullet shall find at first, among
+  /// all that it asks for. Negative: none.
   mutable int only_ = -1;
 };
 
