@@ -83,7 +83,7 @@ constexpr Kind kHeights[] = {
     {"north:", "", "a grid of GRASS", kGdal},
     {"{\"type\"", ".geojson", "a map of lines and points (GeoJSON)", kRaster},
     {"", ".shp .gpkg .kml", "a map of lines and points", kRaster},
-    {"\xff\xd8\xff", ".jpg .jpeg", "an image (JPEG), whose heights are not exact", kImage},
+    {"\xff\xd8\xff", ".jpg .jpeg", "an image (JPEG)", kImage},
     {"bm", ".bmp", "an image (BMP)", kImage},
     {"gif8", ".gif", "an image (GIF)", kImage},
     {"riff", ".webp", "an image (WebP)", kImage},

@@ -23,8 +23,8 @@ struct Raster {
   std::optional<Eigen::Vector2d> cell = {};
   bool is_in_degrees = false;
   std::optional<double> latitude = {};  ///< degrees, of the middle; for remedies
-  std::string unit = {};                ///< why `cell` is not in m, if for another reason
-  bool has_no_scale = false;            ///< an image, whose numbers have no unit
+  std::string unit = {};                ///< why the size of a cell in m is not known otherwise
+  bool is_image = false;                ///< whose numbers are grey levels
 };
 
 Raster ReadCsv(std::string_view bytes, std::string_view name);

@@ -107,8 +107,9 @@ void FindScale(const Raster& raster, std::string_view name, HeightGrid& grid) {
     grid.unknown_scale = fmt::format("{}: {}", name, raster.unit);
     grid.scale_remedy =
         fmt::format("give the size of a cell in m, `scale: (x, height, z)`; {}", kOr);
-  } else if (raster.has_no_scale) {
-    grid.unknown_scale = fmt::format("{}: an image has no unit", name);
+  } else if (raster.is_image) {
+    grid.unknown_scale =
+        fmt::format("{}: an image does not say how large its pixels and grey levels are", name);
     const double most = *std::ranges::max_element(raster.heights) > 255 ? 65535 : 255;
     grid.scale_remedy = fmt::format(
         "give the size of a pixel and of a grey level in m, such as `scale: (2, 300 / {:g}, 2)`; "

@@ -100,7 +100,7 @@ Raster ReadPng(std::string_view bytes, std::string_view name) {
   Raster raster;
   raster.columns = reading.columns;
   raster.rows = reading.rows;
-  raster.has_no_scale = true;
+  raster.is_image = true;
   raster.heights.reserve(raster.columns * raster.rows);
   // Grey levels may be stored as equal colours; an even number of channels ends with the opacity.
   const int opaque = depth_bytes == 2 ? 65535 : 255;

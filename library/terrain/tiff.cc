@@ -168,7 +168,7 @@ class TiffReader {
       raster_.cell = {matrix[0], -matrix[5]};
       raster_.latitude = matrix[7] + static_cast<double>(raster_.rows) / 2 * matrix[5];
     } else {
-      raster_.has_no_scale = true;
+      raster_.unit = "it does not say how large its cells are";
       return;
     }
     if (!raster_.cell->allFinite() || !(raster_.cell->minCoeff() > 0))

@@ -57,13 +57,13 @@ const GoodFile kGoodFiles[] = {
     {"rows.csv", 1, {1, 1, 1}, ""},
     {"usual.asc", 1, {30, 1, 30}, ""},
     {"wrapped.asc", 1, {30, 1, 20}, ""},
-    {"grey16.png", 257, {1, 1, 1}, "an image has no unit"},
-    {"grey16_interlaced.png", 257, {1, 1, 1}, "an image has no unit"},
-    {"grey16_transparent.png", 257, {1, 1, 1}, "an image has no unit"},
-    {"grey8.png", 1, {1, 1, 1}, "an image has no unit"},
-    {"grey_as_colours.png", 1, {1, 1, 1}, "an image has no unit"},
-    {"grey_as_colours_alpha.png", 1, {1, 1, 1}, "an image has no unit"},
-    {"grey_palette.png", 1, {1, 1, 1}, "an image has no unit"},
+    {"grey16.png", 257, {1, 1, 1}, "an image does not say how large"},
+    {"grey16_interlaced.png", 257, {1, 1, 1}, "an image does not say how large"},
+    {"grey16_transparent.png", 257, {1, 1, 1}, "an image does not say how large"},
+    {"grey8.png", 1, {1, 1, 1}, "an image does not say how large"},
+    {"grey_as_colours.png", 1, {1, 1, 1}, "an image does not say how large"},
+    {"grey_as_colours_alpha.png", 1, {1, 1, 1}, "an image does not say how large"},
+    {"grey_palette.png", 1, {1, 1, 1}, "an image does not say how large"},
     {"int16_strips.tif", 1, {30, 1, 20}, ""},
     {"uint16_lzw.tif", 1, {30, 1, 20}, ""},
     {"byte.tif", 1, {30, 1, 20}, ""},
@@ -71,7 +71,7 @@ const GoodFile kGoodFiles[] = {
     {"float32_tiles_deflate.tif", 1, {30, 1, 20}, ""},
     {"float64_bigtiff.tif", 1, {30, 1, 20}, ""},
     {"degrees.tif", 1, {1, 1, 1}, "its cells are 0.0008333 by 0.0008333 degrees"},
-    {"plain.tif", 1, {1, 1, 1}, "an image has no unit"},
+    {"plain.tif", 1, {1, 1, 1}, "it does not say how large its cells are"},
     {"feet.tif", 1, {1, 1, 1}, "its cells are in feet, not in metres"},
 };
 
@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
         BrokenHeights{"a.asc", "version https://git-lfs.github.com/spec/v1\n",
                       "a.asc: is a pointer of Git LFS; run `git lfs pull` where it is"},
         BrokenHeights{"a.r16", "", "a.r16: is heights without their number of columns"},
-        BrokenHeights{"a.jpg", "", "a.jpg: is an image (JPEG), whose heights are not exact"}));
+        BrokenHeights{"a.jpg", "", "a.jpg: is an image (JPEG); convert it: `convert a.jpg"}));
 TEST_P(EveryBrokenGrid, IsRefusedByLine) {
   const std::string message = RefusedHeights(GetParam().text, GetParam().name);
   EXPECT_TRUE(Has(message, GetParam().says)) << message;
