@@ -92,7 +92,9 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
                                    is_table     ? "table"
                                    : is_heights ? "height field"
                                                 : "model")
-                     : fmt::format("'{}' is {}, which cdb does not read", name, kind),
+                     : fmt::format("'{}' is {}, {}", name, kind,
+                                   is_heights ? "not a height field that cdb reads"
+                                              : "which cdb does not read"),
         kind.empty() ? fmt::format("its name ends in {}", fmt::join(formats, ", ")) : remedy);
     return false;
   }
