@@ -61,6 +61,7 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
 }
 
 bool Compound::PieceContains(std::size_t piece, const Vector3d& point) const {
+  if (form_->heights) return false;  // its triangles have no inside
   const ConvexPiece& hull = form_->pieces[piece];
   // In the form and relative to the centre of the piece; scaling keeps it on its side of a plane.
   const Vector3d in_form = (from_mesh_.transpose() * point).cwiseQuotient(sides_) + form_->centre;
@@ -120,6 +121,10 @@ double Compound::InnerRadiusOf(const ConvexPiece& piece) const {
 }
 
 Vector3d Compound::PieceCentre(std::size_t piece) const {
+  if (form_->heights) {
+    const Vector3d corners[] = {Corner(piece, 0), Corner(piece, 1), Corner(piece, 2)};
+    return BoxOf(corners).center();
+  }
   return ToBody(form_->pieces[piece].centre);
 }
 
