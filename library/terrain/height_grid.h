@@ -40,7 +40,7 @@ struct HeightOptions {
   std::variant<Refuse, Lowest, double> no_data = Refuse();
 };
 
-/// More heights are rejected: with a byte for each, they would take 2 GB.
+/// More heights are rejected. In a run of double precision, so many take 1 GB.
 inline constexpr std::size_t kMaxHeights = std::size_t{1} << 26;
 
 /// `name` is the name of the file, which determines its format, and is for messages.

@@ -61,7 +61,7 @@ struct Part {
 
 /// Of the rows or columns of a height field, one in this number is drawn: a page with all of them
 /// could be too large.
-inline std::size_t HeightStep(std::size_t lines) { return (lines - 2) / 250 + 1; }
+inline std::size_t HeightStep(std::size_t lines) { return (lines - 2) / 160 + 1; }
 
 class Tessellation {
  public:

@@ -81,7 +81,7 @@ TEST(Tessellation, DrawsSomeHeightsOfALargeField) {
   view::Tessellation tessellation(1);
   const std::vector<Vector3d> vertices = Vertices(tessellation, tessellation.PartsOf(solid));
   // Two triangles of each cell, seen from both sides; the first and the last height are there.
-  EXPECT_EQ(vertices.size(), 250 * 2 * 2 * 2 * 3u);
+  EXPECT_EQ(vertices.size(), 143 * 2 * 2 * 2 * 3u);
   double least = 0, most = 0;
   for (const Vector3d& vertex : vertices) {
     least = std::min(least, vertex.x());
@@ -91,8 +91,8 @@ TEST(Tessellation, DrawsSomeHeightsOfALargeField) {
   EXPECT_NEAR(least, -10, 1e-5);
   EXPECT_NEAR(most, 10, 1e-5);
   EXPECT_EQ(view::HeightStep(2), 1u);
-  EXPECT_EQ(view::HeightStep(251), 1u);
-  EXPECT_EQ(view::HeightStep(252), 2u);
+  EXPECT_EQ(view::HeightStep(161), 1u);
+  EXPECT_EQ(view::HeightStep(162), 2u);
 }
 
 TEST(Tessellation, SharesTheMeshesOfEqualShapes) {
