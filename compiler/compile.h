@@ -30,6 +30,7 @@ struct CompileOptions {
   /// If empty, impossible placements and wrong closed forms show only in runs.
   analysis::FindSceneFault find_fault = {};
   analysis::ReadPoses read_poses = {};  ///< if empty, no `location poses("file")` can be read
+  analysis::ReadModel read_model = {};  ///< if empty, meshes are not checked
   /// Fills Compilation::plans; a benchmark with more than kMostListed runs is then an error.
   bool lists_runs = true;
 };

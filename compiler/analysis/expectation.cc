@@ -36,7 +36,7 @@ std::optional<std::string> WhyMayMove(const plan::Scene& scene) {
       return fmt::format("group {} is placed by {}{}", group.name,
                          layout != nullptr ? std::string_view(layout->name)
                                            : group.settings.WordOr("location", "coordinates"),
-                         schema::AsCall(group.settings.Get("region")) ? " in a region" : "");
+                         IsInBox(group.settings) ? " in a region" : "");
     }
     if (!IsZero(group.settings.Get("linear_velocity")) ||
         !IsZero(group.settings.Get("angular_velocity")))
@@ -80,8 +80,7 @@ Expectation ExpectationOf(const plan::Scene& scene) {
 
 bool Stands(const plan::Group& group) {
   const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
-  // A region may be above the floor.
-  return layout != nullptr && schema::AsCall(group.settings.Get("region")) == nullptr &&
+  return layout != nullptr && !IsInBox(group.settings) &&
          (layout->name == "stack" || layout->name == "pyramid" || layout->name == "pile");
 }
 

@@ -88,7 +88,7 @@ std::vector<Block> BlocksOf(const plan::Scene& scene) {
     const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
     const auto block = BlockOf(group);
     if (layout == nullptr || !block) continue;
-    if (layout->name == "stack" && schema::AsCall(group.settings.Get("region")) == nullptr)
+    if (layout->name == "stack" && !IsInBox(group.settings))
       AddStack(*layout, group.settings.Count("quantity"), -scene.world.Real("world.side") / 2,
                *block, blocks);
     if (layout->name == "at") AddPoints(*layout, *block, blocks);

@@ -5,6 +5,12 @@
 
 namespace cdb::analysis {
 
+/// True if the objects of the group are placed in a box of their own, which may be above the floor,
+/// rather than in the cube.
+inline bool IsInBox(const plan::GroupSettings& settings) {
+  return schema::AsCall(settings.Get("region")) != nullptr;
+}
+
 /// True if all objects of `group`, which has `location at`, are upright cuboids or cylinders whose
 /// lower face touches the floor, an object of a stack or another object at a given point, or is
 /// above it by at most a twentieth of the object's least side, and whose centre, with all that it

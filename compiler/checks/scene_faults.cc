@@ -18,6 +18,8 @@ using Kind = analysis::SceneFault::Kind;
 
 /// Warns of objects of the default size if all others are smaller than this fraction of it.
 constexpr double kSmall = 0.1;
+/// IoU of hulls and mesh.
+constexpr double kGoodFit = 0.8;
 
 /// All settings that determine the placement of objects, and whether the engine can hold them.
 std::string PlacementKey(const plan::Scene& scene) {
@@ -45,7 +47,9 @@ std::string DefaultSizeText() {
 
 }  // namespace
 
-std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(const plan::Scene& scene) {
+std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(
+    configure::Configuration& configuration, const plan::Scene& scene) {
+  if (const auto fault = FindInModels(configuration, scene)) return fault;
   // The positions depend on the seeds, which follow from `seed`.
   plan::NoteRead(*WorldParameter("seed"));
   const std::uint64_t count = scene.ObjectCount();
@@ -63,12 +67,32 @@ std::optional<std::optional<analysis::SceneFault>> SceneFaults::Find(const plan:
   return known->second;
 }
 
+std::optional<analysis::SceneFault> SceneFaults::FindInModels(
+    configure::Configuration& configuration, const plan::Scene& scene) {
+  for (const plan::Group& group : scene.groups)
+    for (const schema::Value& type : analysis::TypesOf(group.settings)) {
+      analysis::ModelFault why;
+      const auto model = configuration.scenario().ModelAt(type, why);
+      if (!why.cause.empty())
+        return analysis::SceneFault{Kind::kPlacement, group.name, why.cause, why.remedy, "type"};
+      if (!model || model->iou.value_or(1) >= kGoodFit || !poor_fits_.insert(model->text).second)
+        continue;
+      diagnostics_.Report(
+          scenario::kPoorFit, configuration.SpanOf({group.name, schema::GroupParameter("type").get()}, benchmark_),
+          fmt::format("the hulls differ from the mesh, so that objects touch where it is not, or "
+                      "sink in where it is: {}", model->text),
+          "allow more hulls or a smaller error, such as `hulls: 80, error: 0.01`, and look at them in "
+          "`cdb view`");
+    }
+  return std::nullopt;
+}
+
 void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene& scene,
                       std::size_t runs) {
   WarnOfEllipsoids(configuration, scene);
   if (!find_) return;
   WarnOfDefaultSizes(configuration, scene);
-  const auto found = Find(scene);
+  const auto found = Find(configuration, scene);
   if (!found) return;
   looked_at_ += runs;
   const std::optional<analysis::SceneFault>& fault = *found;

@@ -52,7 +52,11 @@ class SceneFaults {
   using FindingKey = std::pair<analysis::SceneFault::Kind, std::string>;  ///< by group
 
   /// Nullopt if the scene is not checked.
-  std::optional<std::optional<analysis::SceneFault>> Find(const plan::Scene& scene);
+  std::optional<std::optional<analysis::SceneFault>> Find(configure::Configuration& configuration,
+                                                          const plan::Scene& scene);
+  /// Finds types that are no solids, and warns of hulls that do not fit their mesh.
+  std::optional<analysis::SceneFault> FindInModels(configure::Configuration& configuration,
+                                                   const plan::Scene& scene);
   void WarnOfDefaultSizes(configure::Configuration& configuration, const plan::Scene& scene);
   /// Warns of spheres whose sides are drawn one by one.
   void WarnOfEllipsoids(configure::Configuration& configuration, const plan::Scene& scene);
@@ -70,6 +74,7 @@ class SceneFaults {
   std::size_t unplaced_runs_ = 0, looked_at_ = 0;
   std::map<FindingKey, Finding> findings_;
   std::set<std::string> default_sizes_;  ///< groups already warned of
+  std::set<std::string> poor_fits_;      ///< types already warned of
 };
 
 }  // namespace cdb::checks

@@ -337,6 +337,9 @@ class Collector {
     if (referent.let && seen_.insert(referent.let->node).second)
       Add(*referent.let->node->value, referent.let->scope);
     if (referent.parameter) Add(*referent.parameter);
+    if (referent.measure)
+      for (const schema::GroupParameter of : names::BoxMeasure::kOf)
+        Add(scenario::ParameterKey{referent.measure->group, of.get()});
     if (!referent.is_object_count) return;
     for (const std::string& group : layers_.groups)
       Add(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()});

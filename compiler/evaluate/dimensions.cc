@@ -190,7 +190,8 @@ bool Dimensions::IsDrawn(const scenario::ParameterKey& key) {
 bool Dimensions::NamesDrawn(const Expr& path, const scenario::Scope& scope) {
   constexpr int kMostDepth = 500;  // the evaluator rejects longer chains
   const names::Referent referent = evaluator_.names().Resolve(path.text, scope);
-  if (depth_ >= kMostDepth || referent.IsWord() || referent.is_object_count) return false;
+  if (depth_ >= kMostDepth || referent.IsWord() || referent.is_object_count || referent.measure)
+    return false;
   ++depth_;
   bool is_drawn = false;
   if (referent.parameter) {

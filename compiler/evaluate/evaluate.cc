@@ -22,6 +22,7 @@ namespace {
 
 using dsl::Expr;
 using dsl::ExprKind;
+using Eigen::Vector3d;
 using schema::Number;
 using schema::Value;
 
@@ -179,14 +180,15 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
     return schema::Word{expr.text};
   }
   if (referent.is_object_count) return CountObjects();
-  const void* node = referent.let ? static_cast<const void*>(referent.let->node)
-                                  : static_cast<const void*>(referent.parameter->second);
+  if (referent.measure) return EvaluateMeasure(expr, *referent.measure);
+  const Node node = referent.let ? Node{referent.let->node}
+                                 : Node{referent.parameter->second, referent.parameter->first};
   if (!CheckCircle(node, expr)) return std::nullopt;
   return referent.let ? EvaluateLet(*referent.let)
                       : EvaluateNamedParameter(expr, *referent.parameter);
 }
 
-bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
+bool Evaluator::CheckCircle(const Node& node, const Expr& expr) {
   const auto begin = std::ranges::find(active_, node, &Active::node);
   if (begin != active_.end()) {
     // The report names the same member, wherever the cycle was entered.
@@ -214,7 +216,7 @@ bool Evaluator::CheckCircle(const void* node, const Expr& expr) {
 std::optional<Value> Evaluator::EvaluateLet(const scenario::Placed<dsl::Let>& let) {
   const auto known = let_values_.find(let.node);
   if (known != let_values_.end()) return known->second;
-  active_.push_back({let.node, let.node->name});
+  active_.push_back({{let.node}, let.node->name});
   auto value = Evaluate(*let.node->value, let.scope);
   active_.pop_back();
   let_values_[let.node] = value;
@@ -225,7 +227,8 @@ std::optional<Value> Evaluator::EvaluateNamedParameter(const Expr& expr,
                                                        const scenario::ParameterKey& key) {
   const auto set = layers_.settings.find(key);
   const dsl::Name written{expr.text, expr.span};
-  active_.push_back({key.second, set != layers_.settings.end() ? set->second.node->path : written});
+  active_.push_back(
+      {{key.second, key.first}, set != layers_.settings.end() ? set->second.node->path : written});
   auto value = EvaluateParameter(key);
   // A mass from a density also depends on the size.
   if (value && AsCall(*value) && AsCall(*value)->name == "density")
@@ -235,13 +238,53 @@ std::optional<Value> Evaluator::EvaluateNamedParameter(const Expr& expr,
   return NamedSetting(expr, key, *value, *this);
 }
 
+std::optional<Value> Evaluator::EvaluateMeasure(const Expr& expr,
+                                                const names::BoxMeasure& measure) {
+  std::vector<Value> values;
+  for (const schema::GroupParameter parameter : names::BoxMeasure::kOf) {
+    const scenario::ParameterKey key{measure.group, parameter.get()};
+    if (!CheckCircle({key.second, key.first}, expr)) return std::nullopt;
+    const auto set = layers_.settings.find(key);
+    active_.push_back(
+        {{key.second, key.first},
+         set != layers_.settings.end() ? set->second.node->path : dsl::Name{expr.text, expr.span}});
+    auto value = EvaluateParameter(key);
+    active_.pop_back();
+    if (!value) return std::nullopt;
+    if (IsDrawnForEachObject(*value) || AsDistribution(*value))
+      return Error(scenario::kWrongKind, expr.span,
+                   fmt::format("'{}' is not one value: the {} of `{}` is drawn for each object",
+                               expr.text, key.second->name, measure.group));
+    values.push_back(*std::move(value));
+  }
+  analysis::ModelFault why;
+  const auto model = scenario_.ModelAt(values[0], why);
+  if (!model)
+    return Error(scenario::kOutOfDomain, expr.span,
+                 fmt::format("'{}' is unknown: {}", expr.text,
+                             why.cause.empty() ? "models are not read here" : why.cause),
+                 why.remedy);
+  const Number* size = AsNumber(values[1]);
+  const auto* aspect = std::get_if<schema::Ratio>(&values[2]);
+  const Vector3d sides = model->SidesOf(size != nullptr ? size->AsReal() : 0,
+                                        aspect != nullptr ? aspect->parts : Vector3d::Ones());
+  using Kind = names::BoxMeasure::Kind;
+  const double half = measure.kind == Kind::kLower ? -0.5 : 0.5;
+  const Vector3d box =
+      measure.kind == Kind::kExtent
+          ? sides
+          : Vector3d((Vector3d::Constant(half) - model->placed).cwiseProduct(sides));
+  if (measure.axis) return Number(box[*measure.axis]);
+  return box;
+}
+
 bool Evaluator::EvaluateSizeOf(const std::string& group) {
   const schema::Parameter* size = schema::GroupParameter("size").get();
   const auto set = layers_.settings.find({group, size});
   if (set == layers_.settings.end()) return true;
   // A cycle through here is found further in.
-  if (std::ranges::find(active_, size, &Active::node) != active_.end()) return true;
-  active_.push_back({size, set->second.node->path});
+  if (std::ranges::find(active_, Node{size, group}, &Active::node) != active_.end()) return true;
+  active_.push_back({{size, group}, set->second.node->path});
   const bool good = EvaluateParameter({group, size}).has_value();
   active_.pop_back();
   return good;
@@ -284,8 +327,8 @@ std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
   const dsl::Setting& setting = *set->second.node;
   // Other layouts may use the quantity themselves: ring(radius: quantity / 4).
   if (!ListsPlaces(*setting.values[0], set->second.scope)) return std::nullopt;
-  if (!CheckCircle(&setting, *setting.values[0])) return std::nullopt;
-  active_.push_back({&setting, setting.path});
+  if (!CheckCircle({&setting}, *setting.values[0])) return std::nullopt;
+  active_.push_back({{&setting}, setting.path});
   const auto layout = Evaluate(*setting.values[0], set->second.scope);
   active_.pop_back();
   const schema::Call* call = layout ? AsCall(*layout) : nullptr;
@@ -321,8 +364,6 @@ std::optional<Value> Evaluator::ConvertFor(const schema::Parameter& parameter, c
 }
 
 namespace {
-
-using Eigen::Vector3d;
 
 /// Nullopt if the operator is not defined for the two kinds.
 std::optional<Value> Apply(char op, const Value& left, const Value& right) {

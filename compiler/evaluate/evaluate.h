@@ -46,8 +46,14 @@ class Evaluator {
 
  private:
   /// A let or a parameter under evaluation, and the location of its definition.
-  struct Active {
+  /// `group`: of a parameter, whose node all groups share; otherwise empty.
+  struct Node {
     const void* node;
+    std::string group = {};
+    bool operator==(const Node&) const = default;
+  };
+  struct Active {
+    Node node;
     dsl::Name name;
   };
 
@@ -59,6 +65,9 @@ class Evaluator {
   std::optional<schema::Value> EvaluateLet(const scenario::Placed<dsl::Let>& let);
   std::optional<schema::Value> EvaluateNamedParameter(const dsl::Expr& expr,
                                                       const scenario::ParameterKey& key);
+  /// A number or a vector, m.
+  std::optional<schema::Value> EvaluateMeasure(const dsl::Expr& expr,
+                                               const names::BoxMeasure& measure);
   /// Evaluates the size, to find cycles through it; false after a diagnostic.
   bool EvaluateSizeOf(const std::string& group);
   /// The number of objects in all groups, at least 1.
@@ -69,7 +78,7 @@ class Evaluator {
   /// diagnostic.
   std::optional<schema::Value> CountPlaces(const std::string& group);
   /// False, with a report, if `node`, written as `expr`, is already being evaluated.
-  bool CheckCircle(const void* node, const dsl::Expr& expr);
+  bool CheckCircle(const Node& node, const dsl::Expr& expr);
 
   const scenario::Scenario& scenario_;
   const scenario::Layers& layers_;

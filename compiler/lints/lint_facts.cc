@@ -10,6 +10,7 @@
 
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/standing.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
 #include "compiler/schema/catalogue.h"
@@ -44,7 +45,7 @@ void AddLayout(double side, GroupFacts& objects) {
   objects.position = Vector3d::Constant(side / 2);
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
   if (layout == nullptr) return;
-  const bool is_in_cube = schema::AsCall(objects.settings->Get("region")) == nullptr;
+  const bool is_in_cube = !analysis::IsInBox(*objects.settings);
   if (const auto position = FixedPositionOf(objects)) {
     objects.position = position->cwiseAbs();
   } else if (layout->name == "pair" && is_in_cube) {
@@ -100,12 +101,12 @@ Bounds FillBounds(const schema::Value& types) {
 }
 
 /// The listed places, and the path.
-void AddPlaces(const analysis::ReadPoses& read, GroupFacts& objects) {
+void AddPlaces(const FactReaders& read, GroupFacts& objects) {
   const schema::Call* layout = schema::AsCall(objects.settings->Get("location"));
   if (layout == nullptr) return;
-  if (layout->name == schema::kPathCall && read) {
+  if (layout->name == schema::kPathCall && read.poses) {
     analysis::PoseFault why;
-    objects.path = read(*layout, why);
+    objects.path = read.poses(*layout, why);
   } else if (schema::ListsPoints(*layout)) {
     for (const schema::Value& point : layout->arguments)
       objects.places.push_back(*schema::AsVector(point));
@@ -114,23 +115,40 @@ void AddPlaces(const analysis::ReadPoses& read, GroupFacts& objects) {
   }
 }
 
-GroupFacts GroupFactsOf(const plan::GroupSettings& settings, std::size_t index, double side,
-                        const analysis::ReadPoses& read) {
-  GroupFacts objects;
-  objects.settings = &settings;
-  objects.index = index;
-  objects.quantity = static_cast<double>(settings.Count("quantity"));
-  const Bounds size = BoundsOf(settings, "size");
+/// Bounds of the sides; false if they are unknown, as those of a mesh whose file was not read.
+bool AddSides(const FactReaders& read, GroupFacts& objects) {
+  const plan::GroupSettings& settings = *objects.settings;
+  const bool is_native = schema::AsWord(settings.Get("size")) != nullptr;
+  const Bounds size = is_native ? Bounds{} : BoundsOf(settings, "size");
   const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
-  objects.least_sides = size.least * aspect;
-  objects.most_sides = size.most * aspect;
+  objects.least_sides.setConstant(std::numeric_limits<double>::infinity());
+  objects.most_sides.setZero();
+  for (const schema::Value& type : analysis::TypesOf(settings)) {
+    analysis::ModelFault why;
+    const auto model = read.model ? read.model(type, why) : std::nullopt;
+    if (!model && is_native) return false;
+    const analysis::ModelFacts facts = model.value_or(analysis::ModelFacts{});
+    objects.least_sides = objects.least_sides.cwiseMin(facts.SidesOf(size.least, aspect));
+    objects.most_sides = objects.most_sides.cwiseMax(facts.SidesOf(size.most, aspect));
+  }
   objects.least_side = objects.least_sides.minCoeff();
   objects.longest_side = objects.most_sides.maxCoeff();
   // One draw for all sides keeps the aspect.
   const schema::Value& sizes = settings.Get("size");
-  objects.elongation = schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
-                           ? aspect.maxCoeff() / aspect.minCoeff()
-                           : objects.longest_side / objects.least_side;
+  objects.elongation =
+      is_native || schema::AsCall(sizes) != nullptr || schema::AsFormula(sizes) != nullptr
+          ? aspect.maxCoeff() / aspect.minCoeff()
+          : objects.longest_side / objects.least_side;
+  return true;
+}
+
+std::optional<GroupFacts> GroupFactsOf(const plan::GroupSettings& settings, std::size_t index,
+                                       double side, const FactReaders& read) {
+  GroupFacts objects;
+  objects.settings = &settings;
+  objects.index = index;
+  objects.quantity = static_cast<double>(settings.Count("quantity"));
+  if (!AddSides(read, objects)) return std::nullopt;
   objects.mass = BoundsOf(settings, "mass");
   objects.moves = objects.mass.most > 0;
   objects.is_kinematic = MayBe(settings.Get("mass"), analysis::kKinematicWord);
@@ -161,7 +179,7 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
   return bounds;
 }
 
-SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
+SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   SceneFacts facts;
   const plan::WorldSettings& world = scene.world;
   facts.world = &world;
@@ -182,9 +200,9 @@ SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read) {
   facts.groups.reserve(scene.groups.size());
   for (std::size_t i = 0; i < scene.groups.size(); ++i) {
     const plan::GroupSettings& settings = scene.groups[i].settings;
-    // The size of a mesh is known only when its file has been read.
-    if (settings.Count("quantity") > 0 && schema::AsWord(settings.Get("size")) == nullptr)
-      facts.groups.push_back(GroupFactsOf(settings, i, facts.side, read));
+    if (settings.Count("quantity") > 0)
+      if (auto objects = GroupFactsOf(settings, i, facts.side, read))
+        facts.groups.push_back(*std::move(objects));
   }
   for (const GroupFacts& objects : facts.groups) {
     facts.count += objects.quantity;
@@ -208,7 +226,7 @@ double SceneFacts::FallHeight(const GroupFacts& objects) const {
     for (const Vector3d& place : objects.places) highest = std::max(highest, place.y());
     return std::clamp(highest + side / 2 - objects.least_side / 2, 0.0, side);
   }
-  if (objects.tower > 1 && schema::AsCall(objects.settings->Get("region")) == nullptr)
+  if (objects.tower > 1 && !analysis::IsInBox(*objects.settings))
     return std::min(side, objects.stacked * (objects.most_sides.y() + objects.gap));
   return side;
 }
@@ -420,7 +438,7 @@ double ShorterStepSquared(const SceneFacts& scene, double value, double threshol
   return scene.timestep / std::sqrt(Excess(value, threshold));
 }
 
-std::vector<LintNumber> LintScene(const plan::Scene& scene, const analysis::ReadPoses& read) {
+std::vector<LintNumber> LintScene(const plan::Scene& scene, const FactReaders& read) {
   const SceneFacts facts = FactsOf(scene, read);
   std::vector<LintNumber> numbers;
   for (const Row& row : kFormulae)

@@ -106,7 +106,7 @@ struct SceneFacts {
 };
 
 /// `scene` must outlive the facts. `read`: as for LintScene.
-SceneFacts FactsOf(const plan::Scene& scene, const analysis::ReadPoses& read = {});
+SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read = {});
 
 // Facts about several groups: touching.cc.
 

@@ -9,9 +9,12 @@ namespace cdb::lints {
 
 void LintFindings::Add(configure::Configuration& configuration, const plan::Scene& scene,
                        std::size_t runs) {
-  const auto read = [&](const schema::Call& path, analysis::PoseFault& why) {
-    return configuration.scenario().PosesAt(path, why);
-  };
+  const FactReaders read{[&](const schema::Call& path, analysis::PoseFault& why) {
+                           return configuration.scenario().PosesAt(path, why);
+                         },
+                         [&](const schema::Value& type, analysis::ModelFault& why) {
+                           return configuration.scenario().ModelAt(type, why);
+                         }};
   for (const LintNumber& number : LintScene(scene, read)) {
     if (!number.IsDoubtful()) continue;
     const auto [at, is_first] = findings_.try_emplace(number.lint);

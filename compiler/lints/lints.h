@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/model.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/plan/plan.h"
 #include "dsl/diagnostics.h"
@@ -80,11 +81,16 @@ struct LintNumber {
   static constexpr double kDoubtful = 1.0 / 3;
 };
 
+/// Reads facts from files; those that are empty leave the facts unknown.
+struct FactReaders {
+  analysis::ReadPoses poses = {};  ///< of paths
+  analysis::ReadModel model = {};  ///< sides of meshes
+};
+
 /// The worst number of each lint that applies to the scene, in the order of the table. From the
-/// bounds of drawn values (compiler/lints/lint_facts.h); nothing is drawn or placed. `read` gives
-/// the facts about paths; without it they are unknown. Any thread that may call `read`; some
-/// microseconds per group.
-std::vector<LintNumber> LintScene(const plan::Scene& scene, const analysis::ReadPoses& read = {});
+/// bounds of drawn values (compiler/lints/lint_facts.h); nothing is drawn or placed. Any
+/// thread that may call `read`; some microseconds per group.
+std::vector<LintNumber> LintScene(const plan::Scene& scene, const FactReaders& read = {});
 
 /// `the stack will slide or fall: 0.2 is above the limit of 0.025 for ...`, and the remedy.
 std::string LintMessage(const LintNumber& number);

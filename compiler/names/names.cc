@@ -30,6 +30,8 @@ Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) c
       (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
     return {};
   if (auto let = FindLet(path, scope)) return {std::move(let), std::nullopt};
+  if (auto measure = FindMeasure(path, scope))
+    return {std::nullopt, std::nullopt, false, std::move(measure)};
   return {std::nullopt, FindParameter(path, scope)};
 }
 
@@ -76,6 +78,35 @@ std::optional<scenario::ParameterKey> Names::FindParameter(const std::string& pa
     if (const schema::Parameter* parameter = schema::FindParameter(path.substr(dot + 1), true))
       return scenario::ParameterKey{path.substr(0, dot), parameter};
   return std::nullopt;
+}
+
+std::optional<BoxMeasure> Names::FindMeasure(std::string_view path,
+                                             const scenario::Scope& scope) const {
+  constexpr std::pair<std::string_view, BoxMeasure::Kind> kKinds[] = {
+      {"extent", BoxMeasure::Kind::kExtent},
+      {"lower", BoxMeasure::Kind::kLower},
+      {"upper", BoxMeasure::Kind::kUpper}};
+  // A name without a dot is a word, such as that of a group.
+  if (path.find('.') == path.npos) return std::nullopt;
+  BoxMeasure measure;
+  constexpr std::string_view kAxes = "xyz";
+  if (path.size() > 2 && path[path.size() - 2] == '.')
+    if (const std::size_t axis = kAxes.find(path.back()); axis != kAxes.npos) {
+      measure.axis = static_cast<int>(axis);
+      path.remove_suffix(2);
+    }
+  const std::size_t dot = path.rfind('.');
+  const std::string_view name = dot == path.npos ? path : path.substr(dot + 1);
+  const auto kind = std::ranges::find(kKinds, name, [](const auto& each) { return each.first; });
+  if (kind == std::end(kKinds)) return std::nullopt;
+  measure.kind = kind->second;
+  // As for a parameter, the innermost group is meant, or `objects` outside of the blocks.
+  if (dot != path.npos)
+    measure.group = path.substr(0, dot);
+  else
+    measure.group = scope.group.empty() ? "objects" : scope.group;
+  if (!IsGroup(measure.group)) return std::nullopt;
+  return measure;
 }
 
 bool Names::IsGroup(std::string_view name) const {

@@ -16,13 +16,29 @@
 
 namespace cdb::names {
 
+/// A measure of the box around an object of a group: `part.extent`, `part.lower.y`.
+struct BoxMeasure {
+  enum class Kind {
+    kExtent,  ///< the sides
+    kLower,   ///< the corners, from the point that a layout places
+    kUpper,
+  };
+  /// The parameters that determine the box.
+  static constexpr schema::GroupParameter kOf[] = {"type", "size", "aspect"};
+
+  std::string group;
+  Kind kind = Kind::kExtent;
+  std::optional<int> axis;  ///< nullopt: a vector
+};
+
 /// The meaning of a name in an expression.
 struct Referent {
   std::optional<scenario::Placed<dsl::Let>> let;
   std::optional<scenario::ParameterKey> parameter;  ///< a parameter's name, set or not
   bool is_object_count = false;                     ///< `objects` in a default of the schema
+  std::optional<BoxMeasure> measure = {};
 
-  bool IsWord() const { return !let && !parameter && !is_object_count; }
+  bool IsWord() const { return !let && !parameter && !is_object_count && !measure; }
 };
 
 class Names {
@@ -41,6 +57,7 @@ class Names {
                                                     const scenario::Scope& scope) const;
   std::optional<scenario::ParameterKey> FindParameter(const std::string& path,
                                                       const scenario::Scope& scope) const;
+  std::optional<BoxMeasure> FindMeasure(std::string_view path, const scenario::Scope& scope) const;
   bool IsGroup(std::string_view name) const;
 
   const scenario::Scenario& scenario_;

@@ -37,12 +37,15 @@ inline constexpr dsl::DiagnosticKind kUnreachable{"W0203", "unreachable"};
 inline constexpr dsl::DiagnosticKind kEllipsoids{"W0204", "ellipsoids"};
 inline constexpr dsl::DiagnosticKind kNoEffect{"W0205", "no-effect"};
 
+inline constexpr dsl::DiagnosticKind kPoorFit{"W0206", "poor-fit"};
+
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
     &kOutOfDomain,    &kNotFinite,  &kBadArguments, &kBadRange,      &kMisplacedSweep,
     &kMisplacedRange, &kAxisTwice,  &kCircular,     &kNoSuchFile,    &kTooManyRuns,
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
-    &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable,      &kNoEffect};
+    &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable,      &kNoEffect,
+    &kPoorFit};
 
 }  // namespace cdb::scenario

@@ -38,12 +38,14 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
                    const PluginSource& plugins, const analysis::ReadTrace& read_trace,
-                   const analysis::ReadPoses& read_poses, dsl::Diagnostics& diagnostics)
+                   const analysis::ReadPoses& read_poses, const analysis::ReadModel& read_model,
+                   dsl::Diagnostics& diagnostics)
     : library_(library),
       read_(read),
       describe_(plugins.describe),
       read_trace_(read_trace),
-      read_poses_(read_poses) {
+      read_poses_(read_poses),
+      read_model_(read_model) {
   for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
   main_ = Load(path, nullptr, diagnostics);
 }
@@ -266,6 +268,21 @@ std::optional<analysis::PoseFacts> Scenario::PosesAt(const schema::Call& poses,
   if (is_new && read_poses_) table->second.facts = read_poses_(poses, table->second.why);
   why = read_poses_ ? table->second.why : analysis::PoseFault{true, "nothing here reads poses", {}};
   return table->second.facts;
+}
+
+std::optional<analysis::ModelFacts> Scenario::ModelAt(const schema::Value& type,
+                                                      analysis::ModelFault& why) const {
+  const auto [model, is_new] = models_.try_emplace(schema::ToText(type));
+  if (is_new && read_model_) model->second.facts = read_model_(type, model->second.why);
+  why = model->second.why;
+  return model->second.facts;
+}
+
+std::vector<std::string> Scenario::ModelTexts() const {
+  std::vector<std::string> texts;
+  for (const auto& [type, model] : models_)
+    if (model.facts && !model.facts->text.empty()) texts.push_back(model.facts->text);
+  return texts;
 }
 
 std::string Scenario::FullText() const {

@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "compiler/analysis/model.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/catalogue.h"
 #include "dsl/diagnostics.h"
@@ -65,7 +66,8 @@ class Scenario {
   /// location.
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
            const PluginSource& plugins, const analysis::ReadTrace& read_trace,
-           const analysis::ReadPoses& read_poses, dsl::Diagnostics& diagnostics);
+           const analysis::ReadPoses& read_poses, const analysis::ReadModel& read_model,
+           dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks that share a name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -102,6 +104,12 @@ class Scenario {
   /// used. Not thread-safe.
   std::optional<analysis::PoseFacts> PosesAt(const schema::Call& poses,
                                              analysis::PoseFault& why) const;
+  /// The facts about a constant type of objects, read once; nullopt if they are unknown, and the
+  /// reason if the type is no solid. Not thread-safe.
+  std::optional<analysis::ModelFacts> ModelAt(const schema::Value& type,
+                                              analysis::ModelFault& why) const;
+  /// The texts about the models read so far, in the order of their types.
+  std::vector<std::string> ModelTexts() const;
   /// The text of the main file, then of each used file under a comment with its name.
   std::string FullText() const;
 
@@ -145,6 +153,12 @@ class Scenario {
     analysis::PoseFault why;
   };
   mutable std::map<std::string, PosesRead> poses_;  ///< by the call without its hash
+  analysis::ReadModel read_model_;
+  struct ModelRead {
+    std::optional<analysis::ModelFacts> facts;
+    analysis::ModelFault why;
+  };
+  mutable std::map<std::string, ModelRead> models_;  ///< by the type as text
 };
 
 }  // namespace cdb::scenario

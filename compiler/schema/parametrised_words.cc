@@ -17,6 +17,7 @@ constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
 constexpr Domain kHulls = {.min = 1, .max = 1024};
+constexpr Domain kFraction = {.min = 0, .max = 1};
 
 struct ArgumentOptions {
   std::string_view first_default = {};
@@ -97,7 +98,9 @@ constexpr Parameter kModelOrigin = Argument("origin", kWord, kAny, "", "the poin
 constexpr Parameter kMesh[] = {
     kModelFile, kModelHash, kModelUnit, kModelOrigin,
     Argument("hulls", kCount, kHulls, "", "the largest number of convex hulls; fit is 40, or fewer if the error allows", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
-    Argument("error", kReal, kPositive, "", "admissible volume of the hulls outside the mesh, relative to that of the mesh; fit is 0.04", {.first_default = "fit", .words = "fit", .omitted_at_default = true})};
+    Argument("error", kReal, kPositive, "", "admissible volume of the hulls outside the mesh, relative to that of the mesh; fit is 0.04", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
+    Argument("parts", kWord, kAny, "", "cut decomposes the mesh; given takes the parts of the file, which must be convex, as the hulls", {.first_default = "cut", .words = "cut given", .omitted_at_default = true}),
+    Argument("iou", kReal, kFraction, "", "the least admissible IoU of hulls and mesh: their common volume divided by the volume of their union; fit is 0.5", {.first_default = "fit", .words = "fit", .omitted_at_default = true})};
 constexpr Parameter kModel[] = {kModelFile, kModelHash, kModelUnit, kModelOrigin};
 constexpr Parameter kSurface[] = {
     kModelFile, kModelHash, kModelUnit,

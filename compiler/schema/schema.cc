@@ -130,7 +130,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
       text = "on or off";
       break;
     case kWord:
-      text = "one of";
+      text = word_source == kGroups ? "the name of a group" : "one of";
       break;
     case kWords:
       text = "a list of";
@@ -162,8 +162,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   }
   for (const std::string_view call : AllCalls())
     list(call, RequiredArguments(*FindParametrisedWord(call)).empty() ? "" : "( )");
-  if (word_source == kGroups)
-    listed += type == ParameterType::kWord ? "the name of a group" : " groups, and walls";
+  if (word_source == kGroups && type == kWords) listed += " groups, and walls";
   text = (alone.empty() ? "" : alone + "or ") + text + listed;
   if (distribution) text += ", or a distribution";
   return text;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/model.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/plan/input_file.h"
@@ -17,9 +18,7 @@
 #include "library/layouts/number_range.h"
 #include "library/layouts/placement.h"
 #include "library/layouts/region.h"
-#include "library/meshes/convex_hull.h"
 #include "library/meshes/models.h"
-#include "library/meshes/topology.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 
@@ -35,17 +34,9 @@ bool MayBeMesh(const schema::Value& type) {
   return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
 }
 
-/// The types that a group may have.
-std::vector<schema::Value> TypesOf(const plan::Group& group) {
-  const schema::Value& type = group.settings.Get("type");
-  if (group.settings.Count("quantity") == 0) return {};
-  const schema::Distribution* drawn = schema::AsDistribution(type);
-  return drawn != nullptr ? drawn->arguments : std::vector<schema::Value>{type};
-}
-
 /// False if a type names a file that is not here: the compiler may have read it elsewhere.
 bool AreFilesHere(const plan::Group& group) {
-  return std::ranges::none_of(TypesOf(group), [](const schema::Value& type) {
+  return std::ranges::none_of(analysis::TypesOf(group.settings), [](const schema::Value& type) {
     const schema::Call* call = schema::AsCall(type);
     return call != nullptr &&
            !plan::WhyNotReadable(std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text)
@@ -55,31 +46,7 @@ bool AreFilesHere(const plan::Group& group) {
 
 /// True if no object of the group needs a decomposition, which takes seconds.
 bool IsMadeAtOnce(const plan::Group& group) {
-  return AreFilesHere(group) && std::ranges::none_of(TypesOf(group), MayBeMesh);
-}
-
-/// Throws if the mesh of a `mesh` or `hull` cannot become a solid. It is not decomposed.
-void CheckMesh(const schema::Value& type) {
-  const schema::Call* call = schema::AsCall(type);
-  if (call == nullptr || analysis::IsSurface(*call)) return;
-  const auto& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
-  const meshes::Mesh mesh = meshes::ReadMesh(file);
-  if (call->name == "mesh") {
-    meshes::Watertight(mesh, file);
-  } else {
-    meshes::ConvexHull(mesh, file);
-  }
-}
-
-void CheckMeshes(const plan::Scene& scene) {
-  for (const plan::Group& group : scene.groups) {
-    if (!AreFilesHere(group)) continue;
-    try {
-      for (const schema::Value& type : TypesOf(group)) CheckMesh(type);
-    } catch (const library::SceneError& error) {
-      throw library::SceneError(error.cause(), error.remedy(), group.name, "type");
-    }
-  }
+  return AreFilesHere(group) && std::ranges::none_of(analysis::TypesOf(group.settings), MayBeMesh);
 }
 
 /// Bullet sweeps only convex shapes.
@@ -88,7 +55,7 @@ void CheckCcd(const plan::Scene& scene) {
   for (const plan::Group& group : scene.groups) {
     const auto* ccd = std::get_if<bool>(&group.settings.Get("ccd"));
     if ((ccd != nullptr && !*ccd) || !AreFilesHere(group)) continue;
-    for (const schema::Value& type : TypesOf(group)) {
+    for (const schema::Value& type : analysis::TypesOf(group.settings)) {
       const objects::Solid solid =
           factory.Make(type, Eigen::Vector3d::Ones(),
                        std::get<schema::Ratio>(group.settings.Get("aspect")).parts);
@@ -174,7 +141,6 @@ std::optional<analysis::SceneFault> FindSceneFault(const plan::Scene& scene, std
   const std::string_view form = scene.world.WordOr("accuracy.closed_form");
   if (form == "none" || analysis::ErrorsOf(scene).empty()) {
     try {
-      CheckMeshes(scene);
       CheckCcd(scene);
       CheckPiles(scene);
       CheckPlacement(scene, draws);

@@ -30,8 +30,15 @@ constexpr int kAlgorithm = 2;
 /// have coordinates of single precision or six digits.
 constexpr double kFlat = 1e-5;
 
-/// Takes about a minute.
-constexpr std::size_t kMostTriangles = 3'000'000;
+/// Of a part that is taken as its hull, as a fraction of its volume: files have few digits.
+constexpr double kMostOutside = 0.01;
+
+void Append(const Mesh& part, Mesh& mesh) {
+  const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), part.vertices.begin(), part.vertices.end());
+  for (const Triangle& t : part.triangles)
+    mesh.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+}
 
 double VolumeOf(const Hull& hull) { return SignedVolume(SurfaceOf(hull)); }
 
@@ -50,23 +57,6 @@ std::optional<Hull> Limited(const std::vector<Vector3d>& corners, std::size_t hu
   std::vector<Vector3d> fewer;
   for (const std::uint32_t i : hull.Corners()) fewer.push_back(corners[i]);
   return TryConvexHull(fewer);
-}
-
-/// By triangle, the number of its connected part, from 0; triangles are connected by vertices.
-std::vector<std::uint32_t> PartsOf(const Mesh& mesh) {
-  UnionFind connected(mesh.vertices.size());
-  for (const Triangle& triangle : mesh.triangles) {
-    connected.Join(triangle[0], triangle[1]);
-    connected.Join(triangle[0], triangle[2]);
-  }
-  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoVertex), parts;
-  std::uint32_t count = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    std::uint32_t& part = number[connected.Root(triangle[0])];
-    if (part == kNoVertex) part = count++;
-    parts.push_back(part);
-  }
-  return parts;
 }
 
 class Decomposer {
@@ -93,7 +83,7 @@ class Decomposer {
  private:
   /// The parts of the mesh that are not connected, and where they overlap.
   void Begin(const Mesh& mesh, const Eigen::AlignedBox3d& box) {
-    const std::vector<std::uint32_t> parts = PartsOf(mesh);
+    const std::vector<std::uint32_t> parts = ConnectedParts(mesh);
     UnionFind solids(1 + *std::max_element(parts.begin(), parts.end()));
     const Rays rays(box);
     std::vector<Rays::Crossing> crossings;
@@ -146,6 +136,7 @@ class Decomposer {
             (worst == pieces_.size() || pieces_[i].Defect() > pieces_[worst].Defect()))
           worst = i;
       if (worst == pieces_.size()) return;
+      if (options_.progress) options_.progress(pieces_.size());
       const std::size_t left = most - pieces_.size();
       const double price = kPrice * Defect() / static_cast<double>(options_.hulls);
       const auto cut = search_.Find(pieces_[worst], left);
@@ -243,14 +234,7 @@ class Decomposer {
 
 Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh) {
   Mesh surfaces;
-  for (const Hull& hull : hulls) {
-    const auto base = static_cast<std::uint32_t>(surfaces.vertices.size());
-    const Mesh surface = SurfaceOf(hull);
-    surfaces.vertices.insert(surfaces.vertices.end(), surface.vertices.begin(),
-                             surface.vertices.end());
-    for (const Triangle& t : surface.triangles)
-      surfaces.triangles.push_back({base + t[0], base + t[1], base + t[2]});
-  }
+  for (const Hull& hull : hulls) Append(SurfaceOf(hull), surfaces);
   const OverlapVolume volume = OverlapVolumeOf(mesh, surfaces);
   return {std::move(hulls), std::abs(volume.second - volume.first) / volume.first,
           volume.IntersectionOverUnion(), SignedVolume(mesh) / volume.first - 1,
@@ -265,21 +249,43 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name, const Decompose
   const std::optional<Hull> limited = Limited(whole.vertices, 1, options);
   Decomposition one = Assessed({limited ? *limited : whole}, mesh);
   if (is_convex) return one;
-  if (mesh.triangles.size() > kMostTriangles)
+  if (mesh.triangles.size() > options.most_triangles)
     throw library::SceneError(fmt::format(
         "{}: has {} triangles, and decomposing more than {} takes longer than a minute; "
         "simplify it, or use its convex hull",
-        name, mesh.triangles.size(), kMostTriangles));
+        name, mesh.triangles.size(), options.most_triangles));
   std::vector<Hull> hulls = Decomposer(mesh, options).Hulls();
   if (hulls.empty()) return one;
   Decomposition several = Assessed(std::move(hulls), mesh);
   return several.iou > one.iou ? several : one;
 }
 
+Mesh JoinConvexParts(std::span<const Mesh> parts, std::string_view name, std::vector<Hull>& hulls) {
+  Mesh mesh;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string part = fmt::format("{}: part {} of {}", name, i + 1, parts.size());
+    const Mesh closed = Watertight(parts[i], part);
+    hulls.push_back(ConvexHull(closed, part));
+    const double volume = SignedVolume(closed), outside = VolumeOf(hulls.back()) / volume - 1;
+    if (outside > kMostOutside) {
+      Eigen::AlignedBox3d box;
+      for (const Vector3d& vertex : closed.vertices) box.extend(vertex);
+      const Vector3d at = box.center();
+      throw library::SceneError(
+          fmt::format("{}, about ({:.4g}, {:.4g}, {:.4g}), is not convex: its convex hull has "
+                      "{:.3g} % more volume",
+                      part, at.x(), at.y(), at.z(), 100 * outside),
+          "decompose the mesh instead: remove `parts: given`");
+    }
+    Append(closed, mesh);
+  }
+  return mesh;
+}
+
 std::string DecomposerVersion() {
-  const auto& [hulls, error, vertices_per_hull, least_volume] = DecomposeOptions{};
-  return fmt::format("cdb {} ({} {} {} {}) {}", kAlgorithm, hulls, error, vertices_per_hull,
-                     least_volume, ConvexHullVersion());
+  const DecomposeOptions options;
+  return fmt::format("cdb {} ({} {} {} {}) {}", kAlgorithm, options.hulls, options.error,
+                     options.vertices_per_hull, options.least_volume, ConvexHullVersion());
 }
 
 }  // namespace cdb::meshes

@@ -9,6 +9,8 @@
 // meshes with collision-aware concavity and tree search", ACM TOG 41(4), 2022.
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +26,9 @@ struct DecomposeOptions {
   double error = 0.04;     ///< admissible volume of all hulls outside the mesh, relative to it
   std::size_t vertices_per_hull = 64;
   double least_volume = 1e-5;  ///< as a fraction of that of the mesh; smaller pieces are dropped
+  std::size_t most_triangles = 3'000'000;  ///< more take longer than a minute, and are refused
+  /// Called before each cut, with the number of pieces so far.
+  std::function<void(std::size_t pieces)> progress = {};
 };
 
 struct Decomposition {
@@ -47,6 +52,10 @@ Decomposition Decompose(const Mesh& mesh, std::string_view name,
 
 /// The hulls, with the errors by which they differ from the mesh.
 Decomposition Assessed(std::vector<Hull> hulls, const Mesh& mesh);
+
+/// The mesh of all parts, each of which must be closed and convex. Adds their convex hulls to
+/// `hulls`.
+Mesh JoinConvexParts(std::span<const Mesh> parts, std::string_view name, std::vector<Hull>& hulls);
 
 /// The inputs of the pieces other than the mesh: the libraries, this code and its default options.
 std::string DecomposerVersion();

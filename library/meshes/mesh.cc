@@ -13,6 +13,7 @@
 
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
+#include "library/meshes/cut.h"
 #include "library/meshes/mesh_formats.h"
 #include "library/meshes/polygon.h"
 #include "library/scene_error.h"
@@ -241,6 +242,62 @@ Mesh MergeCloseVertices(const Mesh& mesh, std::span<const std::uint32_t> vertice
   }
   for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = root(i);
   return Merged(mesh, first);
+}
+
+Mesh SubMesh(const Mesh& mesh, std::span<const Triangle> triangles) {
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoVertex);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t vertex : t) number[vertex] = 0;
+  Mesh part;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] == kNoVertex) continue;
+    number[i] = static_cast<std::uint32_t>(part.vertices.size());
+    part.vertices.push_back(mesh.vertices[i]);
+  }
+  for (const Triangle& t : triangles)
+    part.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+  return part;
+}
+
+std::vector<std::uint32_t> ConnectedParts(const Mesh& mesh) {
+  UnionFind connected(mesh.vertices.size());
+  for (const Triangle& triangle : mesh.triangles) {
+    connected.Join(triangle[0], triangle[1]);
+    connected.Join(triangle[0], triangle[2]);
+  }
+  std::vector<std::uint32_t> number(mesh.vertices.size(), kNoVertex), parts;
+  std::uint32_t count = 0;
+  for (const Triangle& triangle : mesh.triangles) {
+    std::uint32_t& part = number[connected.Root(triangle[0])];
+    if (part == kNoVertex) part = count++;
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+std::vector<Mesh> ParseParts(std::string_view bytes, std::string_view name, std::size_t most) {
+  const auto check = [&](std::size_t count) {
+    if (count > most)
+      throw library::SceneError(
+          fmt::format("{}: has {} parts; at most {} can be taken as they are", name, count, most));
+  };
+  // Also checks that it is a mesh of this format.
+  const Mesh mesh = ParseMesh(bytes, name);
+  if (LowerCase(std::filesystem::path(name).extension().string()) == ".obj") {
+    std::vector<Mesh> groups = ParseObjGroups(bytes, name);
+    check(groups.size());
+    if (groups.size() > 1) return groups;
+  }
+  const std::vector<std::uint32_t> numbers = ConnectedParts(mesh);
+  std::vector<std::vector<Triangle>> triangles;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (numbers[i] == triangles.size()) triangles.emplace_back();
+    triangles[numbers[i]].push_back(mesh.triangles[i]);
+  }
+  check(triangles.size());
+  std::vector<Mesh> parts;
+  for (const std::vector<Triangle>& part : triangles) parts.push_back(SubMesh(mesh, part));
+  return parts;
 }
 
 }  // namespace cdb::meshes

@@ -37,6 +37,13 @@ std::string ReadMeshFile(const std::filesystem::path& file);
 /// The same from memory; `name` is the name of the file, for messages.
 Mesh ParseMesh(std::string_view bytes, std::string_view name);
 
+/// By triangle, the number of its connected part, from 0; triangles are connected by vertices.
+std::vector<std::uint32_t> ConnectedParts(const Mesh& mesh);
+
+/// The parts of a file, each as a mesh: the groups of an OBJ file, if it has several, otherwise
+/// the connected parts of the mesh. At most `most`.
+std::vector<Mesh> ParseParts(std::string_view bytes, std::string_view name, std::size_t most);
+
 /// Merges vertices that are equal to the last bit. Triangles that lose a corner by that are
 /// dropped: their two remaining edges are opposite, so that a closed mesh stays closed.
 Mesh MergeEqualVertices(const Mesh& mesh);
@@ -44,6 +51,9 @@ Mesh MergeEqualVertices(const Mesh& mesh);
 /// Merges those of the given vertices that are closer than `distance` along each axis, or are
 /// connected by such vertices; triangles are dropped as above.
 Mesh MergeCloseVertices(const Mesh& mesh, std::span<const std::uint32_t> vertices, double distance);
+
+/// The part of a mesh that has these of its triangles, with their vertices in the same order.
+Mesh SubMesh(const Mesh& mesh, std::span<const Triangle> triangles);
 
 /// The corners of a triangle.
 inline std::array<Eigen::Vector3d, 3> CornersOf(const Mesh& mesh, const Triangle& triangle) {

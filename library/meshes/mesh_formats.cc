@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
+#include <map>
 #include <utility>
 
 #include "library/scene_error.h"
@@ -13,7 +15,7 @@ namespace {
 
 // Names, groups, materials, normals, textures and display: none of them affects the faces.
 constexpr std::string_view kNoSurface[] = {
-    "vt",     "vn",       "vp",     "g",      "o",        "s",         "mg",
+    "vt",     "vn",       "vp",     "s",         "mg",
     "usemtl", "mtllib",   "usemap", "maplib", "l",        "p",         "bevel",
     "lod",    "c_interp", "ctech",  "stech",  "d_interp", "trace_obj", "shadow_obj"};
 
@@ -55,13 +57,13 @@ std::uint32_t ReadCorner(std::string_view word, std::size_t vertices, std::strin
   return static_cast<std::uint32_t>(from_zero);
 }
 
-}  // namespace
-
-Mesh ParseObj(std::string_view bytes, std::string_view name) {
-  // A face may precede its vertices.
-  PolygonList faces(name, Place::Unit::kLine, 1);
+/// Reads the vertices into `mesh`, and each face into the list of its group: the `o` and the `g`
+/// that precede it, as written.
+void ReadObj(std::string_view bytes, std::string_view name, Mesh& mesh,
+             const std::function<PolygonList&(const std::string& group)>& faces_of) {
   std::vector<std::uint32_t> corners;
-  Mesh mesh;
+  std::string object, group;
+  PolygonList* faces = nullptr;
   Lines lines(WithoutMark(bytes));
   std::string text;
   std::vector<std::string_view> words;
@@ -78,14 +80,44 @@ Mesh ParseObj(std::string_view bytes, std::string_view name) {
       corners.clear();
       for (std::size_t i = 1; i < words.size(); ++i)
         corners.push_back(ReadCorner(words[i], mesh.vertices.size(), name, place));
-      faces.Add(corners, place);
+      if (faces == nullptr) faces = &faces_of(object + group);
+      faces->Add(corners, place);
+    } else if (words[0] == "o" || words[0] == "g") {
+      (words[0] == "o" ? object : group) = text;
+      faces = nullptr;
     } else if (std::find(std::begin(kNoSurface), std::end(kNoSurface), words[0]) ==
                std::end(kNoSurface)) {
       Refuse(name, place, fmt::format("cannot read `{}`; export the model as polygons", words[0]));
     }
   }
+}
+
+}  // namespace
+
+Mesh ParseObj(std::string_view bytes, std::string_view name) {
+  // A face may precede its vertices.
+  PolygonList faces(name, Place::Unit::kLine, 1);
+  Mesh mesh;
+  ReadObj(bytes, name, mesh, [&](const std::string&) -> PolygonList& { return faces; });
   faces.AddTo(mesh);
   return mesh;
+}
+
+std::vector<Mesh> ParseObjGroups(std::string_view bytes, std::string_view name) {
+  Mesh all;
+  std::map<std::string, std::size_t> numbers;
+  std::vector<PolygonList> groups;
+  ReadObj(bytes, name, all, [&](const std::string& group) -> PolygonList& {
+    const auto [at, is_new] = numbers.try_emplace(group, groups.size());
+    if (is_new) groups.emplace_back(name, Place::Unit::kLine, 1);
+    return groups[at->second];
+  });
+  std::vector<Mesh> parts;
+  for (const PolygonList& faces : groups) {
+    faces.AddTo(all);
+    parts.push_back(SubMesh(all, std::exchange(all.triangles, {})));
+  }
+  return parts;
 }
 
 namespace {

@@ -13,6 +13,8 @@
 namespace cdb::meshes {
 
 Mesh ParseObj(std::string_view bytes, std::string_view name);
+/// The faces of each group, which is named by `o` and `g`, in the order of the file.
+std::vector<Mesh> ParseObjGroups(std::string_view bytes, std::string_view name);
 Mesh ParseOff(std::string_view bytes, std::string_view name);
 Mesh ParsePly(std::string_view bytes, std::string_view name);
 Mesh ParseStl(std::string_view bytes, std::string_view name);

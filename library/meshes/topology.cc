@@ -60,21 +60,6 @@ std::string TypesThatTake(const Mesh& mesh) {
   return fmt::format("{} it as it is", what);
 }
 
-Mesh WithoutUnusedVertices(const Mesh& mesh) {
-  std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
-  Mesh used;
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t vertex : t) number[vertex] = 0;
-  for (std::size_t i = 0; i < number.size(); ++i) {
-    if (number[i] == kNone) continue;
-    number[i] = static_cast<std::uint32_t>(used.vertices.size());
-    used.vertices.push_back(mesh.vertices[i]);
-  }
-  for (const Triangle& t : mesh.triangles)
-    used.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
-  return used;
-}
-
 /// Without triangles that have a vertex twice, without those that are there twice, and without
 /// vertices of none. Of two equal triangles the first stays, even if the other is turned round and
 /// `both_sides` is false.
@@ -97,7 +82,7 @@ Mesh Tidy(Mesh mesh, bool both_sides = true) {
     is_double[order[i]] = key(order[i]) == key(order[i - 1]);
   std::size_t face = 0;
   std::erase_if(mesh.triangles, [&](const Triangle&) { return is_double[face++]; });
-  return WithoutUnusedVertices(mesh);
+  return SubMesh(mesh, mesh.triangles);
 }
 
 double LongestSide(const Mesh& mesh) {

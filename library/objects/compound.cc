@@ -57,6 +57,7 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
   form.volume_error = pieces.volume_error;
   form.iou = pieces.iou;
   form.overlap = pieces.overlap;
+  form.hull_overlap = pieces.hull_overlap;
   return form;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <numbers>
@@ -30,6 +31,9 @@ namespace fs = std::filesystem;
 constexpr double kTorusMajor = 3, kTorusMinor = 1;
 constexpr std::size_t kTorusSegments = 16;
 
+/// Of a file, each taken as a hull.
+constexpr std::size_t kMostParts = 1024;
+
 ConvexDecomposition TorusForm() {
   constexpr double major = kTorusMajor * kTorusMajor, minor = kTorusMinor * kTorusMinor;
   meshes::MassProperties properties;
@@ -48,10 +52,28 @@ ConvexDecomposition TorusForm() {
   });
 }
 
+/// Without pieces if it is not to be decomposed.
 ConvexDecomposition FormOfMesh(const std::string& name, const meshes::Mesh& mesh,
-                               const meshes::DecomposeOptions& options = {}) {
-  return MakeDecomposition(name, mesh, meshes::MassPropertiesOf(mesh),
-                           meshes::Decompose(mesh, name, options));
+                               const meshes::DecomposeOptions& options, const Reading& reading) {
+  return MakeDecomposition(
+      name, mesh, meshes::MassPropertiesOf(mesh),
+      reading.decomposes ? meshes::Decompose(mesh, name, options) : meshes::Decomposition{});
+}
+
+meshes::DecomposeOptions WithProgress(meshes::DecomposeOptions options, const std::string& name,
+                                      const Reading& reading) {
+  if (reading.progress)
+    options.progress = [&](std::size_t pieces) { reading.progress(name, pieces); };
+  return options;
+}
+
+/// The result of `make`, which is not stored if it has no pieces.
+ConvexDecomposition Decomposed(const std::string& name, const std::string& source,
+                               const Reading& reading,
+                               const std::function<ConvexDecomposition()>& make) {
+  if (reading.decomposes) return DecomposeOnce(name, source, make);
+  if (auto cached = FindDecomposition(name, source)) return *std::move(cached);
+  return make();
 }
 
 /// `made`: the method of making the form. The extension of the file determines its format.
@@ -59,13 +81,14 @@ std::string SourceOf(const fs::path& file, std::string_view sha256, std::string_
   return fmt::format("{} {} {}", made, file.extension().string(), sha256);
 }
 
-ConvexDecomposition FormOfModel(const meshes::Model& model) {
+ConvexDecomposition FormOfModel(const meshes::Model& model, const Reading& reading) {
   const std::string name(model.name);
   const fs::path file = meshes::PathOf(model, meshes::ModelFolders());
   const std::string bytes = meshes::ReadMeshFile(file);
   const std::string_view made = model.has_holes ? "closed mesh" : "mesh";
-  return DecomposeOnce(name, SourceOf(file, plan::Sha256Hex(bytes), made), [&] {
-    return FormOfMesh(name, meshes::ParseModel(model, bytes, file.string()));
+  return Decomposed(name, SourceOf(file, plan::Sha256Hex(bytes), made), reading, [&] {
+    return FormOfMesh(name, meshes::ParseModel(model, bytes, file.string()),
+                      WithProgress({}, name, reading), reading);
   });
 }
 
@@ -131,10 +154,38 @@ std::pair<meshes::DecomposeOptions, std::string> OptionsOf(const schema::Call& c
     options.error = error->AsReal();
     text += fmt::format(", error: {}", options.error);
   }
+  if (std::get<schema::Word>(ArgumentOf(call, "parts")).text == "given") text += ", parts: given";
   return {options, text};
 }
 
-ConvexDecomposition FormOfFile(const schema::Call& call) {
+/// A decomposition of the parts of the file, which are convex.
+ConvexDecomposition FormOfParts(const std::string& name, const std::string& bytes,
+                                const std::string& file) {
+  std::vector<meshes::Hull> hulls;
+  const meshes::Mesh mesh =
+      meshes::JoinConvexParts(meshes::ParseParts(bytes, file, kMostParts), file, hulls);
+  return MakeDecomposition(name, mesh, meshes::MassPropertiesOf(mesh),
+                           meshes::Assessed(std::move(hulls), mesh));
+}
+
+/// Hulls that fit less are refused, unless the scenario accepts it.
+constexpr double kLeastIou = 0.5;
+
+void CheckIou(const ConvexDecomposition& form, const schema::Call& call) {
+  const schema::Number* given = schema::AsNumber(ArgumentOf(call, "iou"));
+  const double least = given != nullptr ? given->AsReal() : kLeastIou;
+  if (form.pieces.empty() || form.iou >= least) return;
+  const std::size_t hulls = form.pieces.size();
+  throw library::SceneError(
+      fmt::format("{}: {} with an IoU of {:.2g} {} not fit the mesh; {:.2g} is the least",
+                  form.name, hulls == 1 ? "1 convex hull" : fmt::format("{} convex hulls", hulls),
+                  form.iou, hulls == 1 ? "does" : "do", least),
+      fmt::format("allow more hulls, such as `hulls: {}`, or accept it: `iou: {:.2g}`",
+                  2 * std::max(hulls, meshes::DecomposeOptions().hulls),
+                  std::floor(100 * form.iou) / 100));
+}
+
+ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
   const auto [options, words] =
       call.name == "mesh" ? OptionsOf(call) : std::pair<meshes::DecomposeOptions, std::string>();
@@ -148,24 +199,34 @@ ConvexDecomposition FormOfFile(const schema::Call& call) {
   if (call.name == schema::kHeightsCall) return FormOfHeights(name, call, bytes);
   if (call.name == "surface")
     return WithFrame(MakeSurface(name, meshes::ParseMesh(bytes, file)), call);
+  const bool is_mesh = call.name == "mesh";
+  const bool is_given =
+      is_mesh && std::get<schema::Word>(ArgumentOf(call, "parts")).text == "given";
   const auto make = [&, &options = options] {
+    if (is_given) return FormOfParts(name, bytes, file);
     const meshes::Mesh mesh = meshes::ParseMesh(bytes, file);
-    if (call.name == "mesh") return FormOfMesh(name, meshes::Watertight(mesh, file), options);
+    if (is_mesh)
+      return FormOfMesh(name, meshes::Watertight(mesh, file), WithProgress(options, name, reading),
+                        reading);
     const meshes::Hull hull = meshes::ConvexHull(mesh, file);
     const meshes::Mesh surface = meshes::SurfaceOf(hull);
     return MakeDecomposition(name, surface, meshes::MassPropertiesOf(surface), {{hull}, 0, 1});
   };
-  return WithFrame(DecomposeOnce(name, SourceOf(file, sha256, call.name + words), make), call);
+  ConvexDecomposition form =
+      WithFrame(Decomposed(name, SourceOf(file, sha256, call.name + words), reading, make), call);
+  if (is_mesh) CheckIou(form, call);
+  return form;
 }
 
 /// Null for a type with a closed form.
-std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type) {
+std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type,
+                                                  const Reading& reading = {}) {
   if (const schema::Call* call = schema::AsCall(type))
-    return std::make_shared<const ConvexDecomposition>(FormOfFile(*call));
+    return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
   const std::string& name = std::get<schema::Word>(type).text;
   if (name == "torus") return std::make_shared<const ConvexDecomposition>(TorusForm());
   if (const meshes::Model* model = meshes::FindModel(name))
-    return std::make_shared<const ConvexDecomposition>(FormOfModel(*model));
+    return std::make_shared<const ConvexDecomposition>(FormOfModel(*model, reading));
   return nullptr;
 }
 
@@ -218,26 +279,62 @@ namespace {
 /// this.
 constexpr double kNoticeableOverlap = 0.01;
 
+/// Without the name.
+std::string TextOf(const ConvexDecomposition& form) {
+  const auto count = [](std::size_t number, const char* what) {
+    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+  };
+  if (form.IsSurface()) return count(form.PieceCount(), "triangle");
+  std::string text =
+      fmt::format("{}, volume error {:.3g} %, IoU {:.3f}", count(form.pieces.size(), "hull"),
+                  100 * form.volume_error, form.iou);
+  if (form.hull_overlap > kNoticeableOverlap)
+    text += fmt::format(", hulls overlap by {:.3g} %", 100 * form.hull_overlap);
+  if (form.overlap > kNoticeableOverlap)
+    text += fmt::format(", parts overlap: mass and inertia count {:.3g} % of the volume twice",
+                        100 * form.overlap);
+  return text;
+}
+
 }  // namespace
 
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms) {
   std::string text;
-  for (const auto& form : forms) {
-    if (form->IsSurface()) {
-      text += fmt::format("{}: {} triangle{}\n", form->name, form->PieceCount(),
-                          form->PieceCount() == 1 ? "" : "s");
-      continue;
-    }
-    const std::string twice =
-        form->overlap > kNoticeableOverlap
-            ? fmt::format(", parts overlap: mass and inertia count {:.3g} % of the volume twice",
-                          100 * form->overlap)
-            : "";
-    text += fmt::format("{}: {} hull{}, volume error {:.3g} %, IoU {:.3f}{}\n", form->name,
-                        form->pieces.size(), form->pieces.size() == 1 ? "" : "s",
-                        100 * form->volume_error, form->iou, twice);
-  }
+  for (const auto& form : forms) text += fmt::format("{}: {}\n", form->name, TextOf(*form));
   return text;
+}
+
+std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const Reading& reading,
+                                              analysis::ModelFault& why) {
+  const schema::Call* call = schema::AsCall(type);
+  if (call != nullptr &&
+      !plan::WhyNotReadable(std::get<schema::Text>(ArgumentOf(*call, "file")).text).empty())
+    return std::nullopt;
+  analysis::ModelFacts facts;
+  std::shared_ptr<const ConvexDecomposition> form;
+  try {
+    form = FormOf(type, reading);
+  } catch (const library::SceneError& error) {
+    why = {error.cause(), error.remedy()};
+    return std::nullopt;
+  }
+  if (form == nullptr) {
+    const Solid solid{ShapeOf(std::get<schema::Word>(type).text)};
+    facts.placed.y() = -solid.BoxCentre();
+    return facts;
+  }
+  facts.has_size =
+      call != nullptr && (!form->heights || form->heights->grid().unknown_scale.empty());
+  facts.sides =
+      facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
+  facts.placed = form->origin;
+  if (form->PieceCount() == 0) return facts;
+  if (!form->IsSurface()) facts.iou = form->iou;
+  facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
+  if (facts.has_size)
+    facts.text += fmt::format("; {:.4g} x {:.4g} x {:.4g} m at `size native`", facts.sides.x(),
+                              facts.sides.y(), facts.sides.z());
+  return facts;
 }
 
 namespace {
@@ -245,7 +342,7 @@ namespace {
 constexpr std::string_view kKind = "form";
 /// To be incremented with changes that affect a form but are not part of DecomposerVersion: reading
 /// and closing of files, mass properties, the torus, and the storage format.
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 
 /// Appends the values passed to it.
 class Writer {
@@ -310,6 +407,7 @@ void Visit(auto& archive, ConvexDecomposition& form) {
   archive.Real(form.volume_error);
   archive.Real(form.iou);
   archive.Real(form.overlap);
+  archive.Real(form.hull_overlap);
   archive.Size(form.pieces);
   for (ConvexPiece& piece : form.pieces) {
     reals(piece.centre);
@@ -349,6 +447,16 @@ std::optional<ConvexDecomposition> FromBytes(std::string_view bytes) {
 std::string DecompositionKey(std::string_view source) {
   return library::CacheKeyOf(
       fmt::format("{}\n{}\n{}", kVersion, meshes::DecomposerVersion(), source));
+}
+
+std::optional<ConvexDecomposition> FindDecomposition(const std::string& name,
+                                                     std::string_view source,
+                                                     const std::filesystem::path& folder) {
+  const auto bytes = library::FindCached(folder, kKind, DecompositionKey(source));
+  std::optional<ConvexDecomposition> form;
+  if (bytes) form = FromBytes(*bytes);
+  if (form) form->name = name;
+  return form;
 }
 
 ConvexDecomposition DecomposeOnce(std::string name, std::string_view source,

@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "compiler/analysis/model.h"
 #include "compiler/schema/value.h"
 #include "library/content_cache.h"
 #include "library/objects/compound.h"
@@ -38,6 +39,17 @@ class SolidFactory {
   std::map<CompoundKey, std::shared_ptr<const Compound>> compounds_;
 };
 
+/// What ReadModel may do.
+struct Reading {
+  bool decomposes = true;  ///< otherwise a mesh that is not in the cache is only read and checked
+  /// Called before each cut of a decomposition.
+  std::function<void(const std::string& name, std::size_t pieces)> progress = {};
+};
+
+/// The facts about a type, as analysis::ReadModel.
+std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const Reading& reading,
+                                              analysis::ModelFault& why);
+
 /// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, one
 /// line per form.
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms);
@@ -53,6 +65,11 @@ std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecompositi
 ConvexDecomposition DecomposeOnce(std::string name, std::string_view source,
                                   const std::function<ConvexDecomposition()>& make,
                                   const std::filesystem::path& folder = library::CacheFolder());
+
+/// The result of an earlier call.
+std::optional<ConvexDecomposition> FindDecomposition(
+    const std::string& name, std::string_view source,
+    const std::filesystem::path& folder = library::CacheFolder());
 
 /// 64 hex digits, a hash of the source, of DecomposerVersion and of the version of the code here.
 std::string DecompositionKey(std::string_view source);

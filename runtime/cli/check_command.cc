@@ -28,7 +28,8 @@ struct CheckArguments {
 compiler::Compilation CompileToJson(const std::string& file,
                                     const std::vector<std::string>& plugins) {
   compiler::Compilation result = options::CompileWith(
-      options::FindScenario(file), options::ReadInput, std::nullopt, plugins, /*lists_runs=*/false);
+      options::FindScenario(file), options::ReadInput, std::nullopt, plugins, /*lists_runs=*/false,
+      /*models=*/{});
   terminal::PrintJson(options::DiagnosticsJson(result.diagnostics));
   return result;
 }
@@ -71,6 +72,8 @@ options::ExitStatus Check(const CheckArguments& arguments) {
     for (const grid::Grid& grid : result.grids)
       terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
                                   grid.run_count() == 1 ? "run" : "runs"));
+    for (const std::string& model : result.scenario->ModelTexts())
+      terminal::Print(fmt::format("  {}\n", model));
   }
   return status;
 }

@@ -22,7 +22,9 @@ std::string RenderedWrong(const manual::Explanation& explanation) {
     why = "No such file or directory";
     return std::nullopt;
   };
-  return dsl::Render(options::CompileWith("wrong.cdb", read, std::nullopt).diagnostics,
+  compiler::CompileOptions compile = options::OptionsOf(options::ScenarioLibrary(), {}, {}, true);
+  compile.read_model = manual::ExampleModel;
+  return dsl::Render(compiler::Compile("wrong.cdb", read, compile).diagnostics,
                      options::RenderOptionsForTerminal());
 }
 

@@ -8,6 +8,7 @@
 
 #include "compiler/lints/lints.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/parametrised_words.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 
@@ -43,7 +44,18 @@ std::string ExampleText(std::string_view text) {
 std::optional<std::string> ExampleFile(std::string_view path) {
   if (path == "masses.csv") return "1.5\n2.5 kg\n";
   if (path == "level.obj") return "v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 1 4 3 2\n";
+  if (path == "wheel.stl") return "solid wheel\nendsolid\n";
   return std::nullopt;
+}
+
+std::optional<analysis::ModelFacts> ExampleModel(const schema::Value& type, analysis::ModelFault&) {
+  const schema::Call* call = schema::AsCall(type);
+  if (call == nullptr || call->name != "mesh") return std::nullopt;
+  const bool is_fine = schema::AsNumber(schema::ArgumentOf(*call, "hulls")) != nullptr;
+  analysis::ModelFacts facts;
+  facts.iou = is_fine ? 0.93 : 0.65;
+  facts.text = "mesh(\"wheel.stl\"): 40 hulls, volume error 52 %, IoU 0.650";
+  return facts;
 }
 
 std::vector<const Explanation*> AllExplanations() {
@@ -367,6 +379,13 @@ constexpr Explanation kScenarioRows[] = {
      "velocity or path, the expected behaviour of a driven scene.",
      "benchmark b { objects { mass fixed; linear_velocity (0, 1, 0) } }\n",
      "benchmark b { objects { mass kinematic; linear_velocity (0, 1, 0) } }\n"},
+    {&scenario::kPoorFit,
+     "The convex hulls of a mesh do not fit it: their common volume is less than 80 % of that of "
+     "their union. Objects touch hulls where the mesh is hollow. Thin curved walls need many "
+     "hulls; "
+     "`surface` keeps the triangles of a mesh that does not move.",
+     "benchmark b { objects.type mesh(\"wheel.stl\") }\n",
+     "benchmark b { objects.type mesh(\"wheel.stl\", hulls: 200) }\n"},
     {&scenario::kDefaultSize,
      "A group has the default size, and all other groups are much smaller or larger. This may be "
      "an oversight: set the size.",

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/model.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::manual {
@@ -28,6 +29,9 @@ std::vector<const Explanation*> AllExplanations();
 
 /// The text of a file that an example names; nullopt if none does.
 std::optional<std::string> ExampleFile(std::string_view path);
+/// Replaces the reading of models in the examples.
+std::optional<analysis::ModelFacts> ExampleModel(const schema::Value& type,
+                                                 analysis::ModelFault& why);
 
 /// By code, in upper or lower case, or by name; several kinds may share a name. Empty if there is
 /// none.

@@ -50,7 +50,8 @@ compiler::Compilation CompileHere(const fs::path& input) {
                             {{}, DescribeText()},
                             MadeUpTraces,
                             closed_forms::FindSceneFault,
-                            ReadTables(read)});
+                            ReadTables(read),
+                            MadeUpModels});
 }
 
 void ExpectGolden(const fs::path& file, const std::string& text) {

@@ -1,6 +1,7 @@
 // Compiles scenarios from texts and files in memory.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -11,6 +12,8 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "library/layouts/pose_table.h"
+#include "library/objects/solid.h"
+#include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 
 namespace cdb::tests {
@@ -41,6 +44,25 @@ inline std::optional<analysis::TraceFacts> MadeUpTraces(const std::string& path,
     return analysis::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
   why = path.ends_with("result.h5") ? "it is HDF5, but no trace (cdb-results)"
                                     : "there is no such file";
+  return std::nullopt;
+}
+
+/// Facts about closed forms, and about three models: one of 2 x 1 x 0.5 that is placed at a corner,
+/// one whose hulls do not fit it, and one that is open.
+inline std::optional<analysis::ModelFacts> MadeUpModels(const schema::Value& type,
+                                                        analysis::ModelFault& why) {
+  const schema::Call* call = schema::AsCall(type);
+  if (call == nullptr)
+    return std::ranges::count(objects::kClosedShapes, schema::AsWord(type)->text, objects::TypeOf) >
+                   0
+               ? objects::ReadModel(type, {}, why)
+               : std::nullopt;
+  const std::string& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
+  if (file.ends_with("plate.obj"))
+    return analysis::ModelFacts{{2, 1, 0.5}, true, {-0.5, -0.5, -0.5}, 1, "plate: 1 hull"};
+  if (file.ends_with("rough.obj"))
+    return analysis::ModelFacts{{1, 1, 1}, true, {}, 0.65, "rough: 40 hulls, IoU 0.65"};
+  if (file.ends_with("open.obj")) why = {file + ": is not watertight", "close it"};
   return std::nullopt;
 }
 
@@ -81,9 +103,14 @@ inline compiler::Compilation CompileText(const std::string& text,
     why = "No such file or directory";
     return std::nullopt;
   };
-  return compiler::Compile(
-      "test.cdb", read,
-      {"lib", std::nullopt, {plugins, DescribeText()}, MadeUpTraces, {}, ReadTables(read)});
+  return compiler::Compile("test.cdb", read,
+                           {"lib",
+                            std::nullopt,
+                            {plugins, DescribeText()},
+                            MadeUpTraces,
+                            {},
+                            ReadTables(read),
+                            MadeUpModels});
 }
 
 }  // namespace cdb::tests

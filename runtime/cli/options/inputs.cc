@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <filesystem>
 #include <set>
 
@@ -13,6 +14,7 @@
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/diagnostics.h"
+#include "dsl/text/utf8.h"
 #include "library/closed_forms/scene_fault.h"
 #include "library/detectors/plugin.h"
 #include "library/layouts/pose_table.h"
@@ -139,7 +141,8 @@ dsl::RenderOptions RenderOptionsForTerminal() {
 
 compiler::CompileOptions OptionsOf(const std::string& library,
                                    const std::optional<std::string>& benchmark,
-                                   const std::vector<std::string>& plugins, bool lists_runs) {
+                                   const std::vector<std::string>& plugins, bool lists_runs,
+                                   const objects::Reading& models) {
   const auto describe = [](const std::string& bytes, const std::string& path,
                            std::string& why) -> std::optional<std::vector<schema::PluginDetector>> {
     try {
@@ -155,22 +158,63 @@ compiler::CompileOptions OptionsOf(const std::string& library,
           ReadTraceAt,
           closed_forms::FindSceneFault,
           layouts::ReadPoseFacts,
+          [models](const schema::Value& type, analysis::ModelFault& why) {
+            return objects::ReadModel(type, models, why);
+          },
           lists_runs};
 }
 
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
-                                  const std::vector<std::string>& plugins, bool lists_runs) {
+                                  const std::vector<std::string>& plugins, bool lists_runs,
+                                  const objects::Reading& models) {
   return compiler::Compile(file, read,
-                           OptionsOf(ScenarioLibrary(), benchmark, plugins, lists_runs));
+                           OptionsOf(ScenarioLibrary(), benchmark, plugins, lists_runs, models));
 }
+
+namespace {
+
+/// A line of progress on a terminal, about meshes that take longer than a second.
+class ModelProgress {
+ public:
+  objects::Reading Models() {
+    if (isatty(STDERR_FILENO) == 0) return {};
+    return {.progress = [this](const std::string& name, std::size_t pieces) {
+      if (name != name_) began_ = Clock::now();
+      name_ = name;
+      if (Clock::now() - began_ < std::chrono::seconds(1)) return;
+      is_shown_ = true;
+      terminal::SayExact(fmt::format("\r\033[Kdecomposing {}: {} pieces", text::Printable(name), pieces));
+    }};
+  }
+  ~ModelProgress() {
+    if (is_shown_) terminal::SayExact("\r\033[K");
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string name_;
+  Clock::time_point began_;
+  bool is_shown_ = false;
+};
+
+compiler::Compilation CompileWithModels(const std::string& file, const scenario::ReadFile& read,
+                                        const std::optional<std::string>& benchmark,
+                                        const std::vector<std::string>& plugins, bool lists_runs) {
+  ModelProgress progress;
+  return CompileWith(file, read, benchmark, plugins, lists_runs, progress.Models());
+}
+
+}  // namespace
 
 compiler::Compilation CompileAndReport(const std::string& file,
                                        const std::optional<std::string>& benchmark, LintText lints,
                                        const std::vector<std::string>& plugins, bool lists_runs,
                                        const scenario::ReadFile& read) {
+  const std::string found = FindScenario(file);
   compiler::Compilation result =
-      CompileWith(FindScenario(file), read, benchmark, plugins, lists_runs);
+      lints == LintText::kNone ? CompileWith(found, read, benchmark, plugins, lists_runs)
+                               : CompileWithModels(found, read, benchmark, plugins, lists_runs);
   dsl::Diagnostics errors;
   std::vector<const dsl::Diagnostic*> warnings;
   for (const dsl::Diagnostic* diagnostic : dsl::InOrder(result.diagnostics))

@@ -10,6 +10,7 @@
 #include "compiler/compile.h"
 #include "compiler/plan/plan.h"
 #include "dsl/diagnostics.h"
+#include "library/objects/solid_factory.h"
 
 namespace cdb::options {
 
@@ -40,16 +41,19 @@ dsl::RenderOptions RenderOptionsForTerminal();
 /// `lists_runs`: as in compiler::CompileOptions.
 compiler::CompileOptions OptionsOf(const std::string& library,
                                    const std::optional<std::string>& benchmark,
-                                   const std::vector<std::string>& plugins, bool lists_runs);
+                                   const std::vector<std::string>& plugins, bool lists_runs,
+                                   const objects::Reading& models = {.decomposes = false});
 
 /// Compiles `file` as returned by `read`, with the library of scenarios, plug-ins and traces.
 /// `lists_runs`: as in compiler::CompileOptions. Throws ScheduleError.
 compiler::Compilation CompileWith(const std::string& file, const scenario::ReadFile& read,
                                   const std::optional<std::string>& benchmark,
                                   const std::vector<std::string>& plugins = {},
-                                  bool lists_runs = true);
+                                  bool lists_runs = true,
+                                  const objects::Reading& models = {.decomposes = false});
 
-/// Compiles the file that FindScenario finds, and prints every diagnostic on standard error.
+/// Compiles the file that FindScenario finds, and prints every diagnostic on standard error. If
+/// lints are printed, meshes are decomposed, with a line of progress on a terminal.
 /// `plugins`: shared libraries with detectors, in addition to those that the file names. Throws
 /// CommandError, and ScheduleError if there is no worker program to load a library.
 compiler::Compilation CompileAndReport(const std::string& file,

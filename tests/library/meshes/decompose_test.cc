@@ -1,5 +1,6 @@
 #include "library/meshes/decompose.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -145,6 +146,17 @@ TEST(Decompose, OptionsBoundHullsAndError) {
   EXPECT_EQ(meshes::Decompose(ring, "m", {.error = 2}).hulls.size(), 1u);
 }
 
+TEST(Decompose, RefusesMeshesThatTakeTooLong) {
+  meshes::DecomposeOptions options;
+  options.most_triangles = 19;
+  EXPECT_EQ(
+      Refusal([&] { meshes::Decompose(AngleMesh(), "m", options); }),
+      "m: has 20 triangles, and decomposing more than 19 takes longer than a minute; simplify "
+      "it, or use its convex hull");
+  options.most_triangles = 20;
+  EXPECT_EQ(meshes::Decompose(AngleMesh(), "m", options).hulls.size(), 2u);
+}
+
 TEST(Decompose, DoesNotDependOnSizeBeyondRounding) {
   // Powers of two, so that there is no rounding error.
   const meshes::Mesh angle = AngleMesh();
@@ -153,6 +165,57 @@ TEST(Decompose, DoesNotDependOnSizeBeyondRounding) {
       meshes::Decompose(Moved(angle, 1024 * Eigen::Matrix3d::Identity(), Vector3d::Zero()), "m");
   ASSERT_EQ(large.hulls.size(), pieces.hulls.size());
   EXPECT_NEAR(large.iou, pieces.iou, 1e-9);
+}
+
+/// An OBJ file with each mesh as a group; faces of all groups share the list of vertices.
+std::string ToGroups(const std::vector<meshes::Mesh>& parts) {
+  std::string text;
+  std::size_t base = 1;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    text += fmt::format("{} part{}\n", i % 2 == 0 ? "o" : "g", i);
+    for (const Vector3d& v : parts[i].vertices)
+      text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", v.x(), v.y(), v.z());
+    for (const meshes::Triangle& t : parts[i].triangles)
+      text += fmt::format("f {} {} {}\n", base + t[0], base + t[1], base + t[2]);
+    base += parts[i].vertices.size();
+  }
+  return text;
+}
+
+TEST(JoinConvexParts, TakesTheGroupsOfAnObjFileAsTheyAre) {
+  const std::vector<meshes::Mesh> boxes = {
+      BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({1, 0, 0}, {3, 1, 1}), BoxMesh({0, 1, 0}, {1, 4, 1})};
+  const std::vector<meshes::Mesh> parts = meshes::ParseParts(ToGroups(boxes), "m.obj", 3);
+  EXPECT_EQ(parts, boxes);
+  std::vector<meshes::Hull> hulls;
+  const meshes::Mesh mesh = meshes::JoinConvexParts(parts, "m", hulls);
+  ASSERT_EQ(hulls.size(), 3u);
+  const meshes::Decomposition pieces = meshes::Assessed(hulls, mesh);
+  EXPECT_NEAR(pieces.iou, 1, 1e-9);
+  EXPECT_NEAR(meshes::SignedVolume(mesh), 6, 1e-12);
+  EXPECT_EQ(Refusal([&] { meshes::ParseParts(ToGroups(boxes), "m.obj", 2); }),
+            "m.obj: has 3 parts; at most 2 can be taken as they are");
+}
+
+TEST(JoinConvexParts, TakesConnectedPartsOfOtherFiles) {
+  const meshes::Mesh two = Joined(BoxMesh({0, 0, 0}, {1, 1, 1}), BoxMesh({2, 0, 0}, {3, 1, 1}));
+  const auto parts = meshes::ParseParts(ToStl(two), "m.stl", 10);
+  ASSERT_EQ(parts.size(), 2u);
+  std::vector<meshes::Hull> hulls;
+  EXPECT_NEAR(meshes::SignedVolume(meshes::JoinConvexParts(parts, "m", hulls)), 2, 1e-12);
+}
+
+TEST(JoinConvexParts, RefusesPartsThatAreNotConvexOrNotClosed) {
+  std::vector<meshes::Hull> hulls;
+  const std::vector<meshes::Mesh> parts = {BoxMesh({5, 0, 0}, {6, 1, 1}), AngleMesh()};
+  EXPECT_EQ(Refusal([&] { meshes::JoinConvexParts(parts, "m", hulls); }),
+            "m: part 2 of 2, about (1, 1, 0.5), is not convex: its convex hull has 16.7 % more "
+            "volume; decompose the mesh instead: remove `parts: given`");
+  meshes::Mesh open = BoxMesh({0, 0, 0}, {1, 1, 1});
+  open.triangles.pop_back();
+  EXPECT_TRUE(Refusal([&] {
+                meshes::JoinConvexParts({{open}}, "m", hulls);
+              }).starts_with("m: part 1 of 1: is not watertight"));
 }
 
 TEST(Decompose, PartsMayBeApart) {

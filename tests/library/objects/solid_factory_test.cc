@@ -129,6 +129,50 @@ TEST_F(MeshFile, SaysIfItsPartsOverlap) {
             std::string::npos);
 }
 
+TEST_F(MeshFile, HullsThatDoNotFitAreRefusedUnlessAccepted) {
+  objects::SolidFactory maker;
+  const auto make = [&](const char* iou) {
+    return maker.Make(Layout("mesh", {{"file", schema::Text{file()}},
+                                      {"hulls", schema::Number::Whole(1)},
+                                      {"iou", *schema::Number::FromLiteral(iou)}}),
+                      Vector3d::Ones(), Vector3d::Ones());
+  };
+  // Its hull has an IoU of 3 / 3.5.
+  EXPECT_EQ(make("0.85").PieceCount(), 1u);
+  const std::string refusal = Refusal([&] { make("0.9"); });
+  EXPECT_NE(
+      refusal.find("1 convex hull with an IoU of 0.86 does not fit the mesh; 0.9 is the least"),
+      std::string::npos)
+      << refusal;
+  EXPECT_NE(refusal.find("iou: 0.85"), std::string::npos) << refusal;
+}
+
+TEST_F(MeshFile, FactsNeedNoDecomposition) {
+  const std::string other = (cache_->folder() / "other.off").string();
+  WriteFile(other, ToOff(Moved(AngleMesh(), Eigen::Matrix3d::Identity(), {3, 0, 0})));
+  const schema::Value type = Layout(
+      "mesh", {{"file", schema::Text{other}}, {"unit", Word("cm")}, {"origin", Word("file")}});
+  analysis::ModelFault why;
+  const auto read = objects::ReadModel(type, {.decomposes = false}, why);
+  ASSERT_TRUE(read);
+  EXPECT_LE((read->sides - Vector3d(0.02, 0.02, 0.01)).norm(), 1e-15);
+  EXPECT_LE((read->placed - Vector3d(-2, -0.5, -0.5)).norm(), 1e-12);
+  EXPECT_FALSE(read->iou);
+  std::size_t calls = 0;
+  const auto made = objects::ReadModel(
+      type, {.progress = [&](const std::string&, std::size_t) { ++calls; }}, why);
+  ASSERT_TRUE(made);
+  EXPECT_GT(made->iou.value(), 0.99);
+  EXPECT_EQ(made->sides, read->sides);
+  EXPECT_EQ(made->placed, read->placed);
+  EXPECT_GT(calls, 0u);
+  // From the cache.
+  EXPECT_EQ(objects::ReadModel(type, {.decomposes = false}, why)->iou, made->iou);
+  WriteFile(other, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_FALSE(objects::ReadModel(type, {.decomposes = false}, why));
+  EXPECT_NE(why.cause.find("is not watertight"), std::string::npos) << why.cause;
+}
+
 TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
   objects::SolidFactory maker;
   const auto make = [&](const std::string& sha256) {

@@ -39,7 +39,13 @@ compiler::Compilation CompileExample(std::string_view text) {
     return std::nullopt;
   };
   return compiler::Compile("wrong.cdb", read,
-                           {"", std::nullopt, {{}, describe}, {}, closed_forms::FindSceneFault});
+                           {"",
+                            std::nullopt,
+                            {{}, describe},
+                            {},
+                            closed_forms::FindSceneFault,
+                            {},
+                            manual::ExampleModel});
 }
 
 TEST(Explanation, EveryKindHasACodeOfItsOwn) {

@@ -1,0 +1,54 @@
+// Facts about the solid that a value of `objects.type` names. The compiler and the library share
+// them; the library reads models (library/objects/solid_factory.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::analysis {
+
+struct ModelFacts {
+  /// Sides of the box around it, along the axes of the file, m: at `size native`, or at size 1 if
+  /// no file gives it a size.
+  Eigen::Vector3d sides = Eigen::Vector3d::Ones();
+  bool has_size = false;  ///< a file gives it a size
+  /// From the middle of the box to the point that a layout places, divided by the sides.
+  Eigen::Vector3d placed = Eigen::Vector3d::Zero();
+  /// Common volume of its hulls and the mesh divided by that of their union. Nullopt if it is not a
+  /// compound, or is not decomposed yet.
+  std::optional<double> iou;
+  std::string text;  ///< of `cdb check`, on one line; empty for a closed form
+
+  /// The sides of a solid of this size and aspect; a size of 0 is native.
+  Eigen::Vector3d SidesOf(double size, const Eigen::Vector3d& aspect) const {
+    if (size == 0) return sides;
+    return aspect == Eigen::Vector3d::Ones() ? Eigen::Vector3d(size / sides.maxCoeff() * sides)
+                                             : Eigen::Vector3d(size * aspect);
+  }
+};
+
+/// The reason why a type is no solid; `cause` names the file.
+struct ModelFault {
+  std::string cause, remedy;
+};
+
+/// Reads the facts about a constant type; a function, so that the compiler knows no file format.
+/// Nullopt with an empty `why` if its file is not on this machine.
+using ReadModel =
+    std::function<std::optional<ModelFacts>(const schema::Value& type, ModelFault& why)>;
+
+/// The types that the objects of a group may have; empty without objects.
+inline std::vector<schema::Value> TypesOf(const plan::GroupSettings& settings) {
+  if (settings.Count("quantity") == 0) return {};
+  const schema::Value& type = settings.Get("type");
+  const schema::Distribution* drawn = schema::AsDistribution(type);
+  return drawn != nullptr ? drawn->arguments : std::vector<schema::Value>{type};
+}
+
+}  // namespace cdb::analysis
