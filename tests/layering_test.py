@@ -56,6 +56,8 @@ EXTERNAL = [
     (r"^boost/", ("library/detectors/third_party/boost/",)),
     (r"^ccd/", ("library/detectors/third_party/ccd/",)),
     (r"^libqhull_r/", ("library/meshes/convex_hull.cc",)),
+    (r"^png", ("library/terrain/png.cc",)),
+    (r"^tiff", ("library/terrain/tiff.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
     (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/",
                      "library/meshes/importer/")),

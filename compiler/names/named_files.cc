@@ -15,9 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kModelFormats[] = {".obj", ".ply", ".stl", ".off"};
 constexpr std::string_view kTableFormats[] = {".csv", ".tsv", ".txt", ".h5", ".hdf5", ".nc"};
-constexpr std::string_view kCsvFormats[] = {".csv"};
 
 std::string LowerCase(std::string text) {
   for (char& c : text)
@@ -29,8 +27,8 @@ std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall) return kTableFormats;
   if (call.name == schema::kPathCall) return analysis::kTextFormats;
-  if (call.name == schema::kHeightsCall) return kCsvFormats;
-  return kModelFormats;
+  if (call.name == schema::kHeightsCall) return plan::kHeightFormats;
+  return plan::kModelFormats;
 }
 
 /// The SHA-256 of the table in `call`, which is at `written` in a scenario; nullopt after a
@@ -82,14 +80,22 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const bool is_table = call.name == schema::kPosesCall || call.name == schema::kPathCall;
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
-  const bool is_imported = formats.data() == kModelFormats && !plan::ImporterOf(extension).empty();
+  const bool is_heights = call.name == schema::kHeightsCall;
+  const bool is_imported =
+      !is_table && !is_heights && !formats.empty() && !plan::ImporterOf(extension).empty();
   if (!formats.empty() && !is_imported && std::ranges::find(formats, extension) == formats.end()) {
-    const auto [kind, remedy] =
-        is_table ? plan::ForeignModel() : plan::ForeignModelOf(name, std::string_view());
+    const auto [kind, remedy] = is_table     ? plan::ForeignModel()
+                                : is_heights ? plan::ForeignHeightsOf(name, std::string_view())
+                                             : plan::ForeignModelOf(name, std::string_view());
     diagnostics.Report(
         scenario::kOutOfDomain, written,
-        kind.empty() ? fmt::format("'{}' is not a readable {}", name, is_table ? "table" : "model")
-                     : fmt::format("'{}' is {}, which cdb does not read", name, kind),
+        kind.empty() ? fmt::format("'{}' is not a readable {}", name,
+                                   is_table     ? "table"
+                                   : is_heights ? "height field"
+                                                : "model")
+                     : fmt::format("'{}' is {}, {}", name, kind,
+                                   is_heights ? "not a height field that cdb reads"
+                                              : "which cdb does not read"),
         kind.empty() ? fmt::format("its name ends in {}", fmt::join(formats, ", ")) : remedy);
     return false;
   }

@@ -25,18 +25,27 @@ constexpr std::string_view kCad = "export STL from FreeCAD, or `gmsh {0} -2 -o {
 constexpr std::string_view kParts = "name the mesh files that it refers to, one for each object";
 constexpr std::string_view kPoints = "write its points as lines `v x y z` of an OBJ file, for hull";
 constexpr std::string_view kUnpack = "unpack it first";
+constexpr std::string_view kGdal = "convert it: `gdal_translate {0} {1}.tif`";
+constexpr std::string_view kImage = "convert it: `convert {0} -colorspace Gray {1}.png`";
+constexpr std::string_view kRaster = "make a grid of it, such as by `gdal_grid` or `pdal`";
 
 struct Kind {
   std::string_view start;  ///< of the contents, in lower case; empty: known by the extension only
   std::string_view extensions;
   std::string_view kind, remedy;
 };
-constexpr Kind kKinds[] = {
+/// What a download may be in place of any file.
+constexpr Kind kWrappers[] = {
     {"version https://git-lfs", "", "a pointer of Git LFS", "run `git lfs pull` where it is"},
     {"\xff\xfe", "", "text in UTF-16", "save it as UTF-8"},
     {"\xfe\xff", "", "text in UTF-16", "save it as UTF-8"},
     {"<!doctype html", ".html .htm", "a web page", "download the file itself"},
     {"<html", "", "a web page", "download the file itself"},
+    {"pk\x03\x04", ".zip .3mf", "a ZIP archive", kUnpack},
+    {"\x1f\x8b", ".gz .tgz", "compressed by gzip", kUnpack},
+    {"", ".xz .bz2 .7z .zst .tar .rar", "an archive", kUnpack},
+};
+constexpr Kind kModels[] = {
     {"<robot", ".urdf .xacro", "a robot description (URDF)", kParts},
     {"<sdf", ".sdf .world", "a scene (SDF)", kParts},
     {"<mujoco", ".mjcf", "a scene (MJCF)", kParts},
@@ -62,14 +71,40 @@ constexpr Kind kKinds[] = {
     {"# vtk datafile", ".vtk", "a mesh of VTK", kMeshio},
     {"", ".vtu .vtp .msh .mesh .inp .bdf .med .xdmf", "a mesh of simulations", kMeshio},
     {"# .pcd", ".pcd .xyz .pts .las .laz .e57", "a cloud of points", kPoints},
-    {"pk\x03\x04", ".zip .3mf", "a ZIP archive", kUnpack},
-    {"\x1f\x8b", ".gz .tgz", "compressed by gzip", kUnpack},
-    {"", ".xz .bz2 .7z .zst .tar .rar", "an archive", kUnpack},
     {"ply\n", ".ply", "a PLY file", "let its name end in .ply"},
     {"ply\r", ".ply", "a PLY file", "let its name end in .ply"},
     {"off\n", ".off", "an OFF file", "let its name end in .off"},
     {"off\r", ".off", "an OFF file", "let its name end in .off"},
     {"solid ", ".stl", "an STL file", "let its name end in .stl"},
+    {"\x89png", ".png", "an image (PNG)", "type heights reads heights"},
+    {"ncols", ".asc", "a grid of heights", "type heights reads heights"},
+};
+constexpr Kind kHeights[] = {
+    {"\x89png", ".png", "a PNG image", "let its name end in .png"},
+    {{"ii*\0", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {{"mm\0*", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {{"ii+\0", 4}, ".tif .tiff", "a TIFF image", "let its name end in .tif"},
+    {"ncols", ".asc", "an ESRI grid", "let its name end in .asc"},
+    {"dsaa", ".grd", "a grid of Surfer", kGdal},
+    {"dsbb", "", "a grid of Surfer", kGdal},
+    {"north:", "", "a grid of GRASS", kGdal},
+    {"{\"type\"", ".geojson", "a map of lines and points (GeoJSON)", kRaster},
+    {"", ".shp .gpkg .kml", "a map of lines and points", kRaster},
+    {"\xff\xd8\xff", ".jpg .jpeg", "an image (JPEG)", kImage},
+    {"bm", ".bmp", "an image (BMP)", kImage},
+    {"gif8", ".gif", "an image (GIF)", kImage},
+    {"riff", ".webp", "an image (WebP)", kImage},
+    {"v/1\x01", ".exr", "an image (EXR)", kGdal},
+    {"p5", ".pgm", "an image (PGM)", kImage},
+    {"", ".ppm .pnm .tga .psd .dds", "an image", kImage},
+    {"cdf", ".nc", "a netCDF file", kGdal},
+    {"\x89hdf", ".h5 .hdf .hdf5", "an HDF5 file", kGdal},
+    {"", ".bil .bip .bsq .flt .img .dem .dt0 .dt1 .dt2 .vrt .adf .rst .jp2 .ter .xyz .grd",
+     "a raster of another format", kGdal},
+    {"", ".raw .r16 .r32", "heights without their number of columns",
+     "convert them: `convert -size 1025x1025 -depth 16 gray:{0} {1}.png`"},
+    {"", ".las .laz .e57 .pcd .ply", "a cloud of points", kRaster},
+    {"", ".obj .stl .off .glb .gltf .dae .fbx", "a model", "type surface reads models"},
 };
 
 std::string LowerCase(std::string_view text) {
@@ -98,20 +133,14 @@ bool HasWord(std::string_view words, std::string_view word) {
 }
 
 /// The row of an extension; null if there is none.
-const Kind* KindOf(std::string_view extension) {
-  const auto* kind = std::ranges::find_if(
-      kKinds, [&](const Kind& row) { return HasWord(row.extensions, extension); });
-  return kind == std::end(kKinds) ? nullptr : kind;
+const Kind* KindOf(std::string_view extension, std::span<const Kind> kinds) {
+  const auto kind = std::ranges::find_if(
+      kinds, [&](const Kind& row) { return HasWord(row.extensions, extension); });
+  return kind == kinds.end() ? nullptr : &*kind;
 }
 
-}  // namespace
-
-std::string_view ImporterOf(std::string_view extension) {
-  const Kind* kind = KindOf(LowerCase(extension));
-  return kind != nullptr && kind->remedy == kImport ? kImporter : std::string_view();
-}
-
-ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
+ForeignModel ForeignOf(std::string_view name, std::string_view bytes, std::span<const Kind> kinds,
+                       std::span<const std::string_view> readable) {
   const std::filesystem::path path(name);
   const std::string extension = LowerCase(path.extension().string());
   const std::string start = LowerCase(PastProlog(bytes.substr(0, 4096)).substr(0, 64));
@@ -121,15 +150,35 @@ ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
         fmt::format(fmt::runtime(kind.remedy), path.filename().string(), path.stem().string(),
                     kind.extensions.substr(0, kind.extensions.find(' ')))};
   };
-  for (const Kind& kind : kKinds)
-    if (!kind.start.empty() && start.starts_with(kind.start) &&
-        !HasWord(kind.extensions, extension))
-      return found(kind);
-  // Readable formats are in the table only for what begins like them.
-  for (const std::string_view readable : {".obj", ".ply", ".off", ".stl"})
-    if (extension == readable) return {};
-  const Kind* kind = KindOf(extension);
-  return kind == nullptr || !ImporterOf(extension).empty() ? ForeignModel() : found(*kind);
+  for (const auto table : {std::span<const Kind>(kWrappers), kinds})
+    for (const Kind& kind : table)
+      if (!kind.start.empty() && start.starts_with(kind.start) &&
+          !HasWord(kind.extensions, extension))
+        return found(kind);
+  // Readable formats are in the tables only for what begins like them.
+  if (std::ranges::find(readable, extension) != readable.end()) return {};
+  const Kind* kind = KindOf(extension, kinds);
+  if (kind == nullptr) kind = KindOf(extension, kWrappers);
+  return kind == nullptr ? ForeignModel() : found(*kind);
+}
+
+}  // namespace
+
+std::string_view ImporterOf(std::string_view extension) {
+  const Kind* kind = KindOf(LowerCase(extension), kModels);
+  return kind != nullptr && kind->remedy == kImport ? kImporter : std::string_view();
+}
+
+ForeignModel ForeignModelOf(std::string_view name, std::string_view bytes) {
+  const std::string extension = std::filesystem::path(name).extension().string();
+  const ForeignModel found = ForeignOf(name, bytes, kModels, kModelFormats);
+  // A file that this build imports is foreign only if its contents are of another format.
+  const bool is_by_extension = found.kind == ForeignOf(name, {}, kModels, kModelFormats).kind;
+  return is_by_extension && !ImporterOf(extension).empty() ? ForeignModel() : found;
+}
+
+ForeignModel ForeignHeightsOf(std::string_view name, std::string_view bytes) {
+  return ForeignOf(name, bytes, kHeights, kHeightFormats);
 }
 
 }  // namespace cdb::plan

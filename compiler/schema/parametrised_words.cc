@@ -121,9 +121,11 @@ constexpr Parameter kSurface[] = {
     kModelFile, kModelHash, kModelUnit,
     Argument("origin", kWord, kAny, "", "the point that at( ), poses( ) and path( ) place: the middle of the box or the origin of the file", {.first_default = "box", .words = "box file", .omitted_at_default = true})};
 constexpr Parameter kHeights[] = {
-    Argument("file", kText, kAny, "", "CSV, relative to the .cdb file: each line is a row of heights along x; the lines follow each other along z"),
+    Argument("file", kText, kAny, "", "CSV, ESRI grid (.asc), grey PNG, GeoTIFF (.tif) or SRTM (.hgt), relative to the .cdb file: rows of heights along x, which follow each other along z"),
     Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
-    Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is 1", {.first_default = "unit", .words = "unit"})};
+    Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is that of the file, or 1", {.first_default = "unit", .words = "unit"}),
+    Argument("scale", kVector, kNotZero, "m", "of a cell along x, of one unit of height, and of a cell along z; instead of cell", {.first_default = "file", .words = "file", .omitted_at_default = true}),
+    Argument("no_data", kReal, kAny, "", "the height where the file has none, in its unit; lowest is that of the file, refuse is an error", {.first_default = "refuse", .words = "refuse lowest", .omitted_at_default = true})};
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.first_default = "any", .words = "any"})};

@@ -67,7 +67,8 @@ struct Shape {
   Vec3 half;    ///< half extents along the body's axes; of a plane, infinite
   Vec3 centre;  ///< the middle of those extents; not the origin for cones and hulls
   Vec3 normal;  ///< of a plane: out of the half space, unit
-  /// One for kHull, several for kCompound; of kSurface its triangles, each with one face; none
+  /// One for kHull, several for kCompound; of kSurface its triangles, each with one face, but
+  /// none of a height field; none
   /// otherwise.
   std::span<const Hull> hulls;
 };

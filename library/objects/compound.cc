@@ -62,6 +62,7 @@ ConvexDecomposition MakeDecomposition(std::string name, const meshes::Mesh& mesh
 }
 
 bool Compound::PieceContains(std::size_t piece, const Vector3d& point) const {
+  if (form_->heights) return false;  // its triangles have no inside
   const ConvexPiece& hull = form_->pieces[piece];
   // In the form and relative to the centre of the piece; scaling keeps it on its side of a plane.
   const Vector3d in_form = (from_mesh_.transpose() * point).cwiseQuotient(sides_) + form_->centre;
@@ -99,6 +100,7 @@ void Compound::MeasureSurface() {
   inertia_.setZero();
   from_mesh_.setIdentity();
   least_half_extent_ = sides_.maxCoeff() / 2;
+  if (form_->heights) outer_radius_ = form_->heights->OuterRadius(sides_);
   for (std::size_t piece = 0; piece < form_->pieces.size(); ++piece)
     for (std::size_t vertex = 0; vertex < form_->pieces[piece].vertices.size(); ++vertex)
       outer_radius_ = std::max(outer_radius_, Corner(piece, vertex).norm());
@@ -120,10 +122,19 @@ double Compound::InnerRadiusOf(const ConvexPiece& piece) const {
 }
 
 Vector3d Compound::PieceCentre(std::size_t piece) const {
+  if (form_->heights) {
+    const Vector3d corners[] = {Corner(piece, 0), Corner(piece, 1), Corner(piece, 2)};
+    return BoxOf(corners).center();
+  }
   return ToBody(form_->pieces[piece].centre);
 }
 
 Vector3d Compound::Support(std::size_t piece, const Vector3d& direction) const {
+  if (form_->heights) {
+    const Vector3d corners[] = {Corner(piece, 0), Corner(piece, 1), Corner(piece, 2)};
+    return *std::ranges::max_element(corners, {},
+                                     [&](const Vector3d& corner) { return direction.dot(corner); });
+  }
   const ConvexPiece& it = form_->pieces[piece];
   // In the coordinates of the form, so that the vertices need no conversion.
   const Vector3d along = (from_mesh_.transpose() * direction).cwiseProduct(sides_);
@@ -141,6 +152,7 @@ Vector3d Compound::Support(std::size_t piece, const Vector3d& direction) const {
 
 Vector3d Compound::Support(const Vector3d& direction) const {
   const Vector3d along = (from_mesh_.transpose() * direction).cwiseProduct(sides_);
+  if (form_->heights) return ToBody(form_->heights->Support(along));
   const double rounding = 1e-12 * along.lpNorm<1>();
   Vector3d farthest = Support(0, direction);
   for (std::size_t i = 1; i < form_->pieces.size(); ++i) {

@@ -1,4 +1,5 @@
-// Compounds: solids made of convex pieces of a mesh, and surfaces, whose pieces are its triangles.
+// Compounds: solids made of convex pieces of a mesh, and surfaces, whose pieces are its triangles;
+// a height field computes them when asked.
 //
 // A form holds the data that all solids of one mesh share, whatever their size; a compound is a
 // form with its three sides. Lengths in m. Threads: any, once made.
@@ -12,8 +13,8 @@
 #include <vector>
 
 #include "library/meshes/decompose.h"
-#include "library/meshes/heights.h"
 #include "library/meshes/mass_properties.h"
+#include "library/objects/height_surface.h"
 
 namespace cdb::objects {
 
@@ -90,11 +91,13 @@ struct ConvexDecomposition {
   /// The point that a user places; in the cube.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// For a surface (library/objects/surface.h): a tree of the boxes of its triangles. Null for
-  /// solids.
+  /// others.
   std::shared_ptr<const BoxTree> tree = nullptr;
-  bool IsSurface() const { return tree != nullptr; }
-  /// For a height field: its grid. Null for others.
-  std::shared_ptr<const meshes::HeightGrid> heights = nullptr;
+  /// For a height field, instead of pieces, as there may be millions. Null for others.
+  std::shared_ptr<const HeightSurface> heights = nullptr;
+  bool IsSurface() const { return tree != nullptr || heights != nullptr; }
+  /// Of a surface, the number of triangles.
+  std::size_t PieceCount() const { return heights ? heights->TriangleCount() : pieces.size(); }
   bool operator==(const ConvexDecomposition&) const = default;
 };
 
@@ -123,14 +126,17 @@ class Compound {
   Eigen::Vector3d PieceCentre(std::size_t piece) const;
   /// A vertex of a piece.
   Eigen::Vector3d Corner(std::size_t piece, std::size_t vertex) const {
+    if (form_->heights) return ToBody(form_->heights->Corner(piece, vertex));
     return ToBody(form_->pieces[piece].centre + form_->pieces[piece].vertices[vertex]);
   }
   /// For a surface: calls `visit(piece)` for triangles whose boxes overlap `box`, until it returns
   /// true; returns whether it did.
   template <typename Visit>
   bool AnyPieceIn(const Eigen::AlignedBox3d& box, Visit visit) const {
-    return form_->tree->AnyOf({box.min().cwiseQuotient(sides_), box.max().cwiseQuotient(sides_)},
-                              visit);
+    const Eigen::AlignedBox3d in_form(box.min().cwiseQuotient(sides_),
+                                      box.max().cwiseQuotient(sides_));
+    return form_->heights ? form_->heights->AnyOf(in_form, visit)
+                          : form_->tree->AnyOf(in_form, visit);
   }
   /// Whether a point is in the piece.
   bool PieceContains(std::size_t piece, const Eigen::Vector3d& point) const;

@@ -123,7 +123,7 @@ struct Solid {
   /// are several, any of them.
   Eigen::Vector3d Support(const Eigen::Vector3d& direction) const;
   /// The number of convex pieces whose union it is: 1 except for compounds.
-  std::size_t PieceCount() const { return compound ? compound->form().pieces.size() : 1; }
+  std::size_t PieceCount() const { return compound ? compound->form().PieceCount() : 1; }
   /// As Support, for one piece.
   Eigen::Vector3d PieceSupport(std::size_t piece, const Eigen::Vector3d& direction) const {
     return compound ? compound->Support(piece, direction) : Support(direction);

@@ -101,16 +101,34 @@ ConvexDecomposition FormOfModel(const Model& model, const Reading& reading) {
   });
 }
 
+terrain::HeightOptions HeightOptionsOf(const schema::Call& call) {
+  terrain::HeightOptions options;
+  // Other values are the words `unit`, `file`, `refuse` and `lowest`.
+  const schema::Number* cell = schema::AsNumber(ArgumentOf(call, "cell"));
+  if (cell != nullptr) options.scale = Vector3d(cell->AsReal(), 1, cell->AsReal());
+  if (const Vector3d* scale = schema::AsVector(ArgumentOf(call, "scale"))) {
+    if (cell != nullptr)
+      throw library::SceneError("heights has a cell as well as a scale",
+                                "remove the cell; `scale` has the sides of a cell, too");
+    if (!(scale->minCoeff() > 0))
+      throw library::SceneError("the scale of heights must be more than 0 along each axis",
+                                "for example `scale: (30, 1, 30)`");
+    options.scale = *scale;
+  }
+  const schema::Value& no_data = ArgumentOf(call, "no_data");
+  if (const schema::Number* height = schema::AsNumber(no_data)) {
+    options.no_data = height->AsReal();
+  } else if (std::get<schema::Word>(no_data).text == "lowest") {
+    options.no_data = terrain::HeightOptions::Lowest();
+  }
+  return options;
+}
+
 ConvexDecomposition FormOfHeights(const std::string& name, const schema::Call& call,
                                   const std::string& bytes) {
   const auto& file = std::get<schema::Text>(ArgumentOf(call, "file")).text;
-  // The other value is the word `unit`.
-  const schema::Number* cell = schema::AsNumber(ArgumentOf(call, "cell"));
-  const auto grid = std::make_shared<const meshes::HeightGrid>(
-      meshes::ParseHeights(bytes, file, cell != nullptr ? cell->AsReal() : 1));
-  ConvexDecomposition form = MakeSurface(name, meshes::MeshOf(*grid));
-  form.heights = grid;
-  return form;
+  return MakeSurface(name, std::make_shared<const terrain::HeightGrid>(
+                               terrain::ParseHeights(bytes, file, HeightOptionsOf(call))));
 }
 
 /// The arguments that do not change the pieces.
@@ -246,6 +264,10 @@ Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const 
     solid.shape = ShapeOf(name);
     return solid;
   }
+  // Another aspect sets all sides.
+  if (form->heights && aspect == Vector3d::Ones())
+    if (const terrain::HeightGrid& grid = form->heights->grid(); !grid.unknown_scale.empty())
+      throw library::SceneError(grid.unknown_scale, grid.scale_remedy);
   solid.shape = Shape::kCompound;
   if (is_native)
     solid.sides = form->native_side * form->unit * form->proportions;
@@ -277,7 +299,7 @@ std::string TextOf(const ConvexDecomposition& form) {
   };
   const std::string left_out =
       form.left_out.empty() ? "" : fmt::format(", left out: {}", form.left_out);
-  if (form.IsSurface()) return count(form.pieces.size(), "triangle") + left_out;
+  if (form.IsSurface()) return count(form.PieceCount(), "triangle") + left_out;
   std::string text =
       fmt::format("{}, volume error {:.3g} %, IoU {:.3f}", count(form.pieces.size(), "hull"),
                   100 * form.volume_error, form.iou);
@@ -316,11 +338,12 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
     facts.placed.y() = -solid.BoxCentre();
     return facts;
   }
-  facts.has_size = call != nullptr;
+  facts.has_size =
+      call != nullptr && (!form->heights || form->heights->grid().unknown_scale.empty());
   facts.sides =
       facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
   facts.placed = form->origin;
-  if (form->pieces.empty()) return facts;
+  if (form->PieceCount() == 0) return facts;
   if (!form->IsSurface()) facts.iou = form->iou;
   facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
   if (facts.has_size)

@@ -35,6 +35,23 @@ bool GoesThrough(const Corners& corners, const Vector3d& from, const Vector3d& w
   return positive == 0 || negative == 0;
 }
 
+/// A flat mesh has no extent along one axis, so that any scale along it will do.
+Vector3d SidesOf(const AlignedBox3d& box) {
+  return (box.sizes().array() > 0).select(box.sizes(), box.sizes().maxCoeff());
+}
+
+/// A form without triangles, with the frame of this box.
+ConvexDecomposition FormIn(const AlignedBox3d& box, std::string name) {
+  const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
+  ConvexDecomposition form;
+  form.name = std::move(name);
+  const Vector3d sides = SidesOf(box);
+  form.proportions = sides / longest;
+  form.native_side = longest;
+  form.file_origin = -box.center().cwiseQuotient(sides);
+  return form;
+}
+
 }  // namespace
 
 ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
@@ -43,13 +60,8 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
   for (const meshes::Triangle& triangle : mesh.triangles)
     for (const Vector3d& corner : meshes::CornersOf(mesh, triangle)) box.extend(corner);
   const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
-  ConvexDecomposition form;
-  form.name = std::move(name);
-  // A flat mesh has no extent along one axis, so that any scale along it will do.
-  const Vector3d sides = (box.sizes().array() > 0).select(box.sizes(), longest);
-  form.proportions = sides / longest;
-  form.native_side = longest;
-  form.file_origin = -box.center().cwiseQuotient(sides);
+  ConvexDecomposition form = FormIn(box, std::move(name));
+  const Vector3d sides = SidesOf(box);
   std::vector<AlignedBox3d> boxes;
   for (const meshes::Triangle& triangle : mesh.triangles) {
     const Corners corners = meshes::CornersOf(mesh, triangle);
@@ -77,6 +89,13 @@ ConvexDecomposition MakeSurface(std::string name, const meshes::Mesh& mesh) {
                                           form.pieces.size(), kMaxSurfaceTriangles),
                               "simplify the model first");
   form.tree = std::make_shared<const BoxTree>(std::move(boxes));
+  return form;
+}
+
+ConvexDecomposition MakeSurface(std::string name, std::shared_ptr<const terrain::HeightGrid> grid) {
+  auto heights = std::make_shared<const HeightSurface>(std::move(grid));
+  ConvexDecomposition form = FormIn(heights->box(), std::move(name));
+  form.heights = std::move(heights);
   return form;
 }
 

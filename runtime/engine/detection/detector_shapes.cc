@@ -62,6 +62,7 @@ const DetectorShapes::Pieces& DetectorShapes::PiecesOf(const Solid& solid) {
     return pieces;
   }
   const objects::Compound& compound = *solid.compound;
+  // A height field has none.
   for (std::size_t i = 0; i < compound.form().pieces.size(); ++i) {
     const objects::ConvexPiece& piece = compound.form().pieces[i];
     const Vector3d centre = compound.PieceCentre(i);

@@ -6,22 +6,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace cdb::world {
 namespace {
 
-/// m: the mean of the triangles' shortest edges.
+/// m: the mean of the triangles' shortest edges; of some, if there are very many.
 double UsualEdge(const objects::Compound& surface) {
+  constexpr std::size_t kEnough = 2'000'000;
   double sum = 0;
-  const std::size_t count = surface.form().pieces.size();
-  for (std::size_t triangle = 0; triangle < count; ++triangle) {
+  std::size_t seen = 0;
+  const std::size_t count = surface.form().PieceCount(), step = (count - 1) / kEnough + 1;
+  for (std::size_t triangle = 0; triangle < count; triangle += step, ++seen) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < 3; ++i)
       least = std::min(
           least, (surface.Corner(triangle, i) - surface.Corner(triangle, (i + 1) % 3)).norm());
     sum += least;
   }
-  return sum / static_cast<double>(count);
+  return sum / static_cast<double>(seen);
 }
 
 /// Bullet's limits are in m, and meant for bodies of 1 m.
@@ -89,10 +92,50 @@ void FindEdges(const objects::Compound& surface, btBvhTriangleMeshShape& shape,
   btGenerateInternalEdgeInfo(&shape, &edges);
 }
 
-void FindEdges(const objects::Compound& surface, btHeightfieldTerrainShape& shape,
-               btTriangleInfoMap& edges) {
+void FindEdges(const objects::Compound& surface, NumberedHeights& shape, btTriangleInfoMap& edges) {
   SetLimits(surface, edges);
-  btGenerateInternalEdgeInfo(&shape, &edges);
+  if (surface.form().heights->grid().cells() > kMostCellsAtOnce) {
+    shape.setTriangleInfoMap(&edges);
+  } else {
+    btGenerateInternalEdgeInfo(&shape, &edges);
+  }
+}
+
+void NumberedHeights::processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
+                                          const btVector3& upper) const {
+  struct Numbering final : btTriangleCallback {
+    Numbering(btTriangleCallback& to, int triangles_in_row, int wanted)
+        : callback(to), triangles(triangles_in_row), triangle(wanted) {}
+    void processTriangle(btVector3* corners, int column, int line) override {
+      const int number = line * triangles + column;
+      if (triangle < 0 || triangle == number) callback.processTriangle(corners, 0, number);
+    }
+    btTriangleCallback& callback;
+    const int triangles, triangle;
+  };
+  const int row = 2 * (m_heightStickWidth - 1), only = std::exchange(only_, -1);
+  Numbering numbering(*callback, row, only);
+  if (only < 0) {
+    btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
+    return;
+  }
+  btVector3 corner, least, most;
+  getVertex(only % row / 2, only / row, least);
+  most = least;
+  for (const auto& [right, below] : {std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
+    getVertex(only % row / 2 + right, only / row + below, corner);
+    least.setMin(corner);
+    most.setMax(corner);
+  }
+  btHeightfieldTerrainShape::processAllTriangles(&numbering, least, most);
+}
+
+void NumberedHeights::FindEdgesOf(int triangle) {
+  btTriangleInfoMap* edges = getTriangleInfoMap();
+  if (edges == nullptr || edges->find(btHashInt(triangle)) != nullptr) return;
+  setTriangleInfoMap(nullptr);
+  only_ = triangle;
+  btGenerateInternalEdgeInfo(this, edges);
 }
 
 // In a manifold of Bullet's, the surface is always the second body.
@@ -107,6 +150,10 @@ bool AdjustAtEdges(btManifoldPoint& contact, const btCollisionObjectWrapper* a, 
   const btVector3 centre = a->getCollisionObject()->getWorldTransform().getOrigin();
   const bool is_behind = front.dot(centre - pose * triangle.getVertexPtr(0)) < 0;
   const btVector3 before = contact.m_normalWorldOnB;
+  // Bullet hands out what it was given as constant.
+  auto& surface = const_cast<btCollisionShape&>(*b->getCollisionObject()->getCollisionShape());
+  if (surface.getShapeType() == TERRAIN_SHAPE_PROXYTYPE)
+    static_cast<NumberedHeights&>(surface).FindEdgesOf(triangle_b);
   AdjustNormal(contact, a, b, part_b, triangle_b, is_behind ? -front : front, is_behind);
   // A ball with another normal is nearest to another triangle, whose contact it has as well. Here
   // it would touch beside its lowest point, and spin.

@@ -18,28 +18,25 @@ class NumberedHeights final : public btHeightfieldTerrainShape {
   using btHeightfieldTerrainShape::btHeightfieldTerrainShape;
 
   void processAllTriangles(btTriangleCallback* callback, const btVector3& lower,
-                           const btVector3& upper) const override {
-    Numbering numbering(*callback, 2 * (m_heightStickWidth - 1));
-    btHeightfieldTerrainShape::processAllTriangles(&numbering, lower, upper);
-  }
+                           const btVector3& upper) const override;
+  /// Finds the edges of a triangle, unless they are known.
+  void FindEdgesOf(int triangle);
 
  private:
-  struct Numbering final : btTriangleCallback {
-    Numbering(btTriangleCallback& to, int count) : callback(to), row(count) {}
-    void processTriangle(btVector3* corners, int column, int line) override {
-      callback.processTriangle(corners, 0, line * row + column);
-    }
-    btTriangleCallback& callback;
-    const int row;  ///< triangles in a row
-  };
+  /// The triangle whose edges are looked for: the only one that Bullet shall find at first, among
+  /// all that it asks for. Negative: none.
+  mutable int only_ = -1;
 };
+
+/// Above this number of cells, the edges of a height field are found when they are touched: those
+/// of all would take 5 us and 80 bytes for each cell.
+inline constexpr std::size_t kMostCellsAtOnce = 1'000'000;
 
 /// Finds the edges of a surface, for AdjustAtEdges. `shape`, Bullet's shape of it, refers to
 /// `edges` from then on.
 void FindEdges(const objects::Compound& surface, btBvhTriangleMeshShape& shape,
                btTriangleInfoMap& edges);
-void FindEdges(const objects::Compound& surface, btHeightfieldTerrainShape& shape,
-               btTriangleInfoMap& edges);
+void FindEdges(const objects::Compound& surface, NumberedHeights& shape, btTriangleInfoMap& edges);
 
 /// Bullet's gContactAddedCallback for `edges smooth`: corrects the normal of a contact with a
 /// triangle of a surface whose edges were found; leaves all others alone. Bullet calls it for

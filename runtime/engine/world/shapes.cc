@@ -224,27 +224,35 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeSurface(const objects::Compound
 
 std::unique_ptr<btCollisionShape> ShapePool::MakeHeights(const objects::Compound& surface,
                                                          btScalar margin, bool smooth_edges) {
-  const meshes::HeightGrid& grid = *surface.form().heights;
-  const auto [low, high] = std::ranges::minmax(grid.heights);
+  const objects::HeightSurface& field = *surface.form().heights;
+  const terrain::HeightGrid& grid = field.grid();
+  const double low = field.lowest(), high = field.highest();
   const double middle = low + (high - low) / 2,
                scale = high > low ? surface.sides().y() / (high - low) : 0;
   Triangles& triangles = *triangles_.emplace_back(std::make_unique<Triangles>());
   std::vector<btScalar>& heights = triangles.heights;
+  heights.reserve(grid.heights.size());
   for (const double height : grid.heights)
     heights.push_back(static_cast<btScalar>((height - middle) * scale));
   const auto [least, most] = std::ranges::minmax(heights);
-  const auto make =
-      [&]<typename Form>(std::type_identity<Form>) -> std::unique_ptr<btHeightfieldTerrainShape> {
+  const auto make = [&]<typename Form>(std::type_identity<Form>) {
     return std::make_unique<Form>(static_cast<int>(grid.columns), static_cast<int>(grid.rows),
                                   heights.data(), least, most, 1, false);
   };
-  auto shape = smooth_edges ? make(std::type_identity<NumberedHeights>())
-                            : make(std::type_identity<btHeightfieldTerrainShape>());
+  std::unique_ptr<btHeightfieldTerrainShape> shape;
+  NumberedHeights* numbered = nullptr;
+  if (smooth_edges) {
+    auto with_numbers = make(std::type_identity<NumberedHeights>());
+    numbered = with_numbers.get();
+    shape = std::move(with_numbers);
+  } else {
+    shape = make(std::type_identity<btHeightfieldTerrainShape>());
+  }
   const auto cells = [](std::size_t lines) { return static_cast<double>(lines - 1); };
   shape->setLocalScaling(ToBullet(Eigen::Vector3d(surface.sides().x() / cells(grid.columns), 1,
                                                   surface.sides().z() / cells(grid.rows))));
   shape->setMargin(margin);
-  if (smooth_edges) FindEdges(surface, *shape, triangles.edges);
+  if (numbered != nullptr) FindEdges(surface, *numbered, triangles.edges);
   return shape;
 }
 

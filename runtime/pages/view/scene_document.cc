@@ -261,9 +261,34 @@ TriangleMesh Turned(std::string name, const std::vector<Profile>& profiles, int 
   return mesh;
 }
 
+/// The triangles of a height field, or of every few of its rows and columns, if it has many.
+TriangleMesh MeshOfHeights(const objects::ConvexDecomposition& form) {
+  const terrain::HeightGrid& grid = form.heights->grid();
+  const auto lines = [](std::size_t points) {
+    std::vector<std::size_t> at;
+    for (std::size_t i = 0; i < points - 1; i += HeightStep(points)) at.push_back(i);
+    at.push_back(points - 1);
+    return at;
+  };
+  const auto columns = lines(grid.columns), rows = lines(grid.rows);
+  TriangleMesh mesh{form.name, {}, {}, {}};
+  for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+    for (std::size_t column = 0; column + 1 < columns.size(); ++column) {
+      const auto at = [&](std::size_t right, std::size_t below) -> Vector3d {
+        return form.heights->Point(columns[column + right], rows[row + below]) - form.origin;
+      };
+      AddFace(mesh, {at(0, 0), at(0, 1), at(1, 0)});
+      AddFace(mesh, {at(1, 0), at(0, 1), at(1, 1)});
+      AddFace(mesh, {at(1, 0), at(0, 1), at(0, 0)});
+      AddFace(mesh, {at(1, 1), at(0, 1), at(1, 0)});
+    }
+  return mesh;
+}
+
 /// All convex pieces, or the triangles of a surface from both sides, in the axes of the model and
 /// about its origin, to which recorded poses refer.
 TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
+  if (form.heights) return MeshOfHeights(form);
   TriangleMesh mesh{form.name, {}, {}, {}};
   for (const objects::ConvexPiece& piece : form.pieces)
     for (const meshes::Triangle& face : piece.faces) {

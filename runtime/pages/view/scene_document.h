@@ -59,6 +59,10 @@ struct Part {
   double offset_y = 0;  ///< the other coordinates are 0
 };
 
+/// Of the rows or columns of a height field, one in this number is drawn: a page with all of them
+/// could be too large.
+inline std::size_t HeightStep(std::size_t lines) { return (lines - 2) / 160 + 1; }
+
 class Tessellation {
  public:
   /// `bodies`: their expected number; with more bodies, round meshes are coarser. The vertices lie

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
@@ -15,6 +16,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/exact_layouts.h"
 #include "runtime/figures/points.h"
+#include "runtime/pages/view/scene_document.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::view {
@@ -106,6 +108,22 @@ void Start(SceneRecording& recording) {
     recording.notices.emplace_back(
         "The objects of a pile are shown where they are dropped from: they settle before the first "
         "cycle, which a run with `record timing, counts, poses` shows.");
+}
+
+/// Tells which height fields are drawn without all of their heights.
+void NoteCoarseHeights(SceneRecording& recording) {
+  std::set<std::string> names;
+  for (const layouts::ObjectState& object : recording.state.objects) {
+    if (!object.solid.IsSurface() || !object.solid.compound->form().heights) continue;
+    const objects::ConvexDecomposition& form = object.solid.compound->form();
+    const terrain::HeightGrid& grid = form.heights->grid();
+    const std::size_t columns = HeightStep(grid.columns), rows = HeightStep(grid.rows);
+    if (columns * rows > 1 && names.insert(form.name).second)
+      recording.notices.push_back(
+          fmt::format("Of {}, one height in {} is drawn: objects may seem to float or to sink. The "
+                      "run has all of them.",
+                      form.name, columns * rows));
+  }
 }
 
 /// Reads a recording frame by frame.
@@ -319,6 +337,7 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   ReadErrors(file, cell, recording);
   if (run.scene.world.Lists("record", "poses") && recording.n_cycles > 0) {
     ReadFrames(file, cell, choice, recording);
+    NoteCoarseHeights(recording);
     return recording;
   }
   if (choice.first != 0 || choice.last || choice.every)
@@ -333,6 +352,7 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
                 "This run has no poses: the start of its scene is shown. To see it move, add "
                 "`poses` to `record`, as in `record timing, counts, poses`, and run it again."));
   Start(recording);
+  NoteCoarseHeights(recording);
   return recording;
 }
 
@@ -347,6 +367,7 @@ SceneRecording StartOf(const plan::Plan& plan, const plan::Run& run) {
       "The start of the scene, without a run: `cdb run` with `record timing, counts, poses` "
       "records how it moves.");
   Start(recording);
+  NoteCoarseHeights(recording);
   return recording;
 }
 

@@ -48,7 +48,9 @@ inline double HeightOf(const objects::Solid& solid, std::size_t piece,
       break;
   }
   double height = -INFINITY;
-  for (std::size_t i = 0; i < solid.compound->form().pieces[piece].vertices.size(); ++i)
+  const std::size_t corners =
+      solid.IsSurface() ? 3 : solid.compound->form().pieces[piece].vertices.size();
+  for (std::size_t i = 0; i < corners; ++i)
     height = std::max(height, u.dot(solid.compound->Corner(piece, i)));
   return height;
 }
@@ -88,7 +90,10 @@ inline double OutsideOf(const objects::Solid& solid, std::size_t piece, const ob
       break;
     case objects::Shape::kCompound: {
       const auto corner = [&](std::size_t i) { return solid.compound->Corner(piece, i); };
-      for (const auto& [a, b, c] : solid.compound->form().pieces[piece].faces) {
+      const std::vector<meshes::Triangle> faces = solid.IsSurface()
+                                                      ? std::vector<meshes::Triangle>{{0, 1, 2}}
+                                                      : solid.compound->form().pieces[piece].faces;
+      for (const auto& [a, b, c] : faces) {
         const Eigen::Vector3d along = corner(b) - corner(a);
         Eigen::Vector3d normal = along.cross(corner(c) - corner(a));
         if (!(normal.norm() > 1e-12 * solid.sides.squaredNorm())) continue;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -211,6 +213,41 @@ TEST(SolidFactory, NativeSizeIsThatOfTheFile) {
               native(FromFile("hull", file, "m", "mass"), {1, 2, 1});
             }),
             "the size is native, but the aspect is not 1 : 1 : 1; remove the aspect");
+}
+
+TEST(SolidFactory, HeightFieldsHaveTheSizeOfTheirFileOrTheArguments) {
+  const TemporaryFolder folder;
+  const std::filesystem::path map = folder / "map.asc";
+  WriteFile(map, "ncols 3\nnrows 2\ncellsize 30\n0 5 10\n20 -9999 0\n");
+  const auto sides = [&](std::map<std::string_view, schema::Value> given, double size,
+                         const Vector3d& aspect) {
+    given["file"] = schema::Text{map.string()};
+    objects::SolidFactory maker;
+    return maker.Make(Layout("heights", given), Vector3d::Constant(size), aspect).sides;
+  };
+  const schema::Value none = Word("lowest");
+  const Vector3d ones = Vector3d::Ones();
+  EXPECT_EQ(sides({{"no_data", none}}, 0, ones), Vector3d(60, 20, 30));
+  EXPECT_EQ(sides({{"no_data", -10.0}}, 0, ones), Vector3d(60, 30, 30));
+  EXPECT_EQ(sides({{"no_data", none}, {"cell", 10.0}}, 0, ones), Vector3d(20, 20, 10));
+  EXPECT_EQ(sides({{"no_data", none}, {"scale", Vector3d(5, 2, 7)}}, 0, ones), Vector3d(10, 40, 7));
+  EXPECT_EQ(sides({{"no_data", none}}, 6, ones), Vector3d(6, 2, 3));
+  EXPECT_EQ(sides({{"no_data", none}}, 6, {1, 0.5, 2}), Vector3d(6, 3, 12));
+  EXPECT_EQ(Refusal([&] {
+              sides({{"cell", 1.0}, {"scale", ones}}, 0, ones);
+            }),
+            "heights has a cell as well as a scale; remove the cell; `scale` has the sides of a "
+            "cell, too");
+  EXPECT_EQ(Refusal([&] {
+              sides({{"scale", Vector3d(1, 0, 1)}}, 0, ones);
+            }),
+            "the scale of heights must be more than 0 along each axis; for example `scale: (30, 1, "
+            "30)`");
+  // In degrees, unless the sides are given.
+  WriteFile(map, "ncols 3\nnrows 2\ncellsize 0.01\n0 5 10\n20 3 0\n");
+  EXPECT_TRUE(Refusal([&] { sides({}, 6, ones); }).find("degrees, not metres") !=
+              std::string::npos);
+  EXPECT_EQ(sides({}, 6, {1, 0.5, 2}), Vector3d(6, 3, 12));
 }
 
 TEST(SolidFactory, PosesReferToTheOriginAndTheAxesOfTheFile) {

@@ -293,9 +293,8 @@ std::vector<schema::Value> Types(const TemporaryFolder& folder) {
   WriteFile(folder / "hill.csv", heights);
   types.push_back(Layout("surface", {{"file", schema::Text{(folder / "hill.obj").string()}},
                                      {"sha256", schema::Text{plan::Sha256Hex(hill)}}}));
-  types.push_back(schema::Call{"heights",
-                               {schema::Text{(folder / "hill.csv").string()},
-                                schema::Text{plan::Sha256Hex(heights)}, Word("unit")}});
+  types.push_back(Layout("heights", {{"file", schema::Text{(folder / "hill.csv").string()}},
+                                     {"sha256", schema::Text{plan::Sha256Hex(heights)}}}));
   return types;
 }
 

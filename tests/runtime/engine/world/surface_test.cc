@@ -1,4 +1,5 @@
 // Fixed triangle meshes as ground.
+#include <BulletCollision/CollisionDispatch/btInternalEdgeUtility.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/catalogue.h"
+#include "runtime/engine/world/internal_edges.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/library/layouts/layout_scene.h"
 #include "tests/runtime/engine/engine_fixture.h"
@@ -34,12 +36,12 @@ class Surfaces : public testing::Test {
                        points);
   }
   /// The same with a height field, whose cells are 1 wide in the unit of its heights.
-  plan::Scene HeightScene(const std::string& csv, const std::vector<Vector3d>& points) {
-    const std::string file = NewFile(".csv", csv);
-    return GroundScene(
-        schema::Call{"heights",
-                     {schema::Text{file}, schema::Text{plan::Sha256Hex(csv)}, Word("unit")}},
-        points);
+  plan::Scene HeightScene(const std::string& text, const std::vector<Vector3d>& points,
+                          const char* extension = ".csv") {
+    const std::string file = NewFile(extension, text);
+    return GroundScene(Layout("heights", {{"file", schema::Text{file}},
+                                          {"sha256", schema::Text{plan::Sha256Hex(text)}}}),
+                       points);
   }
   plan::Scene GroundScene(schema::Value type, const std::vector<Vector3d>& points) {
     plan::Scene scene = LayoutScene(points.size(), 40, Points(points));
@@ -166,8 +168,8 @@ TEST_F(Surfaces, HeightFieldsAreTheTrianglesOfTheirGrid) {
   ASSERT_EQ(shape.getShapeType(), TERRAIN_SHAPE_PROXYTYPE);
   static_cast<const btConcaveShape&>(shape).processAllTriangles(
       &collector, btVector3(-50, -50, -50), btVector3(50, 50, 50));
-  ASSERT_EQ(collector.triangles.size(), ground.form().pieces.size());
-  for (std::size_t i = 0; i < ground.form().pieces.size(); ++i) {
+  ASSERT_EQ(collector.triangles.size(), ground.form().PieceCount());
+  for (std::size_t i = 0; i < ground.form().PieceCount(); ++i) {
     std::array<Vector3d, 3> ours = {ground.Corner(i, 0), ground.Corner(i, 1), ground.Corner(i, 2)};
     std::ranges::sort(ours, [](const Vector3d& a, const Vector3d& b) {
       return std::tuple(std::round(a.x()), std::round(a.z())) <
@@ -437,6 +439,69 @@ TEST_F(Surfaces, SmoothEdgesHoldInWideHeightFields) {
   auto& shape = static_cast<btHeightfieldTerrainShape&>(*engine.objects()[1]->getCollisionShape());
   ASSERT_EQ(shape.getShapeType(), TERRAIN_SHAPE_PROXYTYPE);
   EXPECT_EQ(shape.getTriangleInfoMap()->size(), 2099 * 2 * 2);
+}
+
+/// Balls at rest at the corners of a map, whose first row is its north: level ground of the four
+/// heights in the file, which are all different.
+TEST_F(Surfaces, NorthOfAMapIsTowardsMinusZ) {
+  std::string map = "ncols 9\nnrows 7\nxllcorner 0\nyllcorner 0\ncellsize 4\n";
+  for (int row = 0; row < 7; ++row)
+    for (int column = 0; column < 9; ++column) {
+      const bool is_west = column<3, is_east = column> 5, is_north = row<3, is_south = row> 3;
+      map += fmt::format("{}{}",
+                         is_north && is_west   ? 1
+                         : is_north && is_east ? 2
+                         : is_south && is_west ? 4
+                         : is_south && is_east ? 8
+                                               : 0,
+                         column < 8 ? " " : "\n");
+    }
+  // 32 by 24 m, drawn to a length of 20 m; from 0 to 8 m high, with the middle at y = 0.
+  const double scale = 20.0 / 32;
+  const auto top = [&](double height) { return scale * (height - 4) + 0.5; };
+  const Vector3d rests[] = {
+      {-9, top(1), -6.6}, {9, top(2), -6.6}, {-9, top(4), 6.6}, {9, top(8), 6.6}};
+  std::vector<Vector3d> starts;
+  for (const Vector3d& rest : rests) starts.emplace_back(rest + Vector3d(0, 0.3, 0));
+  plan::Scene scene = HeightScene(map, starts, ".asc");
+  SetGroup(scene, "edges", Word("smooth"), 1);
+  const Recorded run = RunHere(scene);
+  ASSERT_TRUE(run.done()) << run.message();
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_LT((Position(*run.engine, i) - rests[i]).norm(), 0.01)
+        << i << ": " << Position(*run.engine, i).transpose();
+}
+
+/// What is found for each triangle when it is touched is what Bullet finds for all at once.
+TEST(NumberedHeights, FindTheEdgesOfATriangleWhenAsked) {
+  constexpr int kColumns = 11, kRows = 7;
+  std::vector<btScalar> heights;
+  for (int i = 0; i < kColumns * kRows; ++i) heights.push_back(btScalar(i * i % 7));
+  const auto make = [&] {
+    auto shape = std::make_unique<world::NumberedHeights>(kColumns, kRows, heights.data(),
+                                                          btScalar(0), btScalar(6), 1, false);
+    shape->setLocalScaling(btVector3(2, 1, 3));
+    return shape;
+  };
+  btTriangleInfoMap all, touched;
+  const auto at_once = make(), when_asked = make();
+  btGenerateInternalEdgeInfo(at_once.get(), &all);
+  when_asked->setTriangleInfoMap(&touched);
+  const int count = 2 * (kColumns - 1) * (kRows - 1);
+  for (int i = 0; i < count; ++i) {
+    const int triangle = i * 37 % count;
+    when_asked->FindEdgesOf(triangle);
+    EXPECT_EQ(touched.size(), i + 1);
+    when_asked->FindEdgesOf(triangle);
+  }
+  ASSERT_EQ(all.size(), count);
+  for (int triangle = 0; triangle < count; ++triangle) {
+    const btTriangleInfo &a = *all.find(triangle), &b = *touched.find(triangle);
+    EXPECT_EQ(a.m_flags, b.m_flags);
+    EXPECT_EQ(a.m_edgeV0V1Angle, b.m_edgeV0V1Angle);
+    EXPECT_EQ(a.m_edgeV1V2Angle, b.m_edgeV1V2Angle);
+    EXPECT_EQ(a.m_edgeV2V0Angle, b.m_edgeV2V0Angle);
+  }
 }
 
 TEST_F(Surfaces, AFlatHeightFieldIsAFloor) {

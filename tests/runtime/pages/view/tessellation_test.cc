@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "library/objects/surface.h"
 #include "tests/library/objects/random_solids.h"
 
 namespace cdb::tests {
@@ -65,6 +66,33 @@ TEST(Tessellation, HasItsFacesOutwards) {
     EXPECT_NEAR(SignedVolume(mesh), volume, 0.02 * volume) << mesh.name;
     for (const Eigen::Vector3f& normal : mesh.normals) EXPECT_NEAR(normal.norm(), 1, 1e-6);
   }
+}
+
+TEST(Tessellation, DrawsSomeHeightsOfALargeField) {
+  terrain::HeightGrid grid;
+  grid.columns = 1001;
+  grid.rows = 3;
+  for (std::size_t i = 0; i < grid.columns * grid.rows; ++i)
+    grid.heights.push_back(static_cast<double>(i % grid.columns));
+  const auto form = std::make_shared<const objects::ConvexDecomposition>(
+      objects::MakeSurface("slope", std::make_shared<const terrain::HeightGrid>(grid)));
+  objects::Solid solid{objects::Shape::kCompound, 20 * form->proportions};
+  solid.compound = std::make_shared<const objects::Compound>(form, solid.sides);
+  view::Tessellation tessellation(1);
+  const std::vector<Vector3d> vertices = Vertices(tessellation, tessellation.PartsOf(solid));
+  // Two triangles of each cell, seen from both sides; the first and the last height are there.
+  EXPECT_EQ(vertices.size(), 143 * 2 * 2 * 2 * 3u);
+  double least = 0, most = 0;
+  for (const Vector3d& vertex : vertices) {
+    least = std::min(least, vertex.x());
+    most = std::max(most, vertex.x());
+    EXPECT_NEAR(vertex.y(), vertex.x(), 1e-5);
+  }
+  EXPECT_NEAR(least, -10, 1e-5);
+  EXPECT_NEAR(most, 10, 1e-5);
+  EXPECT_EQ(view::HeightStep(2), 1u);
+  EXPECT_EQ(view::HeightStep(161), 1u);
+  EXPECT_EQ(view::HeightStep(162), 2u);
 }
 
 TEST(Tessellation, SharesTheMeshesOfEqualShapes) {
