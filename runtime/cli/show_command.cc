@@ -33,6 +33,7 @@ struct ShowArguments {
   std::vector<std::string> phases;  ///< empty: all
   std::string statistic;            ///< over the cycles; empty: the mean
   bool plots = false;
+  bool all = false;  ///< not only the conclusions and one table
   bool csv = false, json = false, is_markdown = false, is_latex = false;
 };
 
@@ -60,13 +61,15 @@ void CheckOptions(const ShowArguments& a) {
          {!a.by.empty(), "--json has a row for each point; --by is for tables"},
          {!a.phases.empty(), "--json has all phases; --phase is for tables and --csv"},
          {!a.statistic.empty(), "--json has all statistics; --stat is for tables and --csv"},
-         {a.plots, "--json has no plots; remove --plot"}});
+         {a.plots, "--json has no plots; remove --plot"},
+         {a.all, "--json has everything; remove --all"}});
   if (a.csv)
     CheckMisfits({{!a.error.empty() || !a.each.empty(),
                    "--csv has a column for each error; remove --error and --each"},
                   {!a.by.empty(), "--csv has a row for each point; --by is for tables"},
                   {!a.baseline.empty(), "--csv has no ratios; --baseline is for tables and --json"},
-                  {a.plots, "--csv has no plots; remove --plot"}});
+                  {a.plots, "--csv has no plots; remove --plot"},
+                  {a.all, "--csv has everything of its points; remove --all"}});
   if (a.error.empty()) {
     CheckMisfits({{!a.each.empty(), "--each needs --error NAME; a summary takes --by"}});
     return;
@@ -110,6 +113,12 @@ printers::Format FormatOf(const ShowArguments& arguments) {
                                : printers::Format::kTerminal;
 }
 
+/// True unless an option asks for certain tables.
+bool IsBrief(const ShowArguments& a) {
+  return !a.all && a.by.empty() && a.baseline.empty() && a.phases.empty() && a.statistic.empty() &&
+         !a.plots && !a.is_markdown && !a.is_latex;
+}
+
 printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments& arguments) {
   if (arguments.json) {
     printers::Printed document = printers::ResultsDocument(
@@ -126,8 +135,12 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
   const std::vector<protocol::Phase> phases = PhasesOf(arguments);
   const figures::CycleStatistic statistic = StatisticOf(arguments);
   if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
-  return printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
-                               statistic, arguments.plots, FormatOf(arguments)});
+  const bool is_brief = IsBrief(arguments);
+  printers::Printed printed =
+      printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
+                            statistic, arguments.plots, FormatOf(arguments), is_brief});
+  if (is_brief) printed.text += printers::MoreText(arguments.file);
+  return printed;
 }
 
 options::ExitStatus Show(const ShowArguments& arguments) {
@@ -152,6 +165,8 @@ void DeclareShow(options::Subcommand& command) {
   command.Optional("--stat", arguments->statistic,
                    "statistic over the cycles: mean (default), median, p5, p95, min, max, or worst "
                    "(of any repeat)");
+  command.Flag("--all", arguments->all,
+               "every table and note, not only the conclusions and the times");
   command.Flag("--plot", arguments->plots,
                "also plot, in characters, times over the cycles and over numeric axes");
   command.Optional("--error", arguments->error,

@@ -14,9 +14,11 @@
 #include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
+#include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/model.h"
 #include "runtime/printers/document.h"
+#include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -33,6 +35,17 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
   return tables;
 }
 
+/// One table that fits a screen: the times by the first axes, or by one axis if there are many.
+Document Brief(const figures::Model& model) {
+  Document document = {BriefHead(model)};
+  Document tables;
+  const auto by = ChooseTables(model, {});
+  AddPhases(model, by.front(), {}, tables);
+  if (!tables.empty()) document.push_back(std::move(tables.front()));
+  document.push_back(BriefDoubts(model));
+  return document;
+}
+
 }  // namespace
 
 Printed Show(const results::ResultFile& file, const ShowOptions& options) {
@@ -40,6 +53,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   for (const std::string& name : options.by) asked.push_back(figures::FindAxis(file, name));
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
+  if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
   Document document = {SummaryHead(model)};
   for (const auto& by : ChooseTables(model, asked)) AddPhases(model, by, options.phases, document);
   AddDetectors(model, asked, document);
@@ -47,6 +61,11 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   AddOtherFaults(model, document);
   if (options.plots) AddPlots(model, options.phases, document);
   return {TextOf(document, options.format), model.bad_count()};
+}
+
+std::string MoreText(const std::string& file) {
+  const std::string name = terminal::ShellWord(file);
+  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0}.\n", name);
 }
 
 RowTable::RowTable(const results::ResultFile& file, const figures::Rows& rows)
@@ -136,6 +155,35 @@ class Head {
     return {.title = file_.title(), .lines = std::move(lines)};
   }
 
+  Section Answers() const {
+    constexpr std::size_t kMostAnswers = 3;
+    Lines lines = {Grid()};
+    std::size_t count = 0;
+    for (const figures::Conclusion& conclusion : figures::Conclusions(model_)) {
+      // Whether the others can be believed.
+      const bool is_about_soundness = conclusion.kind == "stability";
+      if (++count > kMostAnswers && !is_about_soundness) continue;
+      lines.push_back(conclusion.question);
+      lines.push_back("  " + conclusion.answer);
+    }
+    return {.title = file_.title(), .lines = std::move(lines)};
+  }
+
+  Section Doubts() const {
+    Lines lines;
+    Add(lines, NoiseNote(file_, measured_));
+    Add(lines, ProcessorNotes(file_, measured_));
+    Add(lines, WrongDetectors(model_));
+    Add(lines, BuildNote(file_));
+    Add(lines, JobsNote(file_));
+    for (const std::string& trouble : model_.reference_troubles())
+      lines.push_back("A reference is missing: " + trouble);
+    if (Lines doubts = Verdicts(); doubts.size() > 1) Add(lines, doubts);
+    Add(lines, Missing());
+    Add(lines, BadRuns());
+    return {.lines = std::move(lines)};
+  }
+
  private:
   std::string Missing() const {
     if (groups_.missing == 0) return {};
@@ -211,7 +259,8 @@ class Head {
     }
     doubts.insert(
         doubts.begin(),
-        fmt::format("{} stable; in the figures below, but not sound (cdb doc verdicts):", sound));
+        fmt::format("{} stable; the others are in the figures, but not sound (cdb doc verdicts):",
+                    sound));
     return doubts;
   }
 
@@ -299,6 +348,8 @@ class Head {
 }  // namespace
 
 Section SummaryHead(const figures::Model& model) { return Head(model).Made(); }
+Section BriefHead(const figures::Model& model) { return Head(model).Answers(); }
+Section BriefDoubts(const figures::Model& model) { return Head(model).Doubts(); }
 
 std::vector<std::string> WrongDetectors(const figures::Model& model) {
   Lines lines;

@@ -27,6 +27,8 @@ struct ShowOptions {
   /// Add plots of characters: times over the cycles, and over axes of numbers.
   bool plots = false;
   Format format = Format::kTerminal;
+  /// Only the first conclusions (figures/conclusions.h), what limits their trust, and one table.
+  bool is_brief = false;
 };
 
 inline constexpr std::size_t kMaxRows = 60;
@@ -37,6 +39,9 @@ inline constexpr std::size_t kMaxRows = 60;
 /// ratio with others. Throws StoreError, also for an axis or a detector that the file does not
 /// have.
 Printed Show(const results::ResultFile& file, const ShowOptions& options = {});
+
+/// The last lines below a brief summary: the commands that show more.
+std::string MoreText(const std::string& file);
 
 struct ShowErrorOptions {
   figures::ErrorOptions errors;
@@ -76,6 +81,10 @@ VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::s
 
 /// The runs, and how far their figures can be trusted.
 Section SummaryHead(const figures::Model& model);
+/// The runs and the first conclusions; and the reasons why they may not be trusted, without those
+/// that hold for most files.
+Section BriefHead(const figures::Model& model);
+Section BriefDoubts(const figures::Model& model);
 
 /// Detectors that missed pairs, and those that are known to miss some and were not checked.
 std::vector<std::string> WrongDetectors(const figures::Model& model);

@@ -72,6 +72,7 @@ ON_TRACE = 'benchmark on_trace { trace "damaged.h5"; detector sap }\n'
 COMMANDS = {
     "results": {
         "show": ["show", "{damaged}"],
+        "show --all": ["show", "{damaged}", "--all"],
         "show --error": ["show", "{damaged}", "--error", "energy"],
         "show --json": ["show", "{damaged}", "--json"],
         "check": ["check", "{damaged}"],

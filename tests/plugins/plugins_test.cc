@@ -77,7 +77,7 @@ TEST(Plugins, TimeOffTheProcessorIsSaid) {
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q"}).status, 0);
   const results::ResultFile result(program.folder() / "b.h5");
   EXPECT_TRUE(Has(result.ReadText("noise_cause", {{}, 0}), "% of the time not on a processor"));
-  const Finished show = program.Run({"show", "b.h5"});
+  const Finished show = program.Run({"show", "b.h5", "--all"});
   EXPECT_TRUE(Has(show.out, "noisy")) << show.out;
   EXPECT_EQ(result.ReadReal("attempts", {{}, 0}), 1);
   EXPECT_EQ(program.Run({"run", "b.cdb", "-q", "--fresh", "--retry-noisy", "2"}).status, 0);

@@ -170,10 +170,13 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
 }
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
+  printers::ShowOptions options;
+  options.is_brief = true;
   const printers::Printed shown =
-      printers::Show(results::ResultFile(out, results::ProofOf::kStructure));
+      printers::Show(results::ResultFile(out, results::ProofOf::kStructure), options);
   if (!is_quiet) {
-    terminal::Print(fmt::format("{}\n{}\n", shown.text, out.string()));
+    terminal::Print(
+        fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(out.string()), out.string()));
   } else if (shown.bad_count > 0) {
     terminal::Say(fmt::format("some runs did not end well: `cdb show {}` names them\n",
                               terminal::ShellWord(out.string())));

@@ -23,7 +23,7 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
   EXPECT_NE(run.err.find("precision single: frozen from cycle 0 on: its timings do not count"),
             std::string::npos)
       << run.err;
-  const Finished shown = program.Run({"show", "far.h5"});
+  const Finished shown = program.Run({"show", "far.h5", "--all"});
   EXPECT_EQ(shown.status, 3);
   EXPECT_NE(shown.out.find("1 did not end well (1 frozen), marked below, and not pooled with "
                            "others in means and ratios:\n"),
@@ -52,7 +52,7 @@ TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
                 "  objects { quantity 1; linear_damping sweep(0, 0.9) } }");
   const Finished run = program.Run({"run", "drift.cdb"});
   EXPECT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.out.find("1 stable; in the figures below, but not sound"), std::string::npos)
+  EXPECT_NE(run.out.find("1 stable; the others are in the figures, but not sound"), std::string::npos)
       << run.out;
   EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 from cycle "), std::string::npos);
 }

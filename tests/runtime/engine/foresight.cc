@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "library/layouts/pose_table.h"
+#include "library/objects/solid_factory.h"
 #include "tests/runtime/engine/engine_fixture.h"
 
 namespace cdb::tests {
@@ -41,7 +42,11 @@ std::optional<Foresight> Foresee(const plan::Scene& scene, std::string* why) {
   const protocol::Judgement judged =
       protocol::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
   EXPECT_NE(judged.verdict, protocol::Verdict::kUnknown);
-  return Foresight{lints::LintScene(scene, layouts::ReadPoseFacts), judged.verdict};
+  const lints::FactReaders read{layouts::ReadPoseFacts,
+                                [](const schema::Value& type, analysis::ModelFault& fault) {
+                                  return objects::ReadModel(type, {.decomposes = false}, fault);
+                                }};
+  return Foresight{lints::LintScene(scene, read), judged.verdict};
 }
 
 double Confusion::Agreement(Prediction prediction, bool stable) const {

@@ -94,7 +94,8 @@ TEST(Conclusions, KnowNothingFromOneRepeat) {
   EXPECT_EQ(
       step.answer,
       "dbvt. Next is sap, with 1.20 times the time of dbvt. Last is simple, with 2.00 times the "
-      "time of dbvt. These are geometric means over 3 cells. One repeat: there is no interval.");
+      "time of dbvt. These are geometric means over 3 cells. One repeat: there is no interval; "
+      "`repeats 5` gives one.");
   EXPECT_EQ(step.certainty, Certainty::kUnknown);
 }
 

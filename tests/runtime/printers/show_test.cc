@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -56,6 +57,30 @@ TEST(CoordinateText, IsAsWrittenOrShort) {
   EXPECT_EQ(terminal::CoordinateText(NumberAxis("x", {0.5, 0.5}), 0), "0.5");
 }
 
+TEST(Show, BeginsWithTheAnswersAndOneTable) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s \"The title\" { cycles 10; detector sweep(sap, dbvt, simple)\n"
+                "objects.quantity sweep(2, 4) }");
+  const Finished run = program.Run({"run", "s.cdb"});
+  ASSERT_EQ(run.status, 0);
+  const Finished shown = program.Run({"show", "s.h5"});
+  for (const std::string& text : {run.out, shown.out}) {
+    for (const char* part :
+         {"The title\n  6 runs", "Which detector takes the least time for a step?\n",
+          "`repeats 5` gives one", "Is the simulation sound?\n    Yes: all 6 configurations are stable.",
+          "Mean of a cycle", "cdb show s.h5 --all", "cdb report s.h5"})
+      EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
+    for (const char* rest : {"percentile", "Measurement overhead", "Omitted", "Mean step over"})
+      EXPECT_EQ(text.find(rest), std::string::npos) << rest << " in:\n" << text;
+    EXPECT_LE(std::ranges::count(text, '\n'), 30) << text;
+  }
+  const Finished all = program.Run({"show", "s.h5", "--all"});
+  for (const char* rest : {"percentile", "Measurement overhead", "Mean step over"})
+    EXPECT_NE(all.out.find(rest), std::string::npos) << rest << " in:\n" << all.out;
+  EXPECT_EQ(program.Run({"show", "s.h5", "--all", "--csv"}).status, 2);
+}
+
 TEST(Show, HasAxesPhasesCountsAndRatios) {
   const Program program;
   program.Write(
@@ -63,7 +88,7 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
       "benchmark s \"The title\" { cycles 10; repeats 2; detector sweep(sap, dbvt, simple)\n"
       "objects.quantity sweep(2, 4) }");
   ASSERT_EQ(program.Run({"run", "s.cdb", "-q"}).status, 0);
-  const Finished shown = program.Run({"show", "s.h5"});
+  const Finished shown = program.Run({"show", "s.h5", "--all"});
   EXPECT_EQ(shown.status, 0);
   for (const char* part :
        {"The title", "12 runs (3 detector x 2 quantity x 2 rep), 10 cycles", "broad", "integrate",
