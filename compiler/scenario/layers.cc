@@ -96,7 +96,9 @@ void LayeredBenchmark::Chain(const BenchmarkRef& benchmark) {
     seen.insert(current.benchmark);
     if (!current.benchmark->from) break;
     const dsl::Name& from = *current.benchmark->from;
-    const auto base = scenario_.FindBenchmark(*current.file, from.text);
+    // It may extend one of its own name in a file that it uses.
+    auto base = scenario_.FindBenchmark(*current.file, from.text, current.benchmark);
+    if (!base) base = scenario_.FindBenchmark(*current.file, from.text);
     if (!base || seen.contains(base->benchmark)) {
       has_base_ = false;
       ReportBase(from, *current.file, base.has_value());

@@ -203,12 +203,13 @@ std::vector<BenchmarkRef> Scenario::Benchmarks() const {
   return all;
 }
 
-std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file,
-                                                    std::string_view name) const {
+std::optional<BenchmarkRef> Scenario::FindBenchmark(const ScenarioFile& file, std::string_view name,
+                                                    const dsl::Benchmark* other_than) const {
   std::optional<BenchmarkRef> found;
   ForEachVisible(file, [&](const ScenarioFile& visible) {
     const auto benchmark = visible.benchmarks.find(name);
-    if (benchmark != visible.benchmarks.end()) found = {&visible, benchmark->second};
+    if (benchmark != visible.benchmarks.end() && benchmark->second != other_than)
+      found = {&visible, benchmark->second};
     return found.has_value();
   });
   return found;

@@ -81,7 +81,8 @@ class Scenario {
   std::vector<BenchmarkRef> Benchmarks() const;
   /// A benchmark or a file-level `let` visible in `file`: one of its own, then of the files it
   /// uses.
-  std::optional<BenchmarkRef> FindBenchmark(const ScenarioFile& file, std::string_view name) const;
+  std::optional<BenchmarkRef> FindBenchmark(const ScenarioFile& file, std::string_view name,
+                                            const dsl::Benchmark* other_than = nullptr) const;
   std::optional<LetRef> FindLet(const ScenarioFile& file, std::string_view name) const;
   std::vector<std::string_view> BenchmarkNames(const ScenarioFile& file) const;
   std::vector<std::string_view> LetNames(const ScenarioFile& file) const;

@@ -15,9 +15,8 @@ namespace {
 
 // Names, groups, materials, normals, textures and display: none of them affects the faces.
 constexpr std::string_view kNoSurface[] = {
-    "vt",     "vn",       "vp",     "s",         "mg",
-    "usemtl", "mtllib",   "usemap", "maplib", "l",        "p",         "bevel",
-    "lod",    "c_interp", "ctech",  "stech",  "d_interp", "trace_obj", "shadow_obj"};
+    "vt", "vn",    "vp",  "s",        "mg",    "usemtl", "mtllib",   "usemap",    "maplib",    "l",
+    "p",  "bevel", "lod", "c_interp", "ctech", "stech",  "d_interp", "trace_obj", "shadow_obj"};
 
 /// Reads a line, and joins the lines that a backslash continues.
 bool NextLine(Lines& lines, std::string& text, Place& place) {

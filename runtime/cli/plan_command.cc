@@ -28,12 +28,13 @@ namespace {
 struct PlanArguments {
   std::string file;
   std::optional<std::string> benchmark;
-  std::string out;                   ///< empty: a table on standard output; `-`: YAML there
-  bool why = false;                  ///< explain the omissions of each run, in place of the table
-  std::string only;                  ///< the id of the one run that `why` explains, or empty
-  bool estimate = false;             ///< estimate the cost of the sweep, in place of the table
-  std::uint64_t jobs = 1;            ///< runs at a time, for the estimate
-  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  std::string out;                    ///< empty: a table on standard output; `-`: YAML there
+  bool why = false;                   ///< explain the omissions of each run, in place of the table
+  std::string only;                   ///< the id of the one run that `why` explains, or empty
+  bool estimate = false;              ///< estimate the cost of the sweep, in place of the table
+  std::uint64_t jobs = 1;             ///< runs at a time, for the estimate
+  std::vector<std::string> plugins;   ///< shared libraries with detectors
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
 };
 
 /// The components that a run omits; `?` after a name if the placed objects decide.
@@ -243,7 +244,11 @@ void DeclarePlan(options::Subcommand& command) {
                "execute a few runs for a few cycles, and estimate the cost of all runs");
   command.Jobs(arguments->jobs, "with --estimate: number of parallel runs (default: 1)");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return PrintPlans(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
+    return PrintPlans(*arguments);
+  });
 }
 
 }  // namespace

@@ -33,11 +33,12 @@ struct RunArguments {
   std::uint64_t jobs = 1;
   bool shares_timings = false;  ///< several jobs although times are recorded
   std::uint64_t noisy_retries = 0;
-  std::string until;                 ///< a percentage, or empty
-  std::string shard;                 ///< `K/N`, or empty
-  std::string only;                  ///< the id of one run, or empty
-  std::vector<std::string> retry;    ///< retry runs with these endings
-  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  std::string until;                  ///< a percentage, or empty
+  std::string shard;                  ///< `K/N`, or empty
+  std::string only;                   ///< the id of one run, or empty
+  std::vector<std::string> retry;     ///< retry runs with these endings
+  std::vector<std::string> plugins;   ///< shared libraries with detectors
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool fresh = false;
   bool quiet = false;
 };
@@ -223,7 +224,11 @@ void DeclareRun(options::Subcommand& command) {
   command.Fresh(arguments->fresh, "discard results and finished runs and start over");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return Run(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
+    return Run(*arguments);
+  });
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
-  document.push_back(BriefDoubts(model));
+  Section doubts = BriefDoubts(model);
+  if (!doubts.lines.empty()) document.push_back(std::move(doubts));
   return document;
 }
 

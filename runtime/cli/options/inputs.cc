@@ -14,6 +14,7 @@
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/diagnostics.h"
+#include "dsl/parser.h"
 #include "dsl/text/utf8.h"
 #include "library/closed_forms/scene_fault.h"
 #include "library/detectors/plugin.h"
@@ -109,7 +110,58 @@ std::string FileOrStandardInput(const std::string& file) {
   return file == "-" ? std::string(kStandardInput) : file;
 }
 
+namespace {
+
+/// The scenario of SetInScenario.
+struct Extended {
+  std::string file;        ///< as the user named it
+  std::string path, text;  ///< of the scenario that extends it
+};
+std::optional<Extended>& TheExtended() {
+  static std::optional<Extended> extended;
+  return extended;
+}
+
+/// The statement of NAME=VALUE.
+std::string StatementOf(const std::string& setting) {
+  const std::size_t equals = setting.find('=');
+  if (equals == 0 || equals == setting.npos || equals + 1 == setting.size() ||
+      setting.find_first_of("\r\n") != setting.npos)
+    throw CommandError(fmt::format(
+        "--set takes NAME=VALUE, such as --set objects.quantity=500, not '{}'", setting));
+  return fmt::format("{} {}", setting.substr(0, equals), setting.substr(equals + 1));
+}
+
+}  // namespace
+
+void SetInScenario(const std::string& file, const std::optional<std::string>& benchmark,
+                   const std::vector<std::string>& settings) {
+  if (settings.empty()) return;
+  if (file == "-" || file == kStandardInput || IsPlanFile(file))
+    throw CommandError("--set is for scenario files; a plan or standard input cannot be extended");
+  const fs::path found = FindScenario(file);
+  // Its errors are reported when the scenario is compiled.
+  dsl::Diagnostics ignored;
+  const dsl::File tree =
+      dsl::Parse(std::make_shared<const text::Source>(file, ReadText(found.string())), ignored);
+  std::string text = fmt::format("use \"{}\"\n", found.filename().string());
+  bool has_benchmark = false;
+  for (const auto& item : tree.items) {
+    const auto* base = std::get_if<dsl::Benchmark>(&item);
+    if (base == nullptr || (benchmark && *benchmark != base->name.text)) continue;
+    has_benchmark = true;
+    const std::string title = base->title.empty() ? "" : fmt::format(" \"{}\"", base->title);
+    text += fmt::format("benchmark {0} from {0}{1} {{\n", base->name.text, title);
+    for (const std::string& setting : settings) text += fmt::format("  {}\n", StatementOf(setting));
+    text += "}\n";
+  }
+  // A missing benchmark is reported for the file itself.
+  if (!has_benchmark) return;
+  TheExtended() = {file, (found.parent_path() / "--set.cdb").string(), text};
+}
+
 std::optional<std::string> ReadInput(const std::string& path, std::string& why) {
+  if (TheExtended() && path == TheExtended()->path) return TheExtended()->text;
   if (path != kStandardInput) return compiler::ReadFromDisk(path, why);
   static std::string fault;
   static const std::optional<std::string> text = plan::ReadInput(STDIN_FILENO, fault);
@@ -119,6 +171,7 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why) 
 
 std::string FindScenario(const std::string& file) {
   if (file == kStandardInput) return file;
+  if (TheExtended() && file == TheExtended()->file) return TheExtended()->path;
   if (file == "-")
     throw CommandError(
         "only check, fmt and plan read standard input (`-`); other commands need a file");

@@ -24,7 +24,14 @@ inline constexpr std::string_view kStandardInput = "<stdin>";
 /// input.
 std::string FileOrStandardInput(const std::string& file);
 
-/// compiler::ReadFromDisk, extended by standard input, which is read once.
+/// Lets FindScenario return, in place of `file`, a scenario that extends its benchmarks, or the one
+/// that is asked for, by `settings`: each is NAME=VALUE, as of `--set`. Throws CommandError. Does
+/// nothing without settings.
+void SetInScenario(const std::string& file, const std::optional<std::string>& benchmark,
+                   const std::vector<std::string>& settings);
+
+/// compiler::ReadFromDisk, extended by standard input, which is read once, and by the scenario of
+/// SetInScenario.
 std::optional<std::string> ReadInput(const std::string& path, std::string& why);
 
 /// The scenario file for a name on the command line: kStandardInput, the file itself, or else the

@@ -103,6 +103,12 @@ void Subcommand::Quiet(bool& quiet, const std::string& help) {
   command_.add_flag("-q,--quiet", quiet, help);
 }
 
+void Subcommand::Set(std::vector<std::string>& settings) {
+  Repeated("--set", settings,
+           "NAME=VALUE: set this parameter in every benchmark, over its own value "
+           "(--set 'detector=sweep(sap, dbvt)'); repeat the option for several");
+}
+
 void Subcommand::Plugins(std::vector<std::string>& plugins) {
   command_
       .add_option("--plugin", plugins,

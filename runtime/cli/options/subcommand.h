@@ -84,6 +84,7 @@ class Subcommand {
   void Fresh(bool& fresh, const std::string& help);
   void Quiet(bool& quiet, const std::string& help);
   void Plugins(std::vector<std::string>& plugins);
+  void Set(std::vector<std::string>& settings);
   void Baseline(std::string& baseline);
   void Sound(bool& only_sound);
   void Retry(std::vector<std::string>& retry, const std::string& files);

@@ -262,6 +262,38 @@ TEST(Run, AMissingModelIsRefusedBeforeAnyRun) {
   EXPECT_FALSE(program.Exists("b.h5"));
 }
 
+TEST(Run, SetsParametersOverThoseOfTheScenario) {
+  const Program program;
+  program.Write("base.cdb", "benchmark base { cycles 4; objects.quantity 9 }");
+  program.Write(
+      "a.cdb",
+      "use \"base\"\nlet n = 3\nbenchmark a from base \"The title\" { objects.quantity n }\n"
+      "benchmark b { objects stones { quantity 2 } }");
+  const Finished run = program.Run({"run", "a.cdb", "-b", "a", "--set", "objects.quantity=n + 4",
+                                    "--set", "detector=sweep(sap, dbvt)"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("The title\n  2 runs (2 detector), 4 cycles"), std::string::npos)
+      << run.out;
+  const results::ResultFile file(program.folder() / "a.h5");
+  EXPECT_NE(file.ReadProvenance("scenario_text").find("objects.quantity n + 4"), std::string::npos);
+  // It is the same plan each time, and another one than without.
+  EXPECT_EQ(program
+                .Run({"run", "a.cdb", "-b", "a", "--set", "objects.quantity=n + 4", "--set",
+                      "detector=sweep(sap, dbvt)"})
+                .status,
+            0);
+  EXPECT_EQ(program.Run({"run", "a.cdb", "-b", "a"}).status, 2);
+  const Finished plan =
+      program.Run({"plan", "a.cdb", "-o", "-", "-b", "b", "--set", "stones.size=3"});
+  EXPECT_NE(plan.out.find("size: 3"), std::string::npos) << plan.out << plan.err;
+  const Finished wrong = program.Run({"run", "a.cdb", "--set", "quantity=4"});
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_NE(wrong.err.find("--set.cdb:3:3: error: "), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("write objects.quantity"), std::string::npos) << wrong.err;
+  EXPECT_EQ(program.Run({"run", "a.cdb", "--set", "quantity"}).status, 2);
+  EXPECT_EQ(program.Run({"run", "plan.yaml", "--set", "cycles=2"}).status, 2);
+}
+
 TEST(Run, ImportsMeshesInItsWorkers) {
   if (plan::ImporterOf(".dae").empty()) {
     std::cout << "skipped: needs libassimp-dev (./setup --import)\n";
@@ -276,8 +308,9 @@ TEST(Run, ImportsMeshesInItsWorkers) {
                 "objects g { quantity 1; size native; type surface(\"angle.glb\"); mass fixed } }");
   const Finished finished = program.Run({"run", "b.cdb"});
   EXPECT_EQ(finished.status, 0) << finished.err;
-  EXPECT_NE(finished.out.find("IoU 1.000, left out: 1 line\n"), std::string::npos) << finished.out;
-  EXPECT_NE(finished.out.find("surface(\"angle.glb\"): 20 triangles\n"), std::string::npos);
+  const std::string shown = program.Run({"show", "b.h5", "--all"}).out;
+  EXPECT_NE(shown.find("IoU 1.000, left out: 1 line\n"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("surface(\"angle.glb\"): 20 triangles\n"), std::string::npos);
   program.Write("angle.dae", "<COLLADA/>");
   const Finished check = program.Run({"check", "b.cdb"});
   EXPECT_NE(check.status, 0);
@@ -376,8 +409,9 @@ TEST(Run, KeepsWhatItLeftOutWithTheResults) {
   for (const std::size_t at : {1, 2}) {
     EXPECT_EQ(text("state_hash", at), text("state_hash", 0)) << "it was needed after all";
   }
-  EXPECT_NE(run.out.find("  Omitted in 2 of 3 runs: raycast_tree ("), std::string::npos) << run.out;
-  EXPECT_NE(run.out.find("  Omitted in 1 of 3 runs: walls ("), std::string::npos) << run.out;
+  const std::string shown = program.Run({"show", "o.h5", "--all"}).out;
+  EXPECT_NE(shown.find("  Omitted in 2 of 3 runs: raycast_tree ("), std::string::npos) << shown;
+  EXPECT_NE(shown.find("  Omitted in 1 of 3 runs: walls ("), std::string::npos) << shown;
 
   // `--why` printed the same before the run, in columns.
   const Finished why = program.Shell("$CDB plan --why o.cdb --only " + text("run_id", 1) +

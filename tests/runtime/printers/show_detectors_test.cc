@@ -323,13 +323,15 @@ TEST(ShowDetectors, FitsGrowthOverWhateverChangesTheNumberOfObjects) {
                 "benchmark s { let n = sweep(10, 20, 40)\n"
                 "cycles 3; detector sweep(simple, dbvt); world.side 2000\n"
                 "objects { quantity 2 * n } }");
-  const Finished grown = program.Run({"run", "s.cdb"});
+  program.Run({"run", "s.cdb"});
+  const Finished grown = program.Run({"show", "s.h5", "--all"});
   EXPECT_NE(grown.out.find("\nGrowth over n: p of detect ~ objects^p\n"), std::string::npos)
       << grown.out << grown.err;
   program.Write("t.cdb",
                 "benchmark t { objects { restitution sweep(0, 0.5, 1) }\n"
                 "cycles 3; detector sweep(simple, dbvt) }");
-  const Finished level = program.Run({"run", "t.cdb"});
+  program.Run({"run", "t.cdb"});
+  const Finished level = program.Run({"show", "t.h5", "--all"});
   EXPECT_NE(level.out.find("\nDetectors: "), std::string::npos) << level.out << level.err;
   EXPECT_EQ(level.out.find("Growth"), std::string::npos) << level.out;
 }
@@ -343,12 +345,14 @@ TEST(ShowDetectors, FitsGrowthOverTheNumbersOfObjectsThatAllHave) {
                              "skip when detector == simple and quantity > 40 }\n"
                              "benchmark t { " +
                              scene + "skip when detector == simple and quantity > 20 }\n");
-  const Finished matched = program.Run({"run", "s.cdb", "-b", "s"});
+  program.Run({"run", "s.cdb", "-b", "s"});
+  const Finished matched = program.Run({"show", "s.h5", "--all"});
   EXPECT_NE(matched.out.find("\n  Over the numbers of objects that all rows have, 10 .. 40.\n"),
             std::string::npos)
       << matched.out << matched.err;
   // Two quantities are too few for a fit.
-  const Finished unlike = program.Run({"run", "s.cdb", "-b", "t"});
+  program.Run({"run", "s.cdb", "-b", "t"});
+  const Finished unlike = program.Run({"show", "t.h5", "--all"});
   EXPECT_NE(
       unlike.out.find("\n  The rows have different numbers of objects: do not compare them.\n"),
       std::string::npos)

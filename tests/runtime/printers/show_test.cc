@@ -68,8 +68,9 @@ TEST(Show, BeginsWithTheAnswersAndOneTable) {
   for (const std::string& text : {run.out, shown.out}) {
     for (const char* part :
          {"The title\n  6 runs", "Which detector takes the least time for a step?\n",
-          "`repeats 5` gives one", "Is the simulation sound?\n    Yes: all 6 configurations are stable.",
-          "Mean of a cycle", "cdb show s.h5 --all", "cdb report s.h5"})
+          "`repeats 5` gives one",
+          "Is the simulation sound?\n    Yes: all 6 configurations are stable.", "Mean of a cycle",
+          "cdb show s.h5 --all", "cdb report s.h5"})
       EXPECT_NE(text.find(part), std::string::npos) << part << " in:\n" << text;
     for (const char* rest : {"percentile", "Measurement overhead", "Omitted", "Mean step over"})
       EXPECT_EQ(text.find(rest), std::string::npos) << rest << " in:\n" << text;
@@ -155,7 +156,7 @@ TEST(Show, ReadsResultsOfVersion1) {
   const Program program;
   const std::string file =
       (SourceFolder() / "tests" / "golden" / "results" / "version1.h5").string();
-  const Finished shown = program.Run({"show", file});
+  const Finished shown = program.Run({"show", file, "--all"});
   EXPECT_EQ(shown.status, 0) << shown.err;
   for (const char* part :
        {"4 runs (2 load x 2 hz)", "Omitted in all 4 runs: solver", "calm", "storm"})
