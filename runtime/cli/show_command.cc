@@ -3,12 +3,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "runtime/cli/options/inputs.h"
@@ -32,6 +34,7 @@ struct ShowArguments {
   std::vector<std::string> select;  ///< `axis=value`
   std::vector<std::string> phases;  ///< empty: all
   std::string statistic;            ///< over the cycles; empty: the mean
+  std::string budget;               ///< a time per cycle, `4ms`; empty: none
   bool plots = false;
   bool all = false;  ///< not only the conclusions and one table
   bool csv = false, json = false, is_markdown = false, is_latex = false;
@@ -70,6 +73,15 @@ void CheckOptions(const ShowArguments& a) {
                   {!a.baseline.empty(), "--csv has no ratios; --baseline is for tables and --json"},
                   {a.plots, "--csv has no plots; remove --plot"},
                   {a.all, "--csv has everything of its points; remove --all"}});
+  if (!a.budget.empty())
+    CheckMisfits({{a.json || a.csv, "--budget prints a table; --json and --csv have the times"},
+                  {!a.error.empty(), "--budget is for times; remove --error"},
+                  {!a.by.empty(), "--budget has a row for each point; remove --by"},
+                  {!a.baseline.empty(), "--budget has no ratios; remove --baseline"},
+                  {!a.statistic.empty(), "--budget is for the 99th percentile; remove --stat"},
+                  {a.plots, "--budget has no plots; remove --plot"},
+                  {a.all, "--budget is one table; remove --all"},
+                  {a.phases.size() > 1, "--budget is for one phase"}});
   if (a.error.empty()) {
     CheckMisfits({{!a.each.empty(), "--each needs --error NAME; a summary takes --by"}});
     return;
@@ -113,6 +125,23 @@ printers::Format FormatOf(const ShowArguments& arguments) {
                                : printers::Format::kTerminal;
 }
 
+/// A time such as `4ms` or `4 ms`, in ns. Throws CommandError.
+double ParseBudget(const std::string& text) {
+  const std::size_t digits = text.find_first_not_of("0123456789.");
+  double value = 0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + std::min(digits, text.size()), value);
+  std::string unit = digits == text.npos ? "" : text.substr(digits);
+  unit.erase(0, unit.find_first_not_of(' '));
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"ns", 1}, {"us", 1e3}, {"ms", 1e6}, {"s", 1e9}};
+  const auto found = std::ranges::find(kUnits, unit, [](const auto& each) { return each.first; });
+  if (error != std::errc{} || !(value > 0) || found == std::end(kUnits))
+    throw options::CommandError(
+        fmt::format("--budget takes a time with a unit, such as 4ms or 500us, not '{}'", text));
+  return value * found->second;
+}
+
 /// True unless an option asks for certain tables.
 bool IsBrief(const ShowArguments& a) {
   return !a.all && a.by.empty() && a.baseline.empty() && a.phases.empty() && a.statistic.empty() &&
@@ -133,6 +162,10 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
                                       arguments.only_sound,
                                       FormatOf(arguments)});
   const std::vector<protocol::Phase> phases = PhasesOf(arguments);
+  if (!arguments.budget.empty())
+    return printers::ShowBudget(file, {ParseBudget(arguments.budget),
+                                       phases.empty() ? protocol::Phase::kStep : phases.front(),
+                                       arguments.only_sound, FormatOf(arguments)});
   const figures::CycleStatistic statistic = StatisticOf(arguments);
   if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
   const bool is_brief = IsBrief(arguments);
@@ -163,10 +196,14 @@ void DeclareShow(options::Subcommand& command) {
       "only these points: AXIS=VALUE, AXIS=A,B or AXIS=A..B; repeat the option for several axes");
   command.List("--phase", arguments->phases, "only these phases (broad,step)");
   command.Optional("--stat", arguments->statistic,
-                   "statistic over the cycles: mean (default), median, p5, p95, min, max, or worst "
+                   "statistic over the cycles: mean (default), median, p5, p95, p99, min, max, or "
+                   "worst "
                    "(of any repeat)");
   command.Flag("--all", arguments->all,
                "every table and note, not only the conclusions and the times");
+  command.Optional("--budget", arguments->budget,
+                   "which configurations fit in this time per cycle, such as 4ms (of the step, or "
+                   "of --phase)");
   command.Flag("--plot", arguments->plots,
                "also plot, in characters, times over the cycles and over numeric axes");
   command.Optional("--error", arguments->error,

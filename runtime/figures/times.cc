@@ -172,10 +172,11 @@ void Winsorise(SortedCycles& cycles, const std::vector<double>& typical) {
       time = std::clamp(time, typical[c] * (1 - limit), typical[c] * (1 + limit));
 }
 
-constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",   "p95",
-                                                "min",  "max",    "worst"};
+constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",  "p95",
+                                                "p99",  "min",    "max", "worst"};
 constexpr std::string_view kStatisticHeads[] = {
-    "Mean", "Median", "5th percentile", "95th percentile", "Minimum", "Maximum", "Worst"};
+    "Mean",    "Median",  "5th percentile", "95th percentile", "99th percentile",
+    "Minimum", "Maximum", "Worst"};
 
 /// The statistic of the times of the cycles. NaN if one of them is NaN, as in a draw without the
 /// longest repeat.
@@ -195,6 +196,8 @@ double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
       return percentile(0.05);
     case CycleStatistic::kP95:
       return percentile(0.95);
+    case CycleStatistic::kP99:
+      return percentile(0.99);
     case CycleStatistic::kMin:
       return std::ranges::min(cycles);
     case CycleStatistic::kMax:

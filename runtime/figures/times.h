@@ -58,6 +58,7 @@ enum class CycleStatistic {
   kMedian,
   kP5,
   kP95,
+  kP99,
   kMin,
   kMax,    ///< of the times of the cycles, which are medians over the repeats
   kWorst,  ///< the longest cycle of any repeat, including disturbances

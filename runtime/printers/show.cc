@@ -137,13 +137,7 @@ class Head {
   Section Made() const {
     Lines lines = {Grid()};
     Add(lines, Padding());
-    Add(lines, NoiseNote(file_, measured_));
-    Add(lines, ProcessorNotes(file_, measured_));
-    Add(lines, WrongDetectors(model_));
-    Add(lines, BuildNote(file_));
-    Add(lines, JobsNote(file_));
-    for (const std::string& trouble : model_.reference_troubles())
-      lines.push_back("A reference is missing: " + trouble);
+    Add(lines, Cautions());
     Add(lines, HarnessNote(model_));
     Add(lines, LeftOut());
     Add(lines, Models());
@@ -171,6 +165,16 @@ class Head {
   }
 
   Section Doubts() const {
+    Lines lines = Cautions();
+    if (Lines doubts = Verdicts(); doubts.size() > 1) Add(lines, doubts);
+    Add(lines, Missing());
+    Add(lines, BadRuns());
+    return {.lines = std::move(lines)};
+  }
+
+ private:
+  /// Why the figures may not be trusted.
+  Lines Cautions() const {
     Lines lines;
     Add(lines, NoiseNote(file_, measured_));
     Add(lines, ProcessorNotes(file_, measured_));
@@ -179,13 +183,9 @@ class Head {
     Add(lines, JobsNote(file_));
     for (const std::string& trouble : model_.reference_troubles())
       lines.push_back("A reference is missing: " + trouble);
-    if (Lines doubts = Verdicts(); doubts.size() > 1) Add(lines, doubts);
-    Add(lines, Missing());
-    Add(lines, BadRuns());
-    return {.lines = std::move(lines)};
+    return lines;
   }
 
- private:
   std::string Missing() const {
     if (groups_.missing == 0) return {};
     const std::uint64_t begun = file_.begun_repeats(), all = file_.repeats();

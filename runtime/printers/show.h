@@ -58,6 +58,17 @@ struct ShowErrorOptions {
 /// axis that the file does not have.
 Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options);
 
+struct ShowBudgetOptions {
+  double budget_ns = 0;
+  protocol::Phase phase = protocol::Phase::kStep;
+  bool only_sound = false;
+  Format format = Format::kTerminal;
+};
+/// The cycles of each point that take longer than a budget (`cdb show --budget`): their number, the
+/// 99th percentile of the times of the cycles (figures/times.h) with its interval, and the longest
+/// cycle of any repeat. A point fits if the interval is within the budget. Throws StoreError.
+Printed ShowBudget(const results::ResultFile& file, const ShowBudgetOptions& options);
+
 /// The part of one benchmark: the verdicts along its graded axis, the last one of numbers, in a
 /// line for each combination of the other axes, with equal neighbours joined: `single  stable 1 ..
 /// 5 | penetrating 10 | collapsed 20 .. 1000` The worst verdict of the repeats counts. Throws

@@ -186,6 +186,32 @@ TEST(ShowComparison, LeavesARepeatThatDidNotEndWellOutOfItsPoint) {
             "void.\n");
 }
 
+TEST(ShowBudget, SaysWhichPointsFit) {
+  const auto shown = [](std::size_t repeats, double budget_ns) {
+    // dbvt with 20 objects takes 2.4 us, 1 % more in each repeat; the first cycle of one stalls.
+    const auto make_up = [](const plan::Run& run) {
+      MadeUp made = OfQuantity(run);
+      made.ns *= 1 + 0.01 * static_cast<double>(run.rep);
+      if (run.rep == 1) made.stall = 1e6;
+      return made;
+    };
+    return WithMadeUpFile(Grid(repeats), make_up, [&](const results::ResultFile& file) {
+      return printers::ShowBudget(file, {.budget_ns = budget_ns}).text;
+    });
+  };
+  const std::string five = shown(5, 2450);
+  ExpectHas(five, "Cycles whose step takes more than 2.45 us\n");
+  // The median of the repeats is 2.448 us; its interval ends above the budget.
+  const std::size_t row = five.find("\n  dbvt            20 ");
+  ASSERT_NE(row, std::string::npos) << five;
+  const std::string dbvt = five.substr(row, five.find('\n', row + 1) - row);
+  ExpectHas(dbvt, "cannot tell");
+  ExpectHas(dbvt, "1002");  // the stall, in us
+  ExpectHas(shown(5, 1e5), "9 of 9 sound configurations fit");
+  ExpectHas(shown(5, 1), "0 of 9 sound configurations fit.");
+  ExpectHas(shown(1, 1e5), "One repeat: there is no interval");
+}
+
 /// Both commands, for runs one of which stalled.
 TEST(ShowComparison, HasOneStatisticInBothCommands) {
   const plan::Plan plan =
