@@ -85,9 +85,9 @@ struct ConvexDecomposition {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0, overlap = 0,
-         hull_overlap = 0;      ///< of the pieces: library/meshes/decompose.h
-  double unit = 1;              ///< m, of the file
-  std::string left_out = {};    ///< parts of the file: library/meshes/mesh.h
+         hull_overlap = 0;    ///< of the pieces: library/meshes/decompose.h
+  double unit = 1;            ///< m, of the file
+  std::string left_out = {};  ///< parts of the file: library/meshes/mesh.h
   /// The point that a user places; in the cube.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   /// For a surface (library/objects/surface.h): a tree of the boxes of its triangles. Null for
