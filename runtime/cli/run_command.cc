@@ -193,7 +193,8 @@ options::ExitStatus Run(const RunArguments& arguments) {
     terminal::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                               options::BuildType()));
   const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
-                                  arguments.plugins, retry, arguments.noisy_retries, until});
+                                  arguments.plugins, retry, arguments.noisy_retries, until,
+                                  arguments.settings});
   options::ExitStatus status = options::ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const options::ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);

@@ -184,6 +184,7 @@ constexpr std::pair<const char*, const char*> kFacts[] = {
     {"kernel", "kernel"},
     {"jobs", "runs at a time (jobs)"},
     {"plugins", "--plugin"},
+    {"settings", "--set"},
 };
 
 /// False for parameters that control how a scene is run and measured, not its contents.

@@ -141,8 +141,11 @@ std::string OnlyCommand(const results::ResultFile& file, const Cell& cell) {
   std::string command =
       fmt::format("cdb run {} -b {} --only {}", terminal::ShellWord(file.source()),
                   file.benchmark(), file.ReadText("run_id", cell));
-  const std::string plugins = file.ReadProvenance("plugins");
-  return plugins.empty() ? command : command + " " + plugins;
+  // They are written as options.
+  for (const char* fact : {"settings", "plugins"})
+    if (const std::string options = file.ReadProvenance(fact); !options.empty())
+      command += " " + options;
+  return command;
 }
 
 std::optional<std::size_t> DetectorAxis(const results::ResultFile& file) {

@@ -372,6 +372,7 @@ Json DocumentProvenance(const results::ResultFile& file) {
               {"plan_sha256", file.plan_sha256()}};
   all.update(FactsOf(file, {{"jobs", "jobs"},
                             {"plugins", "plugins"},
+                            {"settings", "settings"},
                             {"models", "models"},
                             {"detector_libraries", "detector_libraries"},
                             {"scenario", "scenario_text"}}));

@@ -56,10 +56,15 @@ void PlanRunner::WarnOfLoad(const plan::Plan& plan) const {
 PlanRunner::PlanRunner(PlanRunnerOptions options)
     : options_(std::move(options)), provenance_(options::CollectProvenance()), signals_(stop_) {
   provenance_["jobs"] = fmt::format("{}", options_.jobs);
-  std::string plugins;
-  for (const std::string& plugin : options_.plugins)
-    plugins += " --plugin " + terminal::ShellWord(plugin);
-  if (!plugins.empty()) provenance_["plugins"] = plugins.substr(1);
+  const auto note = [this](const char* fact, const char* option,
+                           const std::vector<std::string>& values) {
+    std::string text;
+    for (const std::string& value : values)
+      text += fmt::format(" {} {}", option, terminal::ShellWord(value));
+    if (!text.empty()) provenance_[fact] = text.substr(1);
+  };
+  note("plugins", "--plugin", options_.plugins);
+  note("settings", "--set", options_.settings);
   const std::string fault = library::CacheFault(library::CacheFolder());
   if (!fault.empty() && !options_.is_quiet) terminal::Say(fmt::format("cdb: warning: {}\n", fault));
   std::signal(SIGPIPE, SIG_IGN);

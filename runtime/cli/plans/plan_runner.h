@@ -64,6 +64,7 @@ struct PlanRunnerOptions {
   std::size_t noisy_retries = 0;          ///< schedule::ExecuteOptions
   /// Stop repeating once every interval is within this fraction of its mean step.
   std::optional<double> until = {};
+  std::vector<std::string> settings = {};  ///< NAME=VALUE of the command line
 };
 
 struct ExecutedPlan {

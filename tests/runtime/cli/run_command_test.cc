@@ -9,6 +9,7 @@
 #include "compiler/plan/foreign_model.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/options/provenance.h"
+#include "runtime/figures/points.h"
 #include "runtime/results/store.h"
 #include "tests/runtime/cli/small_sweep.h"
 #include "tests/support/folders.h"
@@ -276,6 +277,12 @@ TEST(Run, SetsParametersOverThoseOfTheScenario) {
       << run.out;
   const results::ResultFile file(program.folder() / "a.h5");
   EXPECT_NE(file.ReadProvenance("scenario_text").find("objects.quantity n + 4"), std::string::npos);
+  // The command that repeats a run has the settings.
+  const std::string only = figures::OnlyCommand(file, {{0}, 0});
+  EXPECT_NE(only.find("--set 'objects.quantity=n + 4' --set 'detector=sweep(sap, dbvt)'"),
+            std::string::npos)
+      << only;
+  EXPECT_EQ(program.Shell("$CDB " + only.substr(only.find(' '))).status, 0) << only;
   // It is the same plan each time, and another one than without.
   EXPECT_EQ(program
                 .Run({"run", "a.cdb", "-b", "a", "--set", "objects.quantity=n + 4", "--set",
