@@ -36,10 +36,10 @@ struct ModelFacts {
 /// The reason why a type is no solid; `cause` names the file.
 struct ModelFault {
   std::string cause, remedy;
+  bool is_missing = false;  ///< its file is not on this machine; runs may be made on another one
 };
 
 /// Reads the facts about a constant type; a function, so that the compiler knows no file format.
-/// Nullopt with an empty `why` if its file is not on this machine.
 using ReadModel =
     std::function<std::optional<ModelFacts>(const schema::Value& type, ModelFault& why)>;
 

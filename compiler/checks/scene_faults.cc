@@ -74,7 +74,7 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
     for (const schema::Value& type : analysis::TypesOf(group.settings)) {
       analysis::ModelFault why;
       const auto model = configuration.scenario().ModelAt(type, why);
-      if (!why.cause.empty())
+      if (!why.cause.empty() && !why.is_missing)
         return analysis::SceneFault{Kind::kPlacement, group.name, why.cause, why.remedy, "type"};
       if (!model || model->iou.value_or(1) >= kGoodFit || !poor_fits_.insert(model->text).second)
         continue;

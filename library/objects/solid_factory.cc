@@ -319,12 +319,32 @@ std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecompositi
   return text;
 }
 
+namespace {
+
+/// The file of the type, if it has one that is not on this machine.
+analysis::ModelFault MissingFile(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type)) {
+    const std::string& file = std::get<schema::Text>(ArgumentOf(*call, "file")).text;
+    const std::string fault = plan::WhyNotReadable(file);
+    return {fault.empty() ? "" : fmt::format("{}: {}", file, fault), "", !fault.empty()};
+  }
+  const Model* model = FindModel(std::get<schema::Word>(type).text);
+  if (model == nullptr) return {};
+  try {
+    PathOf(*model, ModelFolders());
+  } catch (const library::SceneError& error) {
+    return {error.cause(), error.remedy(), true};
+  }
+  return {};
+}
+
+}  // namespace
+
 std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const Reading& reading,
                                               analysis::ModelFault& why) {
   const schema::Call* call = schema::AsCall(type);
-  if (call != nullptr &&
-      !plan::WhyNotReadable(std::get<schema::Text>(ArgumentOf(*call, "file")).text).empty())
-    return std::nullopt;
+  why = MissingFile(type);
+  if (why.is_missing) return std::nullopt;
   analysis::ModelFacts facts;
   std::shared_ptr<const ConvexDecomposition> form;
   try {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -171,6 +172,22 @@ TEST_F(MeshFile, FactsNeedNoDecomposition) {
   WriteFile(other, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_FALSE(objects::ReadModel(type, {.decomposes = false}, why));
   EXPECT_NE(why.cause.find("is not watertight"), std::string::npos) << why.cause;
+}
+
+TEST_F(MeshFile, AMissingFileIsNoFaultOfTheType) {
+  const char* models = std::getenv("CDB_MODELS");
+  const std::string before = models != nullptr ? models : "";
+  setenv("CDB_MODELS", cache_->folder().c_str(), 1);
+  analysis::ModelFault bunny, file;
+  EXPECT_FALSE(objects::ReadModel(Word("bunny"), {}, bunny));
+  EXPECT_FALSE(objects::ReadModel(
+      Layout("hull", {{"file", schema::Text{(cache_->folder() / "none.obj").string()}}}), {},
+      file));
+  models != nullptr ? setenv("CDB_MODELS", before.c_str(), 1) : unsetenv("CDB_MODELS");
+  EXPECT_TRUE(bunny.is_missing);
+  EXPECT_NE(bunny.cause.find("the model `bunny` is not on this machine"), std::string::npos);
+  EXPECT_TRUE(file.is_missing);
+  EXPECT_NE(file.cause.find("none.obj"), std::string::npos) << file.cause;
 }
 
 TEST_F(MeshFile, AnotherFileThanPlannedIsRefused) {
