@@ -50,6 +50,13 @@ struct Reading {
 std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const Reading& reading,
                                               analysis::ModelFault& why);
 
+/// ReadModel, for the compiler.
+inline analysis::ReadModel ModelReader(const Reading& reading) {
+  return [reading](const schema::Value& type, analysis::ModelFault& why) {
+    return ReadModel(type, reading, why);
+  };
+}
+
 /// `bunny: 9 hulls, volume error 1.9 %, IoU 0.930`, or `surface("hill.obj"): 800 triangles`, one
 /// line per form.
 std::string ModelsText(const std::vector<std::shared_ptr<const ConvexDecomposition>>& forms);

@@ -214,9 +214,7 @@ compiler::CompileOptions OptionsOf(const std::string& library,
           ReadTraceAt,
           closed_forms::FindSceneFault,
           layouts::ReadPoseFacts,
-          [models](const schema::Value& type, analysis::ModelFault& why) {
-            return objects::ReadModel(type, models, why);
-          },
+          objects::ModelReader(models),
           lists_runs};
 }
 

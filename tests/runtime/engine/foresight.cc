@@ -43,9 +43,7 @@ std::optional<Foresight> Foresee(const plan::Scene& scene, std::string* why) {
       protocol::Judge(scene, recorded.recording, recorded.header().cycles_done.load());
   EXPECT_NE(judged.verdict, protocol::Verdict::kUnknown);
   const lints::FactReaders read{layouts::ReadPoseFacts,
-                                [](const schema::Value& type, analysis::ModelFault& fault) {
-                                  return objects::ReadModel(type, {.decomposes = false}, fault);
-                                }};
+                                objects::ModelReader({.decomposes = false})};
   return Foresight{lints::LintScene(scene, read), judged.verdict};
 }
 

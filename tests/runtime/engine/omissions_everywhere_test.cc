@@ -16,6 +16,7 @@
 #include "dsl/diagnostics.h"
 #include "library/layouts/pose_table.h"
 #include "library/objects/models.h"
+#include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/diagnostics.h"
@@ -109,9 +110,14 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
   std::set<std::string> tried;  // scenarios share runs, and more of them are equal after scaling
   for (const std::string& file : ShippedScenarios()) {
     SCOPED_TRACE(file);
-    const auto result = compiler::Compile(
-        file, compiler::ReadFromDisk,
-        {SourceFolder() / "library/scenarios", std::nullopt, {}, {}, {}, layouts::ReadPoseFacts});
+    const auto result = compiler::Compile(file, compiler::ReadFromDisk,
+                                          {SourceFolder() / "library/scenarios",
+                                           std::nullopt,
+                                           {},
+                                           {},
+                                           {},
+                                           layouts::ReadPoseFacts,
+                                           objects::ModelReader({.decomposes = false})});
     if (LacksOnlyLibraries(result.diagnostics)) continue;
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
     for (const plan::Plan& plan : result.plans) {
