@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "compiler/lints/lint_facts.h"
+#include "compiler/schema/parametrised_words.h"
 
 namespace cdb::lints {
 namespace {

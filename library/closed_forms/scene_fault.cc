@@ -13,6 +13,7 @@
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/plan/input_file.h"
+#include "compiler/schema/parametrised_words.h"
 #include "library/closed_forms/closed_form.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/number_range.h"
