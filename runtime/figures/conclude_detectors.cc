@@ -156,7 +156,8 @@ class DetectorConclusions {
                               ? fmt::format("{} of {}", ranking.cells, ranking.of)
                               : fmt::format("{}", ranking.cells),
                           ranking.cells < ranking.of ? " (those that all detectors have)" : "");
-    if (model_.times().bootstrap().size() == 1) text += " One repeat: there is no interval; `repeats 5` gives one.";
+    if (model_.times().bootstrap().size() == 1)
+      text += " One repeat: there is no interval; `repeats 5` gives one.";
     const std::size_t count = ranking.exceptions.size();
     if (count == 0) return text;
     std::vector<std::string> places;
