@@ -108,7 +108,7 @@ def check_examples(cdb, page):
 
 def commands(text):
     """The command lines in code, each as its words."""
-    code = [block for language, block in FENCE.findall(text) if language == "sh"] + re.findall(r"`([^`]+)`", prose(text))
+    code = [block for language, block in FENCE.findall(text) if language in ("sh", "console")] + re.findall(r"`([^`]+)`", prose(text))
     for block in code:
         for line in re.split(r"[\n;|]|&&", block.replace("\\\n", " ")):
             found = re.search(r"(?:^|[\s'/])cdb +([a-z].*)$", line.strip())
