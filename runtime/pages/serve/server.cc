@@ -1,141 +1,28 @@
 #include "runtime/pages/serve/server.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <random>
-#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
-#include "dsl/diagnostics.h"
-#include "dsl/parser.h"
 #include "runtime/pages/page/page.h"
+#include "runtime/pages/serve/http.h"
+#include "runtime/pages/serve/text_edit.h"
 #include "runtime/pages/view/scene_document.h"
 #include "runtime/results/files/safe_file.h"
 #include "runtime/results/store.h"
 
 namespace cdb::serve {
-namespace {
-
-using httplib::Request;
-using httplib::Response;
-
-constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::size_t kMaxRequest = 16'000'000;  // bytes
-
-std::string MakeToken() {
-  std::random_device device;  // of the processor or the operating system
-  std::string token;
-  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", device());
-  return token;
-}
-
-class Server {
- public:
-  explicit Server(Editor& editor) : editor_(editor) {
-    server_.set_payload_max_length(kMaxRequest);
-    server_.set_keep_alive_max_count(1);  // the end must not wait for a browser
-    port_ = server_.bind_to_any_port(kLoopback);
-    if (port_ <= 0)
-      throw std::system_error(errno, std::generic_category(), "no port of the loopback interface");
-    AddRoutes();
-  }
-
-  std::string Address() const { return fmt::format("http://{}:{}/{}/", kLoopback, port_, token_); }
-  void Listen() { server_.listen_after_bind(); }
-  void Stop() { server_.stop(); }
-
- private:
-  void AddRoutes() {
-    // The browser treats another host name for this machine as another site.
-    server_.set_pre_routing_handler([this](const Request& request, Response& response) {
-      if (request.get_header_value("Host") == fmt::format("{}:{}", kLoopback, port_))
-        return HttpServer::HandlerResponse::Unhandled;
-      response.status = 403;
-      return HttpServer::HandlerResponse::Handled;
-    });
-    server_.Get("/" + token_ + "/", [this](const Request&, Response& response) {
-      const std::lock_guard lock(mutex_);
-      response.set_header("Referrer-Policy", "no-referrer");
-      response.set_header("X-Frame-Options", "DENY");
-      response.set_header("X-Content-Type-Options", "nosniff");
-      response.set_header("Cache-Control", "no-store");
-      response.set_content(page::Assemble(page::ViewTemplate(), "cdb view", editor_.Document()),
-                           "text/html; charset=utf-8");
-    });
-    Answer("check", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Check(asked.at("text"));
-    });
-    Answer("set", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Set(asked.at("text"), asked.at("group"), asked.at("name"), asked.at("value"));
-    });
-    Answer("save", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Save(asked.at("text"));
-    });
-    Answer("run", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Run(asked.at("text"));
-    });
-    Answer("progress", [](Editor& editor, const nlohmann::json&) { return editor.Progress(); });
-    Answer("stop", [](Editor& editor, const nlohmann::json&) { return editor.Stop(); });
-  }
-
-  /// Takes JSON and answers in JSON.
-  template <typename Act>
-  void Answer(const std::string& name, Act act) {
-    server_.Post("/" + token_ + "/" + name, [this, act](const Request& asked, Response& response) {
-      const std::lock_guard lock(mutex_);
-      try {
-        response.set_content(act(editor_, nlohmann::json::parse(asked.body)), "application/json");
-      } catch (const nlohmann::json::exception&) {
-        response.status = 400;
-      } catch (const std::exception& error) {
-        response.set_content(nlohmann::json{{"message", error.what()}}.dump(
-                                 -1, ' ', false, nlohmann::json::error_handler_t::replace),
-                             "application/json");
-      }
-    });
-  }
-
-  using HttpServer = httplib::Server;
-  Editor& editor_;
-  const std::string token_ = MakeToken();
-  std::mutex mutex_;
-  HttpServer server_;
-  int port_ = 0;
-};
-
-}  // namespace
-
-void Serve(Editor& editor, int stop_fd, const std::function<void(const std::string&)>& begin) {
-  Server server(editor);
-  std::atomic<bool> has_ended = false;
-  std::thread listener([&] {
-    server.Listen();
-    has_ended = true;
-  });
-  begin(server.Address());
-  while (!has_ended) {
-    pollfd stop{stop_fd, POLLIN, 0};
-    if (::poll(&stop, 1, 500) > 0) break;
-  }
-  server.Stop();
-  listener.join();
-}
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -181,6 +68,46 @@ Json Message(const std::string& message) { return {{"message", message}}; }
 
 }  // namespace
 
+namespace {
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+std::atomic<pid_t> g_owner{0}, g_run{0};
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+/// Calls only functions that are async-signal-safe.
+void EndNow(int signal) {
+  if (getpid() != g_owner.load()) _exit(128 + signal);  // a copy of this process that reads a file
+  if (g_run.load() != 0) ::kill(-g_run.load(), SIGTERM);
+  _exit(0);
+}
+
+/// While it lives, a signal that would end the program between two requests ends it at once, and
+/// asks the run to stop: compiling a text takes up to minutes. Ignored signals stay ignored.
+class EndsAtOnce {
+ public:
+  explicit EndsAtOnce(pid_t run) {
+    g_owner = getpid();
+    g_run = run;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      sigaction(kSignals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler == SIG_IGN) continue;
+      struct sigaction action = {};
+      action.sa_handler = EndNow;
+      sigaction(kSignals[i], &action, nullptr);
+    }
+  }
+  ~EndsAtOnce() {
+    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  EndsAtOnce(const EndsAtOnce&) = delete;
+  EndsAtOnce& operator=(const EndsAtOnce&) = delete;
+
+ private:
+  std::array<struct sigaction, std::size(kSignals)> before_{};
+};
+
+}  // namespace
+
 Editor::Editor(Scenario scenario, std::filesystem::path program)
     : scenario_(std::move(scenario)), program_(std::move(program)) {}
 
@@ -210,6 +137,7 @@ std::string Editor::SceneOf(const std::vector<plan::Plan>& plans, std::string& t
 }
 
 std::string Editor::Check(const std::string& text) {
+  const EndsAtOnce ends(run_);
   Checked checked = scenario_.check(text);
   std::string trouble;
   const std::string scene = SceneOf(checked.plans, trouble);
@@ -305,126 +233,74 @@ std::string Editor::Stop() {
 
 namespace {
 
-/// A benchmark, with the syntax tree that owns it.
-class ParsedBenchmark {
- public:
-  ParsedBenchmark(const std::string& text, const std::string& name) {
-    dsl::Diagnostics diagnostics;
-    file_ = dsl::Parse(std::make_shared<const text::Source>("scenario", text), diagnostics);
-    if (diagnostics.has_errors()) throw EditError(dsl::Render(diagnostics));
-    for (const auto& item : file_.items)
-      if (const auto* found = std::get_if<dsl::Benchmark>(&item);
-          found != nullptr && found->name.text == name)
-        benchmark_ = found;
-    if (benchmark_ == nullptr)
-      throw EditError(fmt::format("the text no longer has a benchmark '{}'", name));
-    Visit(benchmark_->block, "", "");
-  }
-
-  struct Group {
-    std::string name;
-    const dsl::Block* block;
-  };
-  struct Written {
-    std::string group, path;
-    const dsl::Setting* setting;
-  };
-
-  const std::vector<Group>& groups() const { return groups_; }
-  const dsl::Block& block() const { return benchmark_->block; }
-  std::string_view text() const { return file_.source->text(); }
-
-  /// The last setting of a parameter; null if there is none.
-  const dsl::Setting* Find(const Place& place) const {
-    const dsl::Setting* found = nullptr;
-    for (const auto& [group, path, setting] : written_)
-      if ((group == place.group && path == place.name) ||
-          (group.empty() && !place.group.empty() && path == place.group + "." + place.name))
-        found = setting;
-    return found;
-  }
-
- private:
-  void Visit(const dsl::Block& block, const std::string& group, const std::string& prefix) {
-    for (const dsl::Statement& statement : block.statements) {
-      if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
-        written_.push_back({group, prefix + setting->path.text, setting});
-      } else if (const auto* inner = std::get_if<dsl::Group>(&statement.what)) {
-        if (inner->kind.text == "objects") {
-          groups_.push_back({inner->label ? inner->label->text : "objects", &inner->block});
-          Visit(inner->block, groups_.back().name, "");
-        } else {
-          Visit(inner->block, group, prefix + inner->kind.text + ".");
-        }
-      }
-    }
-  }
-
-  dsl::File file_;
-  const dsl::Benchmark* benchmark_ = nullptr;
-  std::vector<Group> groups_;
-  std::vector<Written> written_;
+/// Reads a question: an object of a few texts and numbers. Throws nlohmann::json::exception, or
+/// QuestionError if it is nested or large, which would take many times the memory of its text.
+struct QuestionError : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
-
-/// The range of bytes of a setting's values.
-std::pair<std::size_t, std::size_t> ValueRange(const dsl::Setting& setting) {
-  return {setting.values.front()->span.begin, setting.values.back()->span.end};
+nlohmann::json ParseQuestion(const std::string& body) {
+  constexpr int kDeepest = 2, kMostValues = 20;
+  int values = 0;
+  return nlohmann::json::parse(
+      body, [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+        if (depth > kDeepest || ++values > 3 * kMostValues)
+          throw QuestionError("a question is an object of a few texts and numbers");
+        return true;
+      });
 }
 
-/// Inserts a statement before the closing brace of the block.
-std::string Inserted(std::string_view text, const dsl::Block& block, const std::string& statement) {
-  const std::size_t brace = block.span.end - 1;
-  std::string before(text.substr(0, brace)), after(text.substr(brace));
-  const std::string_view inside = text.substr(block.span.begin, brace - block.span.begin);
-  if (inside.find('\n') == std::string_view::npos) {
-    while (before.ends_with(' ')) before.pop_back();
-    const char* separator = block.statements.empty() ? " " : "; ";
-    return before + separator + statement + " " + after;
+Reply Refusal(const char* why) {
+  return {400, "text/plain; charset=utf-8", fmt::format("{}\n", why)};
+}
+
+/// Takes JSON and answers in JSON.
+template <typename Act>
+Route Answer(Editor& editor, const char* name, Act act) {
+  return {"POST", name, [&editor, act](const std::string& body) -> Reply {
+            try {
+              return {.body = act(editor, ParseQuestion(body))};
+            } catch (const nlohmann::json::exception& error) {
+              return Refusal(error.what());
+            } catch (const QuestionError& error) {
+              return Refusal(error.what());
+            } catch (const std::exception& error) {
+              return {.body = Dump(Message(error.what()))};
+            }
+          }};
+}
+
+Reply PageOf(Editor& editor) {
+  try {
+    return {.type = "text/html; charset=utf-8",
+            .body = page::Assemble(page::ViewTemplate(), "cdb view", editor.Document())};
+  } catch (const std::exception& error) {
+    return {500, "text/plain; charset=utf-8", fmt::format("{}\n", error.what())};
   }
-  const std::size_t line = before.rfind('\n') + 1;
-  const std::string indent = before.substr(line);
-  const bool is_alone = indent.find_first_not_of(" \t") == std::string::npos;
-  if (!is_alone) return before + "\n  " + statement + "\n" + after;
-  return before.substr(0, line) + indent + "  " + statement + "\n" + indent + after;
 }
+
+using Question = nlohmann::json;
 
 }  // namespace
 
-std::vector<std::string> GroupsIn(const std::string& text, const std::string& benchmark) {
-  std::vector<std::string> names;
-  const ParsedBenchmark parsed(text, benchmark);
-  for (const ParsedBenchmark::Group& group : parsed.groups()) names.push_back(group.name);
-  return names;
-}
-
-std::optional<std::string> WrittenValue(const std::string& text, const std::string& benchmark,
-                                        const Place& place) {
-  const ParsedBenchmark parsed(text, benchmark);
-  const dsl::Setting* setting = parsed.Find(place);
-  if (setting == nullptr) return std::nullopt;
-  const auto [begin, end] = ValueRange(*setting);
-  return std::string(parsed.text().substr(begin, end - begin));
-}
-
-std::string WithValue(const std::string& text, const std::string& benchmark, const Place& place,
-                      const std::string& value) {
-  if (value.find_first_not_of(" \t") == std::string::npos ||
-      value.find_first_of("\r\n") != std::string::npos)
-    throw EditError(fmt::format("{} needs a value, on one line", place.name));
-  const ParsedBenchmark parsed(text, benchmark);
-  if (const dsl::Setting* setting = parsed.Find(place)) {
-    const auto [begin, end] = ValueRange(*setting);
-    return std::string(parsed.text().substr(0, begin)) + value +
-           std::string(parsed.text().substr(end));
-  }
-  const std::string statement = place.name + " " + value;
-  if (place.group.empty()) return Inserted(parsed.text(), parsed.block(), statement);
-  const auto group = std::ranges::find(parsed.groups(), place.group, &ParsedBenchmark::Group::name);
-  if (group == parsed.groups().end())
-    throw EditError(
-        fmt::format("benchmark '{}' does not define the group '{}': write {}.{} {} in it",
-                    benchmark, place.group, place.group, place.name, value));
-  return Inserted(parsed.text(), *group->block, statement);
+void Serve(Editor& editor, int stop_fd, const std::function<void(const std::string&)>& begin) {
+  HttpServer server({
+      {"GET", "", [&](const std::string&) { return PageOf(editor); }},
+      Answer(editor, "check",
+             [](Editor& e, const Question& asked) { return e.Check(asked.at("text")); }),
+      Answer(editor, "set",
+             [](Editor& e, const Question& asked) {
+               return e.Set(asked.at("text"), asked.at("group"), asked.at("name"),
+                            asked.at("value"));
+             }),
+      Answer(editor, "save",
+             [](Editor& e, const Question& asked) { return e.Save(asked.at("text")); }),
+      Answer(editor, "run",
+             [](Editor& e, const Question& asked) { return e.Run(asked.at("text")); }),
+      Answer(editor, "progress", [](Editor& e, const Question&) { return e.Progress(); }),
+      Answer(editor, "stop", [](Editor& e, const Question&) { return e.Stop(); }),
+  });
+  begin(server.Address());
+  server.Run(stop_fd);
 }
 
 }  // namespace cdb::serve

@@ -1,8 +1,4 @@
-// The HTTP server of the editor, on the loopback interface.
-//
-// Each start has a random port and a random token of 128 bits, which is part of every path, so that
-// neither other users of the machine nor pages of other sites can reach it. It answers one request
-// at a time.
+// The editor of a scenario in a browser: its text, its parameters, its scene, and a run of it.
 #pragma once
 
 #include <sys/types.h>
@@ -10,17 +6,13 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/sweep/process/process.h"
 
 namespace cdb::serve {
-
-// A scenario that is edited in a browser: its text, its parameters, its scene, and a run of it.
 
 /// The result of compiling a text.
 struct Checked {
@@ -73,35 +65,9 @@ class Editor {
   int run_status_ = 0;
 };
 
-/// Serves until `stop_fd` becomes readable. `begin` is called with the address. Throws
-/// std::system_error if no port is available; std::runtime_error if this build has no server.
+/// Serves until `stop_fd` becomes readable; while a text is compiled, SIGINT, SIGTERM and SIGHUP
+/// end the process with status 0. `begin` is called with the address. Throws std::system_error if
+/// no port is available.
 void Serve(Editor& editor, int stop_fd, const std::function<void(const std::string&)>& begin);
-
-// Changes one setting in the text of a scenario, and leaves the rest unchanged.
-
-/// The text cannot be edited: it does not parse, or has no such place.
-struct EditError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// The location of a setting: the world or a group of objects.
-struct Place {
-  std::string group;  ///< empty: the world; `objects` for a group without a name
-  std::string name;   ///< without the group: `size`, `world.side`
-};
-
-/// The groups in a benchmark's own block, in order. Throws EditError.
-std::vector<std::string> GroupsIn(const std::string& text, const std::string& benchmark);
-
-/// The value as written in the benchmark's own block; nullopt if it is not set there. Throws
-/// EditError.
-std::optional<std::string> WrittenValue(const std::string& text, const std::string& benchmark,
-                                        const Place& place);
-
-/// Puts `value` in place of the written one, or adds a setting at the end of the block. Throws
-/// EditError for a text with syntax errors, an unknown benchmark or group, and a value that is
-/// empty or has several lines.
-std::string WithValue(const std::string& text, const std::string& benchmark, const Place& place,
-                      const std::string& value);
 
 }  // namespace cdb::serve
