@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -15,6 +16,9 @@
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
+#include "runtime/editor/context.h"
+#include "runtime/editor/server.h"
+#include "runtime/editor/syntax_files.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/pages/serve/http.h"
 #include "runtime/pages/serve/text_edit.h"
@@ -44,7 +48,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
           {"doc", std::string(parameter.doc)}};
 }
 
-/// Every row of the schema, for the world and for each group. Empty if the text does not parse.
+/// Every row of the schema, for the world and for each group. Null if the text does not parse.
 Json ParametersOf(const std::string& text, const std::string& benchmark) {
   Json parameters = Json::array();
   try {
@@ -54,9 +58,22 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
       for (const schema::Parameter& parameter : schema::Schema())
         if (parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, group));
   } catch (const EditError&) {
-    return Json::array();  // the diagnostics give the reason
+    return nullptr;  // the diagnostics give the reason
   }
   return parameters;
+}
+
+/// A diagnostic at the name of the benchmark, or at the start of the text.
+nlohmann::json DiagnosticAt(const editor::Analysis& analysis, const std::string& benchmark,
+                            const std::string& message) {
+  text::Span at = {&analysis.source(), 0, 0};
+  for (const editor::Definition& each : analysis.symbols.definitions())
+    if (each.kind == editor::SymbolKind::kBenchmark && each.name.source == &analysis.source() &&
+        each.name.source->text().substr(each.name.begin, each.name.end - each.name.begin) ==
+            benchmark)
+      at = each.name;
+  return {
+      {"range", editor::RangeJson(at)}, {"severity", 1}, {"source", "cdb"}, {"message", message}};
 }
 
 std::string ReadWhole(const std::filesystem::path& file) {
@@ -109,7 +126,10 @@ class EndsAtOnce {
 }  // namespace
 
 Editor::Editor(Scenario scenario, std::filesystem::path program)
-    : scenario_(std::move(scenario)), program_(std::move(program)) {}
+    : scenario_(std::move(scenario)), documents_(scenario_.compile), program_(std::move(program)) {
+  // The path in place of a URI, so that names in messages are those of the user.
+  documents_.Open({{"uri", scenario_.file.string()}, {"text", scenario_.text}});
+}
 
 Editor::~Editor() {
   // The first signal lets it finish its current run; the second ends it at once.
@@ -122,30 +142,73 @@ Editor::~Editor() {
   }
 }
 
-std::string Editor::SceneOf(const std::vector<plan::Plan>& plans, std::string& trouble) const {
-  for (const plan::Plan& plan : plans) {
-    if (plan.benchmark != scenario_.benchmark || plan.runs.empty()) continue;
-    try {
-      view::SceneRecording start = view::StartOf(plan, plan.runs[0]);
-      start.file = scenario_.file.string();
-      return view::SceneDocument(plan.title.empty() ? plan.benchmark : plan.title, {&start, 1});
-    } catch (const std::exception& error) {
-      trouble = error.what();
-    }
+std::shared_ptr<const editor::Analysis> Editor::Analyse(const std::string& text) {
+  const EndsAtOnce ends(run_);
+  const std::string uri = scenario_.file.string();
+  editor::Document& document = *documents_.Find(uri);
+  // Files that it uses may have changed, so only the questions about one text share an analysis.
+  if (document.text != text) documents_.Change(uri, 0, {{{"text", text}}});
+  return documents_.Analyse(document);
+}
+
+std::string Editor::Follow(const editor::Analysis& analysis) {
+  const std::vector<std::string>& names = analysis.compilation.benchmarks;
+  const auto place = [](const std::vector<std::string>& in, const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(in, name) - in.begin());
+  };
+  const std::string before = scenario_.benchmark;
+  const std::size_t old = place(names_, before);
+  if (names.empty() || !Parses(std::string(analysis.source().text()))) return {};
+  names_ = names;
+  if (place(names, before) < names.size()) return {};
+  scenario_.benchmark = names[std::min(old, names.size() - 1)];
+  return fmt::format("the text no longer has the benchmark '{}', so '{}' is shown", before,
+                     scenario_.benchmark);
+}
+
+std::string Editor::SceneOf(const editor::Analysis& analysis, nlohmann::json& diagnostics) const {
+  const EndsAtOnce ends(run_);
+  try {
+    const std::optional<plan::Plan> plan = editor::FirstRunOf(analysis, scenario_.benchmark);
+    if (!plan) return {};
+    view::SceneRecording start = view::StartOf(*plan, plan->runs.at(0));
+    start.file = scenario_.file.string();
+    return view::SceneDocument(plan->title.empty() ? plan->benchmark : plan->title, {&start, 1});
+  } catch (const std::exception& error) {
+    diagnostics.push_back(DiagnosticAt(analysis, scenario_.benchmark, error.what()));
+    return {};
   }
-  return {};
 }
 
 std::string Editor::Check(const std::string& text) {
-  const EndsAtOnce ends(run_);
-  Checked checked = scenario_.check(text);
-  std::string trouble;
-  const std::string scene = SceneOf(checked.plans, trouble);
-  if (!trouble.empty()) checked.diagnostics += trouble + "\n";
+  const auto analysis = Analyse(text);
+  nlohmann::json diagnostics = editor::DiagnosticsOf(*analysis);
+  const std::string notice = Follow(*analysis);
+  const std::vector<std::string>& names = analysis->compilation.benchmarks;
+  if (names.empty() && !analysis->compilation.diagnostics.has_errors())
+    diagnostics.push_back(
+        DiagnosticAt(*analysis, "", "the text has no benchmark: nothing can be shown or run"));
+  const std::string scene = SceneOf(*analysis, diagnostics);
   return Dump({{"text", text},
-               {"diagnostics", checked.diagnostics},
+               {"benchmark", scenario_.benchmark},
+               {"benchmarks", names},
+               {"notice", notice},
+               {"diagnostics", diagnostics},
                {"parameters", ParametersOf(text, scenario_.benchmark)},
                {"scene", scene.empty() ? Json() : Json::parse(scene)}});
+}
+
+std::string Editor::Complete(const std::string& text, const editor::Position& position) {
+  const auto analysis = Analyse(text);
+  return editor::Complete(*analysis, scenario_.file.string(),
+                          editor::OffsetOf(analysis->source(), position), scenario_.library)
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string Editor::Hover(const std::string& text, const editor::Position& position) {
+  const auto analysis = Analyse(text);
+  return editor::HoverAt(*analysis, editor::OffsetOf(analysis->source(), position))
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string Editor::Document() {
@@ -155,6 +218,7 @@ std::string Editor::Document() {
                       : answer["scene"];
   answer.erase("scene");
   answer["file"] = scenario_.file.string();
+  answer["vocabulary"] = Json::parse(editor::VocabularyJson());
   document["editor"] = std::move(answer);
   return Dump(document);
 }
@@ -164,7 +228,7 @@ std::string Editor::Set(const std::string& text, const std::string& group, const
   try {
     return Check(WithValue(text, scenario_.benchmark, {group, name}, value));
   } catch (const EditError& error) {
-    return Dump({{"text", text}, {"diagnostics", error.what()}});
+    return Dump(Message(error.what()));
   }
 }
 
@@ -186,19 +250,27 @@ std::string Editor::Save(const std::string& text) {
 
 std::string Editor::Run(const std::string& text) {
   if (run_ != 0) return Dump(Message("it is already running"));
+  const auto analysis = Analyse(text);
+  if (const int errors = analysis->compilation.diagnostics.error_count(); errors > 0)
+    return Dump(Message(fmt::format("not run and not saved: the text has {} error{}", errors,
+                                    errors == 1 ? "" : "s")));
+  if (analysis->compilation.benchmarks.empty())
+    return Dump(Message("not run and not saved: the text has no benchmark"));
+  Follow(*analysis);
   if (const std::string why = SaveFile(text); !why.empty()) return Dump(Message(why));
   log_ = process::MemoryFile("cdb run");
   process::SpawnPlan spawn;
   spawn.Give(log_->get(), STDERR_FILENO);
-  run_ = spawn.Start(program_, {"run", scenario_.file.string(), "-b", scenario_.benchmark, "-o",
-                                scenario_.benchmark + ".view.h5", "--fresh"});
+  run_benchmark_ = scenario_.benchmark;
+  run_ = spawn.Start(program_, {"run", scenario_.file.string(), "-b", run_benchmark_, "-o",
+                                run_benchmark_ + ".view.h5", "--fresh"});
   return Dump(Message("running"));
 }
 
 std::string Editor::ResultScene() const {
-  const results::ResultFile file(scenario_.benchmark + ".view.h5");
+  const results::ResultFile file(run_benchmark_ + ".view.h5");
   view::SceneRecording run = view::ReadRecording(file, view::DefaultCell(file), {});
-  run.file = scenario_.benchmark + ".view.h5";
+  run.file = run_benchmark_ + ".view.h5";
   return view::SceneDocument(file.title().empty() ? file.benchmark() : file.title(), {&run, 1});
 }
 
@@ -258,7 +330,9 @@ template <typename Act>
 Route Answer(Editor& editor, const char* name, Act act) {
   return {"POST", name, [&editor, act](const std::string& body) -> Reply {
             try {
-              return {.body = act(editor, ParseQuestion(body))};
+              const nlohmann::json question = ParseQuestion(body);
+              if (question.contains("benchmark")) editor.Choose(question.at("benchmark"));
+              return {.body = act(editor, question)};
             } catch (const nlohmann::json::exception& error) {
               return Refusal(error.what());
             } catch (const QuestionError& error) {
@@ -272,13 +346,17 @@ Route Answer(Editor& editor, const char* name, Act act) {
 Reply PageOf(Editor& editor) {
   try {
     return {.type = "text/html; charset=utf-8",
-            .body = page::Assemble(page::ViewTemplate(), "cdb view", editor.Document())};
+            .body = page::Assemble(page::EditTemplate(), "cdb view", editor.Document())};
   } catch (const std::exception& error) {
     return {500, "text/plain; charset=utf-8", fmt::format("{}\n", error.what())};
   }
 }
 
 using Question = nlohmann::json;
+
+editor::Position PositionOf(const Question& asked) {
+  return {editor::NumberIn(asked, "line"), editor::NumberIn(asked, "character")};
+}
 
 }  // namespace
 
@@ -291,6 +369,14 @@ void Serve(Editor& editor, int stop_fd, const std::function<void(const std::stri
              [](Editor& e, const Question& asked) {
                return e.Set(asked.at("text"), asked.at("group"), asked.at("name"),
                             asked.at("value"));
+             }),
+      Answer(editor, "complete",
+             [](Editor& e, const Question& asked) {
+               return e.Complete(asked.at("text"), PositionOf(asked));
+             }),
+      Answer(editor, "hover",
+             [](Editor& e, const Question& asked) {
+               return e.Hover(asked.at("text"), PositionOf(asked));
              }),
       Answer(editor, "save",
              [](Editor& e, const Question& asked) { return e.Save(asked.at("text")); }),

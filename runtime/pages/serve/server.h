@@ -5,26 +5,23 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "compiler/plan/plan.h"
+#include "runtime/editor/documents.h"
 #include "runtime/sweep/process/process.h"
 
 namespace cdb::serve {
 
-/// The result of compiling a text.
-struct Checked {
-  std::string diagnostics;        ///< for people; includes warnings
-  std::vector<plan::Plan> plans;  ///< empty if there are errors
-};
-
 struct Scenario {
   std::filesystem::path file;
-  std::string benchmark;
-  std::string text;  ///< as stored on the disk
-  std::function<Checked(const std::string& text)> check;
+  std::string benchmark;  ///< the one that is shown
+  std::string text;       ///< as stored on the disk
+  editor::CompileFile compile;
+  std::string library;  ///< folder of the scenarios that come with cdb; may be empty
 };
 
 /// Answers are JSON documents. Errors in a text are part of an answer; disk errors are thrown as
@@ -37,29 +34,46 @@ class Editor {
   Editor(const Editor&) = delete;
   Editor& operator=(const Editor&) = delete;
 
-  /// The document of the page: the scene, and under `editor` the answer of Check.
+  /// Shows another benchmark from now on. A benchmark that is renamed in the text is followed.
+  void Choose(const std::string& benchmark) { scenario_.benchmark = benchmark; }
+  /// The document of the page: the scene, and under `editor` the answer of Check, the file, and the
+  /// vocabulary of highlighting.
   std::string Document();
-  /// {text, diagnostics, parameters, scene: null if there are errors}
+  /// {text, benchmark, benchmarks, notice, diagnostics: as of the language server, parameters: null
+  /// if the text does not parse, scene: null if there are errors}
   std::string Check(const std::string& text);
-  /// The answer of Check for the text with one value changed.
+  /// The answer of Check for the text with one value changed, or {message}.
   std::string Set(const std::string& text, const std::string& group, const std::string& name,
                   const std::string& value);
+  /// The answers of the language server at a position of the text.
+  std::string Complete(const std::string& text, const editor::Position& position);
+  std::string Hover(const std::string& text, const editor::Position& position);
   /// {message}: refuses if another program has changed the file.
   std::string Save(const std::string& text);
-  /// {message}: saves, and starts `cdb run` into BENCHMARK.view.h5, which it replaces.
+  /// {message}: saves, and starts `cdb run` into BENCHMARK.view.h5, which it replaces. Refuses a
+  /// text with errors.
   std::string Run(const std::string& text);
   /// {is_running, log, scene: of the results once it is done}
   std::string Progress();
   std::string Stop();
 
  private:
-  std::string SaveFile(const std::string& text);  ///< the reason why it was not saved; empty if it
-                                                  ///< was
-  std::string SceneOf(const std::vector<plan::Plan>& plans, std::string& trouble) const;
+  /// The reason why it was not saved; empty if it was.
+  std::string SaveFile(const std::string& text);
+  std::shared_ptr<const editor::Analysis> Analyse(const std::string& text);
+  /// Chooses the benchmark that the text has in place of the shown one. Returns a notice; empty if
+  /// it is still there.
+  std::string Follow(const editor::Analysis& analysis);
+  /// Null if the benchmark has errors; `diagnostics` receives the reason why a scene cannot be
+  /// built.
+  std::string SceneOf(const editor::Analysis& analysis, nlohmann::json& diagnostics) const;
   std::string ResultScene() const;
 
   Scenario scenario_;
+  editor::Documents documents_;
+  std::vector<std::string> names_;  ///< of the benchmarks of the last text that was followed
   const std::filesystem::path program_;
+  std::string run_benchmark_;
   std::optional<process::Descriptor> log_;
   pid_t run_ = 0;  ///< 0: none
   int run_status_ = 0;

@@ -99,6 +99,12 @@ std::string Inserted(std::string_view text, const dsl::Block& block, const std::
 
 }  // namespace
 
+bool Parses(const std::string& text) {
+  dsl::Diagnostics diagnostics;
+  dsl::Parse(std::make_shared<const text::Source>("scenario", text), diagnostics);
+  return !diagnostics.has_errors();
+}
+
 std::vector<std::string> GroupsIn(const std::string& text, const std::string& benchmark) {
   std::vector<std::string> names;
   const ParsedBenchmark parsed(text, benchmark);

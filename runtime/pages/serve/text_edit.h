@@ -13,6 +13,9 @@ struct EditError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Whether the text has no syntax errors.
+bool Parses(const std::string& text);
+
 /// The location of a setting: the world or a group of objects.
 struct Place {
   std::string group;  ///< empty: the world; `objects` for a group without a name
