@@ -9,9 +9,6 @@ import { drawSelection, EditorView, highlightActiveLine, hoverTooltip, keymap, l
 import { element } from '../view/text.js';
 import { languageOf } from './language.js';
 
-// Icons by CompletionItemKind.
-const kIcons = { 3: 'function', 6: 'variable', 9: 'namespace', 10: 'property', 14: 'keyword', 17: 'text', 18: 'class', 20: 'enum' };
-
 const kTheme = EditorView.theme({
   '&': { height: '100%', fontSize: '13px', backgroundColor: 'var(--panel)', color: 'var(--ink)' },
   '.cm-scroller': { fontFamily: 'ui-monospace, "DejaVu Sans Mono", monospace', lineHeight: '1.45' },
@@ -43,7 +40,7 @@ export class Code {
         EditorState.lineSeparator.of(text.includes('\r\n') ? '\r\n' : '\n'), // kept in the file
         lineNumbers(), lintGutter(), history(), drawSelection(), indentOnInput(), bracketMatching(), closeBrackets(), highlightActiveLine(),
         indentUnit.of('  '), languageOf(vocabulary), kTheme,
-        autocompletion({ override: [(context) => this.complete(context)] }),
+        autocompletion({ icons: false, override: [(context) => this.complete(context)] }),
         hoverTooltip((view, at) => this.describe(at)),
         // Tab indents; Escape and then Tab leaves the text, by the view itself.
         keymap.of([{ key: 'Mod-s', preventDefault: true, run: () => { onSave(); return true; } },
@@ -101,7 +98,7 @@ export class Code {
     if (context.aborted || !items?.length) return null;
     const { start, end } = items[0].textEdit.range;
     return { from: this.offsetOf(start), to: this.offsetOf(end), validFor: /^[\w."]*$/,
-      options: items.map(({ label, kind, detail }) => ({ label, detail, type: kIcons[kind] })) };
+      options: items.map(({ label, detail }) => ({ label, detail })) };
   }
 
   async describe(at) {

@@ -40,7 +40,7 @@ export class Editor {
       element('div', { class: 'bar' }, element('h2', {}, editor.file), this.choice, element('span', { class: 'gap' }),
         this.saveButton, this.runButton, this.stopButton),
       this.log, this.code.object, this.problems.summary, this.problems.list,
-      element('details', { id: 'values', open: true }, element('summary', {}, 'Parameters'), this.filter, this.parameters)), this.view);
+      element('details', { id: 'values', open: innerWidth > 1000 }, element('summary', {}, 'Parameters'), this.filter, this.parameters)), this.view);
     this.saved = editor.text;
     this.take({ ...editor, scene: data.runs.length ? data : null });
     addEventListener('beforeunload', (event) => { if (this.isChanged()) event.preventDefault(); });
@@ -60,7 +60,7 @@ export class Editor {
     this.code.text = text;
     const list = diagnostics.map((each) => ({ ...each, level: levelOf(each) }));
     this.code.mark(list);
-    this.problems.show(list);
+    this.problems.show(list, !scene && this.app ? 'the scene is that of the last text without errors' : '');
     this.benchmark = benchmark;
     this.choice.replaceChildren(...benchmarks.map((name) => element('option', { value: name, selected: name === benchmark }, name)));
     this.choice.hidden = benchmarks.length < 2;

@@ -29,7 +29,7 @@ export function languageOf(vocabulary) {
     copyState: (state) => ({ ...state }),
     token(stream, state) {
       if (stream.eatSpace()) return null;
-      const { names } = state;
+      const names = state.names && !stream.sol(); // of a benchmark, a let or a group of objects
       state.names = false;
       if (stream.match(/#.*/)) return 'comment';
       if (stream.match(/"(?:\\.|[^"\\])*"?/)) return 'string';
@@ -37,7 +37,7 @@ export function languageOf(vocabulary) {
       const word = stream.match(/[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*/);
       if (word) {
         if (names) return 'name';
-        state.names = word[0] === 'benchmark' || word[0] === 'let';
+        state.names = ['benchmark', 'let', 'objects'].includes(word[0]);
         return kindOf(word[0], stream);
       }
       const sign = stream.next();

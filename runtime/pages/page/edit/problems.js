@@ -15,13 +15,14 @@ export class Problems {
     this.list = element('ul', { id: 'problems', 'aria-label': 'problems' });
   }
 
-  // `diagnostics` have a `level`.
-  show(diagnostics) {
+  // `diagnostics` have a `level`; `note` follows their number.
+  show(diagnostics, note) {
     const sorted = [...diagnostics].sort((a, b) => kLevels.indexOf(a.level) - kLevels.indexOf(b.level) ||
       a.range.start.line - b.range.start.line);
     const of = (level) => diagnostics.filter((each) => each.level === level).length;
     this.summary.textContent = [...count(of('error'), 'error'), ...count(of('warning'), 'warning'),
       ...count(of('info') + of('hint'), 'hint')].join(', ') || 'no problems';
+    if (note) this.summary.textContent += `; ${note}`;
     this.summary.className = of('error') ? 'error' : '';
     this.list.hidden = sorted.length === 0;
     this.list.replaceChildren(...sorted.map(({ level, message, range, code }) => {
