@@ -17,6 +17,7 @@ namespace cdb::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kServed =
     "benchmark served { world.side 10; objects { quantity 2; size 1 } }";
@@ -85,6 +86,50 @@ TEST(ServeCommand, BoundsTheNestingOfQuestions) {
   EXPECT_EQ(StatusOf(served.Ask("check", R"({"text": 5})")), "400");
   EXPECT_EQ(StatusOf(served.Ask("check", R"({"text": "\xff"})")), "400");
   EXPECT_LT(served.PeakMemory() - before, 40'000);
+}
+
+TEST(ServeCommand, FollowsTheBenchmarks) {
+  const Served served;
+  const auto check = [&](const std::string& text, const std::string& more = "") {
+    return BodyOf(served.Ask("check", R"({"text": ")" + text + '"' + more + "}"));
+  };
+  const std::string block = " { world.side 10; objects { quantity 2; size 1 } }";
+  // Renamed: its scene and its parameters follow.
+  const std::string renamed = check("benchmark other" + block);
+  EXPECT_THAT(renamed, HasSubstr(R"("benchmark":"other")"));
+  EXPECT_THAT(renamed, HasSubstr("no longer has the benchmark 'served', so 'other' is shown"));
+  EXPECT_THAT(renamed, HasSubstr(R"("name":"world.side","value":"10")"));
+  EXPECT_THAT(renamed, Not(HasSubstr(R"("scene":null)")));
+  // Also the second of two, and one that is chosen.
+  const std::string two = "benchmark a" + block + " benchmark b" + block;
+  EXPECT_THAT(check(two, R"(, "benchmark": "b")"),
+              HasSubstr(R"("benchmark":"b","benchmarks":["a","b"],"notice":"")"));
+  EXPECT_THAT(check("benchmark a" + block + " benchmark c" + block),
+              HasSubstr(R"("benchmark":"c")"));
+  // A text that does not parse is about the same benchmark as before.
+  const std::string broken = check("benchmark a" + block + " benchmark d {{");
+  EXPECT_THAT(broken, HasSubstr(R"("benchmark":"c")"));
+  EXPECT_THAT(broken, HasSubstr(R"("parameters":null,"scene":null)"));
+  EXPECT_THAT(broken, HasSubstr(R"("severity":1)"));
+  EXPECT_THAT(check(""), HasSubstr("benchmark"));
+  const std::string run = BodyOf(served.Ask("run", Quoted("benchmark a { cycles x }")));
+  EXPECT_THAT(run, HasSubstr("not run and not saved: the text has 1 error"));
+  EXPECT_EQ(served.program().Read("served.cdb"), kServed);
+}
+
+TEST(ServeCommand, AnswersAsTheLanguageServer) {
+  const Served served;
+  const auto ask = [&](const std::string& what, int character) {
+    return BodyOf(
+        served.Ask(what, R"({"text": "benchmark served { timest 1 }", "line": 0, "character": )" +
+                             std::to_string(character) + "}"));
+  };
+  EXPECT_THAT(ask("complete", 25), HasSubstr(R"("newText":"timestep")"));
+  EXPECT_THAT(ask("hover", 3), HasSubstr("benchmark"));
+  EXPECT_EQ(ask("hover", 17), "null");
+  EXPECT_THAT(ask("complete", 100'000), HasSubstr("["));  // beyond the end of the line
+  EXPECT_THAT(served.Ask("check", Quoted("benchmark served { timest 1 }")),
+              HasSubstr(R"("character":19,"line":0)"));
 }
 
 // A process with several threads must not be copied, and reading some models copies it.
