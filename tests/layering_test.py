@@ -61,7 +61,6 @@ EXTERNAL = [
     (r"^CLI/", ("runtime/cli/",)),
     (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/",
                      "library/meshes/importer/")),
-    (r"^httplib", ("runtime/pages/serve/server.cc",)),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "compiler/plan/input_file.h"
+#include "compiler/plan/kept_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/schema.h"
 #include "dsl/parser.h"
@@ -247,10 +248,14 @@ std::vector<std::string_view> Scenario::LetNames(const ScenarioFile& file) const
 int Scenario::LetOrder(const dsl::Let& let) const { return let_order_.at(&let); }
 
 std::optional<std::string> Scenario::HashOf(const std::string& path, std::string& why) const {
+  static plan::FileMemo<FileHash> kept;
   const auto [hash, is_new] = hashes_.try_emplace(path);
   if (is_new)
-    if (const auto bytes = read_(path, hash->second.why))
-      hash->second.sha256 = plan::Sha256Hex(*bytes);
+    hash->second = kept.Of(path, "", [&] {
+      FileHash made;
+      if (const auto bytes = read_(path, made.why)) made.sha256 = plan::Sha256Hex(*bytes);
+      return made;
+    });
   why = hash->second.why;
   return hash->second.sha256;
 }

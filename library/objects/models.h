@@ -9,6 +9,7 @@
 // Errors: SceneError that names the command to run. Threads: any.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -40,5 +41,9 @@ std::filesystem::path PathOf(const Model& model, std::span<const std::filesystem
 meshes::Mesh ParseModel(const Model& model, std::string_view bytes, const std::string& name);
 /// The same from the file.
 meshes::Mesh LoadModel(const Model& model, std::span<const std::filesystem::path> folders);
+
+/// The number of times that this process has read the file of a model, a mesh or a surface for
+/// SolidFactory or ReadModel. With plan::KeepFiles, a file is read again only if it has changed.
+std::size_t ModelReadings();
 
 }  // namespace cdb::objects

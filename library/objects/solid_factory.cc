@@ -14,6 +14,7 @@
 
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
+#include "compiler/plan/kept_files.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
 #include "library/meshes/primitives.h"
@@ -231,15 +232,26 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
   return form;
 }
 
+using Form = std::shared_ptr<const ConvexDecomposition>;
+
+plan::FileMemo<Form>& KeptForms() {
+  static plan::FileMemo<Form> kept;
+  return kept;
+}
+
 /// Null for a type with a closed form.
-std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type,
-                                                  const Reading& reading = {}) {
+Form FormOf(const schema::Value& type, const Reading& reading = {}) {
+  const std::string key = schema::ToText(type) + (reading.decomposes ? "" : " read only");
   if (const schema::Call* call = schema::AsCall(type))
-    return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
+    return KeptForms().Of(std::get<schema::Text>(ArgumentOf(*call, "file")).text, key, [&] {
+      return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
+    });
   const std::string& name = std::get<schema::Word>(type).text;
   if (name == "torus") return std::make_shared<const ConvexDecomposition>(TorusForm());
   if (const Model* model = FindModel(name))
-    return std::make_shared<const ConvexDecomposition>(FormOfModel(*model, reading));
+    return KeptForms().Of(PathOf(*model, ModelFolders()).string(), key, [&] {
+      return std::make_shared<const ConvexDecomposition>(FormOfModel(*model, reading));
+    });
   return nullptr;
 }
 
@@ -285,6 +297,8 @@ std::vector<std::shared_ptr<const ConvexDecomposition>> SolidFactory::Forms() co
     if (form != nullptr) forms.push_back(form);
   return forms;
 }
+
+std::size_t ModelReadings() { return KeptForms().readings(); }
 
 namespace {
 

@@ -298,14 +298,13 @@ options::ExitStatus ServeScenario(const std::string& file,
     throw options::CommandError(fmt::format(
         "{} comes with cdb and cannot be edited: write a file that extends it, or copy it", file));
   const std::string text = options::ReadText(file);
-  const auto check = [file](const std::string& edited) {
-    compiler::Compilation result =
-        options::CompileWith(file, ReadEdited(file, edited), std::nullopt);
-    return serve::Checked{dsl::Render(result.diagnostics), std::move(result.plans)};
+  const auto compile = [](const std::string& path, const scenario::ReadFile& read) {
+    return options::CompileWith(path, read, std::nullopt, {}, /*lists_runs=*/false);
   };
+  const std::string chosen = ChooseBenchmark(file, text, benchmark);
   process::StopFlag stop;
   const process::StopOnSignals on_signals(stop);
-  serve::Editor editor({file, ChooseBenchmark(file, text, benchmark), text, check},
+  serve::Editor editor({file, chosen, text, compile, options::ScenarioLibrary()},
                        std::filesystem::read_symlink("/proc/self/exe"));
   serve::Serve(editor, stop.fd(), [](const std::string& address) {
     terminal::Print(fmt::format("{}\n", address));

@@ -229,7 +229,8 @@ Json DiagnosticJson(const dsl::Diagnostic& diagnostic, const Analysis& analysis)
                {"source", "cdb"},
                {"message", message}};
   if (!related.empty()) json["relatedInformation"] = std::move(related);
-  if (diagnostic.kind == &scenario::kUnreachable) json["tags"] = {1};  // unnecessary
+  if (diagnostic.kind == &scenario::kUnreachable || diagnostic.kind == &scenario::kNoEffect)
+    json["tags"] = {1};  // unnecessary
   return json;
 }
 
@@ -340,6 +341,14 @@ Json InlayHints(const Analysis& analysis) {
     }
   }
   return hints;
+}
+
+std::optional<plan::Plan> FirstRunOf(const Analysis& analysis, const std::string& benchmark) {
+  constexpr std::uint64_t kMostPoints = 1000;
+  for (const grid::Grid& grid : analysis.compilation.grids)
+    if (grid.head.benchmark == benchmark)
+      if (plan::Plan plan = grid::ListRuns(grid, kMostPoints); !plan.runs.empty()) return plan;
+  return std::nullopt;
 }
 
 Json SymbolsOf(const Analysis& analysis) {

@@ -57,6 +57,10 @@ Json ReferencesTo(const Analysis& analysis, std::uint32_t offset);
 /// The number of runs behind the name of each benchmark; empty while there are errors.
 Json InlayHints(const Analysis& analysis);
 
+/// The plan of a benchmark, with its first runs only; nullopt if there are errors, or `skip` skips
+/// those runs.
+std::optional<plan::Plan> FirstRunOf(const Analysis& analysis, const std::string& benchmark);
+
 /// Benchmarks with their groups and lets.
 Json SymbolsOf(const Analysis& analysis);
 

@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "compiler/plan/kept_files.h"
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
@@ -22,6 +23,12 @@ const text::Source& Analysis::source() const {
   static const text::Source nothing("", "");
   const scenario::ScenarioFile* main = compilation.scenario->main();
   return main != nullptr ? *main->tree.source : nothing;
+}
+
+Documents::Documents(CompileFile compile) : compile_(std::move(compile)) {
+  // Decomposed into hulls, a mesh takes much less memory than its file.
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  plan::KeepFiles(kMostBytes);
 }
 
 void Documents::Open(const Json& item) {

@@ -116,7 +116,9 @@ struct Document {
 /// Not thread-safe.
 class Documents {
  public:
-  explicit Documents(CompileFile compile) : compile_(std::move(compile)) {}
+  /// From now on, models and their hashes are kept in memory (plan::KeepFiles), as each change of a
+  /// text compiles it.
+  explicit Documents(CompileFile compile);
 
   void Open(const Json& item);
   /// Applies changes in their order: to parts of the text, or to all of it.

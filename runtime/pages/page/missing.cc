@@ -8,5 +8,6 @@ const Template& ReportTemplate() {
   return none;
 }
 const Template& ViewTemplate() { return ReportTemplate(); }
+const Template& EditTemplate() { return ReportTemplate(); }
 
 }  // namespace cdb::page

@@ -15,9 +15,11 @@ struct Template {
   std::string_view before_title, before_data, after_data;
 };
 
-/// Pages of `cdb report`, with figures, and of `cdb view`, with bodies in 3-D.
+/// Pages of `cdb report`, with figures, of `cdb view`, with bodies in 3-D, and of `cdb view
+/// --serve`, which adds an editor.
 const Template& ReportTemplate();
 const Template& ViewTemplate();
+const Template& EditTemplate();
 
 /// This build has no pages, because it was made without npm.
 struct PageError : std::runtime_error {

@@ -1,7 +1,6 @@
 #include "runtime/pages/serve/server.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -11,131 +10,23 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <random>
-#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/schema.h"
-#include "dsl/diagnostics.h"
-#include "dsl/parser.h"
+#include "runtime/editor/context.h"
+#include "runtime/editor/server.h"
+#include "runtime/editor/syntax_files.h"
 #include "runtime/pages/page/page.h"
+#include "runtime/pages/serve/http.h"
+#include "runtime/pages/serve/text_edit.h"
 #include "runtime/pages/view/scene_document.h"
 #include "runtime/results/files/safe_file.h"
 #include "runtime/results/store.h"
 
 namespace cdb::serve {
-namespace {
-
-using httplib::Request;
-using httplib::Response;
-
-constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::size_t kMaxRequest = 16'000'000;  // bytes
-
-std::string MakeToken() {
-  std::random_device device;  // of the processor or the operating system
-  std::string token;
-  for (int i = 0; i < 4; ++i) token += fmt::format("{:08x}", device());
-  return token;
-}
-
-class Server {
- public:
-  explicit Server(Editor& editor) : editor_(editor) {
-    server_.set_payload_max_length(kMaxRequest);
-    server_.set_keep_alive_max_count(1);  // the end must not wait for a browser
-    port_ = server_.bind_to_any_port(kLoopback);
-    if (port_ <= 0)
-      throw std::system_error(errno, std::generic_category(), "no port of the loopback interface");
-    AddRoutes();
-  }
-
-  std::string Address() const { return fmt::format("http://{}:{}/{}/", kLoopback, port_, token_); }
-  void Listen() { server_.listen_after_bind(); }
-  void Stop() { server_.stop(); }
-
- private:
-  void AddRoutes() {
-    // The browser treats another host name for this machine as another site.
-    server_.set_pre_routing_handler([this](const Request& request, Response& response) {
-      if (request.get_header_value("Host") == fmt::format("{}:{}", kLoopback, port_))
-        return HttpServer::HandlerResponse::Unhandled;
-      response.status = 403;
-      return HttpServer::HandlerResponse::Handled;
-    });
-    server_.Get("/" + token_ + "/", [this](const Request&, Response& response) {
-      const std::lock_guard lock(mutex_);
-      response.set_header("Referrer-Policy", "no-referrer");
-      response.set_header("X-Frame-Options", "DENY");
-      response.set_header("X-Content-Type-Options", "nosniff");
-      response.set_header("Cache-Control", "no-store");
-      response.set_content(page::Assemble(page::ViewTemplate(), "cdb view", editor_.Document()),
-                           "text/html; charset=utf-8");
-    });
-    Answer("check", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Check(asked.at("text"));
-    });
-    Answer("set", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Set(asked.at("text"), asked.at("group"), asked.at("name"), asked.at("value"));
-    });
-    Answer("save", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Save(asked.at("text"));
-    });
-    Answer("run", [](Editor& editor, const nlohmann::json& asked) {
-      return editor.Run(asked.at("text"));
-    });
-    Answer("progress", [](Editor& editor, const nlohmann::json&) { return editor.Progress(); });
-    Answer("stop", [](Editor& editor, const nlohmann::json&) { return editor.Stop(); });
-  }
-
-  /// Takes JSON and answers in JSON.
-  template <typename Act>
-  void Answer(const std::string& name, Act act) {
-    server_.Post("/" + token_ + "/" + name, [this, act](const Request& asked, Response& response) {
-      const std::lock_guard lock(mutex_);
-      try {
-        response.set_content(act(editor_, nlohmann::json::parse(asked.body)), "application/json");
-      } catch (const nlohmann::json::exception&) {
-        response.status = 400;
-      } catch (const std::exception& error) {
-        response.set_content(nlohmann::json{{"message", error.what()}}.dump(
-                                 -1, ' ', false, nlohmann::json::error_handler_t::replace),
-                             "application/json");
-      }
-    });
-  }
-
-  using HttpServer = httplib::Server;
-  Editor& editor_;
-  const std::string token_ = MakeToken();
-  std::mutex mutex_;
-  HttpServer server_;
-  int port_ = 0;
-};
-
-}  // namespace
-
-void Serve(Editor& editor, int stop_fd, const std::function<void(const std::string&)>& begin) {
-  Server server(editor);
-  std::atomic<bool> has_ended = false;
-  std::thread listener([&] {
-    server.Listen();
-    has_ended = true;
-  });
-  begin(server.Address());
-  while (!has_ended) {
-    pollfd stop{stop_fd, POLLIN, 0};
-    if (::poll(&stop, 1, 500) > 0) break;
-  }
-  server.Stop();
-  listener.join();
-}
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -157,7 +48,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
           {"doc", std::string(parameter.doc)}};
 }
 
-/// Every row of the schema, for the world and for each group. Empty if the text does not parse.
+/// Every row of the schema, for the world and for each group. Null if the text does not parse.
 Json ParametersOf(const std::string& text, const std::string& benchmark) {
   Json parameters = Json::array();
   try {
@@ -167,9 +58,22 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
       for (const schema::Parameter& parameter : schema::Schema())
         if (parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, group));
   } catch (const EditError&) {
-    return Json::array();  // the diagnostics give the reason
+    return nullptr;  // the diagnostics give the reason
   }
   return parameters;
+}
+
+/// A diagnostic at the name of the benchmark, or at the start of the text.
+nlohmann::json DiagnosticAt(const editor::Analysis& analysis, const std::string& benchmark,
+                            const std::string& message) {
+  text::Span at = {&analysis.source(), 0, 0};
+  for (const editor::Definition& each : analysis.symbols.definitions())
+    if (each.kind == editor::SymbolKind::kBenchmark && each.name.source == &analysis.source() &&
+        each.name.source->text().substr(each.name.begin, each.name.end - each.name.begin) ==
+            benchmark)
+      at = each.name;
+  return {
+      {"range", editor::RangeJson(at)}, {"severity", 1}, {"source", "cdb"}, {"message", message}};
 }
 
 std::string ReadWhole(const std::filesystem::path& file) {
@@ -181,8 +85,51 @@ Json Message(const std::string& message) { return {{"message", message}}; }
 
 }  // namespace
 
+namespace {
+
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+std::atomic<pid_t> g_owner{0}, g_run{0};
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+/// Calls only functions that are async-signal-safe.
+void EndNow(int signal) {
+  if (getpid() != g_owner.load()) _exit(128 + signal);  // a copy of this process that reads a file
+  if (g_run.load() != 0) ::kill(-g_run.load(), SIGTERM);
+  _exit(0);
+}
+
+/// While it lives, a signal that would end the program between two requests ends it at once, and
+/// asks the run to stop: compiling a text takes up to minutes. Ignored signals stay ignored.
+class EndsAtOnce {
+ public:
+  explicit EndsAtOnce(pid_t run) {
+    g_owner = getpid();
+    g_run = run;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      sigaction(kSignals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler == SIG_IGN) continue;
+      struct sigaction action = {};
+      action.sa_handler = EndNow;
+      sigaction(kSignals[i], &action, nullptr);
+    }
+  }
+  ~EndsAtOnce() {
+    for (std::size_t i = 0; i < before_.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+  EndsAtOnce(const EndsAtOnce&) = delete;
+  EndsAtOnce& operator=(const EndsAtOnce&) = delete;
+
+ private:
+  std::array<struct sigaction, std::size(kSignals)> before_{};
+};
+
+}  // namespace
+
 Editor::Editor(Scenario scenario, std::filesystem::path program)
-    : scenario_(std::move(scenario)), program_(std::move(program)) {}
+    : scenario_(std::move(scenario)), documents_(scenario_.compile), program_(std::move(program)) {
+  // The path in place of a URI, so that names in messages are those of the user.
+  documents_.Open({{"uri", scenario_.file.string()}, {"text", scenario_.text}});
+}
 
 Editor::~Editor() {
   // The first signal lets it finish its current run; the second ends it at once.
@@ -195,29 +142,73 @@ Editor::~Editor() {
   }
 }
 
-std::string Editor::SceneOf(const std::vector<plan::Plan>& plans, std::string& trouble) const {
-  for (const plan::Plan& plan : plans) {
-    if (plan.benchmark != scenario_.benchmark || plan.runs.empty()) continue;
-    try {
-      view::SceneRecording start = view::StartOf(plan, plan.runs[0]);
-      start.file = scenario_.file.string();
-      return view::SceneDocument(plan.title.empty() ? plan.benchmark : plan.title, {&start, 1});
-    } catch (const std::exception& error) {
-      trouble = error.what();
-    }
+std::shared_ptr<const editor::Analysis> Editor::Analyse(const std::string& text) {
+  const EndsAtOnce ends(run_);
+  const std::string uri = scenario_.file.string();
+  editor::Document& document = *documents_.Find(uri);
+  // Files that it uses may have changed, so only the questions about one text share an analysis.
+  if (document.text != text) documents_.Change(uri, 0, {{{"text", text}}});
+  return documents_.Analyse(document);
+}
+
+std::string Editor::Follow(const editor::Analysis& analysis) {
+  const std::vector<std::string>& names = analysis.compilation.benchmarks;
+  const auto place = [](const std::vector<std::string>& in, const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(in, name) - in.begin());
+  };
+  const std::string before = scenario_.benchmark;
+  const std::size_t old = place(names_, before);
+  if (names.empty() || !Parses(std::string(analysis.source().text()))) return {};
+  names_ = names;
+  if (place(names, before) < names.size()) return {};
+  scenario_.benchmark = names[std::min(old, names.size() - 1)];
+  return fmt::format("the text no longer has the benchmark '{}', so '{}' is shown", before,
+                     scenario_.benchmark);
+}
+
+std::string Editor::SceneOf(const editor::Analysis& analysis, nlohmann::json& diagnostics) const {
+  const EndsAtOnce ends(run_);
+  try {
+    const std::optional<plan::Plan> plan = editor::FirstRunOf(analysis, scenario_.benchmark);
+    if (!plan) return {};
+    view::SceneRecording start = view::StartOf(*plan, plan->runs.at(0));
+    start.file = scenario_.file.string();
+    return view::SceneDocument(plan->title.empty() ? plan->benchmark : plan->title, {&start, 1});
+  } catch (const std::exception& error) {
+    diagnostics.push_back(DiagnosticAt(analysis, scenario_.benchmark, error.what()));
+    return {};
   }
-  return {};
 }
 
 std::string Editor::Check(const std::string& text) {
-  Checked checked = scenario_.check(text);
-  std::string trouble;
-  const std::string scene = SceneOf(checked.plans, trouble);
-  if (!trouble.empty()) checked.diagnostics += trouble + "\n";
+  const auto analysis = Analyse(text);
+  nlohmann::json diagnostics = editor::DiagnosticsOf(*analysis);
+  const std::string notice = Follow(*analysis);
+  const std::vector<std::string>& names = analysis->compilation.benchmarks;
+  if (names.empty() && !analysis->compilation.diagnostics.has_errors())
+    diagnostics.push_back(
+        DiagnosticAt(*analysis, "", "the text has no benchmark: nothing can be shown or run"));
+  const std::string scene = SceneOf(*analysis, diagnostics);
   return Dump({{"text", text},
-               {"diagnostics", checked.diagnostics},
+               {"benchmark", scenario_.benchmark},
+               {"benchmarks", names},
+               {"notice", notice},
+               {"diagnostics", diagnostics},
                {"parameters", ParametersOf(text, scenario_.benchmark)},
                {"scene", scene.empty() ? Json() : Json::parse(scene)}});
+}
+
+std::string Editor::Complete(const std::string& text, const editor::Position& position) {
+  const auto analysis = Analyse(text);
+  return editor::Complete(*analysis, scenario_.file.string(),
+                          editor::OffsetOf(analysis->source(), position), scenario_.library)
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string Editor::Hover(const std::string& text, const editor::Position& position) {
+  const auto analysis = Analyse(text);
+  return editor::HoverAt(*analysis, editor::OffsetOf(analysis->source(), position))
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string Editor::Document() {
@@ -227,6 +218,7 @@ std::string Editor::Document() {
                       : answer["scene"];
   answer.erase("scene");
   answer["file"] = scenario_.file.string();
+  answer["vocabulary"] = Json::parse(editor::VocabularyJson());
   document["editor"] = std::move(answer);
   return Dump(document);
 }
@@ -236,7 +228,7 @@ std::string Editor::Set(const std::string& text, const std::string& group, const
   try {
     return Check(WithValue(text, scenario_.benchmark, {group, name}, value));
   } catch (const EditError& error) {
-    return Dump({{"text", text}, {"diagnostics", error.what()}});
+    return Dump(Message(error.what()));
   }
 }
 
@@ -258,19 +250,27 @@ std::string Editor::Save(const std::string& text) {
 
 std::string Editor::Run(const std::string& text) {
   if (run_ != 0) return Dump(Message("it is already running"));
+  const auto analysis = Analyse(text);
+  if (const int errors = analysis->compilation.diagnostics.error_count(); errors > 0)
+    return Dump(Message(fmt::format("not run and not saved: the text has {} error{}", errors,
+                                    errors == 1 ? "" : "s")));
+  if (analysis->compilation.benchmarks.empty())
+    return Dump(Message("not run and not saved: the text has no benchmark"));
+  Follow(*analysis);
   if (const std::string why = SaveFile(text); !why.empty()) return Dump(Message(why));
   log_ = process::MemoryFile("cdb run");
   process::SpawnPlan spawn;
   spawn.Give(log_->get(), STDERR_FILENO);
-  run_ = spawn.Start(program_, {"run", scenario_.file.string(), "-b", scenario_.benchmark, "-o",
-                                scenario_.benchmark + ".view.h5", "--fresh"});
+  run_benchmark_ = scenario_.benchmark;
+  run_ = spawn.Start(program_, {"run", scenario_.file.string(), "-b", run_benchmark_, "-o",
+                                run_benchmark_ + ".view.h5", "--fresh"});
   return Dump(Message("running"));
 }
 
 std::string Editor::ResultScene() const {
-  const results::ResultFile file(scenario_.benchmark + ".view.h5");
+  const results::ResultFile file(run_benchmark_ + ".view.h5");
   view::SceneRecording run = view::ReadRecording(file, view::DefaultCell(file), {});
-  run.file = scenario_.benchmark + ".view.h5";
+  run.file = run_benchmark_ + ".view.h5";
   return view::SceneDocument(file.title().empty() ? file.benchmark() : file.title(), {&run, 1});
 }
 
@@ -305,126 +305,88 @@ std::string Editor::Stop() {
 
 namespace {
 
-/// A benchmark, with the syntax tree that owns it.
-class ParsedBenchmark {
- public:
-  ParsedBenchmark(const std::string& text, const std::string& name) {
-    dsl::Diagnostics diagnostics;
-    file_ = dsl::Parse(std::make_shared<const text::Source>("scenario", text), diagnostics);
-    if (diagnostics.has_errors()) throw EditError(dsl::Render(diagnostics));
-    for (const auto& item : file_.items)
-      if (const auto* found = std::get_if<dsl::Benchmark>(&item);
-          found != nullptr && found->name.text == name)
-        benchmark_ = found;
-    if (benchmark_ == nullptr)
-      throw EditError(fmt::format("the text no longer has a benchmark '{}'", name));
-    Visit(benchmark_->block, "", "");
-  }
-
-  struct Group {
-    std::string name;
-    const dsl::Block* block;
-  };
-  struct Written {
-    std::string group, path;
-    const dsl::Setting* setting;
-  };
-
-  const std::vector<Group>& groups() const { return groups_; }
-  const dsl::Block& block() const { return benchmark_->block; }
-  std::string_view text() const { return file_.source->text(); }
-
-  /// The last setting of a parameter; null if there is none.
-  const dsl::Setting* Find(const Place& place) const {
-    const dsl::Setting* found = nullptr;
-    for (const auto& [group, path, setting] : written_)
-      if ((group == place.group && path == place.name) ||
-          (group.empty() && !place.group.empty() && path == place.group + "." + place.name))
-        found = setting;
-    return found;
-  }
-
- private:
-  void Visit(const dsl::Block& block, const std::string& group, const std::string& prefix) {
-    for (const dsl::Statement& statement : block.statements) {
-      if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
-        written_.push_back({group, prefix + setting->path.text, setting});
-      } else if (const auto* inner = std::get_if<dsl::Group>(&statement.what)) {
-        if (inner->kind.text == "objects") {
-          groups_.push_back({inner->label ? inner->label->text : "objects", &inner->block});
-          Visit(inner->block, groups_.back().name, "");
-        } else {
-          Visit(inner->block, group, prefix + inner->kind.text + ".");
-        }
-      }
-    }
-  }
-
-  dsl::File file_;
-  const dsl::Benchmark* benchmark_ = nullptr;
-  std::vector<Group> groups_;
-  std::vector<Written> written_;
+/// Reads a question: an object of a few texts and numbers. Throws nlohmann::json::exception, or
+/// QuestionError if it is nested or large, which would take many times the memory of its text.
+struct QuestionError : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
-
-/// The range of bytes of a setting's values.
-std::pair<std::size_t, std::size_t> ValueRange(const dsl::Setting& setting) {
-  return {setting.values.front()->span.begin, setting.values.back()->span.end};
+nlohmann::json ParseQuestion(const std::string& body) {
+  constexpr int kDeepest = 2, kMostValues = 20;
+  int values = 0;
+  return nlohmann::json::parse(
+      body, [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+        if (depth > kDeepest || ++values > 3 * kMostValues)
+          throw QuestionError("a question is an object of a few texts and numbers");
+        return true;
+      });
 }
 
-/// Inserts a statement before the closing brace of the block.
-std::string Inserted(std::string_view text, const dsl::Block& block, const std::string& statement) {
-  const std::size_t brace = block.span.end - 1;
-  std::string before(text.substr(0, brace)), after(text.substr(brace));
-  const std::string_view inside = text.substr(block.span.begin, brace - block.span.begin);
-  if (inside.find('\n') == std::string_view::npos) {
-    while (before.ends_with(' ')) before.pop_back();
-    const char* separator = block.statements.empty() ? " " : "; ";
-    return before + separator + statement + " " + after;
+Reply Refusal(const char* why) {
+  return {400, "text/plain; charset=utf-8", fmt::format("{}\n", why)};
+}
+
+/// Takes JSON and answers in JSON.
+template <typename Act>
+Route Answer(Editor& editor, const char* name, Act act) {
+  return {"POST", name, [&editor, act](const std::string& body) -> Reply {
+            try {
+              const nlohmann::json question = ParseQuestion(body);
+              if (question.contains("benchmark")) editor.Choose(question.at("benchmark"));
+              return {.body = act(editor, question)};
+            } catch (const nlohmann::json::exception& error) {
+              return Refusal(error.what());
+            } catch (const QuestionError& error) {
+              return Refusal(error.what());
+            } catch (const std::exception& error) {
+              return {.body = Dump(Message(error.what()))};
+            }
+          }};
+}
+
+Reply PageOf(Editor& editor) {
+  try {
+    return {.type = "text/html; charset=utf-8",
+            .body = page::Assemble(page::EditTemplate(), "cdb view", editor.Document())};
+  } catch (const std::exception& error) {
+    return {500, "text/plain; charset=utf-8", fmt::format("{}\n", error.what())};
   }
-  const std::size_t line = before.rfind('\n') + 1;
-  const std::string indent = before.substr(line);
-  const bool is_alone = indent.find_first_not_of(" \t") == std::string::npos;
-  if (!is_alone) return before + "\n  " + statement + "\n" + after;
-  return before.substr(0, line) + indent + "  " + statement + "\n" + indent + after;
+}
+
+using Question = nlohmann::json;
+
+editor::Position PositionOf(const Question& asked) {
+  return {editor::NumberIn(asked, "line"), editor::NumberIn(asked, "character")};
 }
 
 }  // namespace
 
-std::vector<std::string> GroupsIn(const std::string& text, const std::string& benchmark) {
-  std::vector<std::string> names;
-  const ParsedBenchmark parsed(text, benchmark);
-  for (const ParsedBenchmark::Group& group : parsed.groups()) names.push_back(group.name);
-  return names;
-}
-
-std::optional<std::string> WrittenValue(const std::string& text, const std::string& benchmark,
-                                        const Place& place) {
-  const ParsedBenchmark parsed(text, benchmark);
-  const dsl::Setting* setting = parsed.Find(place);
-  if (setting == nullptr) return std::nullopt;
-  const auto [begin, end] = ValueRange(*setting);
-  return std::string(parsed.text().substr(begin, end - begin));
-}
-
-std::string WithValue(const std::string& text, const std::string& benchmark, const Place& place,
-                      const std::string& value) {
-  if (value.find_first_not_of(" \t") == std::string::npos ||
-      value.find_first_of("\r\n") != std::string::npos)
-    throw EditError(fmt::format("{} needs a value, on one line", place.name));
-  const ParsedBenchmark parsed(text, benchmark);
-  if (const dsl::Setting* setting = parsed.Find(place)) {
-    const auto [begin, end] = ValueRange(*setting);
-    return std::string(parsed.text().substr(0, begin)) + value +
-           std::string(parsed.text().substr(end));
-  }
-  const std::string statement = place.name + " " + value;
-  if (place.group.empty()) return Inserted(parsed.text(), parsed.block(), statement);
-  const auto group = std::ranges::find(parsed.groups(), place.group, &ParsedBenchmark::Group::name);
-  if (group == parsed.groups().end())
-    throw EditError(
-        fmt::format("benchmark '{}' does not define the group '{}': write {}.{} {} in it",
-                    benchmark, place.group, place.group, place.name, value));
-  return Inserted(parsed.text(), *group->block, statement);
+void Serve(Editor& editor, int stop_fd, const std::function<void(const std::string&)>& begin) {
+  HttpServer server({
+      {"GET", "", [&](const std::string&) { return PageOf(editor); }},
+      Answer(editor, "check",
+             [](Editor& e, const Question& asked) { return e.Check(asked.at("text")); }),
+      Answer(editor, "set",
+             [](Editor& e, const Question& asked) {
+               return e.Set(asked.at("text"), asked.at("group"), asked.at("name"),
+                            asked.at("value"));
+             }),
+      Answer(editor, "complete",
+             [](Editor& e, const Question& asked) {
+               return e.Complete(asked.at("text"), PositionOf(asked));
+             }),
+      Answer(editor, "hover",
+             [](Editor& e, const Question& asked) {
+               return e.Hover(asked.at("text"), PositionOf(asked));
+             }),
+      Answer(editor, "save",
+             [](Editor& e, const Question& asked) { return e.Save(asked.at("text")); }),
+      Answer(editor, "run",
+             [](Editor& e, const Question& asked) { return e.Run(asked.at("text")); }),
+      Answer(editor, "progress", [](Editor& e, const Question&) { return e.Progress(); }),
+      Answer(editor, "stop", [](Editor& e, const Question&) { return e.Stop(); }),
+  });
+  begin(server.Address());
+  server.Run(stop_fd);
 }
 
 }  // namespace cdb::serve

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/plan/input_file.h"
+#include "compiler/plan/kept_files.h"
 #include "library/meshes/primitives.h"
 #include "library/objects/models.h"
 #include "tests/library/meshes/test_meshes.h"
@@ -172,6 +173,43 @@ TEST_F(MeshFile, FactsNeedNoDecomposition) {
   WriteFile(other, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   EXPECT_FALSE(objects::ReadModel(type, {.decomposes = false}, why));
   EXPECT_NE(why.cause.find("is not watertight"), std::string::npos) << why.cause;
+}
+
+// As the language server and the editor do, which compile a text again at each change.
+TEST_F(MeshFile, IsReadOnceWhileItIsUnchanged) {
+  const auto path = [&](const std::string& name) { return (cache_->folder() / name).string(); };
+  const auto write = [&](const std::string& name, double x) {
+    WriteFile(path(name), ToOff(Moved(AngleMesh(), Eigen::Matrix3d::Identity(), {x, 0, 0})));
+    return std::filesystem::file_size(path(name));
+  };
+  /// Readings by `times` compilations, each of which asks for the facts and makes the solid.
+  const auto readings = [&](const std::string& name, int times) {
+    const schema::Value type = Layout("mesh", {{"file", schema::Text{path(name)}}});
+    const std::size_t before = objects::ModelReadings();
+    for (int i = 0; i < times; ++i) {
+      analysis::ModelFault why;
+      EXPECT_TRUE(objects::ReadModel(type, {}, why)) << why.cause;
+      objects::SolidFactory().Make(type, Vector3d::Ones(), Vector3d::Ones());
+    }
+    return objects::ModelReadings() - before;
+  };
+  const std::uint64_t bytes = write("kept.off", 1);
+  EXPECT_EQ(readings("kept.off", 3), 6u);  // nothing is kept
+  plan::KeepFiles(2 * bytes + 50);
+  EXPECT_EQ(readings("kept.off", 3), 1u);
+  write("kept.off", 20);  // of another size, whatever the clock of the file system
+  EXPECT_EQ(readings("kept.off", 3), 1u);
+  // Beyond the bound, the one that was not used for longest is forgotten.
+  write("second.off", 1);
+  EXPECT_EQ(readings("second.off", 2), 1u);
+  EXPECT_EQ(readings("kept.off", 1), 0u);
+  write("third.off", 1);
+  EXPECT_EQ(readings("third.off", 1), 1u);
+  EXPECT_EQ(readings("kept.off", 1), 0u);
+  EXPECT_EQ(readings("second.off", 1), 1u);
+  plan::KeepFiles(bytes - 1);
+  EXPECT_EQ(readings("third.off", 2), 4u);
+  plan::KeepFiles(0);
 }
 
 TEST_F(MeshFile, AMissingFileIsNoFaultOfTheType) {

@@ -225,7 +225,7 @@ export class App {
   }
 
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('input, select, textarea')) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest('input, select, textarea, [contenteditable]')) return;
     if (event.key === ' ' && event.target.closest('button, summary')) return; // the key presses it
     const far = event.shiftKey ? 10 : 1;
     const actions = {

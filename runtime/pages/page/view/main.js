@@ -1,12 +1,6 @@
-// The page of `cdb view`: a scene, or, with `cdb view --serve`, the editor of a scenario.
+// The page of `cdb view`: a scene.
 import { App } from './app.js';
-import { Editor } from './editor.js';
 
-const data = JSON.parse(document.getElementById('data').textContent);
 const page = document.getElementById('page');
-if (data.editor) {
-  new Editor(data, page);
-} else {
-  page.className = 'app';
-  new App(data, page);
-}
+page.className = 'app';
+new App(JSON.parse(document.getElementById('data').textContent), page);

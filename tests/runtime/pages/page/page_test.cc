@@ -29,7 +29,8 @@ TEST(Page, SaysWhatIsMissingInABuildWithoutPages) {
 }
 
 TEST(Page, LoadsNothingAndNamesItsLicences) {
-  for (const page::Template* page : {&page::ReportTemplate(), &page::ViewTemplate()}) {
+  for (const page::Template* page :
+       {&page::ReportTemplate(), &page::ViewTemplate(), &page::EditTemplate()}) {
     if (page->before_title.empty()) GTEST_SKIP() << "built without npm";
     const std::string text = page::Assemble(*page, "title", "{}");
     EXPECT_THAT(text, HasSubstr("default-src 'none'; script-src 'sha256-"));

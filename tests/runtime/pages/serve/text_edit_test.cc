@@ -1,4 +1,4 @@
-#include "runtime/pages/serve/server.h"
+#include "runtime/pages/serve/text_edit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
