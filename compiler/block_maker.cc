@@ -147,7 +147,8 @@ bool BlockMaker::AddSettings(grid::Block& block) {
     block.base.groups.push_back({group, {}});
   std::vector<PointCondition> bad;
   for (const configure::DependentParameter& parameter : configuration_->parameters())
-    AddSetting(parameter, block, bad);
+    if (parameter.key.second->concern != schema::Concern::kReport)
+      AddSetting(parameter, block, bad);
   block.skips.insert(block.skips.end(), bad.begin(), bad.end());
   return bad.empty();
 }

@@ -294,40 +294,61 @@ class Expander {
       for (std::size_t a = 0; a < axes_.size(); ++a)
         if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
     const double points = grid::CountOf(grid_.extents());
-    return FindRepeats() && (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
+    return FindRepeats() && FindBudget() &&
+           (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
+  }
+
+  /// The value of a parameter that all points have in common; nullopt after an error.
+  std::optional<schema::Value> CommonValue(schema::WorldParameter parameter,
+                                           const char* why_not_swept) {
+    const schema::Parameter* row = parameter.get();
+    std::optional<schema::Value> common;
+    for (const auto& configuration : configurations_) {
+      configure::Configuration& here = *configuration;
+      const text::Span span = here.SpanOf({"", row}, benchmark_.benchmark->name.span);
+      if (!configure::Dependencies({"", row}, here.layers(), here.axes(), here.evaluator())
+               .empty()) {
+        const text::Span whole = here.layers().settings.at({"", row}).node->values[0]->span;
+        diagnostics_.Report(scenario::kMisplacedSweep, whole,
+                            fmt::format("'{}' cannot be swept", row->name), why_not_swept);
+        return std::nullopt;
+      }
+      auto setting = here.evaluator().EvaluateParameter({"", row});
+      if (setting) setting = evaluate::Convert(*setting, *row, span, {}, {}, diagnostics_);
+      if (!setting) return std::nullopt;
+      if (common && *common != *setting) {
+        diagnostics_.Report(scenario::kWrongPlace, span,
+                            fmt::format("'{}' must be the same in every case", row->name),
+                            "set it outside the cases");
+        return std::nullopt;
+      }
+      common = std::move(setting);
+    }
+    return common;
   }
 
   bool FindRepeats() {
-    const schema::Parameter* repeats = schema::WorldParameter("repeats").get();
-    std::optional<std::uint64_t> value;
-    for (const auto& configuration : configurations_) {
-      const text::Span span = configuration->SpanOf({"", repeats}, benchmark_.benchmark->name.span);
-      configure::Configuration& here = *configuration;
-      if (!configure::Dependencies({"", repeats}, here.layers(), here.axes(), here.evaluator())
-               .empty()) {
-        const text::Span whole = here.layers().settings.at({"", repeats}).node->values[0]->span;
-        diagnostics_.Report(scenario::kMisplacedSweep, whole, "'repeats' cannot be swept",
-                            "every point has the same number: they make the axis `rep`");
-        return false;
-      }
-      auto setting = here.evaluator().EvaluateParameter({"", repeats});
-      if (setting) setting = evaluate::Convert(*setting, *repeats, span, {}, {}, diagnostics_);
-      if (!setting) return false;
-      const std::uint64_t n = std::get<schema::Number>(*setting).AsCount();
-      if (value && *value != n) {
-        diagnostics_.Report(scenario::kWrongPlace, span, "'repeats' must be the same in every case",
-                            "set it outside the cases");
-        return false;
-      }
-      value = n;
-      if (n <= kMostListed) continue;
-      diagnostics_.Report(
-          scenario::kTooManyRuns, span,
-          fmt::format("a point has {} repeats, but the limit is {}", n, kMostListed),
-          "use fewer repeats, or sweep the seed");
-      return false;
-    }
-    grid_.head.repeats = *value;
+    const auto value =
+        CommonValue("repeats", "every point has the same number: they make the axis `rep`");
+    if (!value) return false;
+    grid_.head.repeats = std::get<schema::Number>(*value).AsCount();
+    if (grid_.head.repeats <= kMostListed) return true;
+    diagnostics_.Report(
+        scenario::kTooManyRuns,
+        configurations_[0]->SpanOf({"", schema::WorldParameter("repeats").get()},
+                                   benchmark_.benchmark->name.span),
+        fmt::format("a point has {} repeats, but the limit is {}", grid_.head.repeats, kMostListed),
+        "use fewer repeats, or sweep the seed");
+    return false;
+  }
+
+  bool FindBudget() {
+    const auto value = CommonValue("budget",
+                                   "one budget holds for all points; `cdb show --budget` "
+                                   "tries others on the results");
+    if (!value) return false;
+    if (const auto* number = std::get_if<schema::Number>(&*value))
+      grid_.head.budget_s = number->AsReal();
     return true;
   }
 

@@ -312,8 +312,13 @@ std::string Conditions::Nearest(std::string_view word, std::vector<std::string_v
   if (const auto axis = dsl::DidYouMean(word, words); !axis.empty()) return std::string(axis);
   if (const auto let = evaluator_.names().NearestLet(std::string(word), scope); !let.empty())
     return std::string(let);
+  // With several groups, a parameter has the name of one before it.
   words.clear();
-  for (const schema::Parameter& parameter : schema::Schema()) words.push_back(parameter.name);
+  for (const schema::Parameter& parameter : schema::Schema()) {
+    if (parameter.grouped && parameter.name == word && !evaluator_.layers().groups.empty())
+      return fmt::format("{}.{}", evaluator_.layers().groups.front(), word);
+    words.push_back(parameter.name);
+  }
   return std::string(dsl::DidYouMean(word, words));
 }
 

@@ -55,6 +55,7 @@ enum class Concern {
   kScene,        ///< what is simulated
   kMethod,       ///< how it is simulated, and for how long
   kMeasurement,  ///< how a run is executed and measured, on the same scene
+  kReport,       ///< what is asked of the results; in the head of a plan, and in no run
 };
 
 /// A row. Absence of a parameter from a plan means its first default, and ids of runs are hashes of

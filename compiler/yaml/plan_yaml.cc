@@ -259,6 +259,8 @@ PlanWriter::PlanWriter(const plan::Plan& head, std::function<void(std::string_vi
   out << YAML::Key << "title" << YAML::Value << YAML::DoubleQuoted << head.title;
   out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << head.source;
   out << YAML::Key << "repeats" << YAML::Value << head.repeats;
+  if (head.budget_s)
+    out << YAML::Key << "budget" << YAML::Value << YamlReal(*head.budget_s);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
   for (const plan::Axis& axis : head.axes) WriteAxis(out, axis);
   out << YAML::EndSeq << YAML::EndMap;

@@ -400,6 +400,7 @@ class PlanReader : public ValueReader {
     plan.title = Text(Member(root, "title"));
     plan.source = Text(Member(root, "source"));
     plan.repeats = Count(Member(root, "repeats"));
+    if (const YAML::Node budget = root["budget"]) plan.budget_s = Real(budget);
     for (const YAML::Node& axis : Member(root, "axes")) plan.axes.push_back(ReadAxis(axis));
     for (const YAML::Node& run : Member(root, "runs")) {
       plan.runs.push_back(ReadRun(run, plan.version));

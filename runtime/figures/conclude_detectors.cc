@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kMaxExceptions = 3;
 /// Limit of points whose worst cycles get intervals, which takes a second bootstrap.
 constexpr std::size_t kMaxWorstPoints = 1000;
-/// A smaller relative difference in the memory of a process is no difference between detectors.
+/// A smaller relative difference in the memory of a process is not worth a word.
 constexpr double kLikeMemory = 0.02;
 
 class DetectorConclusions {
@@ -97,7 +97,6 @@ class DetectorConclusions {
 
   void AddMemory() {
     if (!file_.Has("peak_rss")) return;
-    const char* question = "Which detector takes the least memory?";
     const Bootstrap& bootstrap = model_.times().bootstrap();
     const auto figure = [&](const MeasuredPoint& point) -> Estimate {
       std::vector<double> bytes;
@@ -106,13 +105,8 @@ class DetectorConclusions {
       return {Mean(bytes), std::vector(bootstrap.draws().size(), kNone), bytes.size()};
     };
     const auto ranking = RankValues(comparison_, figure, left_out_);
-    if (ranking && ranking->others.back().ratio.value < 1 + kLikeMemory)
-      Add({question,
-           fmt::format("None: the peak memory of all is the same to within {:.0f} %.",
-                       100 * kLikeMemory),
-           "memory", Certainty::kTie});
-    else
-      AddRanking(question, "memory", figure, "memory");
+    if (ranking && ranking->others.back().ratio.value < 1 + kLikeMemory) return;
+    AddRanking("Which detector takes the least memory?", "memory", figure, "memory");
   }
 
   void AddRanking(const char* question, const char* kind, const FigureOfPoint& figure,
@@ -199,7 +193,7 @@ class DetectorConclusions {
       Add({question, fmt::format("Yes: none of {} pairs was missed.", exact), "pairs",
            Certainty::kClear});
     } else {
-      Add({question, fmt::format("No: {}.", JoinWords(wrong)), "pairs", Certainty::kClear});
+      Add({question, fmt::format("No: {}.", JoinWords(wrong)), "pairs", Certainty::kFault});
     }
   }
 

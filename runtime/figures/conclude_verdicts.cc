@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -52,7 +53,7 @@ class VerdictConclusion {
                         stable == 1
                             ? "Yes: it is stable." + OpenText()
                             : fmt::format("No: it is {}{}.", counts.begin()->first, BadText()),
-                        "stability", Certainty::kClear};
+                        "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
     if (stable == all)
       return Conclusion{question,
                         fmt::format("Yes: all {} configurations are stable.", all) + OpenText(),
@@ -64,7 +65,7 @@ class VerdictConclusion {
         "Where does the simulation stop being sound?",
         fmt::format("{} of {} configurations are stable ({}).", stable, all, JoinWords(others)) +
             Along() + OpenText(),
-        "stability", Certainty::kClear};
+        "stability", Certainty::kFault};
   }
 
  private:
@@ -123,7 +124,7 @@ class VerdictConclusion {
     }
     std::map<std::string, std::vector<Point>> places;
     for (const auto& [place, line] : lines) places[TextOf(*own, line)].push_back(place);
-    if (places.size() > kMaxLines) return {};
+    if (places.size() > kMaxLines) return BoundaryText(*own, lines);
     std::string text;
     for (const auto& [line, alike] : places)
       text += fmt::format(" Along {}{}: {}.", AxisWords(file_.axes()[*own]),
@@ -137,6 +138,108 @@ class VerdictConclusion {
     std::size_t first, last;
   };
   using Line = std::vector<Segment>;
+
+  /// The stable part of the lines along an axis: from its lower or its upper end.
+  struct Boundaries {
+    bool is_low = true;
+    /// By place: the last stable point, seen from that end; nullopt if none is.
+    std::map<Point, std::optional<std::size_t>> last;
+  };
+
+  /// Nullopt if a line is stable again beyond an unsound point.
+  static std::optional<Boundaries> BoundariesOf(const std::map<Point, Line>& lines, bool is_low) {
+    Boundaries boundaries{.is_low = is_low, .last = {}};
+    for (const auto& [place, line] : lines) {
+      const auto stable = std::ranges::count(line, "stable", &Segment::word);
+      const Segment& end = is_low ? line.front() : line.back();
+      if (stable > 1 || (stable == 1 && end.word != "stable")) return std::nullopt;
+      boundaries.last[place] =
+          stable == 0 ? std::nullopt : std::optional(is_low ? end.last : end.first);
+    }
+    return boundaries;
+  }
+
+  /// `up to 200`, `from 30 on`, `nowhere`.
+  std::string ReachText(std::size_t own, const Boundaries& boundaries,
+                        std::optional<std::size_t> last) const {
+    const plan::Axis& axis = file_.axes()[own];
+    if (!last) return "nowhere";
+    if (*last == (boundaries.is_low ? axis.values.size() - 1 : 0)) return "everywhere";
+    const std::string at = terminal::CoordinateText(axis, *last);
+    return boundaries.is_low ? "up to " + at : "from " + at + " on";
+  }
+
+  /// The others of the axes that move the boundary if nothing else changes.
+  std::vector<std::size_t> AxesThatMove(const Boundaries& boundaries,
+                                        const std::vector<std::size_t>& others) const {
+    std::vector<std::size_t> moving;
+    for (std::size_t i = 0; i < others.size(); ++i) {
+      std::map<Point, std::set<std::optional<std::size_t>>> reached;
+      for (const auto& [place, last] : boundaries.last) reached[Without(place, i)].insert(last);
+      if (std::ranges::any_of(reached, [](const auto& each) { return each.second.size() > 1; }))
+        moving.push_back(i);
+    }
+    return moving;
+  }
+
+  /// Where many lines stop being stable.
+  std::string BoundaryText(std::size_t own, const std::map<Point, Line>& lines) const {
+    const std::string along = AxisWords(file_.axes()[own]);
+    auto boundaries = BoundariesOf(lines, true);
+    if (!boundaries) boundaries = BoundariesOf(lines, false);
+    if (!boundaries)
+      return fmt::format(
+          " Along {} there is no boundary: some cases are stable again beyond a value "
+          "at which they are not.",
+          along);
+    const std::vector<std::size_t> others = OtherAxes(file_, own);
+    const std::vector<std::size_t> moving = AxesThatMove(*boundaries, others);
+    std::vector<std::string> names;
+    for (const std::size_t i : moving) names.push_back(AxisWords(file_.axes()[others[i]]));
+    if (moving.size() == 1) return TextBy(own, *boundaries, moving[0], others[moving[0]]);
+    std::size_t nowhere = 0;
+    std::optional<std::size_t> least, most;
+    for (const auto& [place, last] : boundaries->last) {
+      if (!last) {
+        ++nowhere;
+        continue;
+      }
+      const auto is_less = [&](std::size_t a, std::size_t b) {
+        return boundaries->is_low ? a < b : a > b;
+      };
+      if (!least || is_less(*last, *least)) least = last;
+      if (!most || is_less(*most, *last)) most = last;
+    }
+    std::string text = fmt::format(
+        " Along {}: stable {} in the worst case, {} in the best{}", along,
+        ReachText(own, *boundaries, nowhere > 0 ? std::nullopt : least),
+        ReachText(own, *boundaries, most),
+        nowhere > 0
+            ? fmt::format(" ({} of {} cases are nowhere stable)", nowhere, boundaries->last.size())
+            : "");
+    return text + (names.empty() ? "." : fmt::format("; it depends on {}.", JoinWords(names)));
+  }
+
+  /// The boundary for each value of the only other axis that moves it; `place_at`: its position in
+  /// a place.
+  std::string TextBy(std::size_t own, const Boundaries& boundaries, std::size_t place_at,
+                     std::size_t other) const {
+    const plan::Axis& axis = file_.axes()[other];
+    std::map<std::size_t, std::string> reached;
+    for (const auto& [place, last] : boundaries.last)
+      reached.emplace(place[place_at], ReachText(own, boundaries, last));
+    std::vector<std::string> texts;
+    for (auto begin = reached.begin(); begin != reached.end();) {
+      auto end = std::next(begin);
+      while (end != reached.end() && end->second == begin->second) ++end;
+      const std::string from = terminal::CoordinateText(axis, begin->first);
+      const std::string to = terminal::CoordinateText(axis, std::prev(end)->first);
+      texts.push_back(fmt::format("{} with {} {}", begin->second, axis.name,
+                                  from == to ? from : from + " .. " + to));
+      begin = end;
+    }
+    return fmt::format(" Along {}: stable {}.", AxisWords(file_.axes()[own]), JoinWords(texts));
+  }
 
   /// `stable 10 .. 90, tunnelled 120`.
   std::string TextOf(std::size_t own, const Line& line) const {
@@ -174,7 +277,7 @@ class VerdictConclusion {
   std::vector<Cell> worst_, sound_;
 };
 
-constexpr std::string_view kCertaintyNames[] = {"clear", "tie", "unknown"};
+constexpr std::string_view kCertaintyNames[] = {"clear", "tie", "unknown", "fault"};
 
 }  // namespace
 
@@ -189,6 +292,7 @@ std::string_view CertaintyName(Certainty certainty) {
 
 std::vector<Conclusion> Conclusions(const Model& model) {
   std::vector<Conclusion> all;
+  ConcludeBudget(model, all);
   ConcludeErrors(model, all);
   ConcludeStep(model, all);
   ConcludeDetectors(model, all);
@@ -237,8 +341,13 @@ void AddScaling(const Model& model, std::size_t axis, std::vector<Conclusion>& a
                                    CellsNote(ratios.size(), comparison.points.size()));
   if (certainty == Certainty::kTie)
     answer += " The interval includes 1: this may be no difference.";
-  all.push_back({fmt::format("How does the time of a step change with {}?", AxisWords(along)),
-                 std::move(answer), "scaling", certainty});
+  const Interval interval = model.times().IntervalOf(ratio);
+  all.push_back(
+      {fmt::format("How does the time of a step change with {}?", AxisWords(along)),
+       std::move(answer), "scaling", certainty,
+       Effect{AxisWords(along), at(0), at(last), ratio.value,
+              std::isnan(interval.low) ? std::nullopt
+                                       : std::optional(std::pair(interval.low, interval.high))}});
 }
 
 /// Finds the fastest value of an axis of words.

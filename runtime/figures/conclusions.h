@@ -5,20 +5,31 @@
 // it does not. With too few repeats for an interval, it is unknown.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace cdb::figures {
 
-enum class Certainty { kClear, kTie, kUnknown };
-/// `clear`, `tie`, `unknown`.
+/// kFault: something is wrong for certain, such as an unsound simulation or a missed pair.
+enum class Certainty { kClear, kTie, kUnknown, kFault };
+/// `clear`, `tie`, `unknown`, `fault`.
 std::string_view CertaintyName(Certainty certainty);
+
+/// The change of a time from the first to the last value of an axis, as the answer states it.
+struct Effect {
+  std::string axis, from, to;
+  double ratio = 0;
+  std::optional<std::pair<double, double>> interval;
+};
 
 struct Conclusion {
   std::string question, answer;  ///< whole sentences
   std::string_view kind;         ///< `fastest`, `growth`: for readers that select among them
   Certainty certainty;
+  std::optional<Effect> effect = {};  ///< of `scaling` along numbers
 };
 
 class Model;
@@ -35,6 +46,8 @@ void ConcludeDetectorLimits(const Model& model, std::vector<Conclusion>& all);
 /// The change of the time of a step along the other axes, and its growth with the number of
 /// objects.
 void ConcludeAxes(const Model& model, std::vector<Conclusion>& all);
+/// The configurations within the `budget` of the scenario.
+void ConcludeBudget(const Model& model, std::vector<Conclusion>& all);
 /// For each error: the most accurate configuration within real time, and the fastest of the front.
 void ConcludeErrors(const Model& model, std::vector<Conclusion>& all);
 /// The limits of sound simulation.

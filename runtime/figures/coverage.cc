@@ -100,6 +100,21 @@ std::string BadObjectsText(const results::ResultFile& file, const Cell& cell) {
   return fmt::format("{} of {} object{}", bad, of, of == 1 ? "" : "s");
 }
 
+std::string UnsoundText(const results::ResultFile& file, const Row& row) {
+  if (row.is_void) return {};
+  std::size_t unsound = 0;
+  std::string text;
+  for (const MeasuredPoint* point : row.points) {
+    const Ending ending = WorstEnding(file, point->at);
+    if (ending.judgement.verdict <= protocol::Verdict::kStable) continue;
+    ++unsound;
+    const std::string objects = BadObjectsText(file, point->cells[0]);
+    text = ending.Word() + (objects.empty() ? "" : ", " + objects);
+  }
+  if (unsound == 0 || row.points.size() == 1) return text;
+  return fmt::format("{} of {} not stable", unsound, row.points.size());
+}
+
 std::string SleepNote(const results::ResultFile& file, const std::vector<Cell>& cells) {
   if (!file.Has("mean_asleep")) return {};
   double most = 0, asleep = 0, objects = 0;

@@ -18,6 +18,7 @@
 #include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/budget.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/errors.h"
@@ -46,12 +47,41 @@ Json IntervalWords(const figures::Model& model) {
 Json DocumentConclusions(const figures::Model& model) {
   Json all = Json::array();
   if (IsLarge(model)) return all;
-  for (const figures::Conclusion& of : figures::Conclusions(model))
-    all.push_back({{"question", of.question},
-                   {"answer", of.answer},
-                   {"kind", of.kind},
-                   {"certainty", figures::CertaintyName(of.certainty)}});
+  for (const figures::Conclusion& of : figures::Conclusions(model)) {
+    Json conclusion = {{"question", of.question},
+                       {"answer", of.answer},
+                       {"kind", of.kind},
+                       {"certainty", figures::CertaintyName(of.certainty)}};
+    if (of.effect)
+      conclusion["effect"] = {
+          {"axis", of.effect->axis},
+          {"from", of.effect->from},
+          {"to", of.effect->to},
+          {"ratio", of.effect->ratio},
+          {"low", of.effect->interval ? Json(of.effect->interval->first) : Json()},
+          {"high", of.effect->interval ? Json(of.effect->interval->second) : Json()}};
+    all.push_back(std::move(conclusion));
+  }
   return all;
+}
+
+Json DocumentBudget(const figures::Model& model) {
+  const auto budget_ns = model.file().budget_ns();
+  if (!budget_ns || !model.HasTimes() || IsLarge(model)) return nullptr;
+  const figures::Model slow(
+      model.file(), {.only_sound = model.only_sound(), .statistic = figures::CycleStatistic::kP99});
+  Json points = Json::array();
+  for (const figures::BudgetFigures& of :
+       figures::BudgetOf(slow, *budget_ns, protocol::Phase::kStep))
+    points.push_back({{"point", model.IndexOf(of.point->at)},
+                      {"above", of.above},
+                      {"cycles", of.cycles},
+                      {"p99", of.p99.value},
+                      {"low", of.interval ? Json(of.interval->low) : Json()},
+                      {"high", of.interval ? Json(of.interval->high) : Json()},
+                      {"worst", of.worst},
+                      {"fits", figures::FitName(of.fit)}});
+  return {{"ns", *budget_ns}, {"phase", "step"}, {"points", std::move(points)}};
 }
 
 Json DocumentCoverage(const figures::Model& model) {
@@ -177,6 +207,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["points"] = DocumentPoints(model);
   document["ratios"] = DocumentRatios(model, ratios);
   document["fronts"] = DocumentFronts(model);
+  document["budget"] = DocumentBudget(model);
   if (options.for_page) {
     document["pooled"] = DocumentPooled(model, ratios);
     document["cycles"] = DocumentCycles(model);

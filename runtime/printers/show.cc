@@ -35,6 +35,14 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
   return tables;
 }
 
+/// The answer to the `budget` of the scenario, if it has one.
+void AddBudget(const figures::Model& model, Document& document) {
+  if (!model.file().budget_ns() || !model.HasTimes()) return;
+  const figures::Model slow(
+      model.file(), {.only_sound = model.only_sound(), .statistic = figures::CycleStatistic::kP99});
+  document.push_back(BudgetSection(slow, *model.file().budget_ns(), protocol::Phase::kStep));
+}
+
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
 Document Brief(const figures::Model& model) {
   Document document = {BriefHead(model)};
@@ -42,6 +50,7 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
+  AddBudget(model, document);
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
   return document;
@@ -60,6 +69,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);
+  AddBudget(model, document);
   if (options.plots) AddPlots(model, options.phases, document);
   return {TextOf(document, options.format), model.bad_count()};
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/coverage.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/show.h"
 #include "runtime/terminal/log_plot.h"
@@ -16,6 +17,9 @@
 
 namespace cdb::printers {
 namespace {
+
+/// A smaller part of a step outside of the phases is not worth a note.
+constexpr double kNoticeableRest = 0.1;
 
 using figures::Row;
 using protocol::Phase;
@@ -42,6 +46,11 @@ class PhaseTables {
                         .table = Means(),
                         .notes = {StatisticNote()}});
     for (std::string& note : rows_.MatchNotes()) document.back().notes.push_back(std::move(note));
+    if (const double rest = LargestRest(); rest > kNoticeableRest)
+      document.back().notes.push_back(fmt::format(
+          "Up to {:.0f} % of a step is in none of detect, solve and integrate: work of the engine in "
+          "between, such as finding contacts ahead of fast objects with ccd.",
+          100 * rest));
     if (!has_times_) return;
     document.push_back(
         {.title = "5th .. 95th percentile over the cycles" + unit,
@@ -61,6 +70,20 @@ class PhaseTables {
     if (!has_times_) return rows_.pools ? "Mean over cycles and cells." : "Mean over cycles.";
     return has_intervals_ ? times_.StatisticNote(rows_.pools)
                           : times_.StatisticAndIntervalNote(rows_.pools);
+  }
+
+  /// The largest part of a step, of all rows, that is in no other column; 0 if not all are shown.
+  double LargestRest() const {
+    double largest = 0;
+    if (!has_times_ || phases_.size() < figures::AllPhases().size()) return largest;
+    for (const Row& row : rows_.rows) {
+      const auto time_of = [&](Phase phase) { return model_.TimeOf(row, phase).value; };
+      const double step = time_of(Phase::kStep);
+      const double named =
+          time_of(Phase::kDetect) + time_of(Phase::kSolve) + time_of(Phase::kIntegrate);
+      if (step > 0) largest = std::fmax(largest, (step - named) / step);
+    }
+    return largest;
   }
 
   bool LacksRepeats() const {
@@ -89,7 +112,7 @@ class PhaseTables {
           figures.push_back(terminal::ShortNumber(model_.TimeOf(row, phase).value / unit_.ns));
       for (const std::string& series : counts_)
         figures.push_back(terminal::ShortNumber(model_.CountOf(row, series)));
-      table.AddRow(row, figures);
+      table.AddRow(row, figures, figures::UnsoundText(model_.file(), row));
     }
     return table.Take();
   }

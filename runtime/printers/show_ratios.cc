@@ -395,11 +395,11 @@ class ErrorSummary {
       std::vector<std::string> cells = {terminal::ShortNumber(row.RealTimeFactor()),
                                         terminal::ShortNumber(row.ms_per_s.value)};
       if (times.HasIntervals()) cells.push_back(figures::IntervalText(row.time_interval));
-      cells.push_back(terminal::ScientificNumber(row.error));
+      cells.push_back(terminal::ShortNumber(row.error));
       if (HasErrorIntervals())
-        cells.push_back(terminal::ScientificNumber(row.error_interval.low) + " .. " +
-                        terminal::ScientificNumber(row.error_interval.high));
-      if (has_floor) cells.push_back(terminal::ScientificNumber(row.floor));
+        cells.push_back(terminal::ShortNumber(row.error_interval.low) + " .. " +
+                        terminal::ShortNumber(row.error_interval.high));
+      if (has_floor) cells.push_back(terminal::ShortNumber(row.floor));
       if (has_floor) cells.push_back(terminal::ShortNumber(row.horizon));
       std::string note = row.on_front ? "front" : row.is_tie ? "tie" : "";
       if (row.IsBelowFloor()) note += note.empty() ? "below floor" : ", below floor";

@@ -583,6 +583,7 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
   for (std::size_t i = 0; i < plan.axes.size(); ++i)
     axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
   file.SetText("axes", axes);
+  if (plan.budget_s) file.SetNumber("budget", Type::kFloat64, *plan.budget_s);
 }
 
 }  // namespace cdb::results

@@ -269,6 +269,10 @@ void ResultFile::CheckIsOf(const plan::Plan& plan) const {
 const std::string& ResultFile::plan_sha256() const { return impl_->sha256; }
 const std::string& ResultFile::title() const { return impl_->title; }
 const std::string& ResultFile::benchmark() const { return impl_->benchmark; }
+std::optional<double> ResultFile::budget_ns() const {
+  const double seconds = impl_->file.Number("budget");
+  return seconds > 0 ? std::optional(seconds * 1e9) : std::nullopt;
+}
 const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) {

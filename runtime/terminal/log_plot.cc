@@ -62,8 +62,8 @@ std::string LogPlot(const std::vector<PlotPoint>& points, const std::string& x_n
   std::string text = y_name + used + '\n';
   for (std::size_t i = 0; i < lines.size(); ++i) {
     std::string label;
-    if (i == 0) label = ScientificNumber(top);
-    if (i + 1 == lines.size()) label = ScientificNumber(bottom);
+    if (i == 0) label = ShortNumber(top);
+    if (i + 1 == lines.size()) label = ShortNumber(bottom);
     const std::size_t end = lines[i].find_last_not_of(' ') + 1;
     text += fmt::format("{:>9} |{}\n", label, lines[i].substr(0, end));
   }

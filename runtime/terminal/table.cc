@@ -182,8 +182,4 @@ std::string ShortNumber(double value) {
   return fmt::format("{:.{}f}", rounded, std::clamp(2 - exponent, 0, 9));
 }
 
-std::string ScientificNumber(double value) {
-  return std::isnan(value) ? "-" : value == 0 ? "0" : fmt::format("{:.2e}", value);
-}
-
 }  // namespace cdb::terminal

@@ -58,8 +58,6 @@ struct TimeUnit {
 /// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
 /// exponent below 1e-4 and from 1e7 on. `-` if it is not finite.
 std::string ShortNumber(double value);
-/// Three digits and an exponent; `0`, and `-` for NaN.
-std::string ScientificNumber(double value);
 
 /// The text of a value on an axis (compiler/plan/plan.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);

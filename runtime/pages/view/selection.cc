@@ -35,6 +35,11 @@ std::optional<double> NumberOf(const std::string& text) {
 std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
   const figures::NamedValues values = figures::FindValues(axis, text);
   if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
+  if (text.find(',') != text.npos)
+    throw StoreError(
+        fmt::format("{0}={1}: this needs one value of the axis; for several axes, repeat "
+                    "the option: --select {0}=… --select OTHER=…",
+                    axis.name, text));
   throw StoreError(fmt::format("{}={}: {}the axis has the values {}", axis.name, text,
                                values.indices.empty() ? "" : "there are several; ",
                                figures::ValuesText(axis)));

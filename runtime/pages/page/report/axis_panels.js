@@ -136,7 +136,7 @@ function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
 }
 
 /** Dots in rows, with a panel for each value of the axis of panels. */
-export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true }) {
+export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true, missing = [] }) {
   const [x] = axes;
   const isSingle = new Set(rows.map((row) => row.panel)).size <= 1;
   const values = [...new Set(rows.map((row) => row.xIndex))];
@@ -144,6 +144,7 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
     rows.filter((row) => row.xIndex === i).reduce((least, row) => Math.min(least, row.value), Infinity);
   if (isSingle && isSorted) values.sort((a, b) => best(a) - best(b));
   else values.sort((a, b) => a - b);
+  values.push(...missing);
   const colours = coloursOf(rows);
   const label = (i) => (i < 0 ? 'all' : valueText(x, i));
   const panels = [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b);
@@ -178,14 +179,15 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
 }
 
 /** Lines, with a panel for each value of the axis of panels. */
-export function lineDrawing(doc, view, { rows, axes, how, yLabel, height }) {
+export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missing = [] }) {
   const [x, , panel] = axes;
   const y = scale(
     rows.flatMap((row) => [row.value, row.low, row.high]),
     view.yScale,
   );
   const colours = coloursOf(rows);
-  const xOf = (width) => valueScale([...new Set(rows.map((row) => row.x))], view.xScale, width);
+  const values = [...new Set([...rows.map((row) => row.x), ...missing.map((i) => x.values[i])])];
+  const xOf = (width) => valueScale(values, view.xScale, width);
   const panels = [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b);
   return {
     height: panels.length > 3 ? Math.min(height, 240) : height,

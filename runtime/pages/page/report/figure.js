@@ -1,7 +1,7 @@
 // The frame of a figure: heading, notes, export, its data as a table, and a pointer that also follows the arrow keys.
 import { compose } from './compose.js';
 import { h, table } from './dom.js';
-import { save } from './export.js';
+import { save, sizes } from './export.js';
 import { number, short } from './format.js';
 import { themes } from './palette.js';
 import { describeRow } from './scales.js';
@@ -91,10 +91,10 @@ function dataTable(drawing) {
  * @property {() => void} redraw
  */
 /** A button that saves the figure in a format. `message` shows why it failed. */
-function saveButton(format, id, { getName, getDescribe, message }) {
+function saveButton(format, id, { getName, getDescribe, getSize, message }) {
   const click = async () => {
     try {
-      await save(format, getName(), getDescribe());
+      await save(format, getName(), getDescribe(), getSize());
       message.textContent = '';
     } catch (error) {
       message.textContent = `Not saved: ${error.message}`;
@@ -166,13 +166,17 @@ export function createFigure({ id, describe, tools = () => [] }) {
   let view;
   let drawing;
   let drawnAt = '';
+  const options = Object.entries(sizes).map(([value, { label }]) => h('option', { value }, label));
+  const sizeMenu = h('select', { 'aria-label': `Size of saved ${id}` }, ...options);
   const source = {
     getName: () => `${short(doc.raw.sources?.[0]?.benchmark ?? 'cdb', 60).replace(/[^\w-]+/g, '_')}-${id}`,
     getDescribe: () => (how) => describe(doc, view, how),
+    getSize: () => sizes[sizeMenu.value],
     message: parts.message,
   };
   parts.actions.append(
     ...['svg', 'png', 'csv'].map((format) => saveButton(format, id, source)),
+    sizeMenu,
     parts.message,
     parts.data,
   );

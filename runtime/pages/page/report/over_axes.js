@@ -1,10 +1,12 @@
 // A quantity over the axes (figures 4 and 5 of the paper).
 import { legendOf, lineDrawing, textDrawing } from './axis_panels.js';
 import { rowsOf, tableOf } from './axis_rows.js';
-import { quantities, statistics } from './document.js';
+import { quantities, statistics, valueText } from './document.js';
 import { short } from './format.js';
 import { noTable } from './pooled.js';
 import { extent, poolNotes, unitOf } from './scales.js';
+
+const mostNamed = 12; // values without a mark
 
 /** The statistic of the times in a figure. */
 export const statisticText = (doc, view) =>
@@ -29,9 +31,18 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
     axes = [axes[1], undefined, axes[2]];
     drawn = rows.map((row) => ({ ...row, xIndex: row.colour, colour: -1 }));
   }
+  const has = new Set(drawn.map((row) => row.xIndex));
+  const missing = axes[0] ? axes[0].values.map((_, i) => i).filter((i) => !has.has(i) && axes === found.axes) : [];
   const isRows = !axes[0] || axes[0].isText;
   const label = isSmall ? unit.unit : `${quantity.short}${unit.unit ? `, ${unit.unit}` : ''}`;
-  const drawing = (isRows ? textDrawing : lineDrawing)(doc, view, { rows: drawn, axes, how, yLabel: label, height });
+  const drawing = (isRows ? textDrawing : lineDrawing)(doc, view, {
+    rows: drawn,
+    axes,
+    how,
+    yLabel: label,
+    height,
+    missing,
+  });
   const isTime = quantity.dimension === 'time';
   const statistic = isTime
     ? statisticText(doc, view)
@@ -46,6 +57,9 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
     ...drawing,
     notes: [
       statistic,
+      ...(missing.length > 0 && missing.length <= mostNamed
+        ? [`No value at ${axes[0].name} ${missing.map((i) => short(valueText(axes[0], i), 40)).join(', ')}.`]
+        : []),
       ...poolNotes(doc, view, found, quantity, {
         hasIntervals: isTime || quantity.dimension === 'ratio',
       }),

@@ -22,7 +22,7 @@ export function logTicks(low, high, room = 8) {
     const ticks = [];
     for (let power = first; power <= last; ++power) for (const step of steps) ticks.push(step * 10 ** power);
     const inside = ticks.filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
-    if (inside.length <= room) return inside.length >= 2 ? inside : finer(low, high);
+    if (inside.length <= room) return inside.length >= 3 ? inside : finer(low, high);
   }
   const stride = Math.ceil((last - first + 1) / room);
   return Array.from({ length: Math.ceil((last - first + 1) / stride) }, (_, i) => 10 ** (first + i * stride));

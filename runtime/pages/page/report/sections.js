@@ -1,10 +1,11 @@
 // The parts of the page that are text: the head, the machine, and the tables.
 import { pointText } from './document.js';
 import { bdi, h, table } from './dom.js';
-import { count, number, plural, short } from './format.js';
+import { count, number, plural, range, short, timeUnit } from './format.js';
 
-const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain' };
+const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain', fault: 'unsound' };
 const conclusionsAbove = 3; // number above the first figure
+const mostAlike = 2; // conclusions of one form in sentences; more are a table
 
 /** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
 export function sweepText(doc) {
@@ -28,7 +29,7 @@ export function sweepText(doc) {
 function outcomes(doc) {
   const { runs = {} } = doc.raw;
   return [
-    ['good', 'with valid times'],
+    ['good', doc.phases.length > 0 ? 'with valid times' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
     ['skipped', 'skipped'],
@@ -94,6 +95,22 @@ const answers = (list) =>
     ),
   );
 
+/** Alike conclusions, on a ratio along each axis, as a table. */
+function effects(list) {
+  const interval = ({ low, high }) => (low === null ? 'unknown' : range(low, high));
+  return table(
+    [
+      { label: 'axis' },
+      { label: 'from' },
+      { label: 'to' },
+      { label: 'step, times', isNumber: true },
+      { label: '95 % interval', isNumber: true },
+    ],
+    list.map(({ effect }) => [effect.axis, effect.from, effect.to, number(effect.ratio), interval(effect)]),
+    'How the time of a step changes along each axis',
+  );
+}
+
 /** The conclusions above and below the first figure. The one that the figure shows comes first. */
 export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
@@ -106,9 +123,12 @@ export function conclusions(doc, kind) {
         : null,
       null,
     ];
+  const alike = list.filter((each) => each.effect);
+  const shownAlone = alike.length > mostAlike ? list.filter((each) => !each.effect) : list;
+  const below = shownAlone.slice(conclusionsAbove);
   return [
-    answers(list.slice(0, conclusionsAbove)),
-    list.length > conclusionsAbove ? answers(list.slice(conclusionsAbove)) : null,
+    answers(shownAlone.slice(0, conclusionsAbove)),
+    h('div', {}, below.length > 0 ? answers(below) : null, alike.length > mostAlike ? effects(alike) : null),
   ];
 }
 
@@ -304,19 +324,65 @@ function command(text) {
   return h('span', { class: 'command' }, h('code', {}, bdi(text)), button);
 }
 
+/** The points against the budget of the scenario. */
+export function budget(doc) {
+  const { budget: found } = doc.raw;
+  if (!found) return null;
+  const { unit, factor } = timeUnit(found.ns);
+  const time = (ns) => number(ns / factor);
+  const hasIntervals = found.points.some((each) => each.low !== null);
+  return [
+    table(
+      [
+        { label: 'configuration' },
+        { label: 'cycles above', isNumber: true },
+        { label: 'of', isNumber: true },
+        { label: `99th percentile, ${unit}`, isNumber: true },
+        ...(hasIntervals ? [{ label: '95 % interval', isNumber: true }] : []),
+        { label: `worst, ${unit}`, isNumber: true },
+        { label: 'fits' },
+      ],
+      found.points.map((each) => [
+        pointText(doc, each.point) || 'the only one',
+        count(each.above),
+        count(each.cycles),
+        time(each.p99),
+        ...(hasIntervals ? [range(each.low / factor, each.high / factor)] : []),
+        time(each.worst),
+        each.fits === 'yes' ? 'yes' : h('strong', {}, each.fits),
+      ]),
+      `Steps against the budget of ${time(found.ns)} ${unit}`,
+    ),
+    h(
+      'p',
+      { class: 'note' },
+      `A configuration fits if the 99th percentile of the times of its cycles${hasIntervals ? ', with its interval,' : ''} `,
+      'is within the budget. The worst is the longest cycle of any repeat, disturbances included.',
+    ),
+  ];
+}
+
 const mostFailures = 200;
 
 export function failures(doc) {
   const list = doc.raw.failures ?? [];
   if (list.length === 0) return null;
+  const causes = Map.groupBy(list, (row) => row.why);
+  const runs = (rows) => {
+    if (rows.length === 1) return rows[0].place;
+    const items = rows.slice(0, mostPlaces).map((row) => h('li', {}, bdi(row.place)));
+    return h('details', {}, h('summary', {}, plural(rows.length, 'run')), h('ul', { class: 'places' }, ...items));
+  };
   return [
     table(
-      [{ label: 'run' }, { label: 'why' }, { label: 'replay' }],
-      list.slice(0, mostFailures).map((row) => [row.place, row.why, row.command ? command(row.command) : null]),
-      'Failed runs',
+      [{ label: 'why' }, { label: 'run' }, { label: 'replay the first' }],
+      [...causes]
+        .slice(0, mostFailures)
+        .map(([why, rows]) => [why, runs(rows), rows[0].command ? command(rows[0].command) : null]),
+      'Failed runs, by cause',
     ),
-    list.length > mostFailures
-      ? h('p', { class: 'note' }, `The first ${mostFailures} of ${count(list.length)}.`)
+    causes.size > mostFailures
+      ? h('p', { class: 'note' }, `The first ${mostFailures} of ${count(causes.size)} causes.`)
       : null,
   ];
 }

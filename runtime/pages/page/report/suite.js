@@ -18,6 +18,9 @@ function memory(bytes) {
 /** Two digits after the point, for ratios near 1. */
 const ratio = (value) => (value === null ? null : value.toFixed(2));
 
+/** `1.18× as fast`, or of a choice that is slower because it is more accurate `3.80× slower`. */
+const speed = (value) => (value === null ? '' : value >= 1 ? `${ratio(value)}× as fast` : `${ratio(1 / value)}× slower`);
+
 const ratioRange = ([low, high]) => (low === null ? '' : `${ratio(low)} .. ${ratio(high)}`);
 
 const strong = (text) => h('strong', {}, bdi(text));
@@ -40,7 +43,7 @@ function recommendations(suite, linkOf) {
     if (names.length === 0) return h('span', { class: 'muted' }, 'none');
     const best = scene.configurations.find((of) => of.name === names[0]);
     const others = names.length > 1 ? ` or ${short(names.slice(1).join(', '), 60)}` : '';
-    return h('span', {}, strong(names[0]), h('span', { class: 'muted' }, ` ${ratio(best.speedup)}×${others}`));
+    return h('span', {}, strong(names[0]), h('span', { class: 'muted' }, ` ${speed(best.speedup)}${others}`));
   };
   const rows = suite.scenes.map((scene, i) => [
     h('a', { href: linkOf(i) }, bdi(scene.what)),
@@ -62,8 +65,8 @@ function recommendations(suite, linkOf) {
       'p',
       { class: 'note' },
       'Of the configurations that are correct and whose slow steps (the 99th percentile) fit the time: the most ',
-      'accurate, and of equally accurate ones the fastest. 1.18× is 1.18 times as fast as the baseline, which is dbvt, ',
-      'or Bullet with its own settings. Configurations after “or” tie with it: the 95 % intervals of the ratios of their ',
+      'accurate, and of equally accurate ones the fastest; so one that is slower is more accurate. Speeds are relative to ',
+      'the baseline, which is dbvt, or Bullet with its own settings. Configurations after “or” tie with it: the 95 % intervals of the ratios of their ',
       'times include 1. Each scene links to its report.',
     ),
   ];

@@ -141,6 +141,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"narrow_phase", "needs a detector that comes with a package; adapter_test.cc has one"},
     {"threads", "must not change what a detector finds"},
     {"expect", "is the verdict's"},
+    {"budget", "is the report's"},
     {"timeout", "is the schedule's"},
     {"memory", "is the schedule's"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
