@@ -6,8 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "runtime/cli/options/browser.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/report_page.h"
+#include "runtime/results/files/safe_file.h"
+#include "runtime/terminal/console.h"
 
 namespace cdb::cli {
 namespace {
@@ -17,6 +20,8 @@ struct ReportArguments {
   std::string out;       ///< empty: the first file's name with .html
   std::string baseline;  ///< as in `cdb show`
   bool only_sound = false;
+  bool opens = false;
+  std::string figures;  ///< folder of SVG files; empty: none
 };
 
 std::string PageName(const ReportArguments& arguments) {
@@ -24,11 +29,27 @@ std::string PageName(const ReportArguments& arguments) {
   return std::filesystem::path(arguments.files[0]).replace_extension(".html").string();
 }
 
+/// Writes each figure of the page to a file of its own.
+void WriteFigures(const ReportArguments& arguments) {
+  const std::filesystem::path folder = arguments.figures;
+  const auto figures = options::DrawFigures(PageName(arguments));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  files::RequireFolder(folder, "for the figures");
+  for (const auto& [name, svg] : figures) {
+    files::WriteWhole(svg, folder / name);
+    terminal::Print((folder / name).string() + "\n");
+  }
+  if (figures.empty()) terminal::Say("the page has no figures\n");
+}
+
 options::ExitStatus WriteReport(const ReportArguments& arguments) {
   const PageDocuments documents =
       ReadPageDocuments(arguments.files, arguments.baseline, arguments.only_sound);
   WriteReportPage(PageName(arguments), documents.title,
-                  fmt::format("{{\"documents\":[{}]}}", documents.json), arguments.files);
+                  fmt::format("{{\"documents\":[{}]}}", documents.json), arguments.files,
+                  arguments.opens);
+  if (!arguments.figures.empty()) WriteFigures(arguments);
   return documents.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
@@ -38,6 +59,9 @@ void DeclareReport(options::Subcommand& command) {
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Baseline(arguments->baseline);
   command.Sound(arguments->only_sound);
+  command.Flag("--open", arguments->opens, "open the page in a browser: $BROWSER, else xdg-open");
+  command.Optional("--svg", arguments->figures,
+                   "write the figures of the page to this folder, as SVG drawn by Chromium");
   command.Action([arguments] { return WriteReport(*arguments); });
 }
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "runtime/cli/options/browser.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/printers/results_document.h"
@@ -34,7 +35,7 @@ PageDocuments ReadPageDocuments(const std::vector<std::string>& files, const std
 }
 
 void WriteReportPage(const std::string& name, const std::string& title, const std::string& json,
-                     const std::vector<std::string>& files) {
+                     const std::vector<std::string>& files, bool opens) {
   for (const std::string& file : files) {
     std::error_code error;
     if (std::filesystem::equivalent(file, name, error))
@@ -43,8 +44,17 @@ void WriteReportPage(const std::string& name, const std::string& title, const st
   }
   const std::string page = page::Assemble(page::ReportTemplate(), title, json);
   files::WriteWhole(page, name);
-  terminal::Print(fmt::format("{}: {}; open it in a browser\n", name,
-                              protocol::BytesText(static_cast<double>(page.size()))));
+  std::string next = "open it in a browser";
+  if (opens) {
+    const std::string browser = options::OpenInBrowser(name);
+    next = browser.empty() ? fmt::format(
+                                 "no browser found ($BROWSER, or xdg-open and a display): "
+                                 "open {} in one",
+                                 options::AddressOf(name))
+                           : "opened by " + browser;
+  }
+  terminal::Print(fmt::format("{}: {}; {}\n", name,
+                              protocol::BytesText(static_cast<double>(page.size())), next));
 }
 
 }  // namespace cdb::cli

@@ -17,9 +17,10 @@ struct PageDocuments {
 PageDocuments ReadPageDocuments(const std::vector<std::string>& files,
                                 const std::string& baseline = {}, bool only_sound = false);
 
-/// Writes the page `name`, whose data are `json`, and prints its name. Throws PageError,
-/// StoreError, and CommandError if `name` is one of `files`, which a page must never replace.
+/// Writes the page `name`, whose data are `json`, prints its name, and opens it in a browser if
+/// `opens`. Throws PageError, StoreError, and CommandError if `name` is one of `files`, which a
+/// page must never replace.
 void WriteReportPage(const std::string& name, const std::string& title, const std::string& json,
-                     const std::vector<std::string>& files);
+                     const std::vector<std::string>& files, bool opens = false);
 
 }  // namespace cdb::cli

@@ -214,6 +214,7 @@ function show(index) {
       }
       if (view.section) document.getElementById(view.section)?.scrollIntoView();
     },
+    drawn,
     redraw: () => drawn.forEach((figure) => figure.redraw()),
   };
   current.update(view);
@@ -232,6 +233,26 @@ function follow() {
   else current.update(decode(current.doc, address));
 }
 
+/** Replaces the page by the figures as files, for `cdb report --svg`: in ASCII, which no markup changes. */
+function writeFigures() {
+  const files = {};
+  documents.forEach((doc, i) => {
+    show(i);
+    const stem = documents.length > 1 && short(doc.raw.sources?.[0]?.file ?? '', 60).replace(/\.h5$/, '');
+    for (const figure of current.drawn) {
+      const file = figure.svg();
+      if (!file) continue;
+      const wanted = stem ? `${stem.replace(/[^\w-]+/g, '_')}-${file.id}` : file.name;
+      let name = wanted;
+      for (let n = 2; files[`${name}.svg`]; ++n) name = `${wanted}-${n}`; // files of one name
+      files[`${name}.svg`] = file.text;
+    }
+  });
+  const escaped = (unit) => `\\u${unit.charCodeAt(0).toString(16).padStart(4, '0')}`;
+  const text = JSON.stringify(files).replace(/[<>&]|[^\x20-\x7e]/g, escaped);
+  document.body.replaceChildren(h('pre', { id: 'figures' }, text));
+}
+
 function start() {
   const data = JSON.parse(document.getElementById('data').textContent);
   documents = (data.documents ?? []).map(openDocument);
@@ -239,6 +260,10 @@ function start() {
   comparison = data.comparison ?? null;
   if (documents.length === 0 && !comparison) {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
+    return;
+  }
+  if (location.hash === '#figures') {
+    writeFigures();
     return;
   }
   follow();
