@@ -11,6 +11,7 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/report_page.h"
 #include "runtime/printers/compare.h"
 #include "runtime/protocol/series.h"
 #include "runtime/terminal/console.h"
@@ -24,8 +25,9 @@ struct CompareArguments {
   std::vector<std::string> files;  ///< results files, or folders of them
   std::string fail_above = "5%";
   std::string phase;  ///< empty: all
+  std::string out;    ///< the page; empty: compare.html
   std::vector<std::string> select;
-  bool is_markdown = false, is_latex = false, is_json = false, is_relative = false,
+  bool is_markdown = false, is_latex = false, is_json = false, is_page = false, is_relative = false,
        lists_all = false;
 };
 
@@ -45,7 +47,10 @@ figures::CompareOptions OptionsOf(const CompareArguments& arguments) {
         "compare takes two or more results files, or two or more folders of them");
   options::CheckOneForm({{"--markdown", arguments.is_markdown},
                          {"--latex", arguments.is_latex},
-                         {"--json", arguments.is_json}});
+                         {"--json", arguments.is_json},
+                         {"--page", arguments.is_page}});
+  if (!arguments.out.empty() && !arguments.is_page)
+    throw options::CommandError("-o names the page: it needs --page");
   return {arguments.select, ParsePhase(arguments.phase),
           options::ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
           arguments.lists_all};
@@ -145,12 +150,33 @@ printers::Document DocumentOf(const std::vector<figures::BenchmarkHistory>& benc
   return document;
 }
 
+/// Reports of the files follow the comparison, unless it is of several benchmarks.
+void WriteComparison(const CompareArguments& arguments,
+                     const std::vector<figures::BenchmarkHistory>& benchmarks,
+                     const std::vector<std::vector<std::string>>& files,
+                     const std::vector<std::string>& unmatched,
+                     const figures::CompareOptions& options) {
+  const std::vector<std::string> names = NamesOf(arguments.files);
+  const PageDocuments reports = files.size() == 1 ? ReadPageDocuments(files[0]) : PageDocuments();
+  std::vector<std::string> shown = unmatched;
+  for (const std::vector<std::string>& paths : files)
+    shown.insert(shown.end(), paths.begin(), paths.end());
+  WriteReportPage(
+      arguments.out.empty() ? "compare.html" : arguments.out,
+      fmt::format("{} compared with {}", names.back(), names.front()),
+      fmt::format("{{\"comparison\":{},\"documents\":[{}]}}",
+                  printers::ComparePageJson(benchmarks, names, unmatched, options), reports.json),
+      shown);
+}
+
 options::ExitStatus CompareResults(const CompareArguments& arguments) {
   const figures::CompareOptions options = OptionsOf(arguments);
   std::vector<std::string> unmatched;
   const auto files = FilesOf(arguments.files, unmatched);
   const auto benchmarks = ReadAll(files, options);
-  if (arguments.is_json) {
+  if (arguments.is_page) {
+    WriteComparison(arguments, benchmarks, files, unmatched, options);
+  } else if (arguments.is_json) {
     terminal::PrintJson(printers::CompareJson(benchmarks, unmatched, options));
   } else {
     const printers::Document document =
@@ -179,6 +205,8 @@ void DeclareCompare(options::Subcommand& command) {
   command.Flag("--markdown", arguments->is_markdown, "print Markdown, for a pull request");
   command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
   command.Flag("--json", arguments->is_json, "print JSON, for scripts");
+  command.Flag("--page", arguments->is_page, "write a page of figures for a browser");
+  command.Out(arguments->out, "the page (default: compare.html)");
   command.Action([arguments] { return CompareResults(*arguments); });
 }
 

@@ -6,12 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "runtime/cli/options/browser.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/pages/page/page.h"
-#include "runtime/printers/results_document.h"
-#include "runtime/protocol/bytes_text.h"
+#include "runtime/cli/report_page.h"
 #include "runtime/results/files/safe_file.h"
-#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -22,6 +20,8 @@ struct ReportArguments {
   std::string out;       ///< empty: the first file's name with .html
   std::string baseline;  ///< as in `cdb show`
   bool only_sound = false;
+  bool opens = false;
+  std::string figures;  ///< folder of SVG files; empty: none
 };
 
 std::string PageName(const ReportArguments& arguments) {
@@ -29,39 +29,28 @@ std::string PageName(const ReportArguments& arguments) {
   return std::filesystem::path(arguments.files[0]).replace_extension(".html").string();
 }
 
-/// A page must never replace a results file that it shows.
-void CheckPageName(const ReportArguments& arguments) {
-  for (const std::string& file : arguments.files) {
-    std::error_code error;
-    if (std::filesystem::equivalent(file, PageName(arguments), error))
-      throw options::CommandError(
-          fmt::format("{} is the results file; name another file for the page with -o", file));
+/// Writes each figure of the page to a file of its own.
+void WriteFigures(const ReportArguments& arguments) {
+  const std::filesystem::path folder = arguments.figures;
+  const auto figures = options::DrawFigures(PageName(arguments));
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  files::RequireFolder(folder, "for the figures");
+  for (const auto& [name, svg] : figures) {
+    files::WriteWhole(svg, folder / name);
+    terminal::Print((folder / name).string() + "\n");
   }
+  if (figures.empty()) terminal::Say("the page has no figures\n");
 }
 
 options::ExitStatus WriteReport(const ReportArguments& arguments) {
-  CheckPageName(arguments);
-  std::string title, documents;
-  std::size_t bad_cells = 0;
-  for (const std::string& name : arguments.files) {
-    const results::ResultFile file(name);
-    const printers::Printed document =
-        printers::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
-                                         .baseline = arguments.baseline,
-                                         .only_sound = arguments.only_sound,
-                                         .for_page = true});
-    if (!title.empty()) title += ", ";
-    title += file.title().empty() ? file.benchmark() : file.title();
-    if (!documents.empty()) documents += ',';
-    documents += document.text;
-    bad_cells += document.bad_count;
-  }
-  const std::string page = page::Assemble(page::ReportTemplate(), title,
-                                          fmt::format("{{\"documents\":[{}]}}", documents));
-  files::WriteWhole(page, PageName(arguments));
-  terminal::Print(fmt::format("{}: {}; open it in a browser\n", PageName(arguments),
-                              protocol::BytesText(static_cast<double>(page.size()))));
-  return bad_cells > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
+  const PageDocuments documents =
+      ReadPageDocuments(arguments.files, arguments.baseline, arguments.only_sound);
+  WriteReportPage(PageName(arguments), documents.title,
+                  fmt::format("{{\"documents\":[{}]}}", documents.json), arguments.files,
+                  arguments.opens);
+  if (!arguments.figures.empty()) WriteFigures(arguments);
+  return documents.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
 void DeclareReport(options::Subcommand& command) {
@@ -70,6 +59,9 @@ void DeclareReport(options::Subcommand& command) {
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Baseline(arguments->baseline);
   command.Sound(arguments->only_sound);
+  command.Flag("--open", arguments->opens, "open the page in a browser: $BROWSER, else xdg-open");
+  command.Optional("--svg", arguments->figures,
+                   "write the figures of the page to this folder, as SVG drawn by Chromium");
   command.Action([arguments] { return WriteReport(*arguments); });
 }
 

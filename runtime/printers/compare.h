@@ -27,6 +27,12 @@ std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks
                         const std::vector<std::string>& unmatched,
                         const figures::CompareOptions& options);
 
+/// The same for a page, with the sections that a terminal shows. `names`: as for HistoryDocument.
+std::string ComparePageJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
+                            const std::vector<std::string>& names,
+                            const std::vector<std::string>& unmatched,
+                            const figures::CompareOptions& options);
+
 /// A summary that stands alone: times, states, facts, and whether something is worse.
 std::vector<std::string> ResultLines(const figures::FileComparison& comparison,
                                      const figures::CompareOptions& options);

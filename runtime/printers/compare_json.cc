@@ -80,6 +80,7 @@ Json TimesJson(const figures::PointMatch& match, const figures::TimeComparison& 
   for (const auto& [point, why] : times.left_out)
     left_out.push_back({{"point", PlaceOnMatch(match, point)}, {"why", why}});
   return {{"has_intervals", times.has_intervals},
+          {"group", match.group ? Json(match.axes[*match.group]) : Json()},
           {"common", times.common ? TestedJson(*times.common) : Json()},
           {"harness", times.harness ? TestedJson(*times.harness) : Json()},
           {"groups", std::move(groups)},
@@ -137,11 +138,8 @@ Json ComparisonJson(const figures::FileComparison& of, const figures::CompareOpt
           {"times", TimesJson(of.match, of.times)}};
 }
 
-}  // namespace
-
-std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                        const std::vector<std::string>& unmatched,
-                        const figures::CompareOptions& options) {
+Json AllJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
+             const std::vector<std::string>& unmatched, const figures::CompareOptions& options) {
   bool is_worse = false;
   Json list = Json::array();
   for (const figures::BenchmarkHistory& benchmark : benchmarks) {
@@ -159,12 +157,54 @@ std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks
     if (!to_first.empty()) json["relative_to_the_first"] = std::move(to_first);
     list.push_back(std::move(json));
   }
-  const Json all = {{"cdb_compare", 1},
-                    {"fail_above", options.margin},
-                    {"is_worse", is_worse},
-                    {"unmatched", unmatched},
-                    {"benchmarks", std::move(list)}};
-  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return {{"cdb_compare", 1},
+          {"fail_above", options.margin},
+          {"is_worse", is_worse},
+          {"unmatched", unmatched},
+          {"benchmarks", std::move(list)}};
+}
+
+/// The sections as a terminal shows them.
+Json SectionsJson(const Document& document) {
+  Json sections = Json::array();
+  for (const Section& section : document) {
+    Json columns = Json::array();
+    for (const Table::Column& column : section.table.columns)
+      columns.push_back({{"label", column.head}, {"is_number", column.is_number}});
+    sections.push_back({{"title", section.title},
+                        {"lines", section.lines},
+                        {"columns", std::move(columns)},
+                        {"rows", section.table.rows},
+                        {"notes", section.notes}});
+  }
+  return sections;
+}
+
+}  // namespace
+
+std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
+                        const std::vector<std::string>& unmatched,
+                        const figures::CompareOptions& options) {
+  return AllJson(benchmarks, unmatched, options)
+             .dump(2, ' ', false, Json::error_handler_t::replace) +
+         "\n";
+}
+
+std::string ComparePageJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
+                            const std::vector<std::string>& names,
+                            const std::vector<std::string>& unmatched,
+                            const figures::CompareOptions& options) {
+  Json all = AllJson(benchmarks, unmatched, options);
+  all["names"] = names;
+  all["sections"] = benchmarks[0].files.size() > 2
+                        ? SectionsJson(HistoryDocument(benchmarks, names, options))
+                        : Json::array();
+  for (std::size_t i = 0; i < benchmarks.size(); ++i)
+    all["benchmarks"][i]["sections"] =
+        benchmarks[i].files.size() > 2
+            ? Json::array()
+            : SectionsJson(CompareDocument(benchmarks[i].steps[0], options));
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 namespace {

@@ -1,7 +1,7 @@
 // Pages that `cdb report` writes for real results: compares the figures with `cdb show --json` and the document in the page.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { mkdirSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { after, before, test } from 'node:test';
 import { blemishes, folder, launch, marksOf, openTab, parseCsv, saveFile, settle, visit } from './browser.mjs';
@@ -93,6 +93,15 @@ test('a sweep of detectors', async () => {
   await settle(tab);
   assert.equal(await compareTimes(document, document.axes), 8);
   await clean('rain');
+});
+
+test('figures as files', async () => {
+  await report('files', 'first', 'first', '  cycles 20\n  repeats 2\n  objects { quantity sweep(20, 40) }');
+  const names = await tab.$$eval('figure:not(.empty):not([hidden])', (figures) => figures.map((each) => each.id));
+  cdb('report', 'files.h5', '-o', 'files.html', '--svg', 'files');
+  assert.deepEqual(readdirSync(`${work}/files`), names.map((name) => `files-${name}.svg`).sort());
+  // As saved from the page.
+  assert.equal(readFileSync(`${work}/files/files-times.svg`, 'utf8'), String(await saveFile(tab, 'times', 'SVG')));
 });
 
 test('errors against run time', async () => {

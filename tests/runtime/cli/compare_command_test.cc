@@ -95,6 +95,43 @@ TEST(CompareCommand, ComparesFoldersFileByFile) {
   EXPECT_TRUE(parsed["benchmarks"][1]["comparisons"][0]["is_worse"]);
 }
 
+/// The data of a page.
+nlohmann::json DataOf(const std::string& page) {
+  const std::string start = "id=\"data\">";
+  const std::size_t at = page.find(start) + start.size();
+  return nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+}
+
+TEST(CompareCommand, WritesAPageOfTheSameNumbers) {
+  const Program program;
+  WriteFactor(program, "a.h5", 1, 1);
+  WriteFactor(program, "b.h5", 1.08, 2);
+  const Finished written = program.Run({"compare", "a.h5", "b.h5", "--page"});
+  if (written.err.find("built without pages") != std::string::npos)
+    GTEST_SKIP() << "this build has no pages";
+  EXPECT_EQ(written.status, 4) << written.err;
+  EXPECT_TRUE(written.out.starts_with("compare.html: ")) << written.out;
+  nlohmann::json data = DataOf(program.Read("compare.html"));
+  EXPECT_EQ(data["documents"].size(), 2u);
+  nlohmann::json comparison = data["comparison"];
+  EXPECT_EQ(comparison["names"], nlohmann::json({"a.h5", "b.h5"}));
+  const nlohmann::json sections = comparison["benchmarks"][0]["sections"];
+  EXPECT_EQ(sections[1]["lines"],
+            comparison["benchmarks"][0]["comparisons"][0]["result"]);  // as on the terminal
+  comparison.erase("names");
+  comparison.erase("sections");
+  comparison["benchmarks"][0].erase("sections");
+  EXPECT_EQ(comparison,
+            nlohmann::json::parse(program.Run({"compare", "a.h5", "b.h5", "--json"}).out));
+  EXPECT_EQ(comparison["benchmarks"][0]["comparisons"][0]["times"]["group"], "detector");
+
+  // A history has the sections of all benchmarks.
+  EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "a.h5", "--page", "-o", "h.html"}).status, 0);
+  data = DataOf(program.Read("h.html"));
+  EXPECT_FALSE(data["comparison"]["sections"].empty());
+  EXPECT_EQ(data["documents"].size(), 3u);
+}
+
 TEST(CompareCommand, RefusesByName) {
   const Program program;
   WriteFactor(program, "a.h5", 1, 1);
@@ -117,6 +154,9 @@ TEST(CompareCommand, RefusesByName) {
       {{"a.h5", "a.h5", "--fail-above", "-1"}, "--fail-above -1: not a percentage"},
       {{"a.h5", "a.h5", "--fail-above", "some"}, "--fail-above some: not a percentage"},
       {{"a.h5", "a.h5", "--json", "--markdown"}, "choose either --markdown or --json"},
+      {{"a.h5", "a.h5", "--json", "--page"}, "choose either --json or --page"},
+      {{"a.h5", "a.h5", "-o", "c.html"}, "-o names the page: it needs --page"},
+      {{"a.h5", "a.h5", "--page", "-o", "a.h5"}, "a.h5 is the results file; name another file"},
       {{"a.h5", "a.h5", "--relative"}, "--relative needs 3 detectors or more"},
   };
   for (const auto& [arguments, why] : kRefusals) {

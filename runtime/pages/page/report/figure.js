@@ -1,7 +1,7 @@
 // The frame of a figure: heading, notes, export, its data as a table, and a pointer that also follows the arrow keys.
 import { compose } from './compose.js';
 import { h, table } from './dom.js';
-import { save, sizes } from './export.js';
+import { save, sizes, svgText } from './export.js';
 import { number, short } from './format.js';
 import { themes } from './palette.js';
 import { describeRow } from './scales.js';
@@ -88,6 +88,7 @@ function dataTable(drawing) {
  * @typedef {object} Figure
  * @property {HTMLElement} element
  * @property {(doc: import('./document.js').Doc, view: import('./state.js').View) => void} update
+ * @property {() => {id: string, name: string, text: string} | null} svg
  * @property {() => void} redraw
  */
 /** A button that saves the figure in a format. `message` shows why it failed. */
@@ -199,6 +200,9 @@ export function createFigure({ id, describe, tools = () => [] }) {
       replaceControls(parts.toolbar, tools(doc, view));
       redraw();
     },
+    /** The name of an exported file, and SVG; null if there is nothing to draw. */
+    svg: () =>
+      !drawing || 'empty' in drawing ? null : { id, name: source.getName(), text: svgText(source.getDescribe()).text },
     redraw: () => doc && drawnAt !== key(size()) && redraw(),
   };
 }

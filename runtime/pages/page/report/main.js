@@ -1,4 +1,5 @@
 // The page of `cdb report`: figures of results documents.
+import { compareParts } from './compare.js';
 import { controls, cycleTools, errorTools, mapTools, placeTools } from './controls.js';
 import { openDocument } from './document.js';
 import { bdi, h } from './dom.js';
@@ -99,9 +100,11 @@ let current = null;
 let documents = [];
 /** The results of `cdb suite`, if any, which are the first tab. */
 let suite = null;
+/** The results of `cdb compare`, if any, which are the first tab. */
+let comparison = null;
 
-/** The tab that the address need not name: the suite's, or the first document's. */
-const firstTab = () => (suite ? -1 : 0);
+/** The tab that the address need not name: that of the suite or of the comparison, or the first document's. */
+const firstTab = () => (suite || comparison ? -1 : 0);
 const tabAddress = (index) => (index === firstTab() ? '' : `doc=${index}`);
 const addressOf = (index, doc, view) => [tabAddress(index), encode(doc, view)].filter(Boolean).join('&');
 const indexIn = (address) => {
@@ -115,11 +118,13 @@ function tabName(doc, i) {
 }
 
 function tabs(index) {
-  if (documents.length < 2 && !suite) return null;
+  if (documents.length < 2 - (firstTab() < 0)) return null;
   const link = (i, name) =>
     h('a', { href: `#${tabAddress(i)}`, 'aria-current': i === index ? 'page' : null }, bdi(name));
-  const links = documents.map((doc, i) => link(i, suite ? suite.scenes[i].name : tabName(doc, i)));
-  if (suite) links.unshift(link(-1, 'Suite'));
+  const links = documents.map((doc, i) =>
+    link(i, suite?.scenes[i].name ?? comparison?.benchmarks[0].files[i] ?? tabName(doc, i)),
+  );
+  if (firstTab() < 0) links.unshift(link(-1, suite ? 'Suite' : 'Comparison'));
   return h('nav', { class: 'tabs', 'aria-label': 'Results' }, ...links);
 }
 
@@ -160,15 +165,21 @@ const sectionOf = (id, title, items) =>
     ...items.map(element),
   );
 
-/** Builds the tab of the suite, which is static. */
-function showSuite() {
-  const { head, sections } = suiteParts(suite, (scene) => `#${tabAddress(scene)}`);
+/** Builds the tab of the suite or of the comparison, which has no controls. */
+function showFirst() {
+  const {
+    head,
+    sections,
+    figures = [],
+  } = suite ? suiteParts(suite, (scene) => `#${tabAddress(scene)}`) : compareParts(comparison);
   const links = sections.map(([id, title]) => ({ id, link: h('a', { href: `#section=${id}` }, title) }));
-  const footer = h('footer', {}, 'Written by cdb suite.');
+  const footer = h('footer', {}, `Written by cdb ${suite ? 'suite' : 'compare'}.`);
   const items = [...head.filter(Boolean), ...sections.map((each) => sectionOf(...each)), footer];
   const body = h('div', { class: 'body wide' }, ...items);
-  page.replaceChildren(tabs(-1), h('div', { class: 'layout' }, asideOf(links, null), body));
-  current = { index: -1, redraw: () => {} };
+  const layout = h('div', { class: 'layout' }, asideOf(links, null), body);
+  page.replaceChildren(...[tabs(-1), layout].filter(Boolean));
+  for (const { figure, doc } of figures) figure.update(doc, null);
+  current = { index: -1, redraw: () => figures.forEach(({ figure }) => figure.redraw()) };
 }
 
 /** Builds the page of one document. */
@@ -203,6 +214,7 @@ function show(index) {
       }
       if (view.section) document.getElementById(view.section)?.scrollIntoView();
     },
+    drawn,
     redraw: () => drawn.forEach((figure) => figure.redraw()),
   };
   current.update(view);
@@ -212,21 +224,46 @@ function follow() {
   const address = location.hash.slice(1);
   const index = indexIn(address);
   if (index < 0) {
-    if (current?.index !== index) showSuite();
+    if (current?.index !== index) showFirst();
     const section = new URLSearchParams(address).get('section') ?? '';
-    if (/^[a-z-]{1,40}$/.test(section)) document.getElementById(section)?.scrollIntoView();
+    if (/^[a-z\d-]{1,40}$/.test(section)) document.getElementById(section)?.scrollIntoView();
     return;
   }
   if (!current || index !== current.index) show(index);
   else current.update(decode(current.doc, address));
 }
 
+/** Replaces the page by the figures as files, for `cdb report --svg`: in ASCII, which no markup changes. */
+function writeFigures() {
+  const files = {};
+  documents.forEach((doc, i) => {
+    show(i);
+    const stem = documents.length > 1 && short(doc.raw.sources?.[0]?.file ?? '', 60).replace(/\.h5$/, '');
+    for (const figure of current.drawn) {
+      const file = figure.svg();
+      if (!file) continue;
+      const wanted = stem ? `${stem.replace(/[^\w-]+/g, '_')}-${file.id}` : file.name;
+      let name = wanted;
+      for (let n = 2; files[`${name}.svg`]; ++n) name = `${wanted}-${n}`; // files of one name
+      files[`${name}.svg`] = file.text;
+    }
+  });
+  const escaped = (unit) => `\\u${unit.charCodeAt(0).toString(16).padStart(4, '0')}`;
+  const text = JSON.stringify(files).replace(/[<>&]|[^\x20-\x7e]/g, escaped);
+  document.body.replaceChildren(h('pre', { id: 'figures' }, text));
+}
+
 function start() {
   const data = JSON.parse(document.getElementById('data').textContent);
   documents = (data.documents ?? []).map(openDocument);
   suite = data.suite ?? null;
-  if (documents.length === 0) {
+  comparison = data.comparison ?? null;
+  if (documents.length === 0 && !comparison) {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
+    return;
+  }
+  if (location.hash === '#figures') {
+    writeFigures();
     return;
   }
   follow();
