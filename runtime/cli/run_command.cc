@@ -192,9 +192,16 @@ options::ExitStatus Run(const RunArguments& arguments) {
   if (options::BuildType() != "Release" && !arguments.quiet)
     terminal::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                               options::BuildType()));
-  const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
-                                  arguments.plugins, retry, arguments.noisy_retries, until,
-                                  arguments.settings});
+  const plans::PlanRunner runner({.jobs = arguments.jobs,
+                                  .fresh = arguments.fresh,
+                                  .is_quiet = arguments.quiet,
+                                  .keeps_earlier = arguments.only.empty(),
+                                  .shard = shard,
+                                  .plugins = arguments.plugins,
+                                  .retry = retry,
+                                  .noisy_retries = arguments.noisy_retries,
+                                  .until = until,
+                                  .settings = arguments.settings});
   options::ExitStatus status = options::ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const options::ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);

@@ -16,6 +16,7 @@
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/printers/show.h"
 #include "runtime/results/store.h"
+#include "runtime/sweep/schedule/folder.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -97,6 +98,26 @@ plan::Plan SizedPlan::ListPart(std::uint64_t index, std::uint64_t count) const {
 SizedPlan ReadSizedPlan(const std::string& text, const std::string& name) {
   if (const auto form = yaml::FindShortPlan(text, name)) return Expand(*form, name);
   return {yaml::FromYaml(text, name), nullptr, {}};
+}
+
+std::string FindPlanIn(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const char* name : {schedule::kShortPlanName, schedule::kPlanName})
+    if (std::filesystem::exists(folder / name, error)) return (folder / name).string();
+  return {};
+}
+
+SizedPlan ReadPlanFile(const std::string& file, const std::string& text) {
+  const std::filesystem::path list =
+      std::filesystem::path(file).parent_path() / schedule::kPlanName;
+  std::error_code error;
+  if (!file.ends_with(schedule::kShortPlanName) || !std::filesystem::exists(list, error))
+    return ReadSizedPlan(text, file);
+  try {
+    return ReadSizedPlan(text, file);
+  } catch (const options::CommandError&) {
+    return ReadSizedPlan(options::ReadText(list.string()), list.string());
+  }
 }
 
 std::vector<SizedPlan> LoadSizedPlans(const std::string& file,

@@ -40,6 +40,13 @@ std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
 /// The plan in `text`, the contents of the plan file `name`.
 SizedPlan ReadSizedPlan(const std::string& text, const std::string& name);
 
+/// The plan file in the folder of a sweep, in its short form if there is one; empty if there is
+/// none.
+std::string FindPlanIn(const std::filesystem::path& folder);
+/// The plan in `text`, the contents of `file` as named by FindPlanIn. If this cdb, or its plug-ins,
+/// expand a short form to another plan, the list of runs beside it is read instead.
+SizedPlan ReadPlanFile(const std::string& file, const std::string& text);
+
 // Path of the results of a plan, and the output after it has been executed.
 
 /// `NAME.h5` in the current folder if `out` is empty, in `out` if that is a folder, else `out`

@@ -35,15 +35,14 @@ std::string PlanOf(const std::string& results) {
   }
 }
 
-/// True if the results are those of the plan in an earlier format, with other ids of runs.
+}  // namespace
+
 bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan) {
   std::optional<plan::Plan> there = figures::ReadPlan(file);
   if (!there || there->version == plan::kPlanVersion) return false;
   there->Renew();
   return there->Sha256() == plan.Sha256();
 }
-
-}  // namespace
 
 fs::path RunsFolderOf(const fs::path& out) {
   fs::path folder = out;

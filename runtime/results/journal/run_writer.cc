@@ -250,13 +250,15 @@ void RunWriter::Write(const plan::Run& run, const results::RunResult& result, Jo
   journal.Write(record);
 }
 
-Record RunWriter::Copy(const plan::Run& run, const MergeBase& from, std::size_t cell) {
+Record RunWriter::Copy(const plan::Run& run, const MergeBase& from, std::size_t cell,
+                       const std::string& id_there) {
   Record record;
   record.run_id = run.id;
-  record.about = AboutFor(from.ProvenanceOf(run.id));
+  record.about = AboutFor(from.ProvenanceOf(id_there));
   for (std::size_t i = 0; i < facts_.numbers.size(); ++i)
     record.numbers.push_back(from.Number(i, cell));
-  for (std::size_t i = 0; i < facts_.texts.size(); ++i) record.texts.push_back(from.Text(i, cell));
+  for (std::size_t i = 0; i < facts_.texts.size(); ++i)
+    record.texts.push_back(facts_.texts[i].name == "run/run_id" ? run.id : from.Text(i, cell));
   if (facts_.contacts) record.numbers.push_back(results::kNaN);
   CopySeries(run, from, cell, record);
   if (facts_.contacts) CopyContacts(from, cell, record);

@@ -28,10 +28,11 @@ class RunWriter {
   /// The same for a reference run, with its samples.
   void WriteReference(const plan::Run& run, const results::RunResult& result,
                       std::span<const double> samples, Journal& journal);
-  /// The run in `cell` of a results file of another plan, which is the measured run `run` of this
-  /// one: the record that its runner would have written. `from` was made with facts(). Throws
-  /// hdf5::Error.
-  Record Copy(const plan::Run& run, const MergeBase& from, std::size_t cell);
+  /// The run in `cell` of a results file of another plan, where its id is `id_there`, which is the
+  /// measured run `run` of this one: the record that its runner would have written. `from` was made
+  /// with facts(). Throws hdf5::Error.
+  Record Copy(const plan::Run& run, const MergeBase& from, std::size_t cell,
+              const std::string& id_there);
   const results::PlanFacts& facts() const { return facts_; }
 
  private:

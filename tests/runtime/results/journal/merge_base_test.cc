@@ -136,7 +136,7 @@ TEST_F(MergeBaseTest, CopiesTheRunsOfAnotherPlanToTheLastBit) {
                           is_odd ? 2 : run.scene.world.Count("cycles"));
     tests::WriteRun(edited, run, made.result, is_odd ? elsewhere : TestProvenance(), ran);
     if (cell != cells.end())
-      records.push_back(writer.Copy(run, base, cell->second));
+      records.push_back(writer.Copy(run, base, cell->second, run.id));
     else
       tests::WriteRun(edited, run, made.result, TestProvenance(), copied);
   }
