@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/result_names.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/protocol/bytes_text.h"
@@ -66,11 +67,14 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
 
 void DeclareReport(options::Subcommand& command) {
   const auto arguments = std::make_shared<ReportArguments>();
-  command.Required("FILE", arguments->files, "results files");
+  command.Required("FILE", arguments->files, "results files, or scenarios that were run");
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Baseline(arguments->baseline);
   command.Sound(arguments->only_sound);
-  command.Action([arguments] { return WriteReport(*arguments); });
+  command.Action([arguments] {
+    for (std::string& file : arguments->files) file = plans::FindResult(file);
+    return WriteReport(*arguments);
+  });
 }
 
 }  // namespace

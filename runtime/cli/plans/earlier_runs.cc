@@ -40,11 +40,6 @@ constexpr const char* kSame[] = {"cdb_version",    "commit",         "build_type
 constexpr std::size_t kAtOnce = 500;
 constexpr std::size_t kMostBytesAtOnce = 64 << 20;
 
-bool Exists(const fs::path& path) {
-  std::error_code error;
-  return fs::exists(path, error);
-}
-
 /// The plan of the unfinished sweep in the folder if it is another one; empty otherwise.
 std::string FindOtherPlan(const fs::path& folder, const std::string& sha256) {
   for (const fs::path& file : journal::JournalsIn(folder)) try {
@@ -315,8 +310,9 @@ std::string Describe(const EarlierRuns& earlier, const std::string& benchmark, b
   return text;
 }
 
-std::optional<EarlierRuns> FindEarlierRuns(const SizedPlan& sized, const fs::path& out,
-                                           const results::Provenance& provenance) {
+std::optional<EarlierRuns> FindEarlierRuns(
+    const SizedPlan& sized, const fs::path& out, const results::Provenance& provenance,
+    const std::function<void(const std::string&)>& visit_kept) {
   const plan::Plan& plan = sized.plan;
   const fs::path folder = RunsFolderOf(out);
   const std::string other = FindOtherPlan(folder, plan.Sha256());
@@ -338,7 +334,7 @@ std::optional<EarlierRuns> FindEarlierRuns(const SizedPlan& sized, const fs::pat
     const auto made = record   ? std::optional(record->about->provenance)
                       : result ? result->FindProvenance(run)
                                : std::nullopt;
-    if (made) counter.Add(*made);
+    if (made && counter.Add(*made)) visit_kept(run.id);
   });
   EarlierRuns earlier = counter.Counted(plan);
   earlier.changes = before ? DescribeChanges(before->plan, plan) : result->changes();

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -27,9 +28,11 @@ struct EarlierRuns {
 std::string Describe(const EarlierRuns& earlier, const std::string& benchmark, bool is_planned);
 
 /// What KeepEarlierRuns would keep and rename; changes nothing. `provenance`: of this process.
-/// Nullopt if neither `out` nor the folder of its sweep holds runs of another plan.
-std::optional<EarlierRuns> FindEarlierRuns(const SizedPlan& plan, const std::filesystem::path& out,
-                                           const results::Provenance& provenance);
+/// Nullopt if neither `out` nor the folder of its sweep holds runs of another plan. `visit_kept` is
+/// called with the id of each run that would be kept.
+std::optional<EarlierRuns> FindEarlierRuns(
+    const SizedPlan& plan, const std::filesystem::path& out, const results::Provenance& provenance,
+    const std::function<void(const std::string& id)>& visit_kept);
 
 /// Prepares `out` and the folder of its sweep for the plan if they hold runs of another plan:
 /// merges an unfinished sweep into results, copies the runs that the new plan has, and that this

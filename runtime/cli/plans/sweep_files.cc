@@ -44,6 +44,11 @@ bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan) 
   return there->Sha256() == plan.Sha256();
 }
 
+bool Exists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
 fs::path RunsFolderOf(const fs::path& out) {
   fs::path folder = out;
   if (out.extension() == ".h5") folder.replace_extension();

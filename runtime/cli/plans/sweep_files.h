@@ -13,6 +13,9 @@
 
 namespace cdb::plans {
 
+/// False also if that cannot be found out.
+bool Exists(const std::filesystem::path& path);
+
 /// The journals of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
 std::filesystem::path RunsFolderOf(const std::filesystem::path& out);
 
