@@ -183,11 +183,14 @@ void PrintDryRun(const plans::SizedPlan& sized, const fs::path& out, const RunAr
     names += fmt::format("  {}  {}\n", id, plan::Describe(plan, {id, at, rep, {}, {}, {}}));
   });
   const std::uint64_t runs = plan.RunCount();
+  if (count == 0)
+    return terminal::Print(
+        fmt::format("{}: every run is finished; nothing would be executed\n", plan.benchmark));
   terminal::Print(
       fmt::format("{}: {} of {} run{} would be executed, into '{}'\n{}{}", plan.benchmark, count,
                   runs, runs == 1 ? "" : "s", out.string(), names,
                   count > kMostNamed ? fmt::format("  and {} more\n", count - kMostNamed) : ""));
-  if (count > 0 && !options::IsPlanFile(arguments.file))
+  if (!options::IsPlanFile(arguments.file))
     terminal::Print(fmt::format("Time and size: cdb plan --estimate {}\n",
                                 terminal::ShellWord(arguments.file)));
 }
