@@ -21,7 +21,8 @@ namespace {
 
 struct CheckArguments {
   std::vector<std::string> files;
-  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  std::vector<std::string> plugins;   ///< shared libraries with detectors
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool json = false;
 };
 
@@ -85,7 +86,13 @@ void DeclareCheck(options::Subcommand& command) {
   command.Flag("--json", arguments->json,
                "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return Check(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    if (!arguments->settings.empty() && arguments->files.size() > 1)
+      throw options::CommandError("--set is for one scenario file at a time");
+    options::SetInScenario(arguments->files[0], std::nullopt, arguments->settings);
+    return Check(*arguments);
+  });
 }
 
 }  // namespace

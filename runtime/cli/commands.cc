@@ -5,17 +5,18 @@ namespace cdb::cli {
 using MakeCommand = options::Command();
 
 // Each is in the file of its name.
-MakeCommand CheckCommand, PlanCommand, RunCommand, SubmitCommand, TraceCommand, ShowCommand,
-    ReportCommand, ViewCommand, CompareCommand, StabilityCommand, SuiteCommand, VerifyCommand,
-    MergeCommand, DoctorCommand, FormatCommand, LspCommand;
+MakeCommand NewCommand, CheckCommand, PlanCommand, RunCommand, SubmitCommand, TraceCommand,
+    ShowCommand, ReportCommand, ViewCommand, CompareCommand, StabilityCommand, SuiteCommand,
+    VerifyCommand, MergeCommand, DoctorCommand, FormatCommand, LspCommand;
 MakeCommand ExplainCommand, DocCommand, ListCommand, GenerateCommand;
 
 std::span<const options::Command> Commands() {
   static const options::Command kCommands[] = {
-      CheckCommand(),     ExplainCommand(), PlanCommand(),   RunCommand(),   SubmitCommand(),
-      TraceCommand(),     ShowCommand(),    ReportCommand(), ViewCommand(),  CompareCommand(),
-      StabilityCommand(), SuiteCommand(),   VerifyCommand(), MergeCommand(), DoctorCommand(),
-      FormatCommand(),    LspCommand(),     DocCommand(),    ListCommand(),  GenerateCommand(),
+      NewCommand(),      CheckCommand(),     ExplainCommand(), PlanCommand(),   RunCommand(),
+      SubmitCommand(),   TraceCommand(),     ShowCommand(),    ReportCommand(), ViewCommand(),
+      CompareCommand(),  StabilityCommand(), SuiteCommand(),   VerifyCommand(), MergeCommand(),
+      DoctorCommand(),   FormatCommand(),    LspCommand(),     DocCommand(),    ListCommand(),
+      GenerateCommand(),
   };
   return kCommands;
 }

@@ -46,35 +46,19 @@ std::vector<std::string> FindPlans(const std::vector<std::string>& places) {
   for (const std::string& place : places) {
     const fs::path folder =
         fs::is_directory(place, error) ? fs::path(place) : fs::path(place).parent_path();
-    const std::string quick = (folder / schedule::kShortPlanName).string();
-    const std::string beside = fs::exists(quick, error) ? quick : (folder / "plan.yaml").string();
-    if (fs::exists(beside, error) && std::ranges::find(plans, beside) == plans.end())
-      plans.push_back(beside);
+    const std::string beside = plans::FindPlanIn(folder);
+    if (!beside.empty() && std::ranges::find(plans, beside) == plans.end()) plans.push_back(beside);
   }
   return plans;
-}
-
-/// Reads a plan file. If this cdb, or its plug-ins, expand a short form to another plan, the list
-/// of runs beside it is read instead.
-plans::SizedPlan ReadPlan(const std::string& file, const std::string& text) {
-  const fs::path list = fs::path(file).parent_path() / "plan.yaml";
-  std::error_code error;
-  if (!file.ends_with(schedule::kShortPlanName) || !fs::exists(list, error))
-    return plans::ReadSizedPlan(text, file);
-  try {
-    return plans::ReadSizedPlan(text, file);
-  } catch (const options::CommandError&) {
-    return plans::ReadSizedPlan(options::ReadText(list.string()), list.string());
-  }
 }
 
 /// The one plan of all files. Throws CommandError if there are several.
 plans::SizedPlan ReadOnePlan(const std::vector<std::string>& files) {
   const std::string text = options::ReadText(files[0]);
-  plans::SizedPlan sized = ReadPlan(files[0], text);
+  plans::SizedPlan sized = plans::ReadPlanFile(files[0], text);
   for (const std::string& file : std::span(files).subspan(1)) {
     const std::string other = options::ReadText(file);
-    if (other != text && ReadPlan(file, other).plan.Sha256() != sized.plan.Sha256())
+    if (other != text && plans::ReadPlanFile(file, other).plan.Sha256() != sized.plan.Sha256())
       throw options::CommandError(
           fmt::format("'{}' and '{}' are two plans, and nothing was merged; a results file is of "
                       "one plan: merge the folders of each by themselves",

@@ -8,6 +8,7 @@
 
 #include "runtime/cli/options/browser.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/result_names.h"
 #include "runtime/cli/report_page.h"
 #include "runtime/results/files/safe_file.h"
 #include "runtime/terminal/console.h"
@@ -55,14 +56,17 @@ options::ExitStatus WriteReport(const ReportArguments& arguments) {
 
 void DeclareReport(options::Subcommand& command) {
   const auto arguments = std::make_shared<ReportArguments>();
-  command.Required("FILE", arguments->files, "results files");
+  command.Required("FILE", arguments->files, "results files, or scenarios that were run");
   command.Out(arguments->out, "the page (default: the name of the first file, with .html)");
   command.Baseline(arguments->baseline);
   command.Sound(arguments->only_sound);
   command.Flag("--open", arguments->opens, "open the page in a browser: $BROWSER, else xdg-open");
   command.Optional("--svg", arguments->figures,
                    "write the figures of the page to this folder, as SVG drawn by Chromium");
-  command.Action([arguments] { return WriteReport(*arguments); });
+  command.Action([arguments] {
+    for (std::string& file : arguments->files) file = plans::FindResult(file);
+    return WriteReport(*arguments);
+  });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -16,8 +17,12 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/earlier_runs.h"
 #include "runtime/cli/plans/plan_runner.h"
+#include "runtime/cli/plans/result_names.h"
 #include "runtime/cli/plans/sized_plan.h"
+#include "runtime/cli/plans/sweep_files.h"
+#include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
@@ -40,6 +45,7 @@ struct RunArguments {
   std::vector<std::string> plugins;   ///< shared libraries with detectors
   std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool fresh = false;
+  bool is_dry = false;  ///< only print what would be run
   bool quiet = false;
 };
 
@@ -142,6 +148,53 @@ options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
   return end.summary.HasBadRuns() ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
 
+/// The ids of the runs that are finished and would be kept.
+std::set<std::string> FindKept(const plans::SizedPlan& sized, const fs::path& out,
+                               const RunArguments& arguments, const plans::RetryChoice& retry) {
+  const plan::Plan& plan = sized.plan;
+  const fs::path folder = plans::RunsFolderOf(out);
+  std::set<std::string> kept;
+  if (arguments.fresh) return kept;
+  const auto earlier = plans::FindEarlierRuns(sized, out, options::CollectProvenance(),
+                                              [&kept](const std::string& id) { kept.insert(id); });
+  if (earlier) {
+    terminal::Print(Describe(*earlier, plan.benchmark, /*is_planned=*/true) + "\n");
+    return kept;
+  }
+  const journal::Journals journals({folder});
+  std::optional<plans::KeptRuns> there;
+  if (fs::exists(out) && !plans::IsMadeAnew(plan, folder)) there.emplace(out, retry);
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    if (journals.Has(id) || (there && there->Has(id, at, rep))) kept.insert(id);
+  });
+  return kept;
+}
+
+/// The runs that would be executed; the first of them by name.
+void PrintDryRun(const plans::SizedPlan& sized, const fs::path& out, const RunArguments& arguments,
+                 const plans::RetryChoice& retry) {
+  constexpr std::size_t kMostNamed = 20;
+  const plan::Plan& plan = sized.plan;
+  const std::set<std::string> kept = FindKept(sized, out, arguments, retry);
+  std::uint64_t count = 0;
+  std::string names;
+  plan.ForEachRun([&](const std::string& id, const auto& at, std::uint64_t rep) {
+    if (kept.contains(id) || ++count > kMostNamed) return;
+    names += fmt::format("  {}  {}\n", id, plan::Describe(plan, {id, at, rep, {}, {}, {}}));
+  });
+  const std::uint64_t runs = plan.RunCount();
+  if (count == 0)
+    return terminal::Print(
+        fmt::format("{}: every run is finished; nothing would be executed\n", plan.benchmark));
+  terminal::Print(
+      fmt::format("{}: {} of {} run{} would be executed, into '{}'\n{}{}", plan.benchmark, count,
+                  runs, runs == 1 ? "" : "s", out.string(), names,
+                  count > kMostNamed ? fmt::format("  and {} more\n", count - kMostNamed) : ""));
+  if (!options::IsPlanFile(arguments.file))
+    terminal::Print(fmt::format("Time and size: cdb plan --estimate {}\n",
+                                terminal::ShellWord(arguments.file)));
+}
+
 /// Runs that execute side by side slow each other down, which falsifies their times.
 void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
@@ -162,6 +215,8 @@ options::ExitStatus Run(const RunArguments& arguments) {
         "--retry keeps the other runs, but {}; use one of them",
         arguments.fresh ? "--fresh discards all" : "--only executes one run by its id"));
   std::optional<double> until;
+  if (arguments.is_dry && (!arguments.shard.empty() || !arguments.until.empty()))
+    throw options::CommandError("--dry-run lists all runs; remove --shard and --until");
   if (!arguments.until.empty()) {
     if (!arguments.shard.empty() || !arguments.only.empty() || !retry.is_empty())
       throw options::CommandError(
@@ -186,15 +241,27 @@ options::ExitStatus Run(const RunArguments& arguments) {
     for (const plans::SizedPlan& sized : plans) plans::CheckUntil(sized.plan);
   std::vector<fs::path> outs;
   for (const plans::SizedPlan& plan : plans)
-    outs.push_back(plans::ResultPath(arguments.out,
-                                     arguments.only.empty() ? plan.plan.benchmark : arguments.only,
-                                     arguments.file, plans.size()));
+    outs.push_back(plans::ResultPath(
+        arguments.out, arguments.only.empty() ? plan.plan.benchmark : arguments.only,
+        arguments.only.empty() ? arguments.file : std::string(), plans.size()));
+  if (arguments.is_dry) {
+    for (std::size_t i = 0; i < plans.size(); ++i)
+      PrintDryRun(plans[i], outs[i], arguments, plans::RetryChoice(arguments.retry));
+    return options::ExitStatus::kGood;
+  }
   if (options::BuildType() != "Release" && !arguments.quiet)
     terminal::Say(fmt::format("this is a {} build: its timings are marked as such in the results\n",
                               options::BuildType()));
-  const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet, shard,
-                                  arguments.plugins, retry, arguments.noisy_retries, until,
-                                  arguments.settings});
+  const plans::PlanRunner runner({.jobs = arguments.jobs,
+                                  .fresh = arguments.fresh,
+                                  .is_quiet = arguments.quiet,
+                                  .keeps_earlier = arguments.only.empty(),
+                                  .shard = shard,
+                                  .plugins = arguments.plugins,
+                                  .retry = retry,
+                                  .noisy_retries = arguments.noisy_retries,
+                                  .until = until,
+                                  .settings = arguments.settings});
   options::ExitStatus status = options::ExitStatus::kGood;
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const options::ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
@@ -208,7 +275,9 @@ void DeclareRun(options::Subcommand& command) {
   const auto arguments = std::make_shared<RunArguments>();
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
-  command.Out(arguments->out, "results file, or a folder for them (default: BENCHMARK.h5)");
+  command.Out(
+      arguments->out,
+      "results file, or a folder for them (default: FILE.h5; BENCHMARK.h5 if FILE has several)");
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1), if no times are recorded");
   command.Flag("--shared-timings", arguments->shares_timings,
                "with --jobs: record times although parallel runs disturb them");
@@ -222,6 +291,9 @@ void DeclareRun(options::Subcommand& command) {
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
+  command.Flag("--dry-run", arguments->is_dry,
+               "print the runs that would be executed, and what becomes of finished ones; write "
+               "nothing");
   command.Fresh(arguments->fresh, "discard results and finished runs and start over");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);

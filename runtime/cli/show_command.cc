@@ -15,6 +15,7 @@
 
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/result_names.h"
 #include "runtime/figures/points.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/printers/show.h"
@@ -187,7 +188,7 @@ options::ExitStatus Show(const ShowArguments& arguments) {
 
 void DeclareShow(options::Subcommand& command) {
   const auto arguments = std::make_shared<ShowArguments>();
-  command.Required("FILE", arguments->file, "results file");
+  command.Required("FILE", arguments->file, "results file, or a scenario that was run");
   command.List("--by", arguments->by, "axes of the rows (quantity,detector)");
   command.Baseline(arguments->baseline);
   command.Sound(arguments->only_sound);
@@ -215,7 +216,10 @@ void DeclareShow(options::Subcommand& command) {
                "print everything as one JSON document (cdb doc document)");
   command.Flag("--markdown", arguments->is_markdown, "print the tables in Markdown");
   command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
-  command.Action([arguments] { return Show(*arguments); });
+  command.Action([arguments] {
+    arguments->file = plans::FindResult(arguments->file);
+    return Show(*arguments);
+  });
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "compiler/plan/input_file.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/result_names.h"
 #include "runtime/cli/plans/retry.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
@@ -51,6 +52,7 @@ struct SubmitArguments {
   cluster::JobOptions job;
   std::vector<std::string> retry;  ///< retry runs with these endings
   std::vector<std::string> plugins;
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool is_dry = false;
   bool no_follow = false;
   bool quiet = false;
@@ -157,6 +159,8 @@ std::string PlanCommand(const SubmitArguments& arguments, const Target& target) 
                                   file, target.plan().benchmark);
   for (const std::string& plugin : arguments.plugins)
     words += " --plugin " + terminal::ShellWord(plugin);
+  for (const std::string& setting : arguments.settings)
+    words += " --set " + terminal::ShellWord(setting);
   return words + " -o " + to;
 }
 
@@ -423,7 +427,8 @@ void DeclareSubmit(options::Subcommand& command) {
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
-              "results file, or a folder for them, visible to every node (default: BENCHMARK.h5)");
+              "results file, or a folder for them, visible to every node (default: FILE.h5; "
+              "BENCHMARK.h5 if FILE has several)");
   command.Count("--tasks", arguments->tasks,
                 "number of tasks (default: each has a minute of work or more)");
   command.Flag("--exclusive", arguments->job.is_exclusive, "one task per node, exclusively");
@@ -438,7 +443,11 @@ void DeclareSubmit(options::Subcommand& command) {
   command.Flag("--no-follow", arguments->no_follow, "submit, and do not wait for the jobs");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return Submitter(*arguments).Run(); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
+    return Submitter(*arguments).Run();
+  });
 }
 
 }  // namespace

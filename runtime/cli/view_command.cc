@@ -38,6 +38,7 @@ struct ViewArguments {
   std::optional<std::string> benchmark;
   std::string out, gltf, cycles, every;
   std::vector<std::string> select, beside;
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool serve = false;
 };
 
@@ -254,7 +255,14 @@ void DeclareView(options::Subcommand& command) {
   command.Optional("--every", arguments->every, "only every N-th cycle");
   command.Flag("--serve", arguments->serve,
                "edit the scenario in a browser (values, text, scene and runs) until Ctrl-C");
-  command.Action([arguments] { return View(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    if (!arguments->settings.empty() && (arguments->serve || arguments->files.size() > 1))
+      throw options::CommandError(arguments->serve ? "--serve edits the file itself; remove --set"
+                                                   : "--set is for one scenario file at a time");
+    options::SetInScenario(arguments->files[0], arguments->benchmark, arguments->settings);
+    return View(*arguments);
+  });
 }
 
 }  // namespace

@@ -274,6 +274,12 @@ const Array& Layout::Get(std::string_view name) const {
   return *found;
 }
 
+hdf5::Shape CellAt(const hdf5::Shape& grid, std::size_t index) {
+  hdf5::Shape cell(grid.size());
+  for (std::size_t i = grid.size(); i-- > 0; index /= grid[i]) cell[i] = index % grid[i];
+  return cell;
+}
+
 std::uint64_t ChunksOfCell(const Array& array, std::size_t outer) {
   std::uint64_t count = 1;
   for (std::size_t d = outer; d < array.shape.size(); ++d)

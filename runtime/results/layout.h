@@ -110,6 +110,9 @@ struct Layout {
 /// `contact_rows`: extent of `contact`.
 Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t contact_rows);
 
+/// The indices of the cell at `index`, in grid order, of a grid with these extents.
+hdf5::Shape CellAt(const hdf5::Shape& grid, std::size_t index);
+
 /// The number of chunks of a chunked array for one cell of the grid (`outer` dimensions), and the
 /// first element of the one numbered `index` of cell `cell`.
 std::uint64_t ChunksOfCell(const Array& array, std::size_t outer);

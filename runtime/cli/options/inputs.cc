@@ -122,6 +122,13 @@ std::optional<Extended>& TheExtended() {
   return extended;
 }
 
+/// The file as it is written. Its errors are reported when the scenario is compiled.
+dsl::File ParseItself(const std::string& file) {
+  dsl::Diagnostics ignored;
+  return dsl::Parse(std::make_shared<const text::Source>(file, ReadText(FindScenarioFile(file))),
+                    ignored);
+}
+
 /// The statement of NAME=VALUE.
 std::string StatementOf(const std::string& setting) {
   const std::size_t equals = setting.find('=');
@@ -139,11 +146,8 @@ void SetInScenario(const std::string& file, const std::optional<std::string>& be
   if (settings.empty()) return;
   if (file == "-" || file == kStandardInput || IsPlanFile(file))
     throw CommandError("--set is for scenario files; a plan or standard input cannot be extended");
-  const fs::path found = FindScenario(file);
-  // Its errors are reported when the scenario is compiled.
-  dsl::Diagnostics ignored;
-  const dsl::File tree =
-      dsl::Parse(std::make_shared<const text::Source>(file, ReadText(found.string())), ignored);
+  const fs::path found = FindScenarioFile(file);
+  const dsl::File tree = ParseItself(file);
   std::string text = fmt::format("use \"{}\"\n", found.filename().string());
   bool has_benchmark = false;
   for (const auto& item : tree.items) {
@@ -172,6 +176,10 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why) 
 std::string FindScenario(const std::string& file) {
   if (file == kStandardInput) return file;
   if (TheExtended() && file == TheExtended()->file) return TheExtended()->path;
+  return FindScenarioFile(file);
+}
+
+std::string FindScenarioFile(const std::string& file) {
   if (file == "-")
     throw CommandError(
         "only check, fmt and plan read standard input (`-`); other commands need a file");
@@ -188,6 +196,14 @@ std::string FindScenario(const std::string& file) {
   compiler::ReadFromDisk(file, why);
   throw CommandError(fmt::format(
       "cannot read '{}': {}; `cdb list scenarios` lists those that come with cdb", file, why));
+}
+
+std::vector<std::string> BenchmarksOf(const std::string& file) {
+  std::vector<std::string> names;
+  for (const auto& item : ParseItself(file).items)
+    if (const auto* benchmark = std::get_if<dsl::Benchmark>(&item))
+      names.push_back(benchmark->name.text);
+  return names;
 }
 
 dsl::RenderOptions RenderOptionsForTerminal() {

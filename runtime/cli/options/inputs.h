@@ -38,6 +38,12 @@ std::optional<std::string> ReadInput(const std::string& path, std::string& why);
 /// file of that name in the library, with or without `.cdb`. Throws CommandError.
 std::string FindScenario(const std::string& file);
 
+/// The same, ignoring SetInScenario.
+std::string FindScenarioFile(const std::string& file);
+/// The names of the benchmarks that a scenario file itself has, in its order. Errors in it are not
+/// reported. Throws CommandError.
+std::vector<std::string> BenchmarksOf(const std::string& file);
+
 /// The detail in which lints (compiler/lints/lints.h) are printed.
 enum class LintText { kNone, kOneLine, kWhole };
 

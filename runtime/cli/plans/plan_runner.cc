@@ -16,6 +16,7 @@
 #include "library/content_cache.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/earlier_runs.h"
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
@@ -160,6 +161,11 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const fs::path folder = RunsFolderOf(out);
   std::error_code error;
   files::RemoveStaleTemporariesBeside(out);
+  if (options_.keeps_earlier && !options_.fresh && options_.shard.count == 1) {
+    const auto earlier = KeepEarlierRuns(sized, out, provenance_);
+    if (earlier && !options_.is_quiet)
+      terminal::Say(Describe(*earlier, plan.benchmark, /*is_planned=*/false) + "\n");
+  }
   const RetryChoice retry = options_.retry.With(FindStartedRetry(folder));
   if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
     if (options_.retry.is_empty() && !options_.is_quiet)

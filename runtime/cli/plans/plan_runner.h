@@ -57,6 +57,8 @@ struct PlanRunnerOptions {
   std::size_t jobs = 1;
   bool fresh = false;                     ///< start over
   bool is_quiet = false;                  ///< no progress
+  bool keeps_earlier = false;             ///< runs of an earlier plan (earlier_runs.h); without it,
+                                          ///< results of another plan are refused
   schedule::ShardChoice shard = {};       ///< the part of each plan that is run
   std::vector<std::string> plugins = {};  ///< libraries in addition to those that the scenario file
                                           ///< names

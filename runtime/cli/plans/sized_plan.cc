@@ -13,9 +13,9 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/cli/plans/sweep_files.h"
 #include "runtime/printers/show.h"
 #include "runtime/results/store.h"
+#include "runtime/sweep/schedule/folder.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::plans {
@@ -99,6 +99,26 @@ SizedPlan ReadSizedPlan(const std::string& text, const std::string& name) {
   return {yaml::FromYaml(text, name), nullptr, {}};
 }
 
+std::string FindPlanIn(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const char* name : {schedule::kShortPlanName, schedule::kPlanName})
+    if (std::filesystem::exists(folder / name, error)) return (folder / name).string();
+  return {};
+}
+
+SizedPlan ReadPlanFile(const std::string& file, const std::string& text) {
+  const std::filesystem::path list =
+      std::filesystem::path(file).parent_path() / schedule::kPlanName;
+  std::error_code error;
+  if (!file.ends_with(schedule::kShortPlanName) || !std::filesystem::exists(list, error))
+    return ReadSizedPlan(text, file);
+  try {
+    return ReadSizedPlan(text, file);
+  } catch (const options::CommandError&) {
+    return ReadSizedPlan(options::ReadText(list.string()), list.string());
+  }
+}
+
 std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
                                       const std::optional<std::string>& benchmark,
                                       options::LintText lints,
@@ -128,46 +148,6 @@ std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
 }
 
 namespace fs = std::filesystem;
-
-namespace {
-
-/// `r` and `r.h5` would keep their runs in the same folder; each would merge and remove those of
-/// the other.
-fs::path RequireOwnFolder(fs::path out) {
-  fs::path other = out;
-  if (out.extension() == ".h5")
-    other.replace_extension();
-  else
-    other += ".h5";
-  if (RunsFolderOf(other) != RunsFolderOf(out) || !results::IsStored(other)) return out;
-  throw options::CommandError(fmt::format(
-      "'{}' is there, and '{}' would keep its runs in the same folder '{}'; nothing was changed: "
-      "name another file by -o",
-      other.string(), out.string(), RunsFolderOf(out).string()));
-}
-
-}  // namespace
-
-fs::path ResultPath(const std::string& out, const std::string& name, const std::string& file,
-                    std::size_t plan_count) {
-  std::error_code error;
-  if (out.empty()) return RequireOwnFolder(name + ".h5");
-  if (fs::path(out).extension() == ".runs")
-    throw options::CommandError(fmt::format(
-        "'{}': names that end in .runs are folders of unfinished sweeps; name another file by -o",
-        out));
-  if (fs::is_directory(out, error)) return RequireOwnFolder(fs::path(out) / (name + ".h5"));
-  if (plan_count > 1)
-    throw options::CommandError(
-        fmt::format("{} has {} benchmarks, but '{}' can hold only one: name a folder, or choose a "
-                    "benchmark by -b",
-                    file, plan_count, out));
-  const fs::path folder = fs::path(out).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error))
-    throw options::CommandError(
-        fmt::format("the folder '{}' of '{}' does not exist; make it first", folder.string(), out));
-  return RequireOwnFolder(out);
-}
 
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   printers::ShowOptions options;

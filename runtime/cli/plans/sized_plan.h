@@ -2,7 +2,6 @@
 // listed are kept as grids.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -40,14 +39,12 @@ std::vector<SizedPlan> LoadSizedPlans(const std::string& file,
 /// The plan in `text`, the contents of the plan file `name`.
 SizedPlan ReadSizedPlan(const std::string& text, const std::string& name);
 
-// Path of the results of a plan, and the output after it has been executed.
-
-/// `NAME.h5` in the current folder if `out` is empty, in `out` if that is a folder, else `out`
-/// itself. `file`: the scenario, which has `plan_count` benchmarks. Throws CommandError if several
-/// benchmarks would share one file, if the folder does not exist, or if there is a results file
-/// that would share its folder of runs (`r` for `r.h5`).
-std::filesystem::path ResultPath(const std::string& out, const std::string& name,
-                                 const std::string& file, std::size_t plan_count);
+/// The plan file in the folder of a sweep, in its short form if there is one; empty if there is
+/// none.
+std::string FindPlanIn(const std::filesystem::path& folder);
+/// The plan in `text`, the contents of `file` as named by FindPlanIn. If this cdb, or its plug-ins,
+/// expand a short form to another plan, the list of runs beside it is read instead.
+SizedPlan ReadPlanFile(const std::string& file, const std::string& text);
 
 /// Prints the summary of results that this process has merged or opened: their values have been
 /// proven then. Exit status 3 if a run did not end well.

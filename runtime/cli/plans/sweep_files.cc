@@ -35,7 +35,8 @@ std::string PlanOf(const std::string& results) {
   }
 }
 
-/// True if the results are those of the plan in an earlier format, with other ids of runs.
+}  // namespace
+
 bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan) {
   std::optional<plan::Plan> there = figures::ReadPlan(file);
   if (!there || there->version == plan::kPlanVersion) return false;
@@ -43,7 +44,10 @@ bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan) 
   return there->Sha256() == plan.Sha256();
 }
 
-}  // namespace
+bool Exists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
 
 fs::path RunsFolderOf(const fs::path& out) {
   fs::path folder = out;

@@ -13,8 +13,14 @@
 
 namespace cdb::plans {
 
+/// False also if that cannot be found out.
+bool Exists(const std::filesystem::path& path);
+
 /// The journals of `out.h5` lie in `out.runs`, those of `out.v1` in `out.v1.runs`.
 std::filesystem::path RunsFolderOf(const std::filesystem::path& out);
+
+/// True if the results are those of the plan in an earlier format, with other ids of runs.
+bool IsOfEarlierFormat(const results::ResultFile& file, const plan::Plan& plan);
 
 /// True if `out` exists and holds every run of the plan. Throws CommandError, with `hint` at the
 /// end, if it holds the results of another plan, and StoreError if it is damaged.

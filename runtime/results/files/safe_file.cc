@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -133,6 +134,30 @@ std::string WriteRemedy(int error) {
       return "choose another name (-o)";
     default:
       return "mend that and run again; it resumes where it stopped";
+  }
+}
+
+fs::path NameAside(const fs::path& file) {
+  for (int number = 1;; ++number) {
+    fs::path name = file;
+    name.replace_filename(
+        fmt::format("{}.{}{}", file.stem().string(), number, file.extension().string()));
+    std::error_code error;
+    if (fs::symlink_status(name, error).type() == fs::file_type::not_found) return name;
+  }
+}
+
+fs::path SetAside(const fs::path& file) {
+  for (;;) {
+    const fs::path name = NameAside(file);
+    if (renameat2(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), RENAME_NOREPLACE) == 0)
+      return name;
+    if (errno == EEXIST) continue;  // another process took the name
+    // Network file systems cannot rename without replacing; the name was free just now.
+    if ((errno == EINVAL || errno == ENOSYS) && rename(file.c_str(), name.c_str()) == 0)
+      return name;
+    throw StoreError(fmt::format("{}: cannot be renamed to '{}': {}; nothing was changed",
+                                 file.string(), name.string(), SystemText(errno)));
   }
 }
 

@@ -22,7 +22,13 @@ void RequireFolder(const std::filesystem::path& folder, std::string_view use);
 /// Throws StoreError, with nothing changed.
 void WriteWhole(std::string_view text, const std::filesystem::path& final_name);
 
-/// The same in pieces: `fill` is called once with a function that appends.
+/// Renames `file` to the first free name of `stem.1.ext`, `stem.2.ext` …, and returns it. Never
+/// replaces a file. Throws StoreError, with nothing changed.
+std::filesystem::path SetAside(const std::filesystem::path& file);
+/// The name that SetAside would choose now.
+std::filesystem::path NameAside(const std::filesystem::path& file);
+
+/// The same as WriteWhole in pieces: `fill` is called once with a function that appends.
 void WritePieces(const std::function<void(const std::function<void(std::string_view)>&)>& fill,
                  const std::filesystem::path& final_name);
 

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <random>
+#include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -175,14 +176,41 @@ struct Journal::Impl : Database {
           path.string()));
   }
 
-  /// The row of `about`; written now if this process has not written it yet.
-  const Shared& SharedOf(const std::shared_ptr<const About>& about, std::optional<Shared>& added) {
-    const auto known = std::ranges::find(written, about, &Shared::about);
-    if (known != written.end()) return *known;
+  /// The row of `about`; written now, and added to `added`, if this process has not written it yet.
+  Shared SharedOf(const std::shared_ptr<const About>& about, std::vector<Shared>& added) {
+    for (const std::vector<Shared>* all : {&written, &added})
+      if (const auto known = std::ranges::find(*all, about, &Shared::about); known != all->end())
+        return *known;
     const std::vector<std::byte> bytes = about->Encode();
     Statement(*this, "INSERT INTO about(bytes) VALUES(?)").Bind(Bytes(bytes)).Step("write it");
-    added = {LastRow(), files::Checksum(bytes), about};
-    return *added;
+    added.push_back({LastRow(), files::Checksum(bytes), about});
+    return added.back();
+  }
+
+  void WriteRow(const Record& record, std::int64_t now, const Shared& shared) {
+    const std::vector<std::byte> facts = record.EncodeFacts();
+    const Bytes bytes(record.bytes);
+    Statement(*this, "DELETE FROM more WHERE run = (SELECT number FROM run WHERE id = ?)")
+        .Bind(record.run_id)
+        .Step("write it");
+    const std::uint64_t checksum = ChecksumOfRun(record.run_id, now, shared.checksum, facts, bytes);
+    Statement(*this,
+              "INSERT OR REPLACE INTO run(id, written, about, checksum, facts, chunks) "
+              "VALUES(?, ?, ?, ?, ?, ?)")
+        .Bind(record.run_id)
+        .Bind(now)
+        .Bind(shared.number)
+        .Bind(static_cast<std::int64_t>(checksum))
+        .Bind(Bytes(facts))
+        .Bind(bytes.first(std::min(bytes.size(), kMostBytes)))
+        .Step("write it");
+    const std::int64_t row = LastRow();
+    for (std::size_t at = kMostBytes; at < bytes.size(); at += kMostBytes)
+      Statement(*this, "INSERT INTO more VALUES(?, ?, ?)")
+          .Bind(row)
+          .Bind(static_cast<std::int64_t>(at))
+          .Bind(bytes.subspan(at, std::min(bytes.size() - at, kMostBytes)))
+          .Step("write it");
   }
 
   const Shared& SharedAt(std::int64_t number, const std::string& run_id) {
@@ -286,40 +314,15 @@ Journal Journal::OpenToRead(const fs::path& file) {
 
 void Journal::RequireInPlace() const { impl_->RequireInPlace(); }
 
-void Journal::Write(const Record& record) {
+void Journal::Write(std::span<const Record> records) {
   const std::int64_t now = Now_ns();
-  const std::vector<std::byte> facts = record.EncodeFacts();
-  const Bytes bytes(record.bytes);
-  std::optional<Impl::Shared> added;
-  {
-    Database::Transaction transaction(*impl_);
-    impl_->CheckIsOurs();
-    const Impl::Shared& shared = impl_->SharedOf(record.about, added);
-    Database::Statement(*impl_,
-                        "DELETE FROM more WHERE run = (SELECT number FROM run WHERE id = ?)")
-        .Bind(record.run_id)
-        .Step("write it");
-    const std::uint64_t checksum = ChecksumOfRun(record.run_id, now, shared.checksum, facts, bytes);
-    Database::Statement(*impl_,
-                        "INSERT OR REPLACE INTO run(id, written, about, checksum, facts, chunks) "
-                        "VALUES(?, ?, ?, ?, ?, ?)")
-        .Bind(record.run_id)
-        .Bind(now)
-        .Bind(shared.number)
-        .Bind(static_cast<std::int64_t>(checksum))
-        .Bind(Bytes(facts))
-        .Bind(bytes.first(std::min(bytes.size(), kMostBytes)))
-        .Step("write it");
-    const std::int64_t row = impl_->LastRow();
-    for (std::size_t at = kMostBytes; at < bytes.size(); at += kMostBytes)
-      Database::Statement(*impl_, "INSERT INTO more VALUES(?, ?, ?)")
-          .Bind(row)
-          .Bind(static_cast<std::int64_t>(at))
-          .Bind(bytes.subspan(at, std::min(bytes.size() - at, kMostBytes)))
-          .Step("write it");
-    transaction.Commit();
-  }
-  if (added) impl_->written.push_back(*std::move(added));
+  std::vector<Impl::Shared> added;
+  Database::Transaction transaction(*impl_);
+  impl_->CheckIsOurs();
+  for (const Record& record : records)
+    impl_->WriteRow(record, now, impl_->SharedOf(record.about, added));
+  transaction.Commit();
+  impl_->written.insert(impl_->written.end(), added.begin(), added.end());
 }
 
 void Journal::Forget(const std::string& run_id) {

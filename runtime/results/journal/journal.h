@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -70,7 +71,9 @@ class Journal {
 
   /// Writes a run, in place of an earlier one with the same id. When it returns, the run is on the
   /// disk. Throws StoreError also if the file was removed meanwhile, or holds another plan now.
-  void Write(const Record& record);
+  void Write(const Record& record) { Write(std::span(&record, 1)); }
+  /// The same for several runs, in one step.
+  void Write(std::span<const Record> records);
   /// Removes the run from the file, and the marks of parts, which would hide that it is missing.
   void Forget(const std::string& run_id);
   /// Removes all runs and requests, and starts over for the plan. `asked` is the first request, if

@@ -62,12 +62,6 @@ std::size_t FlatIndex(const hdf5::Shape& grid, const std::vector<std::size_t>& a
   return index * grid.back() + rep;
 }
 
-hdf5::Shape Unflatten(const hdf5::Shape& grid, std::size_t index) {
-  hdf5::Shape cell(grid.size());
-  for (std::size_t i = grid.size(); i-- > 0; index /= grid[i]) cell[i] = index % grid[i];
-  return cell;
-}
-
 class Merger {
  public:
   /// `base`: empty, or the file with the runs that no journal holds.
@@ -124,7 +118,7 @@ class Merger {
     hdf5::RawChunk chunk;
     for (const CopiedChunk& copied : copied_) {
       const results::Array& array = *series_[copied.series];
-      const hdf5::Shape cell = Unflatten(layout_.grid, copied.cell);
+      const hdf5::Shape cell = results::CellAt(layout_.grid, copied.cell);
       if (!series[copied.series].ReadChunk(results::ChunkStart(array, cell, copied.chunk), chunk) ||
           files::Checksum(chunk.bytes) != copied.checksum)
         throw hdf5::Error(fmt::format("{} did not come back as it was written", array.name));
@@ -255,7 +249,7 @@ class Merger {
     const hdf5::Dataset source = base_->file().OpenDataset(array.name);
     if (source.type() != array.type || source.shape() != array.shape)
       throw hdf5::Error(fmt::format("{} of the file has another shape", array.name));
-    const hdf5::Shape place = Unflatten(layout_.grid, cell);
+    const hdf5::Shape place = results::CellAt(layout_.grid, cell);
     const bool is_cut_alike = source.ChunkShape() == array.chunk;
     hdf5::RawChunk stored;
     for (std::uint64_t i = 0; i < results::ChunksOfCell(array, place.size()); ++i) {
@@ -366,8 +360,9 @@ class Merger {
                  const std::vector<std::size_t>& cells, hdf5::Dataset& target) {
     const std::uint64_t checksum = files::Checksum(bytes);
     for (const std::size_t cell : cells) {
-      target.WriteChunk(results::ChunkStart(*series_[series], Unflatten(layout_.grid, cell), chunk),
-                        0, bytes);
+      target.WriteChunk(
+          results::ChunkStart(*series_[series], results::CellAt(layout_.grid, cell), chunk), 0,
+          bytes);
       copied_.push_back({series, chunk, cell, checksum});
     }
   }

@@ -11,14 +11,14 @@
 
 namespace cdb::journal {
 
-MergeBase::MergeBase(const std::filesystem::path& path, const results::PlanFacts& facts)
+MergeBase::MergeBase(const std::filesystem::path& path, const results::PlanFacts& facts, Of of)
     : file_(hdf5::File::Open(path)) {
   if (files::CheckSeal(path) == files::SealState::kBroken)
     throw files::StoreError(
         fmt::format("{}: is damaged, and nothing was taken from it; nothing was changed: "
                     "--fresh runs all again",
                     path.string()));
-  if (file_.Text("plan_sha256") != facts.sha256)
+  if (of == Of::kSamePlan && file_.Text("plan_sha256") != facts.sha256)
     throw files::StoreError(
         fmt::format("{}: holds the results of another plan; nothing was changed", path.string()));
   if (const int version = results::ReadVersion(file_, path.string());
@@ -40,7 +40,7 @@ MergeBase::MergeBase(const std::filesystem::path& path, const results::PlanFacts
     else
       texts_.emplace_back(numbers_.at(0).size());
   }
-  if (facts.contacts) {
+  if (facts.contacts && file_.Has("contact_first")) {
     contact_first_ = file_.OpenDataset("contact_first").Read();
     contact_rows_ = file_.OpenDataset("contact_distance").shape().at(0);
   }
@@ -74,6 +74,7 @@ std::map<std::string, std::string> MergeBase::ProvenanceOf(const std::string& ru
 }
 
 std::optional<MergeBase::Rows> MergeBase::ContactRows(std::size_t cell) const {
+  if (contact_first_.empty()) return std::nullopt;  // no run of its plan records them
   const double first = contact_first_.at(cell);
   if (!(first >= 0)) return std::nullopt;
   // The rows of cells follow one another, in grid order.

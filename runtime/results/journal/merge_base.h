@@ -17,9 +17,11 @@ namespace cdb::journal {
 /// StoreError, hdf5::Error. Not thread-safe.
 class MergeBase {
  public:
-  /// Throws StoreError for a file of another plan or of another schema version. `facts` must
-  /// outlive it.
-  MergeBase(const std::filesystem::path& path, const results::PlanFacts& facts);
+  enum class Of { kSamePlan, kAnyPlan };
+  /// Throws StoreError for a file of another plan, unless that is allowed, or of another schema
+  /// version. `facts` must outlive it.
+  MergeBase(const std::filesystem::path& path, const results::PlanFacts& facts,
+            Of of = Of::kSamePlan);
 
   const hdf5::File& file() const { return file_; }
   /// True if the cell holds a run, not only a place for one.

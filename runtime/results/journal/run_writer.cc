@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/reference.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/text/check.h"
 #include "runtime/protocol/samples.h"
@@ -125,8 +126,7 @@ results::Provenance AsAttributes(const results::Provenance& provenance) {
   return attributes;
 }
 
-About HeadOf(const results::Layout& layout, const results::PlanFacts& facts,
-             const results::Provenance& provenance) {
+About HeadOf(const results::Layout& layout, const results::PlanFacts& facts) {
   About about;
   const auto inner = [&](const hdf5::Shape& shape) {
     return hdf5::Shape(shape.begin() + static_cast<std::ptrdiff_t>(layout.grid.size()),
@@ -142,8 +142,21 @@ About HeadOf(const results::Layout& layout, const results::PlanFacts& facts,
     for (const char* name : kContactArrays)
       about.arrays.push_back({name, layout.Get(name).type, {}, {}});
   }
-  about.provenance = AsAttributes(provenance);
   return about;
+}
+
+/// Values as an array of `type` stores them.
+std::vector<std::byte> AsItems(const std::vector<double>& values, hdf5::Type type) {
+  if (type != hdf5::Type::kInt32) {
+    const auto bytes = std::as_bytes(std::span(values));
+    return {bytes.begin(), bytes.end()};
+  }
+  std::vector<std::byte> bytes(values.size() * sizeof(std::int32_t));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto whole = static_cast<std::int32_t>(values[i]);
+    std::memcpy(&bytes[i * sizeof whole], &whole, sizeof whole);
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -153,15 +166,15 @@ RunWriter::RunWriter(const plan::Plan& plan, const results::Provenance& provenan
       provenance_(provenance),
       facts_(plan),
       layout_(results::MakeLayout(plan, facts_, 0)),
-      head_(HeadOf(layout_, facts_, provenance)) {}
+      head_(HeadOf(layout_, facts_)) {}
 
-std::shared_ptr<const About> RunWriter::AboutFor(const std::string& models) {
+std::shared_ptr<const About> RunWriter::AboutFor(results::Provenance provenance) {
   constexpr std::size_t kMost = 1000;
   if (abouts_.size() >= kMost) abouts_.clear();
-  std::shared_ptr<const About>& about = abouts_[models];
+  std::shared_ptr<const About>& about = abouts_[provenance];
   if (about != nullptr) return about;
   About made = head_;
-  if (!models.empty()) made.provenance["models"] = hdf5::AttributeText(models);
+  made.provenance = AsAttributes(provenance);
   return about = std::make_shared<const About>(std::move(made));
 }
 
@@ -224,7 +237,9 @@ void RunWriter::Write(const plan::Run& run, const results::RunResult& result, Jo
   CDB_CHECK(result.n_cycles <= run.scene.world.Count("cycles"));
   Record record;
   record.run_id = run.id;
-  record.about = AboutFor(result.models);
+  results::Provenance provenance = provenance_;
+  if (!result.models.empty()) provenance["models"] = result.models;
+  record.about = AboutFor(std::move(provenance));
   for (const results::RunNumber& number : facts_.numbers)
     record.numbers.push_back(hdf5::AsStored(number.get(result), number.type));
   for (const results::RunText& text : facts_.texts)
@@ -233,6 +248,71 @@ void RunWriter::Write(const plan::Run& run, const results::RunResult& result, Jo
   AddSeries(run, result, record);
   if (facts_.contacts) AddContacts(run, result, record);
   journal.Write(record);
+}
+
+Record RunWriter::Copy(const plan::Run& run, const MergeBase& from, std::size_t cell,
+                       const std::string& id_there) {
+  Record record;
+  record.run_id = run.id;
+  record.about = AboutFor(from.ProvenanceOf(id_there));
+  for (std::size_t i = 0; i < facts_.numbers.size(); ++i)
+    record.numbers.push_back(from.Number(i, cell));
+  for (std::size_t i = 0; i < facts_.texts.size(); ++i)
+    record.texts.push_back(facts_.texts[i].name == "run/run_id" ? run.id : from.Text(i, cell));
+  if (facts_.contacts) record.numbers.push_back(results::kNaN);
+  CopySeries(run, from, cell, record);
+  if (facts_.contacts) CopyContacts(from, cell, record);
+  return record;
+}
+
+/// Other runs of the plan of `from` may have had more cycles or bodies.
+void RunWriter::CopySeries(const plan::Run& run, const MergeBase& from, std::size_t cell,
+                           Record& record) const {
+  const protocol::RunExtents extents = protocol::ExtentsOf(run.scene);
+  const auto sampling = analysis::SamplingOf(run.scene);
+  std::uint32_t index = 0;
+  for (const results::Array& array : layout_.arrays) {
+    if (array.series == nullptr) continue;
+    const std::uint32_t place = index++;
+    const bool is_error = array.name.starts_with(results::kAccuracyGroup);
+    if (is_error ? !sampling : !protocol::IsRecordedBy(*array.series, run.scene)) continue;
+    if (!from.file().Has(array.name)) continue;
+    const hdf5::Dataset source = from.file().OpenDataset(array.name);
+    hdf5::Shape count =
+        is_error ? hdf5::Shape{sampling->count} : hdf5::Shape(array.series->Extents(extents));
+    if (const auto cycle = array.series->CycleDimension())
+      count[*cycle] = static_cast<std::uint64_t>(std::max(0.0, record.Number("n_cycles").value()));
+    const std::size_t outer = source.shape().size() - count.size();
+    if (source.type() != array.type || source.shape().size() < count.size())
+      throw hdf5::Error(fmt::format("{} of the file has another shape", array.name));
+    if (hdf5::Product(count) == 0) continue;
+    hdf5::Shape start =
+                    results::CellAt({source.shape().begin(),
+                                     source.shape().begin() + static_cast<std::ptrdiff_t>(outer)},
+                                    cell),
+                block(outer, 1);
+    start.resize(source.shape().size());
+    block.insert(block.end(), count.begin(), count.end());
+    const std::vector<std::byte> bytes = AsItems(source.Read(start, block), array.type);
+    AddChunks(array, layout_.grid.size(), place, bytes.data(), count, count, record);
+  }
+}
+
+void RunWriter::CopyContacts(const MergeBase& from, std::size_t cell, Record& record) const {
+  const auto rows = from.ContactRows(cell);
+  if (!rows) return;
+  record.numbers.back() = static_cast<double>(rows->count);
+  if (rows->count == 0) return;
+  auto index = static_cast<std::uint32_t>(record.about->arrays.size() - std::size(kContactArrays));
+  for (const char* name : kContactArrays) {
+    const hdf5::Dataset source = from.file().OpenDataset(name);
+    hdf5::Shape start(source.shape().size(), 0), count = source.shape();
+    start[0] = rows->first;
+    count[0] = rows->count;
+    record.Add(index++, 0,
+               hdf5::Filtered(AsItems(source.Read(start, count), source.type()),
+                              hdf5::ItemBytes(source.type())));
+  }
 }
 
 void RunWriter::WriteReference(const plan::Run& run, const results::RunResult& result,

@@ -11,6 +11,7 @@
 #include "runtime/results/hdf5/file.h"
 #include "runtime/results/journal/journal.h"
 #include "runtime/results/journal/journals.h"
+#include "runtime/results/journal/merge_base.h"
 #include "runtime/results/layout.h"
 #include "runtime/results/store.h"
 
@@ -27,9 +28,18 @@ class RunWriter {
   /// The same for a reference run, with its samples.
   void WriteReference(const plan::Run& run, const results::RunResult& result,
                       std::span<const double> samples, Journal& journal);
+  /// The run in `cell` of a results file of another plan, where its id is `id_there`, which is the
+  /// measured run `run` of this one: the record that its runner would have written. `from` was made
+  /// with facts(). Throws hdf5::Error.
+  Record Copy(const plan::Run& run, const MergeBase& from, std::size_t cell,
+              const std::string& id_there);
+  const results::PlanFacts& facts() const { return facts_; }
 
  private:
-  std::shared_ptr<const About> AboutFor(const std::string& models);
+  std::shared_ptr<const About> AboutFor(results::Provenance provenance);
+  void CopySeries(const plan::Run& run, const MergeBase& from, std::size_t cell,
+                  Record& record) const;
+  void CopyContacts(const MergeBase& from, std::size_t cell, Record& record) const;
   void AddSeries(const plan::Run& run, const results::RunResult& result, Record& record) const;
   void AddContacts(const plan::Run& run, const results::RunResult& result, Record& record) const;
 
@@ -37,8 +47,8 @@ class RunWriter {
   const results::Provenance& provenance_;
   const results::PlanFacts facts_;
   const results::Layout layout_;
-  About head_;                                                  ///< without `models`
-  std::map<std::string, std::shared_ptr<const About>> abouts_;  ///< by models
+  About head_;  ///< without provenance
+  std::map<results::Provenance, std::shared_ptr<const About>> abouts_;
   std::shared_ptr<const About> of_references_;
 };
 

@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kPlanName = "plan.yaml";
 constexpr std::string_view kBrokenEnding = ".broken";
 /// A journal that another machine writes is opened anew to see how it has grown.
 constexpr std::chrono::seconds kLookAgain{1};
@@ -83,8 +82,7 @@ void RemoveSweep(const fs::path& folder, const std::string& plan_sha256) {
     } catch (const journal::DamagedJournal&) {
     }
   journal::RemoveJournals(folder);
-  for (const std::string_view name : {kPlanName, std::string_view(kShortPlanName)})
-    RemoveFile(folder / name);
+  for (const char* name : {kPlanName, kShortPlanName}) RemoveFile(folder / name);
   ForEachName(folder, [&](const std::string& name) {
     if (IsBrokenJournal(name)) RemoveFile(folder / name);
   });

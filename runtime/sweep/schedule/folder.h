@@ -14,6 +14,8 @@
 
 namespace cdb::schedule {
 
+/// The plan, in the folder of its journals.
+inline constexpr const char* kPlanName = "plan.yaml";
 /// The plan in its short form, the texts that it is compiled from (compiler/yaml/short_plan.h). In
 /// the folder beside a plan.yaml that lists its runs, because it is faster to read.
 inline constexpr const char* kShortPlanName = "plan.short.yaml";

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "compiler/analysis/reference.h"
 #include "tests/runtime/results/store_fixture.h"
 
 namespace cdb::tests {
@@ -90,6 +92,60 @@ TEST_F(MergeBaseTest, ReplacesARunAndLeavesTheRestToTheLastBit) {
       << ValuesIn(hdf5::File::Open(out)) << "\n----\n"
       << ValuesIn(hdf5::File::Open(folder_ / "wanted.h5"));
   EXPECT_EQ(FilesIn(folder_.path()), (std::vector<std::string>{"out.h5", "wanted.h5"}));
+}
+
+/// `plan_` with more points, repeats, cycles and objects.
+plan::Plan Edited() {
+  plan::Plan plan =
+      MakePlan({NumberAxis("quantity", {10, 20, 30, 40}), TextAxis("detector", {"sap", "dbvt"})}, 3,
+               {.cycles = 6,
+                .record = {"timing", "poses", "boxes", "contacts", "counts"},
+                .metrics = {"height", "position"}});
+  for (plan::Run& run : plan.runs)
+    if (run.at[0] == 3)
+      Resize(run, {.cycles = 11,
+                   .objects = 5,
+                   .record = {"timing", "poses", "boxes", "contacts", "counts", "energy"},
+                   .metrics = {"height", "position"}});
+  plan.references.clear();
+  analysis::AddReferences(plan);
+  return plan;
+}
+
+TEST_F(MergeBaseTest, CopiesTheRunsOfAnotherPlanToTheLastBit) {
+  const plan::Plan edited = Edited();
+  const results::Provenance elsewhere = {{"cpu", "another processor"}, {"models", "a b"}};
+  const fs::path old = folder_ / "old.h5", copied = folder_ / "copied", ran = folder_ / "ran";
+  for (const fs::path& folder : {copied, ran}) fs::create_directory(folder);
+  std::map<std::string, std::size_t> cells;
+  for (const plan::Run& run : plan_.runs) {
+    const bool is_odd = &run == &plan_.runs[5];
+    Write(run, is_odd ? results::Status::kCrashed : results::Status::kDone, is_odd ? 2 : 6,
+          runs_.path(), is_odd ? elsewhere : TestProvenance());
+    cells[run.id] = run.at[0] * 4 + run.at[1] * 2 + run.rep;
+  }
+  journal::Merge(plan_, TestProvenance(), runs_.path(), old);
+
+  journal::RunWriter writer(edited, TestProvenance());
+  const journal::MergeBase base(old, writer.facts(), journal::MergeBase::Of::kAnyPlan);
+  std::vector<journal::Record> records;
+  for (const plan::Run& run : edited.runs) {
+    const auto cell = cells.find(run.id);
+    const bool is_odd = run.id == plan_.runs[5].id;
+    const FakeResult made(run, is_odd ? results::Status::kCrashed : results::Status::kDone,
+                          is_odd ? 2 : run.scene.world.Count("cycles"));
+    tests::WriteRun(edited, run, made.result, is_odd ? elsewhere : TestProvenance(), ran);
+    if (cell != cells.end())
+      records.push_back(writer.Copy(run, base, cell->second, run.id));
+    else
+      tests::WriteRun(edited, run, made.result, TestProvenance(), copied);
+  }
+  EXPECT_EQ(records.size(), plan_.runs.size());
+  journal::Journal::OpenToWrite(copied, edited.Sha256()).Write(records);
+  journal::Merge(edited, TestProvenance(), copied, folder_ / "copied.h5");
+  journal::Merge(edited, TestProvenance(), ran, folder_ / "ran.h5");
+  EXPECT_EQ(ValuesIn(hdf5::File::Open(folder_ / "copied.h5")),
+            ValuesIn(hdf5::File::Open(folder_ / "ran.h5")));
 }
 
 TEST_F(MergeBaseTest, RefusesTheFileOfAnotherPlan) {
