@@ -190,8 +190,7 @@ void CheckIou(const ConvexDecomposition& form, const schema::Call& call) {
                   form.name, hulls == 1 ? "1 convex hull" : fmt::format("{} convex hulls", hulls),
                   form.iou, hulls == 1 ? "does" : "do", least),
       fmt::format("allow more hulls, such as `hulls: {}`, or accept it: `iou: {:.2g}`",
-                  2 * std::max(hulls, meshes::DecomposeOptions().hulls),
-                  std::floor(100 * form.iou) / 100));
+                  analysis::HullsForGoodFit(hulls, form.iou), std::floor(100 * form.iou) / 100));
 }
 
 ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading) {
@@ -364,7 +363,7 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
       facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
   facts.placed = form->origin;
   if (form->PieceCount() == 0) return facts;
-  if (!form->IsSurface()) facts.iou = form->iou;
+  if (!form->IsSurface()) facts.iou = form->iou, facts.hulls = form->pieces.size();
   facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
   if (facts.has_size)
     facts.text += fmt::format("; {:.4g} x {:.4g} x {:.4g} m at `size native`", facts.sides.x(),
