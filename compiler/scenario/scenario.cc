@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "compiler/plan/gltf_buffers.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/schema.h"
@@ -248,9 +249,13 @@ int Scenario::LetOrder(const dsl::Let& let) const { return let_order_.at(&let); 
 
 std::optional<std::string> Scenario::HashOf(const std::string& path, std::string& why) const {
   const auto [hash, is_new] = hashes_.try_emplace(path);
-  if (is_new)
-    if (const auto bytes = read_(path, hash->second.why))
-      hash->second.sha256 = plan::Sha256Hex(*bytes);
+  if (is_new) {
+    auto bytes = read_(path, hash->second.why);
+    if (bytes)
+      bytes = plan::WithGltfBuffers(path, *std::move(bytes), read_, plan::kMaxInputBytes,
+                                    hash->second.why);
+    if (bytes) hash->second.sha256 = plan::Sha256Hex(*bytes);
+  }
   why = hash->second.why;
   return hash->second.sha256;
 }

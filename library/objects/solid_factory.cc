@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/trace.h"
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
@@ -244,6 +245,12 @@ std::shared_ptr<const ConvexDecomposition> FormOf(const schema::Value& type,
 
 }  // namespace
 
+bool IsDecomposed(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
+  const auto* word = std::get_if<schema::Word>(&type);
+  return word != nullptr && FindModel(word->text) != nullptr;
+}
+
 Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const Vector3d& aspect) {
   const auto* word = std::get_if<schema::Word>(&type);
   const std::string name = word != nullptr ? word->text : schema::ToText(type);
@@ -363,7 +370,8 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
       facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
   facts.placed = form->origin;
   if (form->PieceCount() == 0) return facts;
-  if (!form->IsSurface()) facts.iou = form->iou, facts.hulls = form->pieces.size();
+  facts.hulls = form->pieces.size();
+  if (!form->IsSurface()) facts.iou = form->iou;
   facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
   if (facts.has_size)
     facts.text += fmt::format("; {:.4g} x {:.4g} x {:.4g} m at `size native`", facts.sides.x(),
