@@ -67,10 +67,10 @@ Written Add(hid_t place, const char* name, const char* member, Random& random) {
     written.shape.push_back(1 + Below(5, random));
   for (std::uint64_t i = hdf5::Product(written.shape); i > 0; --i)
     written.values.push_back(static_cast<double>(Below(100, random)));
-  const hid_t space =
-      written.shape.empty()
-          ? H5Screate(H5S_SCALAR)
-          : H5Screate_simple(static_cast<int>(written.shape.size()), written.shape.data(), nullptr);
+  const std::vector<hsize_t> shape(written.shape.begin(), written.shape.end());
+  const hid_t space = shape.empty()
+                          ? H5Screate(H5S_SCALAR)
+                          : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr);
   hid_t type = NumberType(random), memory = H5Tcopy(H5T_NATIVE_DOUBLE);
   if (member != nullptr) {
     const hid_t text = H5Tcopy(H5T_C_S1), number = type, of_member = memory;
