@@ -3,6 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -23,7 +26,8 @@ struct ModelFacts {
   /// Common volume of its hulls and the mesh divided by that of their union. Nullopt if it is not a
   /// compound, or is not decomposed yet.
   std::optional<double> iou;
-  std::string text;  ///< of `cdb check`, on one line; empty for a closed form
+  std::size_t hulls = 0;  ///< of a compound
+  std::string text;       ///< of `cdb check`, on one line; empty for a closed form
 
   /// The sides of a solid of this size and aspect; a size of 0 is native.
   Eigen::Vector3d SidesOf(double size, const Eigen::Vector3d& aspect) const {
@@ -32,6 +36,19 @@ struct ModelFacts {
                                              : Eigen::Vector3d(size * aspect);
   }
 };
+
+/// IoU of hulls and mesh; below it, objects touch where the mesh is not.
+inline constexpr double kGoodFit = 0.8;
+
+/// About the number of hulls for a good fit, if `hulls` have this IoU: the volume outside a mesh
+/// falls with their number. At least `hulls` and 50, at most 1024.
+inline std::size_t HullsForGoodFit(std::size_t hulls, double iou) {
+  constexpr double kMargin = 1.2, kMost = 1024;
+  const double outside = (1 / iou - 1) / (1 / kGoodFit - 1);
+  const double needed = std::min(kMargin * static_cast<double>(hulls) * outside, kMost);
+  return std::clamp<std::size_t>(10 * static_cast<std::size_t>(std::ceil(needed / 10)),
+                                 std::max<std::size_t>(hulls, 50), 1024);
+}
 
 /// The reason why a type is no solid; `cause` names the file.
 struct ModelFault {

@@ -19,8 +19,6 @@ using Kind = analysis::SceneFault::Kind;
 
 /// Warns of objects of the default size if all others are smaller than this fraction of it.
 constexpr double kSmall = 0.1;
-/// IoU of hulls and mesh.
-constexpr double kGoodFit = 0.8;
 
 /// All settings that determine the placement of objects, and whether the engine can hold them.
 std::string PlacementKey(const plan::Scene& scene) {
@@ -76,7 +74,8 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
       const auto model = configuration.scenario().ModelAt(type, why);
       if (!why.cause.empty() && !why.is_missing)
         return analysis::SceneFault{Kind::kPlacement, group.name, why.cause, why.remedy, "type"};
-      if (!model || model->iou.value_or(1) >= kGoodFit || !poor_fits_.insert(model->text).second)
+      if (!model || model->iou.value_or(1) >= analysis::kGoodFit ||
+          !poor_fits_.insert(model->text).second)
         continue;
       diagnostics_.Report(
           scenario::kPoorFit,
@@ -84,9 +83,10 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
           fmt::format("the hulls differ from the mesh, so that objects touch where it is not, or "
                       "sink in where it is: {}",
                       model->text),
-          "allow more hulls or a smaller error, such as `hulls: 80, error: 0.01`, and look at them "
-          "in "
-          "`cdb view`");
+          fmt::format(
+              "allow more hulls, such as `hulls: {}`, or a smaller `error` if it is set, and "
+              "look at them in `cdb view`",
+              analysis::HullsForGoodFit(model->hulls, *model->iou)));
     }
   return std::nullopt;
 }

@@ -25,8 +25,7 @@ std::string LowerCase(std::string text) {
 
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
-  if (call.name == schema::kPosesCall) return kTableFormats;
-  if (call.name == schema::kPathCall) return analysis::kTextFormats;
+  if (call.name == schema::kPosesCall || call.name == schema::kPathCall) return kTableFormats;
   if (call.name == schema::kHeightsCall) return plan::kHeightFormats;
   return plan::kModelFormats;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 
+#include "compiler/plan/gltf_buffers.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/kept_files.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -253,7 +254,10 @@ std::optional<std::string> Scenario::HashOf(const std::string& path, std::string
   if (is_new)
     hash->second = kept.Of(path, "", [&] {
       FileHash made;
-      if (const auto bytes = read_(path, made.why)) made.sha256 = plan::Sha256Hex(*bytes);
+      auto bytes = read_(path, made.why);
+      if (bytes)
+        bytes = plan::WithGltfBuffers(path, *std::move(bytes), read_, plan::kMaxInputBytes, made.why);
+      if (bytes) made.sha256 = plan::Sha256Hex(*bytes);
       return made;
     });
   why = hash->second.why;

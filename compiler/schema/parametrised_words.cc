@@ -83,8 +83,8 @@ constexpr Parameter kPoses[] = {
     Argument("group", kText, kAny, "", "for a results file: the group of the objects", {.first_default = "all", .words = "all"}),
     kColumns, kRotation, kUp, kSeparator, kDecimal, kHeader};
 constexpr Parameter kPath[] = {
-    Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file"),
-    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("file", kText, kAny, "", "CSV or other text, or HDF5, relative to the .cdb file"),
+    Argument("sha256", kText, kAny, "", "of the file, or of the values of an HDF5 file; a different file is refused", {.first_default = "any", .words = "any"}),
     Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"}),
     Argument("start", kWord, kAny, "", "the time that is 0 s in the run: that of the file, or that of its first line", {.first_default = "zero", .words = "zero first", .omitted_at_default = true}),
     kColumns, kRotation, kUp, kSeparator, kDecimal, kHeader};

@@ -19,21 +19,11 @@
 #include "library/layouts/number_range.h"
 #include "library/layouts/placement.h"
 #include "library/layouts/region.h"
-#include "library/objects/models.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 
 namespace cdb::closed_forms {
 namespace {
-
-/// True for a type that is decomposed; a surface is only read.
-bool MayBeMesh(const schema::Value& type) {
-  if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
-  if (const auto* word = std::get_if<schema::Word>(&type))
-    return objects::FindModel(word->text) != nullptr;
-  const auto* drawn = std::get_if<schema::Distribution>(&type);
-  return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeMesh);
-}
 
 /// False if a type names a file that is not here: the compiler may have read it elsewhere.
 bool AreFilesHere(const plan::Group& group) {
@@ -47,7 +37,8 @@ bool AreFilesHere(const plan::Group& group) {
 
 /// True if no object of the group needs a decomposition, which takes seconds.
 bool IsMadeAtOnce(const plan::Group& group) {
-  return AreFilesHere(group) && std::ranges::none_of(analysis::TypesOf(group.settings), MayBeMesh);
+  return AreFilesHere(group) &&
+         std::ranges::none_of(analysis::TypesOf(group.settings), objects::IsDecomposed);
 }
 
 /// Bullet sweeps only convex shapes.

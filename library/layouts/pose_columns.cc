@@ -50,7 +50,7 @@ struct Quantity {
 };
 constexpr Quantity kPosition = {0, 3, "x, y, z"}, kOrientation = {3, 4, "qw, qx, qy, qz"},
                    kVelocity = {7, 3, "vx, vy, vz"}, kSpin = {10, 3, "wx, wy, wz"},
-                   kAngles = {13, 3, "rx, ry, rz"}, kTime = {16, 1, "t"};
+                   kAngles = {13, 3, "rx, ry, rz"}, kTime = {kTimeColumn, 1, "t"};
 constexpr Quantity kOfPoses[] = {kPosition, kOrientation, kAngles, kVelocity, kSpin};
 constexpr Quantity kOfPath[] = {kTime, kPosition, kOrientation, kAngles};
 
@@ -176,6 +176,7 @@ class PoseMaker {
   PoseTable Make() const {
     CheckQuantities();
     PoseTable table;
+    table.has_time = Has(kTime);
     table.has_orientation = Has(kOrientation) || Has(kAngles);
     table.has_linear_velocity = Has(kVelocity);
     table.has_angular_velocity = Has(kSpin);

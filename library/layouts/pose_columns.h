@@ -19,7 +19,7 @@
 
 namespace cdb::layouts {
 
-inline constexpr std::size_t kPoseColumns = 17;
+inline constexpr std::size_t kPoseColumns = 17, kTimeColumn = 16;
 
 /// A column that the argument `columns` names: `x=pos.x [mm]`.
 struct NamedColumn {

@@ -94,6 +94,7 @@ std::string PackPoses(const plan::Scene& scene) {
   std::string packed;
   for (const plan::Group& group : scene.groups) {
     const schema::Call* poses = analysis::PosesOf(group);
+    if (poses == nullptr) poses = analysis::PathOf(group);
     if (poses == nullptr || analysis::IsCsv(*poses)) continue;
     const PoseTable table = ReadPoseTable(*poses);
     const std::string key = schema::ToText(schema::Value(*poses)), csv = ToCsv(table);
@@ -116,7 +117,7 @@ PoseTable UnpackPoses(std::string_view packed, const schema::Call& poses) {
     packed.remove_prefix(static_cast<std::size_t>(at - packed.data()));
     CDB_CHECK(sizes[0] + sizes[1] <= packed.size());
     if (packed.substr(0, sizes[0]) == wanted)
-      return ParsePoseCsv(packed.substr(sizes[0], sizes[1]), FileOf(poses));
+      return ParsePoseText(packed.substr(sizes[0], sizes[1]), TableCall(poses.name, FileOf(poses)));
     packed.remove_prefix(sizes[0] + sizes[1]);
   }
   throw SceneError(fmt::format("{}: its poses did not come with the run", FileOf(poses)),
@@ -230,7 +231,7 @@ std::optional<Eigen::Quaterniond> UnitQuaternion(double w, double x, double y, d
 }
 
 std::string ToCsv(const PoseTable& table) {
-  std::string text = "x,y,z";
+  std::string text = table.has_time ? "t,x,y,z" : "x,y,z";
   if (table.has_orientation) text += ",qw,qx,qy,qz";
   if (table.has_linear_velocity) text += ",vx,vy,vz";
   if (table.has_angular_velocity) text += ",wx,wy,wz";
@@ -238,6 +239,7 @@ std::string ToCsv(const PoseTable& table) {
   for (const PoseRow& row : table.rows) {
     const Eigen::Quaterniond& q = row.orientation;
     const Eigen::Vector3d &v = row.linear_velocity, &w = row.angular_velocity;
+    if (table.has_time) AddNumbers(text, {row.time});
     AddNumbers(text, {row.position.x(), row.position.y(), row.position.z()});
     if (table.has_orientation) AddNumbers(text, {q.w(), q.x(), q.y(), q.z()});
     if (table.has_linear_velocity) AddNumbers(text, {v.x(), v.y(), v.z()});

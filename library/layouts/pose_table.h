@@ -26,7 +26,8 @@ struct PoseRow {
 };
 
 struct PoseTable {
-  bool has_orientation = false, has_linear_velocity = false, has_angular_velocity = false;
+  bool has_time = false, has_orientation = false, has_linear_velocity = false,
+       has_angular_velocity = false;
   std::vector<PoseRow> rows;
 };
 

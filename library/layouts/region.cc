@@ -81,10 +81,10 @@ class RegionFinder {
   const GroupRange& Named(std::string_view name) const {
     const auto found = std::ranges::find(bodies_.groups(), name,
                                          [](const GroupRange& range) { return range.group->name; });
-    if (found == bodies_.groups().end()) Refuse(fmt::format("there is no group `{}`", name), {});
+    if (found == bodies_.groups().end() || found->size() == 0)
+      Refuse(fmt::format("there is no group `{}` with objects", name), {});
     if (found->group == range_.group)
       Refuse("it is at its own group", "name a group that is written before it");
-    if (found->size() == 0) Refuse(fmt::format("group `{}` has no objects", name), {});
     if (found->first > range_.first)
       Refuse(fmt::format("group `{}` is written after it, and placed later", name),
              fmt::format("write `{}` first", name));

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "compiler/plan/foreign_model.h"
+#include "compiler/plan/gltf_buffers.h"
 #include "compiler/plan/input_file.h"
 #include "library/meshes/cut.h"
 #include "library/meshes/import.h"
@@ -180,7 +181,11 @@ std::string ReadMeshFile(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, error))
     throw library::SceneError(fmt::format("{}: is not a file", name));
   std::string why;
-  auto bytes = plan::ReadInputFile(file, why, kMaxFileBytes);
+  const auto read = [](const std::string& path, std::string& reason) {
+    return plan::ReadInputFile(path, reason, kMaxFileBytes);
+  };
+  auto bytes = read(name, why);
+  if (bytes) bytes = plan::WithGltfBuffers(name, *std::move(bytes), read, kMaxFileBytes, why);
   if (!bytes) throw library::SceneError(fmt::format("{}: {}", name, why));
   return std::move(*bytes);
 }

@@ -34,7 +34,8 @@ struct Mesh {
 /// formats have no shared vertices, so equal ones are merged. A file may have vertices alone, for a
 /// convex hull.
 Mesh ReadMesh(const std::filesystem::path& file);
-/// The bytes of such a file.
+/// The bytes of such a file, and of the files of data that a .gltf file names
+/// (compiler/plan/gltf_buffers.h).
 std::string ReadMeshFile(const std::filesystem::path& file);
 /// The same from memory; `name` is the name of the file, for messages.
 Mesh ParseMesh(std::string_view bytes, std::string_view name);

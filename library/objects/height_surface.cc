@@ -43,38 +43,62 @@ HeightSurface::Range HeightSurface::RowsOf(std::size_t block) const {
   return {first, std::min(first + kBlock + 1, grid_->rows)};
 }
 
+double HeightSurface::ReachOf(std::size_t block, const Vector3d& along) const {
+  const auto reach_in = [](double by, Range range, std::size_t points) {
+    return by * (static_cast<double>(by > 0 ? range.end - 1 : range.first) / Cells(points) - 0.5);
+  };
+  const double height = along.y() > 0 ? blocks_[block].high : blocks_[block].low;
+  return reach_in(along.x(), ColumnsOf(block), grid_->columns) + along.y() * height +
+         reach_in(along.z(), RowsOf(block), grid_->rows) + 1e-12 * along.lpNorm<1>();
+}
+
+template <typename Visit>
+void HeightSurface::ForPointsOf(std::size_t block, Visit visit) const {
+  const Range columns = ColumnsOf(block), rows = RowsOf(block);
+  for (std::size_t row = rows.first; row < rows.end; ++row)
+    for (std::size_t column = columns.first; column < columns.end; ++column)
+      visit(Point(column, row));
+}
+
 Vector3d HeightSurface::Support(const Vector3d& along) const {
-  const double rounding = 1e-12 * along.lpNorm<1>();
+  std::vector<double> reach(blocks_.size());
+  for (std::size_t block = 0; block < reach.size(); ++block) reach[block] = ReachOf(block, along);
+  // The block that may reach farthest tells which others need no look at their points.
+  double enough = -std::numeric_limits<double>::infinity();
+  ForPointsOf(static_cast<std::size_t>(std::ranges::max_element(reach) - reach.begin()),
+              [&](const Vector3d& point) { enough = std::max(enough, along.dot(point)); });
   Vector3d farthest = Point(0, 0);
   double most = along.dot(farthest);
-  for (std::size_t block = 0; block < blocks_.size(); ++block) {
-    const Range columns = ColumnsOf(block), rows = RowsOf(block);
-    // Most blocks are skipped without looking at their points, as not even their boxes reach so
-    // far.
-    const auto reach_in = [&](double by, Range range, std::size_t points) {
-      return by * (static_cast<double>(by > 0 ? range.end - 1 : range.first) / Cells(points) - 0.5);
-    };
-    const double height = along.y() > 0 ? blocks_[block].high : blocks_[block].low;
-    if (reach_in(along.x(), columns, grid_->columns) + along.y() * height +
-            reach_in(along.z(), rows, grid_->rows) + rounding <
-        most)
-      continue;
-    for (std::size_t row = rows.first; row < rows.end; ++row)
-      for (std::size_t column = columns.first; column < columns.end; ++column) {
-        const Vector3d point = Point(column, row);
-        if (along.dot(point) <= most) continue;
+  for (std::size_t block = 0; block < reach.size(); ++block)
+    if (reach[block] >= std::max(enough, most))
+      ForPointsOf(block, [&](const Vector3d& point) {
+        if (along.dot(point) <= most) return;
         most = along.dot(point);
         farthest = point;
-      }
-  }
+      });
   return farthest;
 }
 
 double HeightSurface::OuterRadius(const Vector3d& sides) const {
+  constexpr double kRounding = 1 + 1e-12;
   double most = 0;
-  for (std::size_t row = 0; row < grid_->rows; ++row)
-    for (std::size_t column = 0; column < grid_->columns; ++column)
+  // From the corners on, which are often the farthest.
+  for (const std::size_t row : {std::size_t{0}, grid_->rows - 1})
+    for (const std::size_t column : {std::size_t{0}, grid_->columns - 1})
       most = std::max(most, Point(column, row).cwiseProduct(sides).squaredNorm());
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    // The farthest corner of the block's box.
+    double reach = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3d along = Vector3d::Unit(axis);
+      const double side = std::max(ReachOf(block, along), ReachOf(block, -along)) * sides[axis];
+      reach += side * side;
+    }
+    if (reach * kRounding >= most)
+      ForPointsOf(block, [&](const Vector3d& point) {
+        most = std::max(most, point.cwiseProduct(sides).squaredNorm());
+      });
+  }
   return std::sqrt(most);
 }
 

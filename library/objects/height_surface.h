@@ -111,6 +111,10 @@ class HeightSurface {
   /// The points of a block.
   Range ColumnsOf(std::size_t block) const;
   Range RowsOf(std::size_t block) const;
+  /// Along this direction; no point of the block is beyond it.
+  double ReachOf(std::size_t block, const Eigen::Vector3d& along) const;
+  template <typename Visit>
+  void ForPointsOf(std::size_t block, Visit visit) const;
 
   std::shared_ptr<const terrain::HeightGrid> grid_;
   double lowest_ = 0, highest_ = 0;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/trace.h"
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/kept_files.h"
@@ -191,8 +192,7 @@ void CheckIou(const ConvexDecomposition& form, const schema::Call& call) {
                   form.name, hulls == 1 ? "1 convex hull" : fmt::format("{} convex hulls", hulls),
                   form.iou, hulls == 1 ? "does" : "do", least),
       fmt::format("allow more hulls, such as `hulls: {}`, or accept it: `iou: {:.2g}`",
-                  2 * std::max(hulls, meshes::DecomposeOptions().hulls),
-                  std::floor(100 * form.iou) / 100));
+                  analysis::HullsForGoodFit(hulls, form.iou), std::floor(100 * form.iou) / 100));
 }
 
 ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading) {
@@ -256,6 +256,12 @@ Form FormOf(const schema::Value& type, const Reading& reading = {}) {
 }
 
 }  // namespace
+
+bool IsDecomposed(const schema::Value& type) {
+  if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
+  const auto* word = std::get_if<schema::Word>(&type);
+  return word != nullptr && FindModel(word->text) != nullptr;
+}
 
 Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const Vector3d& aspect) {
   const auto* word = std::get_if<schema::Word>(&type);
@@ -378,6 +384,7 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
       facts.has_size ? form->native_side * form->unit * form->proportions : form->proportions;
   facts.placed = form->origin;
   if (form->PieceCount() == 0) return facts;
+  facts.hulls = form->pieces.size();
   if (!form->IsSurface()) facts.iou = form->iou;
   facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
   if (facts.has_size)

@@ -39,6 +39,10 @@ class SolidFactory {
   std::map<CompoundKey, std::shared_ptr<const Compound>> compounds_;
 };
 
+/// True for a constant type whose pieces are made of a mesh, which may take seconds; a surface is
+/// only read.
+bool IsDecomposed(const schema::Value& type);
+
 /// What ReadModel may do.
 struct Reading {
   bool decomposes = true;  ///< otherwise a mesh that is not in the cache is only read and checked

@@ -54,6 +54,7 @@ std::optional<analysis::ModelFacts> ExampleModel(const schema::Value& type, anal
   const bool is_fine = schema::AsNumber(schema::ArgumentOf(*call, "hulls")) != nullptr;
   analysis::ModelFacts facts;
   facts.iou = is_fine ? 0.93 : 0.65;
+  facts.hulls = 40;
   facts.text = "mesh(\"wheel.stl\"): 40 hulls, volume error 52 %, IoU 0.650";
   return facts;
 }

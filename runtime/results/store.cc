@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "compiler/schema/schema.h"
@@ -145,6 +146,65 @@ namespace {
 
 constexpr std::uint64_t kMostObjects = 100'000'000;
 
+/// The part of an array that a column names, as in numpy: `[:,2]`, `[2,:]`, `[0,:,4,1]`.
+struct Slice {
+  std::string path;
+  std::vector<std::optional<std::uint64_t>> at;  ///< nullopt for `:`; empty without brackets
+};
+
+Slice SliceOf(const std::string& written) {
+  Slice slice{written, {}};
+  const std::size_t open = written.rfind('[');
+  if (!written.ends_with(']') || open == written.npos) return slice;
+  std::string inner = written.substr(open + 1, written.size() - open - 2);
+  std::erase(inner, ' ');
+  bool is_good = true;
+  for (std::size_t begin = 0; begin <= inner.size();) {
+    const std::size_t end = std::min(inner.find(',', begin), inner.size());
+    const char *from = inner.data() + begin, *to = inner.data() + end;
+    std::uint64_t index = 0;
+    if (std::string_view(from, to) == ":") {
+      slice.at.emplace_back();
+    } else {
+      const auto [stop, error] = std::from_chars(from, to, index);
+      is_good = is_good && error == std::errc{} && stop == to;
+      slice.at.emplace_back(index);
+    }
+    begin = end + 1;
+  }
+  if (!is_good || std::ranges::count(slice.at, std::optional<std::uint64_t>()) != 1)
+    throw hdf5::Error(fmt::format("[{}] should be such as [:,0] or [0,:]", inner));
+  slice.path = written.substr(0, open);
+  return slice;
+}
+
+std::vector<double> ColumnOf(const hdf5::File& file, const std::string& written) {
+  const Slice slice = SliceOf(written);
+  hdf5::Numbers numbers = file.ReadNumbers(slice.path);
+  const hdf5::Shape& shape = numbers.shape;
+  const std::string text = fmt::format("{}", fmt::join(shape, " x "));
+  if (slice.at.empty()) {
+    if (std::ranges::count_if(shape, [](std::uint64_t n) { return n != 1; }) <= 1 && !shape.empty())
+      return std::move(numbers.values);
+    throw hdf5::Error(
+        fmt::format("it has the shape {}: name a column, as in {}[:,0]", text, slice.path));
+  }
+  bool fits = slice.at.size() == shape.size();
+  for (std::size_t i = 0; fits && i < shape.size(); ++i)
+    fits = !slice.at[i] || *slice.at[i] < shape[i];
+  if (!fits) throw hdf5::Error(fmt::format("its shape is {}", text));
+  std::size_t first = 0, step = 1, count = 1;
+  for (std::size_t i = shape.size(), stride = 1; i-- > 0; stride *= shape[i]) {
+    if (slice.at[i])
+      first += *slice.at[i] * stride;
+    else
+      std::tie(step, count) = std::pair(stride, shape[i]);
+  }
+  std::vector<double> column;
+  for (std::size_t i = 0; i < count; ++i) column.push_back(numbers.values[first + i * step]);
+  return column;
+}
+
 /// The rows of a dataset of `width` columns; empty if there is none.
 std::vector<double> ReadRows(const hdf5::File& file, const std::string& path, const char* name,
                              std::uint64_t width, std::uint64_t rows) {
@@ -202,7 +262,7 @@ void PutWFirst(const std::string& written, const std::string& path, std::vector<
 
 }  // namespace
 
-std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
+std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path, bool has_times) {
   const std::string name = path.string();
   try {
     const hdf5::File file = hdf5::File::Open(path);
@@ -213,6 +273,10 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
     PoseArrays arrays;
     arrays.position = ReadRows(file, name, "position", 3, 0);
     const std::uint64_t rows = arrays.position.size() / 3;
+    if (has_times && file.Has("time")) arrays.time = ColumnOf(file, "/time");
+    if (!arrays.time.empty() && arrays.time.size() != rows)
+      throw files::StoreError(fmt::format("{}: its `time` has {} values, but `position` {} rows",
+                                          name, arrays.time.size(), rows));
     arrays.orientation = ReadRows(file, name, "orientation", 4, rows);
     if (!arrays.orientation.empty())
       PutWFirst(file.TextOfMember("orientation", "order"), name, arrays.orientation);
@@ -224,57 +288,6 @@ std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& path) {
         fmt::format("{}: it is not HDF5 that can be read: {}", name, error.what()));
   }
 }
-
-namespace {
-
-/// The part of an array that a column names, as in numpy: `[:,2]`, `[2,:]`.
-struct Slice {
-  std::string path;
-  std::optional<std::uint64_t> row, column;
-};
-
-Slice SliceOf(const std::string& written) {
-  Slice slice{written, {}, {}};
-  const std::size_t open = written.rfind('[');
-  if (!written.ends_with(']') || open == written.npos) return slice;
-  std::string inner = written.substr(open + 1, written.size() - open - 2);
-  std::erase(inner, ' ');
-  const bool is_column = inner.starts_with(":,"), is_row = inner.ends_with(",:");
-  const std::string digits = is_column ? inner.substr(2) : inner.substr(0, inner.find(','));
-  std::uint64_t index = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
-  if (is_column == is_row || error != std::errc{} || end != digits.data() + digits.size())
-    throw hdf5::Error(fmt::format("[{}] should be such as [:,0] or [0,:]", inner));
-  slice.path = written.substr(0, open);
-  (is_column ? slice.column : slice.row) = index;
-  return slice;
-}
-
-std::vector<double> ColumnOf(const hdf5::File& file, const std::string& written) {
-  const Slice slice = SliceOf(written);
-  hdf5::Numbers numbers = file.ReadNumbers(slice.path);
-  const hdf5::Shape& shape = numbers.shape;
-  if (!slice.row && !slice.column) {
-    if (shape.size() == 1 || (shape.size() == 2 && (shape[0] == 1 || shape[1] == 1)))
-      return std::move(numbers.values);
-    throw hdf5::Error(fmt::format("it has the shape {}: name a column, as in {}[:,0]",
-                                  fmt::join(shape, " x "), slice.path));
-  }
-  if (shape.size() != 2 || (slice.row && *slice.row >= shape[0]) ||
-      (slice.column && *slice.column >= shape[1]))
-    throw hdf5::Error(fmt::format("its shape is {}", fmt::join(shape, " x ")));
-  std::vector<double> column;
-  if (slice.row) {
-    const auto begin = numbers.values.begin() + static_cast<std::ptrdiff_t>(*slice.row * shape[1]);
-    column.assign(begin, begin + static_cast<std::ptrdiff_t>(shape[1]));
-  } else {
-    for (std::size_t i = 0; i < shape[0]; ++i)
-      column.push_back(numbers.values[i * shape[1] + *slice.column]);
-  }
-  return column;
-}
-
-}  // namespace
 
 std::vector<std::vector<double>> ReadColumns(const std::filesystem::path& path,
                                              const std::vector<std::string>& written) {

@@ -226,19 +226,19 @@ class MergedProvenance {
 // Poses in an HDF5 file made by the user: datasets `position` (n x 3, m; from MATLAB transposed, as
 // it stores its arrays), of any integers or floats, and optionally
 // `orientation` (n x 4, quaternions w, x, y, z, or as its attribute `order` says: `xyzw`),
-// `linear_velocity` (n x 3, m/s) and `angular_velocity` (n x 3, rad/s), each in the root of the
-// file.
+// `linear_velocity` (n x 3, m/s) and `angular_velocity` (n x 3, rad/s), and for a path `time` (n,
+// s), each in the root of the file.
 
 /// The rows of all objects, one after the other; empty if the file has no such dataset.
 struct PoseArrays {
-  std::vector<double> position, orientation, linear_velocity, angular_velocity;
+  std::vector<double> time, position, orientation, linear_velocity, angular_velocity;
 };
 
 /// Nullopt if it is a results file. Throws StoreError, which names the dataset, for other shapes
-/// and types, and if there is none.
-std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file);
-/// Columns of arrays anywhere in the file: `/log/x`, `/robot/position[:,2]`. Throws StoreError,
-/// which names the column.
+/// and types, and if there is none. `has_times`: reads `time`, too.
+std::optional<PoseArrays> ReadPoseArrays(const std::filesystem::path& file, bool has_times = false);
+/// Columns of arrays anywhere in the file: `/log/x`, `/robot/position[:,2]`, `/poses[0,:,4,1]`.
+/// Throws StoreError, which names the column.
 std::vector<std::vector<double>> ReadColumns(const std::filesystem::path& file,
                                              const std::vector<std::string>& written);
 /// The arrays in a file, with their shapes, for messages; empty if it cannot be read.

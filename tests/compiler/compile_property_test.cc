@@ -19,7 +19,7 @@ namespace {
 constexpr int kScenarios = 150;
 
 plan::Plan PlanOfScenario(const std::string& text) {
-  compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}});
+  compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}, {kHeightsFile, "0,1"}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
   return result.plans.empty() ? plan::Plan() : std::move(result.plans[0]);
 }
@@ -130,7 +130,7 @@ TEST(Property, EachPlantedFaultIsReportedOnce) {
     for (std::size_t k = 0; k < n; ++k)
       scenario.settings[order[k]] = Planted(scenario.settings[order[k]], random);
     const compiler::Compilation compilation =
-        CompileText(scenario.Text(), {{kModelFile, "v 0 0 0"}});
+        CompileText(scenario.Text(), {{kModelFile, "v 0 0 0"}, {kHeightsFile, "0,1"}});
     EXPECT_EQ(compilation.diagnostics.error_count(), static_cast<int>(n))
         << scenario.Text() << dsl::Render(compilation.diagnostics);
   }

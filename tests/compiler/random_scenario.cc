@@ -24,11 +24,17 @@ bool IsBuilt(std::string_view detector) {
   return part == nullptr || part->is_built;
 }
 
+/// Parameters of `objects` that fixed surfaces do not take.
+constexpr std::string_view kOfMovingObjects[] = {"quantity",        "links.type", "links.anchor",
+                                                 "margin",          "ccd",        "linear_velocity",
+                                                 "angular_velocity"};
+
 class Maker {
  public:
   explicit Maker(std::mt19937_64& random) : random_(random) {}
 
   RandomScenario Make() {
+    if (Below(6) == 0) AddGround();
     for (const schema::Parameter& parameter : schema::Schema()) {
       // Keeps the number of runs small. AddAccuracy sets the accuracy parameters together.
       if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
@@ -41,6 +47,15 @@ class Maker {
 
  private:
   std::uint64_t Below(std::uint64_t n) { return random_() % n; }
+
+  /// Makes the objects a fixed surface from a file, of its own size or of another.
+  void AddGround() {
+    is_heights_ = Below(2) == 0;
+    scenario_.settings = {
+        "objects.type " + CallText(*schema::FindParametrisedWord(
+                              is_heights_ ? schema::kHeightsCall : analysis::kSurfaceWord)),
+        Below(2) == 0 ? "objects.size native" : "objects.size 20", "objects.mass fixed"};
+  }
 
   /// Records errors at multiples of the default time step.
   void AddAccuracy() {
@@ -96,7 +111,8 @@ class Maker {
       case kRatio:
         return fmt::format("1 : {} : {}", 1 + Below(5), schema::FormatReal(0.5 + Fraction()));
       case kText:
-        return parameter.name == "file" ? fmt::format("\"{}\"", kModelFile) : "any";
+        if (parameter.name != "file") return "any";
+        return fmt::format("\"{}\"", is_heights_ ? kHeightsFile : kModelFile);
     }
     return {};
   }
@@ -105,6 +121,9 @@ class Maker {
   /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
     if (parameter == "trace") return false;
+    const bool is_ground = Sets("mass fixed");
+    if (is_ground && Sets(parameter)) return false;
+    if (is_ground && std::ranges::count(kOfMovingObjects, parameter) > 0) return false;
     if (parameter == "links.type") return !Sets("mass") && !Sets("location");
     return parameter != "links.anchor" || !Sets("quantity");
   }
@@ -223,7 +242,7 @@ class Maker {
 
   std::mt19937_64& random_;
   RandomScenario scenario_;
-  bool is_in_sweep_ = false, is_in_any_ = false;
+  bool is_in_sweep_ = false, is_in_any_ = false, is_heights_ = false;
 };
 
 }  // namespace

@@ -15,8 +15,8 @@ struct RandomScenario {
   std::string Text() const;
 };
 
-/// The only file, beside the scenario, that its models come from.
-inline constexpr const char* kModelFile = "rock.obj";
+/// The only files, beside the scenario, that its models and height fields come from.
+inline constexpr const char *kModelFile = "rock.obj", *kHeightsFile = "hill.csv";
 
 /// Generates a valid benchmark: each parameter at most once, as a constant, a distribution or a
 /// sweep within its domain.

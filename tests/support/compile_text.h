@@ -59,9 +59,9 @@ inline std::optional<analysis::ModelFacts> MadeUpModels(const schema::Value& typ
                : std::nullopt;
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
   if (file.ends_with("plate.obj"))
-    return analysis::ModelFacts{{2, 1, 0.5}, true, {-0.5, -0.5, -0.5}, 1, "plate: 1 hull"};
+    return analysis::ModelFacts{{2, 1, 0.5}, true, {-0.5, -0.5, -0.5}, 1, 1, "plate: 1 hull"};
   if (file.ends_with("rough.obj"))
-    return analysis::ModelFacts{{1, 1, 1}, true, {}, 0.65, "rough: 40 hulls, IoU 0.65"};
+    return analysis::ModelFacts{{1, 1, 1}, true, {}, 0.65, 40, "rough: 40 hulls, IoU 0.65"};
   if (file.ends_with("open.obj")) why = {file + ": is not watertight", "close it"};
   return std::nullopt;
 }

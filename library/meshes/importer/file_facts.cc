@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -196,13 +197,42 @@ void CheckExtensions(const Json& gltf) {
   }
 }
 
-void CheckBuffers(const Json& gltf) {
-  for (const Json& buffer : gltf.value("buffers", Json::array())) {
+std::string Base64(std::string_view bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+/// Puts the data of other files, which are at the end of `bytes`, into the URIs that name them.
+/// False if there are none.
+bool EmbedBuffers(Json& gltf, std::string_view bytes) {
+  std::size_t total = 0;
+  std::vector<Json*> others;
+  for (Json& buffer : gltf["buffers"]) {
     const std::string uri = buffer.value("uri", "");
-    if (!uri.empty() && !uri.starts_with("data:"))
+    if (uri.empty() || uri.starts_with("data:")) continue;
+    const std::size_t size = buffer.value("byteLength", std::size_t{0});
+    if (size > bytes.size() - total)
       throw SceneError(fmt::format("its data are in another file, '{}'", uri),
                        "pack it into one file: `assimp export FILE.gltf FILE.glb`");
+    total += size;
+    others.push_back(&buffer);
   }
+  bytes.remove_prefix(bytes.size() - total);
+  for (Json* buffer : others) {
+    const std::size_t size = buffer->value("byteLength", std::size_t{0});
+    (*buffer)["uri"] = "data:application/octet-stream;base64," + Base64(bytes.substr(0, size));
+    bytes.remove_prefix(size);
+  }
+  return !others.empty();
 }
 
 /// assimp copies other numbers as they stand.
@@ -221,17 +251,29 @@ void CheckPositions(const Json& gltf) {
 
 }  // namespace
 
-void CheckGltf(std::string_view bytes) {
-  const Json gltf = Json::parse(JsonOf(bytes), nullptr, false);
+std::string CheckedGltf(std::string bytes) {
+  Json gltf;
+  std::istringstream json{std::string(JsonOf(bytes))};
+  try {
+    json >> gltf;
+  } catch (const Json::exception&) {
+    gltf = nullptr;
+  }
   if (!gltf.is_object()) throw SceneError("is not a glTF file: its JSON has an error", "");
   try {
     CheckVersion(gltf);
     CheckExtensions(gltf);
-    if (gltf.value("buffers", Json::array()).is_array()) CheckBuffers(gltf);
     if (gltf.value("meshes", Json::array()).is_array()) CheckPositions(gltf);
+    // Data of other files may follow the JSON.
+    const auto end =
+        bytes.starts_with("glTF") ? bytes.size() : static_cast<std::size_t>(json.tellg());
+    if (gltf.value("buffers", Json()).is_array() &&
+        EmbedBuffers(gltf, std::string_view(bytes).substr(std::min(end, bytes.size()))))
+      return gltf.dump();
   } catch (const Json::exception& error) {
     throw SceneError(fmt::format("is not a valid glTF file: {}", error.what()), "");
   }
+  return bytes;
 }
 
 }  // namespace cdb::importer

@@ -193,9 +193,9 @@ class PlyWriter {
 
 }  // namespace
 
-std::string PlyOf(const std::string& bytes, std::string_view extension) {
+std::string PlyOf(std::string bytes, std::string_view extension) {
   if (bytes.empty()) throw SceneError("is empty", "");
-  if (extension == ".gltf" || extension == ".glb") CheckGltf(bytes);
+  if (extension == ".gltf" || extension == ".glb") bytes = CheckedGltf(std::move(bytes));
   const double unit = UnitOf(bytes, extension);
   std::string wanted;
   // Never destroyed: version 5.2 frees pictures of 3MF files twice.

@@ -12,7 +12,7 @@
 namespace cdb::importer {
 
 /// The mesh as binary PLY, whose comments name what was left out. `extension`: `.dae`.
-std::string PlyOf(const std::string& bytes, std::string_view extension);
+std::string PlyOf(std::string bytes, std::string_view extension);
 
 // Facts of a file that assimp does not tell.
 
@@ -20,7 +20,8 @@ std::string PlyOf(const std::string& bytes, std::string_view extension);
 /// extension which changes its surface.
 double UnitOf(std::string_view bytes, std::string_view extension);
 
-/// Refuses a glTF file that needs other files, or an extension that changes its meshes.
-void CheckGltf(std::string_view bytes);
+/// Refuses a glTF file that needs files other than those of data that follow it, or an extension
+/// that changes its meshes. Returns it with the data in their URIs.
+std::string CheckedGltf(std::string bytes);
 
 }  // namespace cdb::importer

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <string>
 
+#include "compiler/analysis/model.h"
 #include "compiler/plan/text_table.h"
 #include "compiler/schema/parametrised_words.h"
 #include "library/layouts/pose_columns.h"
-#include "library/objects/models.h"
+#include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/selection.h"
@@ -24,9 +25,10 @@ using layouts::PoseTable;
 using library::SceneError;
 using results::ResultFile;
 
-/// The arguments of a `poses` call; empty if they are a word.
+/// The arguments of a call `poses` or `path`; empty if they are a word, or of the other.
 struct Arguments {
   explicit Arguments(const schema::Call& poses) : file(*Text(poses, "file")) {
+    if (poses.name == schema::kPathCall) return;
     if (const auto* number = schema::AsNumber(schema::ArgumentOf(poses, "cycle")))
       cycle = number->AsCount();
     run = Text(poses, "run");
@@ -78,11 +80,11 @@ ResultFile::Cell CellOf(const ResultFile& file, const Arguments& from) {
   return cell;
 }
 
-bool MayBeCompound(const schema::Value& type) {
-  if (const auto* word = std::get_if<schema::Word>(&type))
-    return word->text == "torus" || objects::FindModel(word->text) != nullptr;
-  const schema::Distribution* drawn = schema::AsDistribution(type);
-  return drawn == nullptr || std::ranges::any_of(drawn->arguments, MayBeCompound);
+/// True if an earlier version recorded such objects about other axes.
+bool HadOtherAxes(const plan::Group& group) {
+  return std::ranges::any_of(analysis::TypesOf(group.settings), [](const schema::Value& type) {
+    return objects::IsDecomposed(type) || type == schema::Value(schema::Word{"torus"});
+  });
 }
 
 /// The range of objects requested: the first, and the one after the last.
@@ -99,7 +101,7 @@ std::pair<std::size_t, std::size_t> ObjectsOf(const ResultFile& file, const Resu
   for (const plan::Group& group : run->scene.groups) {
     const std::size_t count = group.settings.Count("quantity");
     const bool is_asked_for = !from.group || group.name == *from.group;
-    if (is_asked_for && MayBeCompound(group.settings.Get("type")) && !file.HasPosesOfOrigins())
+    if (is_asked_for && HadOtherAxes(group) && !file.HasPosesOfOrigins())
       Refuse(
           from,
           fmt::format("an earlier version of cdb recorded the poses of `{}`, about other axes of "
@@ -151,32 +153,43 @@ PoseTable RecordedPoses(const ResultFile& file, const Arguments& from) {
   return table;
 }
 
-PoseTable TableOf(const results::PoseArrays& arrays, const Arguments& from) {
-  PoseTable table;
-  table.has_orientation = !arrays.orientation.empty();
-  table.has_linear_velocity = !arrays.linear_velocity.empty();
-  table.has_angular_velocity = !arrays.angular_velocity.empty();
-  const auto vector = [](const std::vector<double>& values, std::size_t row) -> Eigen::Vector3d {
-    if (values.empty()) return Eigen::Vector3d::Zero();
-    return {values[3 * row], values[3 * row + 1], values[3 * row + 2]};
+/// The poses of the datasets with the usual names.
+PoseTable TableOf(const results::PoseArrays& arrays, const Arguments& from,
+                  const schema::Call& poses) {
+  struct Array {
+    const std::vector<double>* values;
+    std::size_t first, width;  ///< columns of layouts::PoseColumns
+    const char* name;
   };
-  for (std::size_t i = 0; i < arrays.position.size() / 3; ++i) {
-    PoseRow& row = table.rows.emplace_back();
-    row.position = vector(arrays.position, i);
-    row.linear_velocity = vector(arrays.linear_velocity, i);
-    row.angular_velocity = vector(arrays.angular_velocity, i);
-    if (!row.position.allFinite() || !row.linear_velocity.allFinite() ||
-        !row.angular_velocity.allFinite())
-      Refuse(from, fmt::format("row {} is not finite", i), "write finite numbers");
-    if (!table.has_orientation) continue;
-    const double* q = &arrays.orientation[4 * i];
-    const auto turn = layouts::UnitQuaternion(q[0], q[1], q[2], q[3]);
-    if (!turn)
-      Refuse(from, fmt::format("row {} of `orientation` is not a unit quaternion", i),
-             "write w, x, y, z, whose squares add up to 1");
-    row.orientation = *turn;
+  const bool is_path = poses.name == schema::kPathCall;
+  const Array all[] = {{&arrays.time, layouts::kTimeColumn, 1, "time"},
+                       {&arrays.position, 0, 3, "position"},
+                       {&arrays.orientation, 3, 4, "orientation"},
+                       {&arrays.linear_velocity, 7, 3, "linear_velocity"},
+                       {&arrays.angular_velocity, 10, 3, "angular_velocity"}};
+  layouts::PoseColumns columns;
+  columns.name = from.file;
+  columns.place = [&](std::size_t row) { return fmt::format("{}: row {}", from.file, row); };
+  columns.rows = arrays.position.size() / 3;
+  if (is_path && arrays.time.empty())
+    Refuse(from, "it has no dataset `time`", "a path needs the time of each pose, in s");
+  for (const Array& array : all) {
+    if (array.values->empty() || (!is_path && array.width == 1)) continue;
+    if (is_path && array.first > 6 && array.width == 3)
+      Refuse(from, fmt::format("a path has no `{}`; it follows from the positions", array.name),
+             "name the columns to read: columns: \"t=/time, x=/position[:,0], …\"");
+    for (std::size_t k = 0; k < array.width; ++k) {
+      columns.has[array.first + k] = true;
+      std::vector<double>& column = columns.values[array.first + k];
+      for (std::size_t row = 0; row < columns.rows; ++row) {
+        column.push_back((*array.values)[array.width * row + k]);
+        if (!std::isfinite(column.back()))
+          Refuse(from, fmt::format("row {} of `{}` is not finite", row, array.name),
+                 "write finite numbers");
+      }
+    }
   }
-  return table;
+  return layouts::PosesOfColumns(columns, poses);
 }
 
 /// The poses of the columns that the call names.
@@ -257,17 +270,21 @@ PoseTable ReadHdf5Poses(const schema::Call& poses) {
                "remove cycle, run and group, or columns");
       return PosesOfColumns(named, from, poses);
     }
-    for (const char* argument : {"rotation", "up"})
-      if (schema::ArgumentOf(poses, argument) !=
-          schema::Value(schema::Word{argument == std::string_view("up") ? "y" : "none"}))
-        Refuse(from, fmt::format("`{}` applies to columns that are named", argument),
-               "name them: columns: \"x=/position[:,0], y=/position[:,1], z=/position[:,2]\"");
-    if (const auto arrays = results::ReadPoseArrays(from.file)) {
+    if (const auto arrays = results::ReadPoseArrays(from.file, poses.name == schema::kPathCall)) {
       if (from.cycle || from.run || from.group)
         Refuse(from, "it has `position`, but no cycles, runs or groups",
                "remove cycle, run and group");
-      return TableOf(*arrays, from);
+      return TableOf(*arrays, from, poses);
     }
+    if (poses.name == schema::kPathCall)
+      Refuse(from, "a results file has poses by cycle, not by time",
+             "write those of one object as datasets `time`, `position` and `orientation`, or as "
+             "CSV: t,x,y,z,qw,qx,qy,qz");
+    for (const char* argument : {"rotation", "up"})
+      if (schema::ArgumentOf(poses, argument) !=
+          schema::Value(schema::Word{argument == std::string_view("up") ? "y" : "none"}))
+        Refuse(from, fmt::format("`{}` does not apply to a results file", argument),
+               fmt::format("remove {}", argument));
     return RecordedPoses(ResultFile(from.file), from);
   } catch (const files::StoreError& error) {
     const std::string what = error.what();

@@ -206,5 +206,20 @@ TEST(PackedPoses, ComeBackByTheirCall) {
   layouts::SetPoseReader({});
 }
 
+TEST(PackedPoses, KeepTheTimesOfPaths) {
+  PoseTable table;
+  table.has_time = table.has_orientation = true;
+  table.rows.resize(2);
+  table.rows[1].time = 0.5;
+  table.rows[1].position = {0.1, 0.2, 0.3};
+  layouts::SetPoseReader([&](const schema::Call&) { return table; });
+  const auto path = Layout("path", {{"file", schema::Text{"a.h5"}}});
+  const std::string packed = layouts::PackPoses(LayoutScene(1, 40, path));
+  const schema::Call& call = *schema::AsCall(path);
+  EXPECT_EQ(layouts::ToCsv(layouts::UnpackPoses(packed, call)), layouts::ToCsv(table));
+  EXPECT_EQ(layouts::ReadPath(call).PositionAt(0.25), Vector3d(0.05, 0.1, 0.15));
+  layouts::SetPoseReader({});
+}
+
 }  // namespace
 }  // namespace cdb::tests

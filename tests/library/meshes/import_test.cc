@@ -128,6 +128,38 @@ TEST_F(Imports, RefusesGltfThatAssimpWouldReadWrongly) {
       1u);
 }
 
+TEST_F(Imports, ReadsTheFilesOfDataThatGltfNames) {
+  const TemporaryFolder folder;
+  const std::string whole = Gltf(""), uri = "data:application/octet-stream;base64,";
+  const std::size_t at = whole.find(uri), end = whole.find('"', at);
+  const auto name = [&](const std::string& other) {
+    std::string text = whole;
+    WriteFile(folder / "a.gltf", text.replace(at, end - at, other) + "\n");
+    return text;
+  };
+  // Of (0, 0, 0), (1, 0, 0) and (0, 1, 0), and two bytes more.
+  std::string data(38, '\0');
+  for (const std::size_t one : {12u, 28u}) data.replace(one, 4, std::string("\0\0\x80\x3f", 4));
+  std::filesystem::create_directory(folder / "data");
+  WriteFile(folder / "data/my a.bin", data);
+  const std::string text = name("data/my%20a.bin");
+  const meshes::Mesh mesh = meshes::ReadMesh(folder / "a.gltf");
+  EXPECT_EQ(mesh.vertices, meshes::ParseMesh(whole, "a.gltf").vertices);
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(meshes::ReadMeshFile(folder / "a.gltf"), text + "\n" + data.substr(0, 36))
+      << "as cat joins them";
+  const auto refusal = [&] { return Refusal([&] { meshes::ReadMesh(folder / "a.gltf"); }); };
+  WriteFile(folder / "data/my a.bin", "short");
+  EXPECT_TRUE(Has(refusal(), "in 'data/my%20a.bin', which has 5 bytes instead of 36"));
+  name("none.bin");
+  EXPECT_TRUE(Has(refusal(), "its data are in 'none.bin': ")) << refusal();
+  for (const std::string outside : {"../a.bin", "/etc/hosts", "data/../../a.bin", "%2e%2e/a.bin",
+                                    "file:a.bin", "http://a.org/a.bin"}) {
+    name(outside);
+    EXPECT_TRUE(Has(refusal(), "is not in its folder")) << outside << ": " << refusal();
+  }
+}
+
 TEST_F(Imports, RefusesOtherFilesByName) {
   const auto refused = [](const std::string& bytes, const std::string& name) {
     return Refusal([&] { meshes::ParseMesh(bytes, name); });

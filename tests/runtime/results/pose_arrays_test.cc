@@ -118,7 +118,10 @@ TEST_F(PoseArraysOf, AreReadByColumns) {
   hdf5::File file = hdf5::File::Create(path_);
   Add(file, "position", {2, 3});
   Add(file, "t", {2});
+  Add(file, "poses", {2, 3, 4});
   file.Close();
+  EXPECT_EQ(results::ReadColumns(path_, {"/poses[1,:,2]", "/poses[:,0,3]"}),
+            (std::vector<std::vector<double>>{{14, 18, 22}, {3, 15}}));
   EXPECT_EQ(results::ReadColumns(path_, {"/position[:,1]", "position[1,:]", "t"}),
             (std::vector<std::vector<double>>{{1, 4}, {3, 4, 5}, {0, 1}}));
   const std::pair<const char*, const char*> rows[] = {
@@ -126,6 +129,9 @@ TEST_F(PoseArraysOf, AreReadByColumns) {
       {"/position[:,3]", "its shape is 2 x 3"},
       {"/position[0]", "[0] should be such as [:,0] or [0,:]"},
       {"/position[:,]", "should be such as"},
+      {"/position[:,:]", "should be such as"},
+      {"/poses[:,0]", "its shape is 2 x 3 x 4"},
+      {"/poses[:,3,0]", "its shape is 2 x 3 x 4"},
       {"/t/x", "there is no `x`"},
       {"", "not the path of an array"}};
   for (const auto& [column, message] : rows) try {
@@ -134,7 +140,22 @@ TEST_F(PoseArraysOf, AreReadByColumns) {
     } catch (const files::StoreError& error) {
       EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
     }
-  EXPECT_EQ(results::ArraysIn(path_), "/position (2 x 3), /t (2)");
+  EXPECT_EQ(results::ArraysIn(path_), "/poses (2 x 3 x 4), /position (2 x 3), /t (2)");
+}
+
+TEST_F(PoseArraysOf, HaveTimesIfAskedFor) {
+  const auto write = [&](std::uint64_t times) {
+    hdf5::File file = hdf5::File::Create(path_);
+    Add(file, "position", {2, 3});
+    Add(file, "time", {times});
+    file.Close();
+  };
+  write(2);
+  EXPECT_EQ(results::ReadPoseArrays(path_, true)->time, (std::vector<double>{0, 1}));
+  EXPECT_TRUE(results::ReadPoseArrays(path_)->time.empty());
+  write(3);
+  EXPECT_EQ(Fault(), "");
+  EXPECT_THROW(results::ReadPoseArrays(path_, true), files::StoreError);
 }
 
 TEST_F(PoseArraysOf, NeedHdf5) {
