@@ -24,7 +24,7 @@ struct FileStamp {
   std::uint64_t device = 0, inode = 0, size = 0;
   std::int64_t modified_ns = 0, changed_ns = 0;
   bool operator==(const FileStamp&) const = default;
-  /// Nullopt if there is no such file.
+  /// Nullopt if there is no such file, or what it contains is in several files.
   static std::optional<FileStamp> Of(const std::string& path);
 };
 
