@@ -219,6 +219,13 @@ std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts
   return Estimate{value, kForeseen, ShorterStep(scene, value, kForeseen), open};
 }
 
+namespace {
+
+/// 0 for a bound that is harmless itself, so that below the limit nothing can happen.
+double IfHarmful(double bound) { return bound < kLossy ? 0 : bound; }
+
+}  // namespace
+
 std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& objects) {
   const bool is_faithful = scene.world->WordOr("contact") == "faithful";
   const double restitution = BoundsOf(*objects.settings, "restitution").most;
@@ -233,12 +240,12 @@ std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& o
   if (!(restitution > 0)) {
     if (scene.moving > 1) return std::nullopt;  // the push is small beside the energy of all
     const double scale = std::pow(speed, 2) / 2 + kFallOfScale * scene.g * objects.least_side;
-    return Estimate{std::pow(push, 2) / 2 / scale / kRise, kLossy, kSlowContact / Harmless(kLossy),
-                    true};
+    return Estimate{IfHarmful(std::pow(push, 2) / 2 / scale / kRise), kLossy,
+                    kSlowContact / Harmless(kLossy), true};
   }
   const double pushed = restitution + push / speed;
   const double gain =
-      is_faithful ? 0 : (std::pow(pushed, 2) - std::pow(restitution, 2)) / kExcessEnergy;
+      is_faithful ? 0 : IfHarmful((std::pow(pushed, 2) - std::pow(restitution, 2)) / kExcessEnergy);
   // It depends on where in a step they meet, or on the angle.
   const bool open = true;
   if (!scene.only_contacts_take_energy)

@@ -145,7 +145,7 @@ constexpr LintInfo kLints[] = {
      .remedy = "timestep {} or less",
      .about = "ccd restitution linear_velocity timestep acceleration size"},
     {.lint = Lint::kLossyBounce, .kind = {"W0323", "lossy-bounce"},
-     .number = "energy that contacts may take from a rebound / a tenth of that of the approach, or may give it / a twentieth (a hundredth of the scale of energy, for one object without restitution); at least 1 if it is elastic; with contact faithful, 0.2 m/s / v",
+     .number = "energy that contacts may take from a rebound or give it / what the verdict permits, at least 1 if it is elastic; with contact faithful, 0.2 m/s / v",
      .threshold = "1, and never certain",
      .predicts = "bounces {} lose or gain energy",
      .remedy = "contact faithful, and speeds above {} m/s",

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 constexpr double kLeastFall = 0.01, kLeastRise = 0.1;
 /// An approach by more than so many falls in a cycle is an impact. A contact at rest has one.
 constexpr double kImpact = 4;
-/// Of the energy of rebounds, half as much excess is a gain: they do not tremble. Of 290 drops from
-/// 0.1 to 10 m, those with contact faithful that keep their restitution have an excess of 0.000.
+/// Of the energy of rebounds, half as much excess is a gain: they do not tremble. Balls that drop
+/// from 0.1 to 10 m with contact faithful have an excess of 0.000.
 constexpr double kReboundWeight = 2;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
