@@ -38,6 +38,8 @@ Reason WhyNotEnergy(const Scene& scene) {
   return driver.empty() ? Reason() : driver;
 }
 
+bool IsSoft(const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }
+
 Reason WhyNotLosses(const Scene& scene) {
   if (Reason driven = WhyNotEnergy(scene)) return driven;
   if (scene.world.WordOr("expect") == "anything") return "the scene says expect anything";
@@ -60,8 +62,7 @@ Reason WhyNotLosses(const Scene& scene) {
        [](const Group& group) { return !IsZero(group.settings.Get("rolling_friction")); }},
       {"spinning friction",
        [](const Group& group) { return !IsZero(group.settings.Get("spinning_friction")); }},
-      {"soft contacts",
-       [](const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }},
+      {"soft contacts", IsSoft},
   };
   for (const Sink& sink : kSinks)
     if (const Group* group = FindGroup(scene, sink.is_in))
@@ -103,16 +104,17 @@ Reason WhyNotEdges(const Scene& scene) {
       FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); });
   if (surface != nullptr) {
     if (surface->settings.Count("quantity") > 1)
-      return fmt::format("where surfaces of group {} meet is not examined", surface->name);
+      return fmt::format("seams between surfaces of group {} are not examined", surface->name);
     const Group* other =
         FindGroup(scene, [&](const Group& group) { return &group != surface && IsFixed(group); });
     if (other != nullptr)
-      return fmt::format("where groups {} and {} meet is not examined", surface->name, other->name);
+      return fmt::format("seams between groups {} and {} are not examined", surface->name,
+                         other->name);
   }
   const Group* beyond = FindGroup(
       scene, [](const Group& group) { return IsFixed(group) && group.settings.On("overlap"); });
   if (beyond == nullptr || scene.world.WordOr("world.walls") == "none") return std::nullopt;
-  return fmt::format("where group {} meets the walls is not examined", beyond->name);
+  return fmt::format("seams between group {} and the walls are not examined", beyond->name);
 }
 
 const Group* FindLinked(const Scene& scene) {
@@ -124,7 +126,8 @@ bool HasLinks(const Scene& scene) { return FindLinked(scene) != nullptr; }
 Reason WhyNotSleep(const Scene& scene) {
   const Group* group = FindLinked(scene);
   if (group == nullptr) return std::nullopt;
-  return fmt::format("the links of group {} may hold its objects", group->name);
+  return fmt::format("links may hold the objects of group {}, and their forces are not judged",
+                     group->name);
 }
 
 bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }
@@ -173,6 +176,10 @@ Coverage CoverageOf(const plan::Scene& scene) {
 bool IsChecked(Question question, const plan::Scene& scene) {
   const QuestionInfo& info = InfoOf(question);
   return info.arises(scene) && !info.why_not(scene);
+}
+
+bool AreGainsJudged(const plan::Scene& scene) {
+  return IsChecked(Question::kEnergy, scene) && FindGroup(scene, IsSoft) == nullptr;
 }
 
 std::string CheckedText(const Coverage& coverage) {

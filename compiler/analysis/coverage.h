@@ -51,6 +51,9 @@ Coverage CoverageOf(const plan::Scene& scene);
 /// True if the question arises in the scene and is checked.
 bool IsChecked(Question question, const plan::Scene& scene);
 
+/// True if energy is checked and no contact can store any, as soft ones do: gains are judged.
+bool AreGainsJudged(const plan::Scene& scene);
+
 /// `energy, losses, passing`; empty if none is checked.
 std::string CheckedText(const Coverage& coverage);
 /// `rest: group top is placed by at; losses: group box has damping`; empty if none is open.

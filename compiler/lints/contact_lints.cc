@@ -19,15 +19,20 @@ constexpr double kLongStepOfSlider = 0.0125;
 /// m/s; Bullet gives no restitution to slower contacts
 /// (btContactSolverInfo::m_restitutionVelocityThreshold).
 constexpr double kSlowContact = 0.2;
-/// Bullet's contact threshold over the side, and the fraction of energy whose loss is drifting.
-constexpr double kContactGap = 0.015, kLostEnergy = 0.1;
+/// Bullet's contact threshold over the side, and the fractions of the energy of an approach whose
+/// loss, and whose excess in a rebound, are drifting.
+constexpr double kContactGap = 0.015, kLostEnergy = 0.1, kExcessEnergy = 0.05;
+/// m; Bullet pushes deeper overlaps apart without adding to the velocity
+/// (btContactSolverInfo::m_splitImpulsePenetrationThreshold).
+constexpr double kPushDepth = 0.04;
+/// Without restitution a push may give this fraction of the energy by which the verdict scales
+/// drift, with this height of a fall in sides in it.
+constexpr double kRise = 0.01, kFallOfScale = 25;
+/// Cylinders of 0.1 to 5 m that roll slower than half of sqrt(g size) gain a tenth after a time of
+/// 4.8 sqrt(size / g) or more, capsules after 15; none that is faster than sqrt(g size) does.
+constexpr double kRolls = 4.8;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
-
-bool IsBall(const GroupFacts& objects) {
-  const auto* type = std::get_if<schema::Word>(&objects.settings->Get("type"));
-  return type != nullptr && type->text == "sphere" && objects.least_side == objects.longest_side;
-}
 
 /// As a fraction of its size: a ball that starts no higher above the floor touches it at once.
 constexpr double kOnFloor = 0.01;
@@ -214,25 +219,64 @@ std::optional<Estimate> ForeseenBounce(const SceneFacts& scene, const GroupFacts
   return Estimate{value, kForeseen, ShorterStep(scene, value, kForeseen), open};
 }
 
+namespace {
+
+/// 0 for a bound that is harmless itself, so that below the limit nothing can happen.
+double IfHarmful(double bound) { return bound < kLossy ? 0 : bound; }
+
+}  // namespace
+
 std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& objects) {
   const bool is_faithful = scene.world->WordOr("contact") == "faithful";
   const double restitution = BoundsOf(*objects.settings, "restitution").most;
-  if (!objects.may_touch || scene.rests || !scene.only_contacts_take_energy || !(restitution > 0) ||
+  if (!objects.may_touch || scene.rests || !scene.are_gains_judged ||
       (is_faithful && restitution < 1))
     return std::nullopt;
   const double speed = scene.FastestSpeed(objects);
   if (!(speed > 0)) return std::nullopt;
+  // What pushes an overlap apart adds to the speed of the rebound.
+  const double depth = std::min(kPushDepth, speed * scene.timestep);
+  const double push = scene.world->Real("solver.erp") * depth / scene.timestep;
+  if (!(restitution > 0)) {
+    if (scene.moving > 1) return std::nullopt;  // the push is small beside the energy of all
+    const double scale = std::pow(speed, 2) / 2 + kFallOfScale * scene.g * objects.least_side;
+    return Estimate{IfHarmful(std::pow(push, 2) / 2 / scale / kRise), kLossy,
+                    kSlowContact / Harmless(kLossy), true};
+  }
+  const double pushed = restitution + push / speed;
+  const double gain =
+      is_faithful ? 0 : IfHarmful((std::pow(pushed, 2) - std::pow(restitution, 2)) / kExcessEnergy);
+  // It depends on where in a step they meet, or on the angle.
+  const bool open = true;
+  if (!scene.only_contacts_take_energy)
+    return Estimate{gain, kLossy, kSlowContact / Harmless(kLossy), open};
   // Bullet stops an object at a contact that is up to kContactGap sides away before it gives it the
   // speed of the rebound, which this gap shortens. Elastic objects also gain energy.
   const double eaten = kContactGap * objects.longest_side / scene.timestep / speed;
   const double left = std::max(0.0, restitution - eaten);
   const double change = (std::pow(restitution, 2) - std::pow(left, 2)) / kLostEnergy;
   const double value = is_faithful        ? kSlowContact / speed
-                       : restitution == 1 ? std::max(change, kLossy)
-                                          : change;
-  // It depends on where in a step they meet, or on the angle.
-  const bool open = true;
+                       : restitution == 1 ? std::max({change, gain, kLossy})
+                                          : std::max(change, gain);
   return Estimate{value, kLossy, kSlowContact / Harmless(kLossy), open};
+}
+
+std::optional<Estimate> RollingGain(const SceneFacts& scene, const GroupFacts& objects) {
+  const auto may_roll = [](const GroupFacts& group) {
+    const schema::Value& type = group.settings->Get("type");
+    return MayBe(type, "cylinder") || MayBe(type, "capsule");
+  };
+  // Beside others, what it gains is small.
+  const bool all_roll = std::ranges::all_of(
+      scene.groups, [&](const GroupFacts& group) { return !group.moves || may_roll(group); });
+  if (!all_roll || scene.rests || !scene.are_gains_judged || !scene.HasWeight(objects))
+    return std::nullopt;
+  const bool is_tilted = scene.pull && std::hypot(scene.pull->x(), scene.pull->z()) > 0;
+  const double speed = std::hypot(objects.velocity.x(), objects.velocity.z());
+  if (!is_tilted && !(speed > 0)) return std::nullopt;
+  if (speed > std::sqrt(scene.g * objects.longest_side)) return std::nullopt;
+  const bool open = true;  // it may slide, or stop
+  return Estimate{scene.Time() * std::sqrt(scene.g / objects.least_side), kRolls, 0, open};
 }
 
 }  // namespace cdb::lints

@@ -194,6 +194,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   facts.has_walls = world.WordOr("world.walls") != "none";
   facts.has_box_walls = facts.has_walls && world.WordOr("world.wall_shape") == "box";
   facts.only_contacts_take_energy = analysis::IsChecked(analysis::Question::kLosses, scene);
+  facts.are_gains_judged = analysis::AreGainsJudged(scene);
   facts.is_single = world.WordOr("precision") == "single";
   facts.epsilon = facts.is_single ? std::numeric_limits<float>::epsilon()
                                   : std::numeric_limits<double>::epsilon();
@@ -264,6 +265,11 @@ std::optional<Vector3d> FixedPositionOf(const GroupFacts& objects) {
 std::optional<Vector3d> ConstantOf(const schema::Value& value) {
   const auto* vector = std::get_if<Vector3d>(&value);
   return vector != nullptr ? std::optional(*vector) : std::nullopt;
+}
+
+bool IsBall(const GroupFacts& objects) {
+  const auto* type = std::get_if<schema::Word>(&objects.settings->Get("type"));
+  return type != nullptr && type->text == "sphere" && objects.least_side == objects.longest_side;
 }
 
 bool MayBe(const schema::Value& value, std::string_view word) {
@@ -413,6 +419,7 @@ constexpr Row kFormulae[] = {
     {Lint::kSwingingJoint, SwingingJoint},
     {Lint::kCrush, Crush},
     {Lint::kCreep, Creep},
+    {Lint::kRollingGain, RollingGain},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

@@ -84,6 +84,7 @@ struct SceneFacts {
   bool has_walls = false, has_box_walls = false;
   bool has_ground = false;                 ///< walls, fixed or kinematic objects
   bool only_contacts_take_energy = false;  ///< analysis::Question::kLosses is checked
+  bool are_gains_judged = false;           ///< analysis::AreGainsJudged
   bool is_single = false;
   double epsilon = 0;  ///< of the precision
   double count = 0;    ///< objects in all groups
@@ -121,6 +122,8 @@ void FindAdjoining(SceneFacts& scene);
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);
 /// The constant value of a vector; nullopt if it is drawn or on a schedule.
 std::optional<Eigen::Vector3d> ConstantOf(const schema::Value& value);
+/// True if all objects of the group are spheres with equal sides.
+bool IsBall(const GroupFacts& objects);
 /// True if `value` is `word`, or may draw it.
 bool MayBe(const schema::Value& value, std::string_view word);
 /// True if the switch is on, or drawn.
@@ -162,6 +165,7 @@ Formula ThinShape;
 Formula InternalEdges;
 Formula ForeseenBounce;
 Formula LossyBounce;
+Formula RollingGain;
 
 // Kinematic objects: kinematic_lints.cc.
 Formula Crush;

@@ -121,9 +121,9 @@ constexpr LintInfo kLints[] = {
      .remedy = "a mass of {} kg or less, or precision double",
      .about = "mass precision"},
     {.lint = Lint::kEarlySleep, .kind = {"W0319", "early-sleep"},
-     .number = "0.8 m/s / speed or 1 rad/s / spin, of an object in flight for 2 s",
+     .number = "0.8 m/s / speed or 1 rad/s / spin, of an object in flight, or of a ball on a slope, for 2 s",
      .threshold = "1",
-     .predicts = "objects {} fall asleep in flight",
+     .predicts = "objects {} fall asleep in motion",
      .remedy = "sleeping off",
      .about = "sleeping linear_velocity angular_velocity acceleration"},
     {.lint = Lint::kShortRun, .kind = {"W0320", "short-run"},
@@ -145,7 +145,7 @@ constexpr LintInfo kLints[] = {
      .remedy = "timestep {} or less",
      .about = "ccd restitution linear_velocity timestep acceleration size"},
     {.lint = Lint::kLossyBounce, .kind = {"W0323", "lossy-bounce"},
-     .number = "energy that contacts may take from a rebound / a tenth of that of the approach, at least 1 if it is elastic; with contact faithful, 0.2 m/s / v",
+     .number = "energy that contacts may take from a rebound or give it / what the verdict permits, at least 1 if it is elastic; with contact faithful, 0.2 m/s / v",
      .threshold = "1, and never certain",
      .predicts = "bounces {} lose or gain energy",
      .remedy = "contact faithful, and speeds above {} m/s",
@@ -174,6 +174,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "objects at rest {} creep aside",
      .remedy = "precision double, or a size of {} m or more",
      .about = "size precision sleeping cycles"},
+    {.lint = Lint::kRollingGain, .kind = {"W0328", "rolling-gain"},
+     .number = "duration sqrt(g / size), of a cylinder or capsule that may roll, no faster than sqrt(g size)",
+     .threshold = "4.8, and never certain",
+     .predicts = "rolling {} gain energy, as contacts are kept from where the object was before",
+     .remedy = "a sphere, or rolling_friction",
+     .about = "linear_velocity type acceleration cycles"},
 };
 // clang-format on
 

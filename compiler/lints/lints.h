@@ -45,6 +45,7 @@ enum class Lint {
   kSwingingJoint,
   kCrush,
   kCreep,
+  kRollingGain,
 };
 
 /// One row of THE table of lints.

@@ -95,9 +95,27 @@ std::optional<Estimate> HugeBox(const SceneFacts& scene, const GroupFacts& objec
   return Estimate{box, analysis::kLargestBox, Harmless(analysis::kLargestBox)};
 }
 
+namespace {
+
+/// Of a ball that rolls down a slope, at 5/7 of the acceleration along it.
+std::optional<Estimate> RollsSlowly(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!IsBall(objects) || !scene.HasWeight(objects) || !scene.pull) return std::nullopt;
+  if (BoundsOf(*objects.settings, "rolling_friction").most > 0) return std::nullopt;
+  const double along = std::hypot(scene.pull->x(), scene.pull->z());
+  const double speed = objects.speed + 5.0 / 7 * along * kSleepAfter;
+  if (!(along > 0)) return std::nullopt;
+  const double slow = std::min(kSlowSpeed, kSlowSpin * objects.least_side / 2) / speed;
+  if (slow < 1) return std::nullopt;
+  const bool open = true;  // it may be held by other objects
+  return Estimate{slow, 1, 0, open};
+}
+
+}  // namespace
+
 std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.world->On("sleeping") || scene.Time() < kSleepAfter || (scene.rests && scene.g > 0))
     return std::nullopt;
+  if (const auto rolling = RollsSlowly(scene, objects)) return rolling;
   const double speed = objects.speed + scene.g * kSleepAfter;
   if (!(speed > 0 || objects.spin > 0)) return std::nullopt;
   // Objects that hit something earlier are not in flight.

@@ -57,7 +57,7 @@ constexpr Parameter kStack[] = {
 constexpr Parameter kPyramid[] = {
     Argument("gap", kReal, kNotNegative, "m", "between surfaces; 0 lets them touch; fit is a thousandth of the largest extent", kFit)};
 constexpr Parameter kPile[] = {
-    Argument("width", kReal, kPositive, "m", "of the square above which they are dropped; fit makes the pile about as wide as tall", kFit)};
+    Argument("width", kReal, kPositive, "m", "of the square above which they are dropped; fit drops them from a lattice about as wide as tall, and they spread where no walls hold them", kFit)};
 constexpr Parameter kRing[] = {
     Argument("radius", kReal, kPositive, "m", "of the centres; fit leaves a tenth of the largest extent between neighbours", kFit)};
 constexpr Parameter kLine[] = {

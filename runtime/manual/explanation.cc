@@ -234,6 +234,15 @@ constexpr LintExample kExamples[] = {
      "benchmark b {\n  world.side 0.1\n  timestep 1 / 3840\n  cycles 7680\n"
      "  precision double\n"
      "  objects { quantity 1; type cuboid; size 0.002; location stack }\n}\n"},
+    {Lint::kRollingGain,
+     "benchmark b {\n  world { side 40; walls floor }\n  cycles 300\n"
+     "  objects {\n    quantity 1; type cylinder; size 1; orientation (pi / 2, 0, 0)\n"
+     "    location at(0, -19.5, 0); linear_velocity (1, 0, 0); angular_velocity (0, 0, -2)\n  "
+     "}\n}\n",
+     "benchmark b {\n  world { side 40; walls floor }\n  cycles 300\n"
+     "  objects {\n    quantity 1; type sphere; size 1\n"
+     "    location at(0, -19.5, 0); linear_velocity (1, 0, 0); angular_velocity (0, 0, -2)\n  "
+     "}\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.

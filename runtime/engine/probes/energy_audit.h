@@ -37,8 +37,9 @@ class EnergyAudit {
     /// their gaps.
     double lost;
     /// The larger of two: the energy that was gained and not given, relative to the largest kinetic
-    /// energy so far, without gains, plus that of a fall by a tenth of the objects' sizes; and that
-    /// by which rebounds are too fast, relative to the energy of all approaches plus this fall.
+    /// energy so far, without gains, plus that of a fall by a tenth of the objects' sizes; and
+    /// twice that by which rebounds are too fast, relative to the energy of all approaches plus
+    /// this fall.
     double gained;
   };
   /// Call after each cycle, with the states at its start and end.

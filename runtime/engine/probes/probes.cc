@@ -491,8 +491,9 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       presses_(engine, least_sides,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine),
-      normals_(engine) {
-  if (analysis::IsChecked(analysis::Question::kLosses, scene))
+      normals_(engine),
+      are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
+  if (analysis::AreGainsJudged(scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
                    scene.world.Real("world.wall_friction"));
 }
@@ -506,13 +507,11 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   ReadStates(engine_, now_);
   const PressWatch::Seen pressed = presses_.After();
-  const Seen seen{
-      passes_.After(before_, now_),
-      pressed.pressed,
-      pressed.inverted,
-      sleepers_.After(before_, now_),
-      audit_ ? audit_->After(before_, now_, kinetic, energy) : EnergyAudit::Seen{kNone, kNone},
-      normals_.After(before_, now_)};
+  EnergyAudit::Seen audited{kNone, kNone};
+  if (audit_) audited = audit_->After(before_, now_, kinetic, energy);
+  if (!are_losses_judged_) audited.lost = kNone;
+  const Seen seen{passes_.After(before_, now_),   pressed.pressed, pressed.inverted,
+                  sleepers_.After(before_, now_), audited,         normals_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

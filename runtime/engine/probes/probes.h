@@ -70,7 +70,7 @@ class Soundness {
   struct Seen {
     PassWatch::Seen passes;
     std::int32_t pressed, inverted, unheld;
-    EnergyAudit::Seen energy;  ///< NaN if the scene has other ways to lose energy
+    EnergyAudit::Seen energy;  ///< NaN if not judged (analysis::Question, AreGainsJudged)
     NormalWatch::Seen normals;
   };
   /// Call after each cycle, with the energies at its end, J.
@@ -83,6 +83,7 @@ class Soundness {
   PressWatch presses_;
   SleepWatch sleepers_;
   NormalWatch normals_;
+  const bool are_losses_judged_;
   std::optional<EnergyAudit> audit_;
 };
 

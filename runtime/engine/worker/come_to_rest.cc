@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "dsl/text/check.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::worker {
 namespace {
 
-constexpr double kStepsOfUnit = 20;
+/// Of the drop, and of piles that rest for many runs.
+constexpr double kDropStepsOfUnit = 14, kStepsOfUnit = 20;
 /// g dt^2 in least half extents: objects sink into one another in proportion to it.
 constexpr double kFallOfStep = 0.015;
 
@@ -20,6 +22,13 @@ constexpr double kFallDisplacement = 0.3;
 /// Fraction of the velocity that is left after a unit of time: at first, the factor for each later
 /// unit, and the least value.
 constexpr double kLeftAtFirst = 0.7, kLessLeft = 0.85, kLeastLeft = 0.3;
+
+/// Times that watched objects are looked at.
+constexpr int kLooks = 12;
+/// Part of the way permitted to an object at rest; one that went less far is not restless yet.
+constexpr double kTremble = 0.5;
+/// If less than this part of the objects is restless, the others are held while they calm down.
+constexpr double kLocalPart = 0.1;
 
 void Damp(world::Engine& engine, const Falling& falling, double left_after_unit) {
   const double left = std::pow(left_after_unit, 1 / falling.UnitOfTime());  // per second
@@ -71,10 +80,13 @@ class Resting {
 
 }  // namespace
 
-double Falling::Timestep() const {
-  return std::min(UnitOfTime() / kStepsOfUnit,
+double Falling::TimestepOf(double steps_of_unit) const {
+  return std::min(UnitOfTime() / steps_of_unit,
                   std::sqrt(kFallOfStep * least_half_extent / gravity));
 }
+
+double Falling::Timestep() const { return TimestepOf(kStepsOfUnit); }
+double Falling::DropTimestep() const { return TimestepOf(kDropStepsOfUnit); }
 
 void FallDown(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies,
               const std::function<void(std::size_t at_rest)>& tell) {
@@ -98,32 +110,74 @@ void FallDown(world::Engine& engine, const Falling& falling, std::vector<Contact
   }
 }
 
-Unrest WatchUnrest(world::Engine& engine, const Falling& falling, double span) {
+Unrest WatchUnrest(world::Engine& engine, const Falling& falling, double span,
+                   std::size_t permitted) {
   const auto timestep = static_cast<double>(engine.timestep());
   const double unit = falling.UnitOfTime();
   const int steps = static_cast<int>(std::ceil(std::max(span, unit) / timestep));
+  const int look = std::max(1, steps / kLooks);
+  const double most = std::min(kMostRestWay, kRestWay * steps * timestep / unit);
   std::vector<btTransform> start;
   for (const std::uint32_t i : falling.objects)
     start.push_back(engine.objects()[i]->getWorldTransform());
-  for (int i = 0; i < steps; ++i) engine.Step();
+  std::vector<double> ways(start.size(), 0);
   Unrest unrest;
-  unrest.seconds = steps * timestep;
-  const double most = std::min(kMostRestWay, kRestWay * unrest.seconds / unit);
-  for (std::size_t k = 0; k < start.size(); ++k) {
-    const std::uint32_t i = falling.objects[k];
-    const objects::Solid& solid = engine.initial_state().objects[i].solid;
-    const double way =
-        Displacement(start[k], engine.objects()[i]->getWorldTransform(), solid.OuterRadius()) /
-        (2 * solid.LeastHalfExtent());
-    // A state that is not finite is not at rest.
-    unrest.objects += !(way <= most);
-    if (!(way <= unrest.way)) unrest.way = way;
+  for (int done = 1; done <= steps; ++done) {
+    engine.Step();
+    if (done % look != 0 && done != steps) continue;
+    unrest = {.moved = {}, .restless = {}, .way = 0, .seconds = done * timestep};
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      const std::uint32_t i = falling.objects[k];
+      const objects::Solid& solid = engine.initial_state().objects[i].solid;
+      const double way =
+          Displacement(start[k], engine.objects()[i]->getWorldTransform(), solid.OuterRadius()) /
+          (2 * solid.LeastHalfExtent());
+      // A state that is not finite is not at rest.
+      if (!(way <= ways[k])) ways[k] = way;
+      if (!(ways[k] <= most)) unrest.moved.push_back(i);
+      if (!(ways[k] <= most * std::max(kTremble, static_cast<double>(done) / steps)))
+        unrest.restless.push_back(i);
+      if (!(ways[k] <= unrest.way)) unrest.way = ways[k];
+    }
+    if (unrest.moved.size() > permitted) break;
   }
   return unrest;
 }
 
+namespace {
+
+/// Fixes all falling objects except for these and those that touch them.
+void HoldOthers(world::Engine& engine, const Falling& falling,
+                const std::vector<std::uint32_t>& restless) {
+  std::vector<char> is_restless(engine.objects().size(), 0), is_free(is_restless);
+  for (const std::uint32_t i : restless) is_restless[i] = is_free[i] = 1;
+  const auto free_beside = [&](const btCollisionObject* body, const btCollisionObject* other) {
+    const auto index = static_cast<std::size_t>(body->getUserIndex()),
+               beside = static_cast<std::size_t>(other->getUserIndex());
+    if (index < is_free.size() && beside < is_free.size() && is_restless[index] != 0)
+      is_free[beside] = 1;
+  };
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine.world())) {
+    free_beside(manifold.getBody0(), manifold.getBody1());
+    free_beside(manifold.getBody1(), manifold.getBody0());
+  }
+  for (const std::uint32_t i : falling.objects) {
+    if (is_free[i] != 0) continue;
+    btRigidBody& body = *engine.objects()[i];
+    body.setMassProps(0, btVector3(0, 0, 0));
+    body.setLinearVelocity(btVector3(0, 0, 0));
+    body.setAngularVelocity(btVector3(0, 0, 0));
+    body.forceActivationState(ISLAND_SLEEPING);  // no contacts are found between two of them
+  }
+}
+
+}  // namespace
+
 void CalmDown(world::Engine& engine, const Falling& falling, std::vector<ContactReuse::Body> bodies,
-              double seconds) {
+              double seconds, const std::vector<std::uint32_t>& restless) {
+  if (static_cast<double>(restless.size()) <
+      kLocalPart * static_cast<double>(falling.objects.size()))
+    HoldOthers(engine, falling, restless);
   ContactReuse reuse(engine, std::move(bodies));
   Damp(engine, falling, kLeastLeft);
   const double steps = std::ceil(seconds / static_cast<double>(engine.timestep()));

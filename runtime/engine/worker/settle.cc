@@ -46,6 +46,8 @@ constexpr double kDropMargin = 0.008, kReuseTolerance = 0.005;
 /// From this round on, a pile is at rest if less than this part of its objects moves, as objects
 /// that roll find no rest without rolling friction. It is that of the verdict `collapsed`.
 constexpr int kEnoughRounds = 4;
+/// Up to this round, a pile is watched for kSleepSpan; from then on, for kRestSpan.
+constexpr int kPatientRounds = 8;
 constexpr double kRestlessPart = 0.01;
 /// Times that objects are watched, for which those that moved then calm down.
 constexpr int kMostCalm = 2;
@@ -258,7 +260,7 @@ std::vector<ContactReuse::Body> BodiesOf(const Settling& settling) {
 /// The poses in which the objects lie after their fall.
 InitialState Dropped(const Settling& settling) {
   plan::Scene scene = yaml::DropScene(settling.scene);
-  scene.world.Set("timestep", settling.falling.Timestep());
+  scene.world.Set("timestep", settling.falling.DropTimestep());
   world::Engine engine(scene, PushedState(settling), omissions::KeepEverything(scene));
   FallDown(engine, settling.falling, BodiesOf(settling), [&](std::size_t at_rest) {
     settling.Tell(protocol::SettlingPhase::kSettling, at_rest);
@@ -272,37 +274,40 @@ InitialState Rested(const Settling& settling, InitialState state) {
   plan::Scene scene = yaml::RestScene(settling.scene);
   if (yaml::SharesPile(settling.scene)) scene.world.Set("timestep", settling.falling.Timestep());
   const std::size_t count = settling.falling.objects.size();
-  const double span = scene.world.On("sleeping") ? kSleepSpan : kRestSpan;
+  const auto few =
+      static_cast<std::size_t>(std::ceil(kRestlessPart * static_cast<double>(count))) - 1;
+  const double calm = std::max(kRestSpan, settling.falling.UnitOfTime());
   double seconds = 0, steps = 0;
-  Unrest unrest;
   for (int round = 0; round < kLeastRounds || (round < kMostRounds && steps < kMostSteps);
        ++round) {
     world::Engine engine(scene, QuietState(settling, state), omissions::KeepEverything(scene));
-    unrest = WatchUnrest(engine, settling.falling, span);
-    settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.objects);
     // The first round closes the gaps that are left by the drop.
-    if (unrest.objects == 0 && round > 0) return state;
-    if (static_cast<double>(unrest.objects) < kRestlessPart * static_cast<double>(count) &&
-        round >= kEnoughRounds)
-      return state;
-    const double calm = round > 0 ? std::min(round, kMostCalm) * unrest.seconds : 0;
-    CalmDown(engine, settling.falling, BodiesOf(settling), calm);
+    const bool is_first = round == 0;
+    const std::size_t permitted = is_first ? count : round >= kEnoughRounds ? few : 0;
+    const double span = is_first || round >= kPatientRounds ? kRestSpan : kSleepSpan;
+    const Unrest unrest = WatchUnrest(engine, settling.falling, span, permitted);
+    settling.Tell(protocol::SettlingPhase::kSettling, count - unrest.restless.size());
+    if (!is_first && unrest.moved.size() <= permitted) return state;
+    const double rest = is_first ? 0 : std::min(round, kMostCalm) * calm;
+    CalmDown(engine, settling.falling, BodiesOf(settling), rest, unrest.restless);
     state = StateOf(settling, engine);
-    seconds += unrest.seconds + calm;
-    steps += (unrest.seconds + calm) / static_cast<double>(engine.timestep());
+    seconds += unrest.seconds + rest;
+    steps += (unrest.seconds + rest) / static_cast<double>(engine.timestep());
   }
   if (scene.world.WordOr("expect") == "anything") return state;
+  world::Engine engine(scene, QuietState(settling, state), omissions::KeepEverything(scene));
+  const Unrest unrest = WatchUnrest(engine, settling.falling);
   throw SceneError(fmt::format(
       "the pile does not come to rest: after {:.3g} s, {} of {} objects still move, one "
       "by {:.2g} of its least side in {:.2g} s; Bullet may never hold it still with "
       "these settings: use a shorter timestep, more friction or rolling_friction, "
       "larger or fewer objects, or `expect anything` to begin with a pile that moves",
-      seconds, unrest.objects, count, unrest.way, unrest.seconds));
+      seconds, unrest.moved.size(), count, unrest.way, unrest.seconds));
 }
 
 constexpr std::string_view kDropKind = "drop", kPileKind = "pile";
 /// Increase it with every change here that affects where objects come to rest.
-constexpr std::string_view kVersion = "10";
+constexpr std::string_view kVersion = "11";
 
 /// The numbers of the objects that determine the poses: settings of the group may be drawn, or
 /// depend on others.

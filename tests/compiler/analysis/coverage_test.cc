@@ -50,7 +50,7 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
       {"objects a { quantity 3 } acceleration every(60, (0, 1, 0))", "passing, sleep",
        "energy: a schedule changes the acceleration; losses: a schedule changes the acceleration"},
       {"objects a { quantity 3; links { type ball } }", "energy, losses, passing, joints",
-       "sleep: the links of group a may hold its objects"},
+       "sleep: links may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
        "energy, losses, passing, edges, sleep", ""},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass kinematic }",
@@ -62,14 +62,15 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
       {"objects a { quantity 3 } objects ground { quantity 2; type heights(\"flat.csv\"); mass "
        "fixed }",
        "energy, losses, passing, sleep",
-       "edges: where surfaces of group ground meet is not examined"},
+       "edges: seams between surfaces of group ground are not examined"},
       {"objects a { quantity 3 } objects ground { quantity 1; type heights(\"flat.csv\"); mass "
        "fixed }"
        "objects slab { quantity 1; type cuboid; mass fixed }",
        "energy, losses, passing, sleep",
-       "edges: where groups ground and slab meet is not examined"},
+       "edges: seams between groups ground and slab are not examined"},
       {"objects a { quantity 3 } objects hill { quantity 2; type cuboid; mass fixed; overlap on }",
-       "energy, losses, passing, sleep", "edges: where group hill meets the walls is not examined"},
+       "energy, losses, passing, sleep",
+       "edges: seams between group hill and the walls are not examined"},
       {"objects floor { quantity 2; mass fixed }", "", ""},
       {"objects a { quantity 3; location stack } record timing", "",
        "energy: record lacks stability; losses: record lacks stability; rest: record lacks "

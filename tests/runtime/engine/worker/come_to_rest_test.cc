@@ -42,14 +42,34 @@ TEST_F(ComeToRest, TheyFallAndLie) {
 }
 
 TEST_F(ComeToRest, TheRefereeCountsThoseThatMove) {
-  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 3u) << "they fall";
+  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).moved.size(), 3u) << "they fall";
   Steps(*engine_, 300);
   const worker::Unrest unrest = worker::WatchUnrest(*engine_, falling_);
-  EXPECT_EQ(unrest.objects, 0u);
+  EXPECT_EQ(unrest.moved.size(), 0u);
   EXPECT_LT(unrest.way, 0.01);
   EXPECT_NEAR(unrest.seconds, worker::kRestSpan, kFalling.Timestep());
   engine_->objects()[1]->setLinearVelocity({0, 0, 2});
-  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).objects, 1u) << "it slides";
+  EXPECT_EQ(worker::WatchUnrest(*engine_, falling_).moved.size(), 1u) << "it slides";
+}
+
+TEST_F(ComeToRest, TheRefereeStopsOnceTooManyHaveMoved) {
+  const worker::Unrest unrest = worker::WatchUnrest(*engine_, falling_, worker::kRestSpan, 0);
+  EXPECT_EQ(unrest.moved.size(), 3u);
+  EXPECT_LT(unrest.seconds, worker::kRestSpan / 2);
+}
+
+TEST_F(ComeToRest, OthersAreHeldWhileTheRestlessCalmDown) {
+  falling_.objects = {};
+  for (std::uint32_t i = 0; i < 12; ++i) falling_.objects.push_back(i);
+  SetGroup(scene_, "quantity", std::uint64_t{12});
+  SeedStreams(scene_);
+  engine_ = std::make_unique<world::Engine>(scene_, layouts::MakeInitialState(scene_),
+                                            omissions::KeepEverything(scene_));
+  const btTransform before = engine_->objects()[5]->getWorldTransform();
+  const double height = Position(*engine_, 7).y();
+  worker::CalmDown(*engine_, falling_, {12, {0.9, 1e-3}}, 1, {7});
+  EXPECT_LT(Position(*engine_, 7).y(), height - 0.1);
+  EXPECT_EQ(engine_->objects()[5]->getWorldTransform(), before);
 }
 
 }  // namespace
