@@ -73,6 +73,33 @@ def compare_csv(folder, count):
             assert math.isclose(a, b, rel_tol=1e-14), (name, a, b)
 
 
+def compare_paths(folder):
+    import h5py
+    import numpy
+    text = "benchmark p {{ objects {{ size 1; mass kinematic; location {} }} }}"
+    times, places = numpy.array([5, 6, 8]), numpy.arange(9).reshape(3, 3)
+    with h5py.File(folder / "path.h5", "w") as file:
+        file["time"], file["position"] = times.astype(">i4"), places.astype("f4")
+        file["log/all"] = numpy.column_stack([times * 1e9, places])[numpy.newaxis].astype("f8")
+    with h5py.File(folder / "timeless.h5", "w") as file:
+        file["position"] = places
+    with h5py.File(folder / "fast.h5", "w") as file:
+        file["time"], file["position"], file["linear_velocity"] = times, places, places
+    hashes = set()
+    for call in ('path("path.h5", start: first)',
+                 'path("path.h5", start: first, columns: "t=/log/all[0,:,0] [ns], x=/log/all[0,:,1], y=/log/all[0,:,2], '
+                 'z=/log/all[0,:,3]")'):
+        (folder / "p.cdb").write_text(text.format(call))
+        plan = run("plan", "p.cdb", "-o", "p.yaml", folder=folder)
+        assert plan.returncode == 0, (call, plan.stderr)
+        hashes.add(re.search(r'sha256: "(\w+)"', (folder / "p.yaml").read_text()).group(1))
+    assert len(hashes) == 1, hashes
+    for name, message in (("timeless", "it has no dataset `time`"), ("fast", "a path has no `linear_velocity`")):
+        (folder / "p.cdb").write_text(text.format(f'path("{name}.h5")'))
+        check = run("check", "p.cdb", folder=folder)
+        assert check.returncode == 1 and message in check.stderr, (name, check.stderr)
+
+
 def compare_hdf5(folder):
     import h5py
     import numpy
@@ -127,3 +154,4 @@ with tempfile.TemporaryDirectory() as name:
     except ImportError:
         sys.exit(0)
     compare_hdf5(pathlib.Path(name))
+    compare_paths(pathlib.Path(name))
