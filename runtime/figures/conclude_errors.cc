@@ -27,7 +27,7 @@ class ErrorConclusions {
   void Add(const Point& scene, const ErrorRows& table, std::vector<Conclusion>& all) const {
     std::vector<const ErrorRow*> sound, in_time;
     for (const ErrorRow& row : table.rows) {
-      if (row.row.is_void) continue;
+      if (!row.MayBeOnFront()) continue;
       sound.push_back(&row);
       if (row.RealTimeFactor() >= 1) in_time.push_back(&row);
     }

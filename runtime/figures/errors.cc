@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "runtime/figures/coverage.h"
+
 namespace cdb::figures {
 namespace {
 
@@ -18,7 +20,7 @@ bool Lists(const std::vector<std::size_t>& axes, std::size_t axis) {
 
 /// True if `one` is at least as fast and as accurate.
 bool Dominates(const ErrorRow& one, const ErrorRow& other) {
-  return !one.row.is_void && one.ms_per_s.value <= other.ms_per_s.value &&
+  return one.MayBeOnFront() && one.ms_per_s.value <= other.ms_per_s.value &&
          one.Known() <= other.Known();
 }
 
@@ -135,6 +137,7 @@ class Collector {
     const Bootstrap over_seeds(of_seeds.size());
     const Estimate error = over_seeds.MeanEstimate(of_seeds);
     figures_.seed_count = std::max(figures_.seed_count, of_seeds.size());
+    made.unsound = UnsoundText(file_, row);
     made.row = std::move(row);
     made.ms_per_s = MeanOf(times);
     made.time_interval = model_.times().IntervalOf(made.ms_per_s);
@@ -163,11 +166,11 @@ Interval ErrorRow::PossibleErrors() const {
 void MarkFront(std::vector<ErrorRow>& rows) {
   double least = std::numeric_limits<double>::infinity();
   for (ErrorRow& row : rows) {
-    row.on_front = !row.row.is_void && row.Known() < least;
+    row.on_front = row.MayBeOnFront() && row.Known() < least;
     if (row.on_front) least = row.Known();
   }
   for (ErrorRow& row : rows)
-    row.is_tie = !row.row.is_void && !row.on_front &&
+    row.is_tie = row.MayBeOnFront() && !row.on_front &&
                  std::ranges::none_of(rows, [&row](const ErrorRow& other) {
                    return &other != &row && Dominates(other, row) && !IsWithinNoise(other, row);
                  });

@@ -30,11 +30,13 @@ struct ErrorRow {
   double error, floor;
   Interval time_interval, error_interval;  ///< NaN if there is none
   double horizon = kNone;                  ///< the shortest
+  std::string unsound;  ///< UnsoundText; a motion that is not sound has no place on a front
   bool on_front = false;
   /// Not on the front, but each row that is as fast and as accurate is so only within the
   /// intervals.
   bool is_tie = false;
 
+  bool MayBeOnFront() const { return !row.is_void && unsound.empty(); }
   /// The error, but at least its floor: a smaller value is not better.
   double Known() const;
   /// The range of the true error: its interval, if it has one, extended by its floor on both sides.

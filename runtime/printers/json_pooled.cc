@@ -230,6 +230,7 @@ Json FrontRow(const Model& model, const figures::ErrorFigures& figures,
           {"floor", number(row.floor)},
           {"on_front", row.on_front},
           {"is_tie", row.is_tie},
+          {"unsound", row.unsound},
           {"is_void", row.row.is_void},
           {"points", std::move(points)}};
 }

@@ -402,7 +402,9 @@ class ErrorSummary {
       if (has_floor) cells.push_back(terminal::ShortNumber(row.floor));
       if (has_floor) cells.push_back(terminal::ShortNumber(row.horizon));
       std::string note = row.on_front ? "front" : row.is_tie ? "tie" : "";
-      if (row.IsBelowFloor()) note += note.empty() ? "below floor" : ", below floor";
+      for (const std::string& more :
+           {std::string(row.IsBelowFloor() ? "below floor" : ""), row.unsound})
+        if (!more.empty()) note += (note.empty() ? "" : ", ") + more;
       table.AddRow(row.row, cells, note);
     }
     return table.Take();

@@ -55,9 +55,13 @@ TEST(MarkFront, HasNoTiesWithoutIntervals) {
   EXPECT_EQ(MarksOf({RowAt(10, kNan, 0.1), RowAt(10.001, kNan, 0.1)}), "*o");
 }
 
-TEST(MarkFront, LeavesVoidRowsOff) {
+TEST(MarkFront, LeavesVoidAndUnsoundRowsOff) {
   std::vector<ErrorRow> rows = {RowAt(10, 1, 0.1), RowAt(5, 1, 0.01)};
   rows[1].row.is_void = true;
+  EXPECT_EQ(MarksOf(rows), "*o");
+  rows[1].row.is_void = false;
+  EXPECT_EQ(MarksOf(rows), "o*");
+  rows[1].unsound = "tunnelled, 3 of 20 objects";  // its time counts, its motion does not
   EXPECT_EQ(MarksOf(rows), "*o");
 }
 

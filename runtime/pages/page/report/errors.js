@@ -169,7 +169,7 @@ function rowOf(row, { each, colour, varied, least }) {
     onFront: Boolean(row.on_front),
     isTie: Boolean(row.is_tie),
     isVoid: Boolean(row.is_void),
-    state: row.is_void ? 'void' : row.on_front ? 'front' : row.is_tie ? 'tie' : '',
+    state: row.is_void ? 'void' : row.unsound ? row.unsound : row.on_front ? 'front' : row.is_tie ? 'tie' : '',
   };
 }
 
