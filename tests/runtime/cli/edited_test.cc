@@ -201,8 +201,9 @@ TEST_F(Edited, AKillAfterAnyStepLosesNothing) {
         journal::Journal::OpenToWrite(At("s.runs"), plan.Sha256()).Forget(*finished.begin());
     } else if (step >= kFolder) {
       fs::create_directory(At("s.runs"));
-      if (step >= kPlanFile)
+      if (step >= kPlanFile) {
         ASSERT_EQ(program_.Run({"plan", "s.cdb", "-o", "s.runs/plan.yaml"}).status, 0);
+      }
       if (step >= kEmptyJournal) journal::Journal::OpenToWrite(At("s.runs"), plan.Sha256());
     }
     const Finished run = program_.Run({"run", "s.cdb"});
