@@ -9,6 +9,7 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/explanation.h"
+#include "runtime/protocol/verdict.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -46,6 +47,10 @@ options::ExitStatus Explain(const std::string& code) {
     terminal::Print((i > 0 ? "\n" : "") +
                     manual::ExplanationText(*found[i], RenderedWrong(*found[i])));
   if (!found.empty()) return options::ExitStatus::kGood;
+  for (const auto& verdict : protocol::Verdicts())
+    if (verdict.name == code)
+      throw options::CommandError(
+          fmt::format("'{0}' is a verdict on a run; `cdb doc {0}` explains it", code));
   const std::vector<std::string> names = CodesAndNames();
   throw options::CommandError(fmt::format(
       "there is no code '{}'; {}", code,

@@ -99,8 +99,8 @@ options::ExitStatus New(const NewArguments& arguments) {
         "'{}' exists and was not changed; name another file: cdb new FILE", file.string()));
   const auto choice = Choose(arguments);
   if (!choice) throw options::CommandError("no answer; nothing was written");
-  files::WriteWhole(help::SceneText(*choice, BenchmarkFor(file)), file);
   const std::string word = terminal::ShellWord(file.string());
+  files::WriteWhole(help::SceneText(*choice, BenchmarkFor(file), word), file);
   terminal::Print(fmt::format(
       "{} is written; see it: cdb view {}; change it: cdb view --serve {}; run it:\ncdb run {}\n",
       file.string(), word, word, word));

@@ -37,8 +37,8 @@ constexpr Template kTemplates[] = {
      200,
      "Which detector is the fastest?",
      "Look at the first lines of the results: which detector is the fastest, and by how much.",
-     "cycles 240  # 4 s\n"
-     "timestep 1 / 60\n"
+     "cycles 240  # 1 s\n"
+     "timestep 1 / 240\n"
      "repeats 3  # of every run, so that the spread of the times is known\n"
      "detector sweep(dbvt, sap, sap32, simple)  # a run for each\n"},
     {{"error", "how the error falls with the time step"},
@@ -47,22 +47,22 @@ constexpr Template kTemplates[] = {
      "Look at `cdb show FILE --error energy`: the error against the run time. Each run is "
      "compared\n"
      "# with one of small steps, which is executed once.",
-     "let hz = sweep(60, 120, 240)  # a run for each\n"
+     "let hz = sweep(120, 240, 480)  # a run for each\n"
      "timestep 1 / hz\n"
      "cycles hz  # 1 s\n"
      "solver.iterations sweep(5, 20)\n"
      "accuracy {\n"
      "metrics position, energy, penetration\n"
      "interval 1 / 15\n"
-     "reference { timestep 1 / 960 ; precision double ; detector dbvt ; iterations 100 ; "
+     "reference { timestep 1 / 1920 ; precision double ; detector dbvt ; iterations 100 ; "
      "contact same }\n"
      "}\n"},
     {{"scaling", "how the time grows with the number of objects"},
-     800,
+     400,
      "How does the time grow with the number of objects?",
      "Look at `cdb show FILE --plot`: the time over the number of objects.",
-     "cycles 120  # 2 s\n"
-     "timestep 1 / 60\n"
+     "cycles 240  # 1 s\n"
+     "timestep 1 / 240\n"
      "repeats 3  # of every run, so that the spread of the times is known\n"
      "detector sweep(dbvt, sap)  # a run for each\n"},
 };
@@ -134,7 +134,7 @@ std::span<const SceneWord> SceneTemplates() {
 }
 std::span<const SceneWord> SceneObjects() { return WordsOf(std::span<const Falling>(kObjects)); }
 
-std::string SceneText(const SceneChoice& choice, const std::string& name) {
+std::string SceneText(const SceneChoice& choice, const std::string& name, const std::string& file) {
   const Template& made = RowOf(std::span<const Template>(kTemplates), choice.compared);
   const Falling& falling = RowOf(std::span<const Falling>(kObjects), choice.objects);
   const std::uint64_t n = choice.quantity > 0 ? choice.quantity : DefaultQuantity(choice);
@@ -142,6 +142,8 @@ std::string SceneText(const SceneChoice& choice, const std::string& name) {
   const std::string quantity =
       is_swept ? fmt::format("sweep({}, {}, {})  # a run for each", n / 4, n / 2, n)
                : fmt::format("{}", n);
+  std::string head(made.head);
+  if (const std::size_t place = head.find("FILE"); place != head.npos) head.replace(place, 4, file);
   const std::string text = fmt::format(
       "# {} {} fall into a box.\n"
       "# {}\n"
@@ -158,8 +160,7 @@ std::string SceneText(const SceneChoice& choice, const std::string& name) {
       "orientation random\n"
       "}}\n"
       "}}\n",
-      n, falling.doc, made.head, name, made.title, made.body, SideFor(n), quantity, falling.type,
-      kSize);
+      n, falling.doc, head, name, made.title, made.body, SideFor(n), quantity, falling.type, kSize);
   return dsl::Format(text::Source(name, text));
 }
 

@@ -26,8 +26,9 @@ struct SceneChoice {
   std::uint64_t quantity = 0;     ///< 0: a default, with which all runs take seconds
 };
 
-/// The scenario, formatted, with one benchmark called `name`.
-std::string SceneText(const SceneChoice& choice, const std::string& name);
+/// The scenario, formatted, with one benchmark called `name`. `file`: its own name, as a word of a
+/// command.
+std::string SceneText(const SceneChoice& choice, const std::string& name, const std::string& file);
 
 /// Asks three questions, each again until `read` returns an answer that can be used; an empty one
 /// is the default. `read` prints a question and returns the answer, or nullopt at the end of the

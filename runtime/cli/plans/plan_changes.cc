@@ -28,15 +28,15 @@ class ValuesOfPlan {
       // Repeats have the same scene.
       if (last != nullptr && !run.at.empty() && run.at == *last) continue;
       last = &run.at;
-      Note("", run.scene.world);
+      // Groups first: defaults of the world may follow from them.
       for (const plan::Group& group : run.scene.groups) Note(group.name, group.settings);
+      Note("", run.scene.world);
       for (const schema::PluginDetector& plugin : run.scene.plugins)
         Note("plug-in of " + plugin.name, plugin.sha256.substr(0, 12));
     }
     if (plan.repeats > 0) Note("repeats", fmt::format("{}", plan.repeats));
   }
 
-  /// Names in the order of the schema; those of groups after the world.
   const std::vector<std::pair<std::string, Texts>>& all() const { return all_; }
   const Texts* Find(const std::string& name) const {
     const auto found = std::ranges::find(all_, name, [](const auto& each) { return each.first; });

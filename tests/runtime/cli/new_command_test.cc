@@ -20,8 +20,9 @@ TEST(New, EveryTemplateCompilesAndIsFormatted) {
   for (const help::SceneWord& compared : help::SceneTemplates())
     for (const help::SceneWord& objects : help::SceneObjects())
       for (const std::uint64_t quantity : {0, 1, 7, 1000}) {
-        const std::string text = help::SceneText(
-            {std::string(compared.word), std::string(objects.word), quantity}, "scene");
+        const std::string text =
+            help::SceneText({std::string(compared.word), std::string(objects.word), quantity},
+                            "scene", "scene.cdb");
         EXPECT_EQ(dsl::Format(text::Source("scene.cdb", text)), text);
         const auto read = [&text](const std::string&, std::string&) { return std::optional(text); };
         const auto made = options::CompileWith("scene.cdb", read, std::nullopt);
@@ -63,7 +64,7 @@ TEST(New, AsksUntilAnAnswerCanBeUsed) {
                   : std::string("nothing");
   };
   EXPECT_EQ(choose({"", "", ""}), "boxes detectors 200");
-  EXPECT_EQ(choose({"cats", "mesh", "scaling", ""}), "mesh scaling 200");
+  EXPECT_EQ(choose({"cats", "mesh", "scaling", ""}), "mesh scaling 100");
   EXPECT_EQ(choose({"spheres", "error", "0", "-1", "many", "12"}), "spheres error 12");
   EXPECT_EQ(choose({"spheres", "error"}), "nothing");
   EXPECT_EQ(choose({}), "nothing");
