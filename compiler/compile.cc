@@ -232,6 +232,7 @@ class Expander {
                             fmt::format("name the axis: sweep(…) as {}_2", sweep.name));
       } else {
         axis.order = std::min(axis.order, sweep.order);
+        if (axis.axis.title.empty()) axis.axis.title = sweep.title;
       }
       return;
     }
@@ -239,6 +240,7 @@ class Expander {
     axis.axis.name = sweep.name;
     axis.axis.parameter = sweep.parameter;
     axis.axis.unit = sweep.unit;
+    axis.axis.title = sweep.title;
     axis.order = sweep.order;
     axis.sweep = &sweep;
     axes_.push_back(std::move(axis));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dsl/diagnostics.h"
+#include "dsl/lexer.h"
 #include "dsl/text/concat.h"
 #include "dsl/value_parser.h"
 
@@ -102,6 +103,7 @@ bool ValueParser::Close(const Token& open, std::string_view expected) {
 void ValueParser::ReportMisplacedAs() {
   const Token as = cursor_.Take();
   if (cursor_.At(TokenKind::kPath)) cursor_.Take();
+  if (cursor_.At(TokenKind::kText)) cursor_.Take();
   cursor_.Report(kMisplacedAs, cursor_.SpanFrom(as.begin), "'as' can only follow a ')'",
                  "for example: sweep(1 .. 5) as z");
 }
@@ -235,20 +237,27 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
     if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return nullptr;
     if (!ParseList(open, [&] { return ParseArgument(*call); })) return nullptr;
   }
-  if (cursor_.AtWord("as")) {
-    const Token as = cursor_.Take();
-    call->axis = cursor_.ParseName("an axis", /*within_value=*/true);
-    if (!call->axis) {
-      cursor_.Report(kMissingName, cursor_.SpanOf(as),
-                     "'as' must be followed by the name of the axis",
-                     "for example: sweep(1 .. 5) as z");
-      return nullptr;
-    }
-  }
+  if (cursor_.AtWord("as") && !ParseAxisName(*call)) return nullptr;
   // `in (a, b)` is part of a condition.
   const bool has_limits = cursor_.AtWord("in") && cursor_.Peek(1).kind != TokenKind::kLeftParen;
   if (has_limits && !ParseLimits(*call)) return nullptr;
   return Finish(std::move(call), cursor_.SpanOf(name));
+}
+
+/// Parses `as z`, `as "number of layers"` or `as z "number of layers"` after a call. False, with a
+/// report, if it is incomplete.
+bool ValueParser::ParseAxisName(Expr& call) {
+  const Token as = cursor_.Take();
+  const bool has_name = !cursor_.At(TokenKind::kText);
+  if (has_name) call.axis = cursor_.ParseName("an axis", /*within_value=*/true);
+  if (has_name && !call.axis) {
+    cursor_.Report(kMissingName, cursor_.SpanOf(as),
+                   "'as' must be followed by the name or the title of the axis",
+                   "for example: sweep(1 .. 5) as z, or as \"number of layers\"");
+    return false;
+  }
+  if (cursor_.At(TokenKind::kText)) call.axis_title = TextContents(cursor_.Text(cursor_.Take()));
+  return true;
 }
 
 /// Parses `in 2 .. 8` after a call. False, with a report, if it is incomplete.

@@ -195,6 +195,7 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
   all->span = zip->span;
   all->names = names;
   all->axis = zip->axis;
+  all->axis_title = zip->axis_title;
   for (const Argument& argument : zip->arguments) {
     const Expr& value = *argument.value;
     if (argument.name || argument.weight || value.kind != ExprKind::kCall || value.text != "sweep")
@@ -202,6 +203,9 @@ std::vector<Let> StatementParser::Unzip(std::vector<Name> names, ExprPtr zip) {
     if (value.axis)
       return fail(value.axis->span, "the sweeps of zip() make one axis, which has one name",
                   text::Concat({"write it after zip(): zip(…) as ", value.axis->text}));
+    if (!value.axis_title.empty())
+      return fail(value.span, "the sweeps of zip() make one axis, which has one title",
+                  text::Concat({"write it after zip(): zip(…) as \"", value.axis_title, "\""}));
     all->sweeps.push_back(&value);
   }
   std::vector<Let> lets;

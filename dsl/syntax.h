@@ -44,13 +44,14 @@ enum class ExprKind {
 /// The form of a range: `a .. b`, `step d`, `count n`, `count n log`.
 enum class RangeKind { kByOne, kStep, kCount, kCountLog };
 
-/// `let a, b = zip(sweep(…), sweep(…)) as name`: sweeps that vary together. Each is the value of a
+/// `let a, b = zip(sweep(…), sweep(…)) as name "title"`: sweeps that vary together. Each is the value of a
 /// separate let.
 struct Zip {
   text::Span span;  ///< of the call
   std::vector<Name> names;
   std::vector<const Expr*> sweeps;  ///< one for each name
   std::optional<Name> axis;         ///< `as name`
+  std::string axis_title;           ///< `as "title"`; may be empty
 };
 
 struct Expr {
@@ -64,6 +65,7 @@ struct Expr {
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;
   std::optional<Name> axis;        ///< `as name` after a call
+  std::string axis_title;          ///< `as "title"` or `as name "title"` after a call; may be empty
   bool bare = false;               ///< a call without brackets: `ring radius: 20`
   std::shared_ptr<const Zip> zip;  ///< the zip that this sweep belongs to, or null
 };

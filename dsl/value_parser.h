@@ -39,6 +39,7 @@ class ValueParser {
   ExprPtr ParsePrimary();
   ExprPtr ParseBracketed();
   ExprPtr ParseCall(const Token& name);
+  bool ParseAxisName(Expr& call);
   bool ParseLimits(Expr& call);
   bool ParseArgument(Expr& call);
   bool ParseLabelled(Argument& argument);

@@ -186,6 +186,7 @@ class AxisFinder {
     SweepAxis axis = Describe(first, statement, {&first});
     axis.name = zip.axis ? zip.axis->text : zip.names[0].text;
     axis.span = zip.axis ? zip.axis->span : zip.span;
+    axis.title = zip.axis_title;
     axis.values = Coordinates(columns[0]);
     const std::unordered_set<plan::Coordinate> distinct(axis.values.begin(), axis.values.end());
     if (distinct.size() < axis.values.size()) axis.values = JoinedLabels(columns);
@@ -227,6 +228,7 @@ class AxisFinder {
     if (call.axis) axis.name = call.axis->text;
     axis.span = call.axis ? call.axis->span : call.span;
     axis.parameter = statement.parameter;
+    axis.title = call.axis_title;
     const bool has_own_unit =
         part.argument != nullptr && part.argument->unit != schema::kParametersUnit;
     axis.unit = has_own_unit ? std::string(part.argument->unit) : statement.unit;

@@ -76,6 +76,7 @@ struct Axis {
   std::string parameter;           ///< `objects.quantity`, or empty (a `let` or `cases`)
   std::string unit;                ///< of its values, from the schema; may be empty
   std::vector<Coordinate> values;  ///< all numbers or all text
+  std::string title = {};          ///< of a figure's axis, from `as "title"`; may be empty
   bool IsText() const { return !values.empty() && values[0].index() == 1; }
   /// True if every value is an integer that fits into an int32.
   bool IsInteger() const;
@@ -134,7 +135,7 @@ struct Plan {
   void ForEachSkipped(const WholePlan::VisitPoint& visit) const;
 
   /// 64 hex digits, a hash of axes, repeats, runs and skipped points, which determine the results;
-  /// title, source, text and budget are excluded. That of `whole` if there is one.
+  /// titles, source, text and budget are excluded. That of `whole` if there is one.
   std::string Sha256() const;
   /// Gives a plan that was read from an earlier format the ids of this one.
   void Renew();

@@ -117,6 +117,8 @@ void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
   out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << axis.name;
   out << YAML::Key << "parameter" << YAML::Value << YAML::DoubleQuoted << axis.parameter;
   out << YAML::Key << "unit" << YAML::Value << YAML::DoubleQuoted << axis.unit;
+  if (!axis.title.empty())
+    out << YAML::Key << "title" << YAML::Value << YAML::DoubleQuoted << axis.title;
   out << YAML::Key << (axis.IsText() ? "labels" : "values") << YAML::Value << YAML::Flow
       << YAML::BeginSeq;
   for (const plan::Coordinate& value : axis.values) {
@@ -259,8 +261,7 @@ PlanWriter::PlanWriter(const plan::Plan& head, std::function<void(std::string_vi
   out << YAML::Key << "title" << YAML::Value << YAML::DoubleQuoted << head.title;
   out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << head.source;
   out << YAML::Key << "repeats" << YAML::Value << head.repeats;
-  if (head.budget_s)
-    out << YAML::Key << "budget" << YAML::Value << YamlReal(*head.budget_s);
+  if (head.budget_s) out << YAML::Key << "budget" << YAML::Value << YamlReal(*head.budget_s);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
   for (const plan::Axis& axis : head.axes) WriteAxis(out, axis);
   out << YAML::EndSeq << YAML::EndMap;

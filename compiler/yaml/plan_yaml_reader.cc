@@ -371,6 +371,7 @@ class PlanReader : public ValueReader {
     axis.name = Name(Member(node, "name"));
     axis.parameter = Text(Member(node, "parameter"));
     axis.unit = Text(Member(node, "unit"));
+    if (const YAML::Node title = node["title"]) axis.title = Text(title);
     const bool text = static_cast<bool>(node["labels"]);
     for (const YAML::Node& item : Member(node, text ? "labels" : "values")) {
       if (text) {

@@ -58,6 +58,7 @@ std::string KindOf(const plan::Axis& axis) {
 }
 
 std::string LabelOf(const plan::Axis& axis) {
+  if (!axis.title.empty()) return axis.title;
   const std::string kind = KindOf(axis);
   for (const AxisLabel& known : kAxisLabels)
     if (known.parameter == kind && axis.name == kind) return std::string(known.label);
@@ -265,6 +266,7 @@ Json DocumentAxes(const figures::Model& model) {
     const plan::Axis& axis = model.axis(i);
     axes.push_back({{"name", axis.name},
                     {"label", LabelOf(axis)},
+                    {"has_title", !axis.title.empty()},
                     {"unit", axis.unit},
                     {"is_text", axis.IsText()},
                     {"kind", KindOf(axis)},

@@ -146,6 +146,7 @@ class Head {
 
   Section Made() const {
     Lines lines = {Grid()};
+    Add(lines, AxisTitles());
     Add(lines, Padding());
     Add(lines, Cautions());
     Add(lines, HarnessNote(model_));
@@ -163,6 +164,7 @@ class Head {
   Section Answers() const {
     constexpr std::size_t kMostAnswers = 3;
     Lines lines = {Grid()};
+    Add(lines, AxisTitles());
     std::size_t count = 0;
     for (const figures::Conclusion& conclusion : figures::Conclusions(model_)) {
       // Whether the others can be believed.
@@ -216,6 +218,15 @@ class Head {
     std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
                                    grid.empty() ? "" : " (" + grid + ")", file_.cycles());
     if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
+    return text;
+  }
+
+  /// `n: number of layers; d: drop height`
+  std::string AxisTitles() const {
+    std::string text;
+    for (const plan::Axis& axis : file_.axes())
+      if (!axis.title.empty())
+        text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", axis.name, axis.title);
     return text;
   }
 

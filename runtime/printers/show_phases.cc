@@ -47,10 +47,11 @@ class PhaseTables {
                         .notes = {StatisticNote()}});
     for (std::string& note : rows_.MatchNotes()) document.back().notes.push_back(std::move(note));
     if (const double rest = LargestRest(); rest > kNoticeableRest)
-      document.back().notes.push_back(fmt::format(
-          "Up to {:.0f} % of a step is in none of detect, solve and integrate: work of the engine in "
-          "between, such as finding contacts ahead of fast objects with ccd.",
-          100 * rest));
+      document.back().notes.push_back(
+          fmt::format("Up to {:.0f} % of a step is in none of detect, solve and integrate: work of "
+                      "the engine in "
+                      "between, such as finding contacts ahead of fast objects with ccd.",
+                      100 * rest));
     if (!has_times_) return;
     document.push_back(
         {.title = "5th .. 95th percentile over the cycles" + unit,

@@ -46,7 +46,8 @@ struct ResultFile::Impl {
     source = file.Text("source");
     for (const std::string& axis_name : Words(file.Text("axes"))) {
       const hdf5::Dataset dataset = file.OpenDataset(axis_name);
-      plan::Axis axis{axis_name, dataset.Text("parameter"), dataset.Text("units"), {}};
+      plan::Axis axis{
+          axis_name, dataset.Text("parameter"), dataset.Text("units"), {}, dataset.Text("title")};
       if (axis.unit == kNoUnit) axis.unit.clear();
       // Version 1 stored axes with a reserved name under another one.
       if (const std::string own = dataset.Text("axis_name"); !own.empty()) axis.name = own;

@@ -19,8 +19,10 @@ using hdf5::Type;
 /// Separators of `labels`, in order of preference.
 constexpr std::string_view kSeparators = " ;|\t\n";
 
-/// The parameter's description in the schema, or the axis' own name for a `let` or `cases`.
+/// The title, the parameter's description in the schema, or the axis' own name for a `let` or
+/// `cases`.
 std::string LongName(const plan::Axis& axis) {
+  if (!axis.title.empty()) return axis.title;
   const std::string_view name = axis.parameter;
   const schema::Parameter* row = schema::FindParameter(name, false);
   if (row == nullptr) row = schema::FindParameter(name.substr(name.find('.') + 1), true);
@@ -80,6 +82,7 @@ Dimension AxisDimension(const plan::Axis& axis, bool is_integer) {
   dimension.attributes.emplace("parameter", axis.parameter);
   dimension.attributes.emplace("units", axis.unit.empty() && !axis.IsText() ? kNoUnit : axis.unit);
   dimension.attributes.emplace("long_name", LongName(axis));
+  dimension.attributes.emplace("title", axis.title);
   return dimension;
 }
 

@@ -4,6 +4,7 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/parametrised_words.h"
+#include "compiler/yaml/plan_yaml.h"
 #include "dsl/diagnostics.h"
 #include "tests/support/compile_text.h"
 #include "tests/support/scene.h"
@@ -68,6 +69,32 @@ TEST(Sweep, AxesTakeTheNameOfWhatTheyMove) {
                         "world.side 1000 * sweep(1, 2) }")),
             "aspect_y: 1 2; aspect_z: 3 4; linear_velocity_z: 5 6; size: 1 2; grain: 1 2; "
             "pebbles_mass: 1 2; side: 1000 2000");
+}
+
+TEST(Sweep, AxesHaveTitlesThatChangeNothingElse) {
+  const auto plan_with = [](const std::string& as, const std::string& both) {
+    return PlanOf("benchmark b { let n = sweep(10, 20)" + as + "\nobjects { quantity n }\n" +
+                  "let x, y = zip(sweep(1, 2), sweep(3, 4)) as load" + both +
+                  "\nworld.side 100 * x; objects.size y }");
+  };
+  const plan::Plan plain = plan_with("", "");
+  const plan::Plan titled = plan_with(" as \"number of \\\"grains\\\"\"", " \"both\"");
+  ASSERT_EQ(titled.axes.size(), 2u);
+  EXPECT_EQ(titled.axes[0].name, "n");
+  EXPECT_EQ(titled.axes[0].title, "number of \"grains\"");
+  EXPECT_EQ(titled.axes[1].name, "load");
+  EXPECT_EQ(titled.axes[1].title, "both");
+  EXPECT_EQ(titled.Sha256(), plain.Sha256());
+  EXPECT_EQ(titled.runs, plain.runs);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(titled), "p.yaml").axes, titled.axes);
+  EXPECT_EQ(yaml::ToYaml(plain).find("title: \"both\""), std::string::npos);
+  // In some cases only, and with a name of its own.
+  const plan::Plan some = PlanOf(
+      "benchmark b { cases { a { cycles sweep(1, 2) }\n"
+      "b { cycles sweep(1, 2) as \"length\" } }\nwarmup sweep(0, 1) as w \"before\" }");
+  ASSERT_EQ(some.axes.size(), 3u);
+  EXPECT_EQ(some.axes[1].name + some.axes[1].title, "cycleslength");
+  EXPECT_EQ(some.axes[2].name + some.axes[2].title, "wbefore");
 }
 
 TEST(Sweep, AnArgumentsAxisHasTheNameOfBoth) {

@@ -199,7 +199,8 @@ class Maker {
 
   std::string ValueOf(const schema::Parameter& parameter) {
     using enum schema::ParameterType;
-    const bool sweepable = parameter.name != "repeats" && scenario_.points <= 16;
+    const bool sweepable = parameter.name != "repeats" &&
+                           parameter.concern != schema::Concern::kReport && scenario_.points <= 16;
     if (sweepable && Below(4) == 0) {
       std::vector<std::string> values;
       is_in_sweep_ = true;
@@ -211,7 +212,8 @@ class Maker {
       }
       is_in_sweep_ = false;
       scenario_.points *= values.size();
-      return fmt::format("sweep({})", fmt::join(values, ", "));
+      return fmt::format("sweep({}){}", fmt::join(values, ", "),
+                         Below(4) == 0 ? " as \"a title\"" : "");
     }
     return Drawn(parameter);
   }

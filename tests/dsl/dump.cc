@@ -180,9 +180,14 @@ std::string Dump(const dsl::Expr& expr) {
   }
   if (expr.zip) out += " zipped";
   if (expr.zip && expr.zip->axis) out += " as " + expr.zip->axis->text;
+  if (expr.zip && !expr.zip->axis_title.empty()) out += " titled " + Quoted(expr.zip->axis_title);
   if (expr.axis) {
     out += " as ";
     out += expr.axis->text;
+  }
+  if (!expr.axis_title.empty()) {
+    out += " titled ";
+    out += Quoted(expr.axis_title);
   }
   for (const dsl::ExprPtr& limit : expr.items) {
     out += &limit == &expr.items[0] ? " in " : " ";

@@ -104,8 +104,14 @@ RandomText::Piece RandomText::Call(int depth) {
   call.text += ')';
   if (OneIn(5)) {
     const std::string axis = Name();
-    call.text += Join({Space(), "as", Gap(), axis});
-    call.dump += Join({" as ", axis});
+    std::string title;
+    const std::string text = OneIn(2) ? Text(&title) : "";
+    const bool has_name = text.empty() || OneIn(2);
+    call.text += Join({Space(), "as"});
+    if (has_name) call.text += Join({Gap(), axis});
+    if (!text.empty()) call.text += Join({Space(), text});
+    if (has_name) call.dump += Join({" as ", axis});
+    if (!title.empty()) call.dump += Join({" titled ", title});
   }
   if (OneIn(6)) {
     const std::string least = Number(), most = Number();

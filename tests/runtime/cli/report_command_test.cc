@@ -44,6 +44,18 @@ class ReportCommand : public testing::Test {
   const Program program_;
 };
 
+TEST_F(ReportCommand, HasTheTitlesOfAxes) {
+  program_.Write("t.cdb",
+                 "benchmark t { cycles 2; let n = sweep(2, 3) as \"number of grains\"\n"
+                 "objects.quantity n }");
+  ASSERT_EQ(program_.Run({"run", "t.cdb", "-q"}).status, 0);
+  const Finished shown = program_.Run({"show", "t.h5"});
+  EXPECT_NE(shown.out.find("\n  n: number of grains\n"), std::string::npos) << shown.out;
+  const Finished json = program_.Run({"show", "t.h5", "--json"});
+  EXPECT_NE(json.out.find("\"label\":\"number of grains\",\"has_title\":true"), std::string::npos)
+      << json.out;
+}
+
 TEST_F(ReportCommand, OpensThePageInTheBrowserOfTheEnvironment) {
   WriteProgram("shows", "echo \"$@\" > shown");
   const std::string page = "file://" + (program_.folder() / "a%20b.html").string();

@@ -56,7 +56,7 @@ function scaleOf(values, room) {
   const [low, high] = extent([...values, 1]);
   const pad = Math.max((high / low) ** 0.06, 1.02);
   const domain = [low / pad, high * pad];
-  return { type: 'log', domain, ticks: logTicks(...domain, room), tickFormat: (v) => number(v) };
+  return { type: 'log', domain, ticks: logTicks(...domain, room), tickFormat: (v) => number(v, 6) };
 }
 
 /** The ratio 1, and the ratio beyond which something is worse. */

@@ -2,7 +2,7 @@
 import * as Plot from '@observablehq/plot';
 import * as d3 from 'd3';
 import { pointText } from './document.js';
-import { short, timeUnit } from './format.js';
+import { number, short, timeUnit } from './format.js';
 import { phaseOf, representatives, whereText } from './cycle_points.js';
 import { style } from './palette.js';
 import { extent, labelMargin, rowAxes, scale } from './scales.js';
@@ -61,6 +61,12 @@ const atText = (doc, view, chosen) => {
   return where ? [`At ${short(where, 200)}.`] : [];
 };
 
+/** The budget of the scenario in ns / `factor`, if it is one of this phase. */
+function budgetOf(doc, phase, factor) {
+  const { budget } = doc.raw;
+  return budget && budget.phase === phase ? budget.ns / factor : null;
+}
+
 function quantileMarks(rows, theme) {
   const ink = inkOf(theme);
   const fill = (row) => (row.isVoid ? theme.background : ink(row));
@@ -109,7 +115,8 @@ export function describeDistributions(doc, view, { theme, width }) {
   const { unit, factor } = timeUnit(extent(chosen.flatMap(({ entry }) => quantiles[entry] ?? []))[1]);
   const rows = quantileRows(doc, chosen, quantiles, factor);
   if (rows.length === 0) return { title, empty: `The file has no times of ${phase} of individual cycles.` };
-  const ends = rows.flatMap((row) => [row.min, row.max]);
+  const budget = budgetOf(doc, phase, factor);
+  const ends = [...rows.flatMap((row) => [row.min, row.max]), budget];
   const x = scale(ends, view.yScale, { ratio: 8, room: roomOf(width) });
   const label = `time of ${phase}, ${unit}`;
   const repeats = (doc.raw.runs?.repeats ?? 1) > 1 ? ['The time of a cycle is its median over the repeats.'] : [];
@@ -121,8 +128,16 @@ export function describeDistributions(doc, view, { theme, width }) {
       { key: 'place', label: 'point' },
       ...quantileKeys.map(([key, name]) => ({ key, label: `${name}, ${unit}`, isNumber: true })),
     ],
-    panels: [rowsPanel(rows, { theme, chosen, x, label }, quantileMarks)],
+    panels: [
+      rowsPanel(rows, { theme, chosen, x, label }, (...of) => [
+        ...quantileMarks(...of),
+        ...(budget === null
+          ? []
+          : [Plot.ruleX([budget], { stroke: theme.ink, strokeWidth: 1.5, strokeDasharray: '5 3', className: 'budget' })]),
+      ]),
+    ],
     notes: [
+      ...(budget === null ? [] : [`Dashed: the budget, ${number(budget)} ${unit}.`]),
       'Line: least to greatest cycle. Pale: 5 to 95 % of the cycles. Dark: 25 to 75 %. Tick: median.',
       ...repeats,
       ...atText(doc, view, chosen),

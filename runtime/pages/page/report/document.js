@@ -1,5 +1,5 @@
 // Access to a results document (version 1), some parts of which may be missing.
-import { number } from './format.js';
+import { number, short } from './format.js';
 
 /**
  * @typedef {object} Axis
@@ -75,6 +75,7 @@ export function openDocument(json) {
   const axes = (json.axes ?? []).map((axis) => ({
     name: String(axis.name),
     label: String(axis.label || axis.name),
+    hasTitle: Boolean(axis.has_title),
     unit: axis.unit ? String(axis.unit) : '',
     isText: axis.is_text ?? axis.values.some((value) => typeof value !== 'number'),
     kind: axis.kind ?? '',
@@ -212,7 +213,9 @@ export function pointText(doc, point) {
   return parts.join(', ') || 'the only point';
 }
 
-/** @param {Axis} axis */
+/** Below a scale: the title of the scenario, or name and meaning. @param {Axis} axis */
 export const axisTitle = (axis) =>
-  (axis.label === axis.name.replace(/_/g, ' ') ? axis.label : `${axis.name}: ${axis.label}`) +
+  (axis.hasTitle || axis.label === axis.name.replace(/_/g, ' ')
+    ? short(axis.label, 70)
+    : `${axis.name}: ${axis.label}`) +
   (axis.unit ? `, ${axis.unit}` : '');

@@ -142,10 +142,13 @@ const answeredBy = { times: 'fastest', rivals: 'fastest', errors: 'error', stabi
 
 const element = (each) => (each instanceof Node ? each : (each?.element ?? null));
 
+const shellWord = (text) => (/^[\w./-]+$/.test(text) ? text : `'${text.replace(/'/g, "'\\''")}'`);
+
 function bodyOf(doc, sections, key, keyElement) {
   const [above, below] = parts.conclusions(doc, answeredBy[key]);
   const heading = h('h2', { class: 'unseen' }, 'Summary');
   const generator = short(doc.raw.generator ?? 'cdb', 80);
+  const file = short(doc.raw.sources?.[0]?.file ?? '', 200);
   return h(
     'div',
     { class: 'body' },
@@ -153,7 +156,12 @@ function bodyOf(doc, sections, key, keyElement) {
     parts.warnings(doc),
     h('section', { id: 'summary', 'aria-label': 'Summary' }, heading, above, keyElement, below),
     ...sections.map((each) => sectionOf(...each)),
-    h('footer', {}, `Written by ${generator}. Figures by Observable Plot and D3; their licences are below.`),
+    h(
+      'footer',
+      {},
+      file && h('p', {}, 'The tables of this page for LaTeX: ', parts.command(`cdb show ${shellWord(file)} --all --latex`)),
+      h('p', {}, `Written by ${generator}. Figures by Observable Plot and D3; their licences are below.`),
+    ),
   );
 }
 

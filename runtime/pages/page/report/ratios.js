@@ -120,7 +120,7 @@ function scaleOf(rows, width) {
   const pad = Math.max((high / low) ** 0.05, 1.05);
   const domain = [low / pad, high * pad];
   const ticks = logTicks(...domain, Math.max(3, Math.floor(width / 50)));
-  return { type: 'log', domain, ticks, tickFormat: (v) => number(v) };
+  return { type: 'log', domain, ticks, tickFormat: (v) => number(v, 6) };
 }
 
 function notesOf(doc, rows, { fixed, mean }) {

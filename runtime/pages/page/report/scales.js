@@ -22,18 +22,25 @@ export function logTicks(low, high, room = 8) {
     const ticks = [];
     for (let power = first; power <= last; ++power) for (const step of steps) ticks.push(step * 10 ** power);
     const inside = ticks.filter((tick) => tick >= low * 0.999 && tick <= high * 1.001);
-    if (inside.length <= room) return inside.length >= 3 ? inside : finer(low, high);
+    if (inside.length > room) continue;
+    const more = inside.length >= 3 ? inside : finer(low, high);
+    return more.length <= room || inside.length < 2 ? more : inside;
   }
   const stride = Math.ceil((last - first + 1) / room);
   return Array.from({ length: Math.ceil((last - first + 1) / stride) }, (_, i) => 10 ** (first + i * stride));
 }
 
+/** Multiples of 1, 2 or 5 times a power of ten: the fewest that are three or more. */
 function finer(low, high) {
-  const step = 10 ** Math.floor(Math.log10((high - low) / 2 || low));
-  const ticks = [];
-  for (let tick = Math.ceil(low / step) * step; tick <= high; tick += step) ticks.push(Number(tick.toPrecision(6)));
-  const stride = Math.max(1, Math.ceil(ticks.length / 5));
-  return ticks.filter((_, i) => i % stride === 0);
+  const most = Math.floor(Math.log10(high - low || low));
+  for (let power = most; power > most - 3; --power)
+    for (const factor of [5, 2, 1]) {
+      const step = factor * 10 ** power;
+      const first = Math.ceil((low / step) * (1 - 1e-9));
+      const count = Math.floor((high / step) * (1 + 1e-9)) - first + 1;
+      if (count >= 3) return Array.from({ length: count }, (_, i) => Number(((first + i) * step).toPrecision(6)));
+    }
+  return [low, high];
 }
 
 /**
@@ -48,7 +55,7 @@ export function scale(values, wish, { room = 7, ratio = 20, fromZero = true } = 
   if (isLog) {
     const pad = Math.max((high / low) ** 0.06, 1.03);
     const domain = [low / pad, high * pad];
-    return { type: 'log', domain, ticks: logTicks(domain[0], domain[1], room), tickFormat: (v) => number(v) };
+    return { type: 'log', domain, ticks: logTicks(domain[0], domain[1], room), tickFormat: (v) => number(v, 6) };
   }
   const span = high - (fromZero ? Math.min(low, 0) : low) || Math.abs(high) || 1;
   const domain = [fromZero && low >= 0 ? 0 : low - 0.05 * span, high + 0.05 * span];

@@ -313,7 +313,7 @@ async function copy(text) {
   }
 }
 
-function command(text) {
+export function command(text) {
   const button = h('button', { type: 'button', class: 'copy', 'aria-label': `Copy ${short(text, 80)}` }, 'Copy');
   button.addEventListener('click', async () => {
     button.textContent = (await copy(text)) ? 'Copied' : 'Select it';

@@ -1,6 +1,6 @@
 // The stability map: verdicts over two axes, with the first bad cycle.
 import * as Plot from '@observablehq/plot';
-import { valueText } from './document.js';
+import { axisTitle, valueText } from './document.js';
 import { number, short } from './format.js';
 import { textWidth } from './compose.js';
 import { inkOn, severity, verdicts } from './palette.js';
@@ -99,7 +99,7 @@ function panelOf(rows, { axisX, axisY, xs, ys, margin }) {
         tickSize: 0,
         ticks: xs.filter((_, i) => i % every === 0),
         tickFormat: (i) => labels[xs.indexOf(i)],
-        label: axisX ? axisX.name + (axisX.unit ? `, ${axisX.unit}` : '') : null,
+        label: axisX ? axisTitle(axisX) : null,
         labelAnchor: 'right',
         labelArrow: 'right',
       },
