@@ -24,7 +24,7 @@ constexpr Falling kObjects[] = {
     {{"boxes", "cubes"}, "cuboid"},
     {{"spheres", "balls"}, "sphere"},
     {{"mixed", "spheres, cubes, cylinders and cones"}, "any(sphere, cuboid, cylinder, cone)"},
-    {{"mesh", "rings, each a compound of convex hulls"}, "torus"},
+    {{"mesh", "rings of convex hulls"}, "torus"},
 };
 
 struct Template : SceneWord {
@@ -80,11 +80,12 @@ std::span<const SceneWord> WordsOf(std::span<const Row> rows) {
   return kWords;
 }
 
-constexpr double kSize = 0.5;  // m
+/// With this, and the time steps above, all runs are sound.
+constexpr double kSize = 1;  // m
 
-/// The side of a box of which the objects fill a twentieth, m.
+/// The side of a box of which the objects fill a sixteenth, m.
 double SideFor(std::uint64_t quantity) {
-  return std::ceil(kSize * std::cbrt(20.0 * static_cast<double>(quantity)));
+  return std::ceil(kSize * std::cbrt(16.0 * static_cast<double>(quantity)));
 }
 
 std::uint64_t DefaultQuantity(const SceneChoice& choice) {

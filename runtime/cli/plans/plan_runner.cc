@@ -161,7 +161,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const fs::path folder = RunsFolderOf(out);
   std::error_code error;
   files::RemoveStaleTemporariesBeside(out);
-  if (options_.keeps_earlier && !options_.fresh && options_.shard.count == 1) {
+  if (options_.keeps_earlier && !options_.fresh && options_.shard.count == 1 &&
+      options_.retry.is_empty()) {
     const auto earlier = KeepEarlierRuns(sized, out, provenance_);
     if (earlier && !options_.is_quiet)
       terminal::Say(Describe(*earlier, plan.benchmark, /*is_planned=*/false) + "\n");
@@ -239,7 +240,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   const bool is_complete =  // refuses another plan
       IsThereAlready(out, plan,
                      ". --retry repeats runs of that plan; any changed setting, such as `timeout` "
-                     "or `memory`, makes another plan");
+                     "or `memory`, makes another plan: run it without --retry first");
   if (!is_started) {
     const std::string why = PrepareRetry(plan, folder, out, retry, is_complete);
     if (!why.empty()) {

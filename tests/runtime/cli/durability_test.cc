@@ -178,7 +178,13 @@ TEST_F(World, TargetCannotBeWritten) {
 
 TEST_F(World, JournalOfAnotherPlan) {
   program_.Write("w.cdb", "benchmark w { cycles 6; objects.quantity sweep(2 .. 6) }");
-  ExpectRefused(program_.Run({"run", "w.cdb"}), {"w.runs", "another plan", "--fresh"});
+  ExpectRefused(program_.Run({"run", "w.cdb", "--shard", "1/3"}),
+                {"w.runs", "another plan", "--fresh"});
+  // A whole sweep merges its runs and sets them aside.
+  EXPECT_EQ(program_.Run({"run", "w.cdb", "-q"}).status, 0);
+  const std::string ids = program_.Run({"show", "w.1.h5", "--json"}).out;
+  EXPECT_EQ(results::ResultFile(program_.folder() / "w.1.h5").begun_repeats(), 1u);
+  for (const auto& [id, written] : runs_) EXPECT_NE(ids.find(id), std::string::npos) << id;
 }
 
 TEST_F(World, ResultsThatWouldShareAFolderOfRuns) {
