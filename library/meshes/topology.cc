@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -85,20 +86,45 @@ Mesh Tidy(Mesh mesh, bool both_sides = true) {
   return SubMesh(mesh, mesh.triangles);
 }
 
+/// Without triangles that are there an even number of times, whichever way round, and with one of
+/// those that are there an odd number of times. The number of faces at each edge stays even, or
+/// odd.
+Mesh WithoutPairs(Mesh mesh) {
+  std::map<Triangle, std::size_t> copies;
+  const auto key = [](Triangle t) {
+    std::ranges::sort(t);
+    return t;
+  };
+  for (const Triangle& t : mesh.triangles) ++copies[key(t)];
+  std::erase_if(mesh.triangles, [&](const Triangle& t) {
+    std::size_t& left = copies[key(t)];
+    const bool stays = left % 2 == 1;
+    left = 0;
+    return !stays;
+  });
+  return mesh;
+}
+
 double LongestSide(const Mesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : mesh.vertices) box.extend(vertex);
   return mesh.vertices.empty() ? 0 : box.sizes().maxCoeff();
 }
 
-/// The mesh with vertices merged as far as needed to close it; equal ones, or else also close ones.
-Mesh Closed(Mesh mesh, std::string_view name) {
+/// The mesh, tidied, with vertices merged as far as needed to close it; equal ones, or else also
+/// close ones.
+Mesh Closed(const Mesh& raw, std::string_view name) {
+  Mesh mesh = Tidy(raw);
   OddEdges odd = OddEdgesOf(mesh);
   // Merging may also join parts that only touch, so a closed mesh stays as it is.
   if (!odd.vertices.empty()) {
     mesh = Tidy(MergeEqualVertices(mesh));
     odd = OddEdgesOf(mesh);
   }
+  if (!odd.vertices.empty())
+    // A flap, folded from two equal triangles, closes a mesh and bounds nothing.
+    if (Mesh flat = Tidy(WithoutPairs(MergeEqualVertices(raw))); OddEdgesOf(flat).vertices.empty())
+      return flat;
   if (!odd.vertices.empty()) {
     Mesh welded = Tidy(MergeCloseVertices(mesh, odd.vertices, kWeld * LongestSide(mesh)));
     OddEdges after = OddEdgesOf(welded);
@@ -133,7 +159,7 @@ Mesh Watertight(Mesh mesh, std::string_view name) {
   if (mesh.triangles.empty())
     Refuse(name,
            fmt::format("has no faces; a solid needs a closed surface; {}", TypesThatTake(mesh)));
-  mesh = Closed(Tidy(std::move(mesh)), name);
+  mesh = Closed(mesh, name);
   Orient(mesh, name);
   if (!HasVolume(mesh)) {
     // Some exporters write each face with both sides.

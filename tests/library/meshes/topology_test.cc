@@ -59,6 +59,17 @@ TEST(Topology, DegenerateAndDoubledFacesAreDropped) {
   EXPECT_EQ(meshes::Watertight(sides, "m"), Cube());
 }
 
+TEST(Topology, FlapsOfEqualTrianglesBoundNothing) {
+  meshes::Mesh flap = Cube();
+  flap.vertices.emplace_back(3, 3, 3);
+  flap.triangles.insert(flap.triangles.end(), {{0, 1, 8}, {0, 1, 8}});
+  EXPECT_EQ(meshes::Watertight(flap, "m"), Cube());
+  // Three copies of a face are one.
+  meshes::Mesh thick = Cube();
+  thick.triangles.insert(thick.triangles.end(), {thick.triangles[3], thick.triangles[3]});
+  EXPECT_EQ(meshes::Watertight(thick, "m"), Cube());
+}
+
 TEST(Topology, EdgesOfFourFacesAreTakenIfTheyBalance) {
   // Two cubes that share an edge with the same vertices.
   const meshes::Mesh touching = meshes::MergeEqualVertices(Joined(Cube(), Cube(1, {2, 2, 0})));
