@@ -31,7 +31,8 @@ struct TraceArguments {
   std::optional<std::string> benchmark;
   /// A file for one point, a folder for several; empty: named after the benchmark.
   std::string out;
-  std::vector<std::string> plugins;  ///< shared libraries with detectors
+  std::vector<std::string> plugins;   ///< shared libraries with detectors
+  std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool fresh = false;
   bool quiet = false;
 };
@@ -131,7 +132,11 @@ void DeclareTrace(options::Subcommand& command) {
   command.Fresh(arguments->fresh, "overwrite existing traces");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return TracePlans(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
+    return TracePlans(*arguments);
+  });
 }
 
 }  // namespace

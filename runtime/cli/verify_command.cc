@@ -29,6 +29,7 @@ struct VerifyArguments {
   std::vector<std::string> detectors;   ///< empty: those of the file; `all`: every one that can
   std::optional<std::uint64_t> cycles;  ///< nullopt: as in the file
   std::vector<std::string> plugins;     ///< shared libraries with detectors
+  std::vector<std::string> settings;    ///< NAME=VALUE, over those of the scenario
   std::string out;                      ///< folder of the results; empty: the current one
   std::uint64_t jobs = 1;
   bool fresh = false;
@@ -80,7 +81,11 @@ void DeclareVerify(options::Subcommand& command) {
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the table, without progress");
   command.Plugins(arguments->plugins);
-  command.Action([arguments] { return Verify(*arguments); });
+  command.Set(arguments->settings);
+  command.Action([arguments] {
+    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
+    return Verify(*arguments);
+  });
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/schema/catalogue.h"
 #include "dsl/text/check.h"
 #include "runtime/figures/bootstrap.h"
 
@@ -118,6 +119,14 @@ double Model::MemoryOf(const Row& row, const std::string& name) const {
   std::vector<double> all;
   for (const MeasuredPoint* point : row.points) all.push_back(MemoryOf(*point, name));
   return Largest(all);
+}
+
+std::size_t Model::bad_count() const {
+  const auto wrong = std::ranges::count_if(findings(), [](const DetectorFindings& of) {
+    const schema::DetectorInfo* info = schema::FindDetector(of.detector);
+    return of.missed > 0 && (info == nullptr || !info->Makes(schema::KnownErrors::kMissesPairs));
+  });
+  return runs().bad.size() + reference_troubles().size() + static_cast<std::size_t>(wrong);
 }
 
 }  // namespace cdb::figures

@@ -59,8 +59,9 @@ class Model {
   const std::vector<DetectorFindings>& findings() const;
   /// The reasons why reference runs cannot be used, a line each.
   const std::vector<std::string>& reference_troubles() const;
-  /// Runs that failed or are void, with references.
-  std::size_t bad_count() const { return runs().bad.size() + reference_troubles().size(); }
+  /// Runs that failed or are void, with references, and detectors that missed pairs but are not
+  /// known to.
+  std::size_t bad_count() const;
 
   bool HasTimes() const { return file_.Has("duration"); }
   const std::optional<std::size_t>& detector_axis() const { return detector_axis_; }

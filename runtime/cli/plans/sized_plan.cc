@@ -158,8 +158,9 @@ options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
     terminal::Print(
         fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(out.string()), out.string()));
   } else if (shown.bad_count > 0) {
-    terminal::Say(fmt::format("some runs did not end well: `cdb show {}` names them\n",
-                              terminal::ShellWord(out.string())));
+    terminal::Say(
+        fmt::format("some runs did not end well, or missed pairs: `cdb show {}` names them\n",
+                    terminal::ShellWord(out.string())));
   }
   return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }

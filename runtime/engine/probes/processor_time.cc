@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
 #include <ctime>
 #include <fstream>
 #include <limits>
@@ -49,10 +50,19 @@ void ProcessorTime::Store(schema::RunScalars& scalars) const {
   scalars.processors = machine::ProcessorCount();
 }
 
-double HeapBytes() {
+namespace {
+
+std::atomic<double> heap_at_start = 0;
+
+double HeapInUse() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
+
+}  // namespace
+
+void BeginHeap() { heap_at_start = HeapInUse(); }
+double HeapBytes() { return HeapInUse() - heap_at_start; }
 
 double PeakRssBytes() {
   std::ifstream status("/proc/self/status");

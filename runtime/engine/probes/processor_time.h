@@ -27,7 +27,9 @@ class ProcessorTime {
 
 // Memory usage of this process. Threads: any.
 
-/// The heap in use, bytes.
+/// To be called when a run begins: a worker that serves many has some heap in use before.
+void BeginHeap();
+/// The heap in use since BeginHeap, bytes.
 double HeapBytes();
 
 /// Peak memory of this process, bytes; NaN if the system does not report it.

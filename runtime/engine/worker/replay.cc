@@ -195,6 +195,7 @@ class Replay {
 }  // namespace
 
 void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd) {
+  probes::BeginHeap();
   try {
     if (!run.scene.plugins.empty()) library::Confine();
     Replay replay(run, recording, trace_fd);

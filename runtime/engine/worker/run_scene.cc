@@ -141,6 +141,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
                                         int contacts_fd, const Kept& kept) {
   protocol::RecordingHeader& header = recording.header();
   std::unique_ptr<world::Engine> engine;
+  probes::BeginHeap();
   try {
     const std::int64_t place_begin = world::Now();
     layouts::InitialState state = layouts::DrawObjects(run.scene);
