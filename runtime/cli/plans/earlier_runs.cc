@@ -252,8 +252,13 @@ SizedPlan ReadOtherPlan(const fs::path& folder, const std::string& sha256) {
 
 /// True if the sweep in the folder has a run that `out` lacks.
 bool HasRunsBeside(const fs::path& out, const fs::path& folder) {
-  const std::vector<std::string> ids = hdf5::File::Open(out).OpenDataset("run/run_id").ReadText();
-  const std::set<std::string> copied(ids.begin(), ids.end());
+  const hdf5::File file = hdf5::File::Open(out);
+  if (results::ReadVersion(file, out.string()) != results::kSchemaVersion) return true;
+  const std::vector<std::string> ids = file.OpenDataset("run/run_id").ReadText();
+  const std::vector<double> status = file.OpenDataset("status").Read();
+  std::set<std::string> copied;
+  for (std::size_t cell = 0; cell < ids.size(); ++cell)  // missing runs have an id too
+    if (status[cell] != static_cast<double>(results::Status::kMissing)) copied.insert(ids[cell]);
   bool has_own = false;
   for (const fs::path& file : journal::JournalsIn(folder))
     journal::Journal::OpenToRead(file).ForEachRun(

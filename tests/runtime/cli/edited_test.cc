@@ -143,6 +143,22 @@ TEST_F(Edited, SetsAsideBothResultsAndAnInterruptedFreshSweep) {
   ExpectAsFresh("s.h5");
 }
 
+/// A run that the results only have a place for is no copy of theirs.
+TEST_F(Edited, LosesNoRunOfASweepBesidePartialResults) {
+  Edit("5, 20", 1);
+  ASSERT_EQ(program_.Run({"run", "s.cdb", "-q", "--shard", "1/2", "-o", "a.h5"}).status, 0);
+  ASSERT_EQ(program_.Run({"merge", "-o", "s.h5", "a.runs"}).status, 0);
+  Edit("5, 20, 30", 1);
+  for (const char* part : {"1/2", "2/2"})
+    ASSERT_EQ(program_.Run({"run", "s.cdb", "-q", "--shard", part, "-o", "b.h5"}).status, 0);
+  fs::rename(At("b.runs"), At("s.runs"));
+  const auto finished = RunsIn(At("s.runs"));
+  EXPECT_EQ(finished.size(), 6u);
+  Edit("40", 1);
+  EXPECT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 0);
+  EXPECT_EQ(Hashes(At("s.2.h5")).size(), 6u);
+}
+
 TEST_F(Edited, RefusesForAPartAndForOneRun) {
   Edit("5, 20", 1);
   ASSERT_EQ(program_.Run({"run", "s.cdb", "-q"}).status, 0);
