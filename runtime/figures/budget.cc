@@ -18,7 +18,9 @@ std::vector<BudgetFigures> BudgetOf(const Model& model, double budget_ns, protoc
   std::vector<BudgetFigures> all;
   for (const MeasuredPoint& point : model.points()) {
     const std::vector<double>& cycles = model.times().Of(point, phase).cycles;
-    BudgetFigures figures{.point = &point, .p99 = model.TimeOf(point, phase)};
+    BudgetFigures figures;
+    figures.point = &point;
+    figures.p99 = model.TimeOf(point, phase);
     figures.cycles = cycles.size();
     figures.above = static_cast<std::size_t>(
         std::ranges::count_if(cycles, [&](double ns) { return ns > budget_ns; }));
@@ -59,7 +61,7 @@ std::string BudgetAnswer(const Model& model, const std::vector<BudgetFigures>& f
         places.size() > kMostNamed ? "; …" : "");
   };
   std::string answer =
-      fmt::format("{} of {} sound configurations fit{}.", fitting.size(), sound, named(fitting));
+      fmt::format("{} of {} configurations fit{}.", fitting.size(), timed, named(fitting));
   if (!unclear.empty())
     answer += fmt::format(" {} cannot be told{}.", unclear.size(), named(unclear));
   if (unsound > 0)

@@ -18,7 +18,7 @@ std::string_view FitName(Fit fit);
 
 /// A point against the budget. Times in ns.
 struct BudgetFigures {
-  const MeasuredPoint* point;
+  const MeasuredPoint* point = nullptr;
   std::size_t above = 0, cycles = 0;  ///< cycles above the budget, of all
   Estimate p99;                       ///< of the times of the cycles
   std::optional<Interval> interval;   ///< of p99; none with one repeat
