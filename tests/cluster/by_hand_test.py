@@ -21,7 +21,7 @@ def documented(cdb):
     for line in lines:
         if line.startswith("for k in"):
             commands["ssh"].append(line)
-        elif "| xargs" in line:
+        elif "| xargs" in line and "FILE" in line:
             commands["xargs"].append(line)
         elif "| parallel" in line:
             commands["parallel"].append(line)

@@ -96,7 +96,7 @@ const answers = (list) =>
   );
 
 /** Alike conclusions, on a ratio along each axis, as a table. */
-function effects(list) {
+function effects(doc, list) {
   const interval = ({ low, high }) => (low === null ? 'unknown' : range(low, high));
   return table(
     [
@@ -104,7 +104,7 @@ function effects(list) {
       { label: 'from' },
       { label: 'to' },
       { label: 'step, times', isNumber: true },
-      { label: '95 % interval', isNumber: true },
+      { label: doc.raw.interval?.name ?? 'interval', isNumber: true },
     ],
     list.map(({ effect }) => [effect.axis, effect.from, effect.to, number(effect.ratio), interval(effect)]),
     'How the time of a step changes along each axis',
@@ -128,7 +128,7 @@ export function conclusions(doc, kind) {
   const below = shownAlone.slice(conclusionsAbove);
   return [
     answers(shownAlone.slice(0, conclusionsAbove)),
-    h('div', {}, below.length > 0 ? answers(below) : null, alike.length > mostAlike ? effects(alike) : null),
+    h('div', {}, below.length > 0 ? answers(below) : null, alike.length > mostAlike ? effects(doc, alike) : null),
   ];
 }
 
@@ -338,7 +338,7 @@ export function budget(doc) {
         { label: 'cycles above', isNumber: true },
         { label: 'of', isNumber: true },
         { label: `99th percentile, ${unit}`, isNumber: true },
-        ...(hasIntervals ? [{ label: '95 % interval', isNumber: true }] : []),
+        ...(hasIntervals ? [{ label: doc.raw.interval?.name ?? 'interval', isNumber: true }] : []),
         { label: `worst, ${unit}`, isNumber: true },
         { label: 'fits' },
       ],
