@@ -260,8 +260,8 @@ bool HasRunsBeside(const fs::path& out, const fs::path& folder) {
   for (std::size_t cell = 0; cell < ids.size(); ++cell)  // missing runs have an id too
     if (status[cell] != static_cast<double>(results::Status::kMissing)) copied.insert(ids[cell]);
   bool has_own = false;
-  for (const fs::path& file : journal::JournalsIn(folder))
-    journal::Journal::OpenToRead(file).ForEachRun(
+  for (const fs::path& each : journal::JournalsIn(folder))
+    journal::Journal::OpenToRead(each).ForEachRun(
         [&](const journal::Journal::Row& row) { has_own |= !copied.contains(row.run_id); });
   return has_own;
 }
