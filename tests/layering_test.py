@@ -59,7 +59,7 @@ EXTERNAL = [
     (r"^png", ("library/terrain/png.cc",)),
     (r"^tiff", ("library/terrain/tiff.cc",)),
     (r"^CLI/", ("runtime/cli/",)),
-    (r"^nlohmann/", ("runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/",
+    (r"^nlohmann/", ("compiler/plan/gltf_buffers.cc", "runtime/printers/", "runtime/editor/", "runtime/pages/serve/", "runtime/pages/view/", "runtime/cli/",
                      "library/meshes/importer/")),
     (r"^(fmt|Eigen)/", ("compiler/", "library/", "runtime/")),
 ]

@@ -24,7 +24,7 @@ namespace cdb::figures {
 namespace {
 
 /// Limit of different lines of verdicts.
-constexpr std::size_t kMaxLines = 4;
+constexpr std::size_t kMaxLines = 2;
 
 class VerdictConclusion {
  public:

@@ -105,11 +105,15 @@ std::string UnsoundText(const results::ResultFile& file, const Row& row) {
   std::size_t unsound = 0;
   std::string text;
   for (const MeasuredPoint* point : row.points) {
-    const Ending ending = WorstEnding(file, point->at);
-    if (ending.judgement.verdict <= protocol::Verdict::kStable) continue;
+    // Of the repeats behind its figures; the others are void.
+    const Cell& worst = *std::ranges::max_element(
+        point->cells, {}, [&](const Cell& cell) { return file.ReadJudgement(cell).verdict; });
+    const auto judgement = file.ReadJudgement(worst);
+    if (judgement.verdict <= protocol::Verdict::kStable) continue;
     ++unsound;
-    const std::string objects = BadObjectsText(file, point->cells[0]);
-    text = ending.Word() + (objects.empty() ? "" : ", " + objects);
+    const std::string objects = BadObjectsText(file, worst);
+    text = std::string(protocol::VerdictName(judgement.verdict)) +
+           (objects.empty() ? "" : ", " + objects);
   }
   if (unsound == 0 || row.points.size() == 1) return text;
   return fmt::format("{} of {} not stable", unsound, row.points.size());

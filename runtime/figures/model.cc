@@ -8,6 +8,12 @@
 #include "runtime/figures/bootstrap.h"
 
 namespace cdb::figures {
+namespace {
+
+/// The detector that finds nothing, by which the cost of a call is measured.
+constexpr std::string_view kIdle = "null";
+
+}  // namespace
 
 Model::Model(const results::ResultFile& file, const ModelOptions& options)
     : file_(file),
@@ -124,7 +130,8 @@ double Model::MemoryOf(const Row& row, const std::string& name) const {
 std::size_t Model::bad_count() const {
   const auto wrong = std::ranges::count_if(findings(), [](const DetectorFindings& of) {
     const schema::DetectorInfo* info = schema::FindDetector(of.detector);
-    return of.missed > 0 && (info == nullptr || !info->Makes(schema::KnownErrors::kMissesPairs));
+    return of.missed > 0 && of.detector != kIdle &&
+           (info == nullptr || !info->Makes(schema::KnownErrors::kMissesPairs));
   });
   return runs().bad.size() + reference_troubles().size() + static_cast<std::size_t>(wrong);
 }

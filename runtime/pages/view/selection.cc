@@ -35,7 +35,7 @@ std::optional<double> NumberOf(const std::string& text) {
 std::size_t OneOf(const plan::Axis& axis, const std::string& text) {
   const figures::NamedValues values = figures::FindValues(axis, text);
   if (values.indices.size() == 1 && values.unknown.empty()) return values.indices[0];
-  if (text.find(',') != text.npos)
+  if (text.find('=') != text.npos)
     throw StoreError(
         fmt::format("{0}={1}: this needs one value of the axis; for several axes, repeat "
                     "the option: --select {0}=… --select OTHER=…",

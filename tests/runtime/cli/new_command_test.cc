@@ -26,7 +26,10 @@ TEST(New, EveryTemplateCompilesAndIsFormatted) {
         EXPECT_EQ(dsl::Format(text::Source("scene.cdb", text)), text);
         const auto read = [&text](const std::string&, std::string&) { return std::optional(text); };
         const auto made = options::CompileWith("scene.cdb", read, std::nullopt);
-        EXPECT_TRUE(made.diagnostics.all().empty()) << text << dsl::Render(made.diagnostics);
+        // Of a few objects, some scenes bounce in a way that Bullet may not compute well.
+        EXPECT_FALSE(made.diagnostics.has_errors()) << text << dsl::Render(made.diagnostics);
+        EXPECT_TRUE(quantity > 0 || made.diagnostics.all().empty())
+            << text << dsl::Render(made.diagnostics);
         EXPECT_EQ(made.plans.size(), 1u);
       }
 }

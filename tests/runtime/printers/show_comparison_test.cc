@@ -207,8 +207,8 @@ TEST(ShowBudget, SaysWhichPointsFit) {
   const std::string dbvt = five.substr(row, five.find('\n', row + 1) - row);
   ExpectHas(dbvt, "cannot tell");
   ExpectHas(dbvt, "1002");  // the stall, in us
-  ExpectHas(shown(5, 1e5), "9 of 9 sound configurations fit");
-  ExpectHas(shown(5, 1), "0 of 9 sound configurations fit.");
+  ExpectHas(shown(5, 1e5), "9 of 9 configurations fit");
+  ExpectHas(shown(5, 1), "0 of 9 configurations fit.");
   ExpectHas(shown(1, 1e5), "One repeat: there is no interval");
 }
 

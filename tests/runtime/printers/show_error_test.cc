@@ -52,18 +52,18 @@ TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   1 did not end well; marked, and not on the front:
     hz 60, precision double: crashed: of old age
 
-   hz  precision  x real time  ms per s           range  position     floor  horizon, s
-  -------------------------------------------------------------------------------------------------------
-   60  single           13330    0.0750  0.0600..0.0900  2.50e-02  1.00e-03        1.50  front
-  120  single            6667     0.150    0.120..0.180  1.25e-02  1.00e-03        1.50  front
-  120  double            3333     0.300    0.240..0.360  8.33e-03  1.00e-03        1.50  front
-  240  single            3333     0.300    0.240..0.360  6.25e-03  1.00e-02        1.50  tie, below floor
-   60  double            6667     0.150    0.120..0.180  1.67e-02  1.00e-03        1.50  crashed
+   hz  precision  x real time  ms per s           range  position    floor  horizon, s
+  ------------------------------------------------------------------------------------------------------
+   60  single           13330    0.0750  0.0600..0.0900    0.0250  0.00100        1.50  front
+  120  single            6667     0.150    0.120..0.180    0.0125  0.00100        1.50  front
+  120  double            3333     0.300    0.240..0.360   0.00833  0.00100        1.50  front
+  240  single            3333     0.300    0.240..0.360   0.00625   0.0100        1.50  tie, below floor
+   60  double            6667     0.150    0.120..0.180    0.0167  0.00100        1.50  crashed
   Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
   tie: every configuration that is as fast and as accurate lies within the range and the floor.
 
 position, * front, = tie, x void
- 2.50e-02 |                                                           *
+   0.0250 |                                                           *
           |
           |
           |
@@ -76,7 +76,7 @@ position, * front, = tie, x void
           |
           |=
           |
- 8.33e-03 |*
+  0.00833 |*
           +------------------------------------------------------------
            3333                    x real time                    13330
 
@@ -95,8 +95,8 @@ TEST(ShowError, TakesTheMeanOverTheCellsThatAllRowsHave) {
   EXPECT_NE(text.find("\n  the mean over hz\n"), std::string::npos) << text;
   // Only the double-precision run at 120 Hz is left.
   EXPECT_NE(text.find("\n  single     1 of 3 "), std::string::npos) << text;
-  EXPECT_NE(text.find("1.25e-02"), std::string::npos) << text;
-  EXPECT_NE(text.find("8.33e-03"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.0125"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.00833"), std::string::npos) << text;
 }
 
 TEST(ShowError, NamesWhatThereIs) {

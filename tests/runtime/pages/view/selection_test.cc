@@ -45,6 +45,9 @@ TEST(Selection, RefusesByName) {
   EXPECT_EQ(select("detector=sap"), "detector=sap: the axis has the values simple, dbvt");
   EXPECT_EQ(select("detector=simple,dbvt"),
             "detector=simple,dbvt: there are several; the axis has the values simple, dbvt");
+  EXPECT_EQ(select("detector=sap,size=1"),
+            "detector=sap,size=1: this needs one value of the axis; for several axes, repeat the "
+            "option: --select detector=… --select OTHER=…");
   EXPECT_EQ(select("size=1"), "there is no axis 'size'; there are detector, rep");
   EXPECT_EQ(select("rep=2"), "rep=2: the repeats are 0 to 1");
 }
