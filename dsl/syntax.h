@@ -44,8 +44,8 @@ enum class ExprKind {
 /// The form of a range: `a .. b`, `step d`, `count n`, `count n log`.
 enum class RangeKind { kByOne, kStep, kCount, kCountLog };
 
-/// `let a, b = zip(sweep(…), sweep(…)) as name "title"`: sweeps that vary together. Each is the value of a
-/// separate let.
+/// `let a, b = zip(sweep(…), sweep(…)) as name "title"`: sweeps that vary together. Each is the
+/// value of a separate let.
 struct Zip {
   text::Span span;  ///< of the call
   std::vector<Name> names;

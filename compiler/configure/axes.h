@@ -20,7 +20,7 @@ struct SweepAxis {
   text::Span span;
   const dsl::Expr* call = nullptr;
   std::string parameter, unit;
-  std::string title = {};  ///< may be empty
+  std::string title = {};                     ///< may be empty
   std::optional<scenario::ParameterKey> key;  ///< of that parameter
   /// The argument of a word that contains the sweep, `ring(radius: sweep(1, 2))`; otherwise null.
   const schema::ParametrisedWord* word = nullptr;

@@ -256,7 +256,8 @@ std::optional<std::string> Scenario::HashOf(const std::string& path, std::string
       FileHash made;
       auto bytes = read_(path, made.why);
       if (bytes)
-        bytes = plan::WithGltfBuffers(path, *std::move(bytes), read_, plan::kMaxInputBytes, made.why);
+        bytes =
+            plan::WithGltfBuffers(path, *std::move(bytes), read_, plan::kMaxInputBytes, made.why);
       if (bytes) made.sha256 = plan::Sha256Hex(*bytes);
       return made;
     });

@@ -34,8 +34,8 @@ double MovingObjectsOf(const results::ResultFile& file, const Cell& cell);
 /// `439 of 2000 objects`; empty if the verdict concerns none.
 std::string BadObjectsText(const results::ResultFile& file, const Cell& cell);
 
-/// The verdict of a row that is not stable, for its table: `tunnelled, 88 of 300 objects`, or `3 of 5
-/// not stable`; empty for void rows, whose mark says it. Throws StoreError.
+/// The verdict of a row that is not stable, for its table: `tunnelled, 88 of 300 objects`, or `3 of
+/// 5 not stable`; empty for void rows, whose mark says it. Throws StoreError.
 std::string UnsoundText(const results::ResultFile& file, const Row& row);
 
 /// A sentence about the run in which the largest part of the objects sleeps, since a step over

@@ -19,7 +19,8 @@ namespace {
 constexpr int kScenarios = 150;
 
 plan::Plan PlanOfScenario(const std::string& text) {
-  compiler::Compilation result = CompileText(text, {{kModelFile, "v 0 0 0"}, {kHeightsFile, "0,1"}});
+  compiler::Compilation result =
+      CompileText(text, {{kModelFile, "v 0 0 0"}, {kHeightsFile, "0,1"}});
   EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics) << text;
   return result.plans.empty() ? plan::Plan() : std::move(result.plans[0]);
 }
