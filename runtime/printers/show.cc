@@ -76,7 +76,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
 
 std::string MoreText(const std::string& file) {
   const std::string name = terminal::ShellWord(file);
-  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0}.\n", name);
+  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0} --open\n", name);
 }
 
 RowTable::RowTable(const results::ResultFile& file, const figures::Rows& rows)
