@@ -73,8 +73,7 @@ std::string BudgetAnswer(const Model& model, const std::vector<BudgetFigures>& f
 void ConcludeBudget(const Model& model, std::vector<Conclusion>& all) {
   const auto budget_ns = model.file().budget_ns();
   if (!budget_ns || !model.HasTimes() || model.points().empty()) return;
-  const Model slow(model.file(),
-                   {.only_sound = model.only_sound(), .statistic = CycleStatistic::kP99});
+  const Model& slow = model.slow();
   const std::vector<BudgetFigures> figures = BudgetOf(slow, *budget_ns, protocol::Phase::kStep);
   const bool is_clear = slow.times().bootstrap().kind() == IntervalKind::kInterval &&
                         std::ranges::none_of(figures, [](const BudgetFigures& of) {

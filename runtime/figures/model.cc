@@ -127,6 +127,15 @@ double Model::MemoryOf(const Row& row, const std::string& name) const {
   return Largest(all);
 }
 
+const Model& Model::slow() const {
+  if (!slow_) {
+    ModelOptions options = options_;
+    options.statistic = CycleStatistic::kP99;
+    slow_ = std::make_unique<const Model>(file_, options);
+  }
+  return *slow_;
+}
+
 std::size_t Model::bad_count() const {
   const auto wrong = std::ranges::count_if(findings(), [](const DetectorFindings& of) {
     const schema::DetectorInfo* info = schema::FindDetector(of.detector);

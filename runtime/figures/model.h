@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -63,6 +64,9 @@ class Model {
   /// known to.
   std::size_t bad_count() const;
 
+  /// The same points by the 99th percentile of their cycles, which budgets are about.
+  const Model& slow() const;
+
   bool HasTimes() const { return file_.Has("duration"); }
   const std::optional<std::size_t>& detector_axis() const { return detector_axis_; }
   /// The axes whose values are different scenes.
@@ -99,6 +103,7 @@ class Model {
   std::map<Point, const MeasuredPoint*> by_place_;
   const std::optional<std::size_t> detector_axis_;
   // Computed on demand.
+  mutable std::unique_ptr<const Model> slow_;
   mutable CycleTimes times_;
   mutable std::optional<std::vector<GridPoint>> grid_;
   mutable std::optional<std::vector<std::size_t>> scene_axes_;

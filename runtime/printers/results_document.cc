@@ -68,11 +68,9 @@ Json DocumentConclusions(const figures::Model& model) {
 Json DocumentBudget(const figures::Model& model) {
   const auto budget_ns = model.file().budget_ns();
   if (!budget_ns || !model.HasTimes() || IsLarge(model)) return nullptr;
-  const figures::Model slow(
-      model.file(), {.only_sound = model.only_sound(), .statistic = figures::CycleStatistic::kP99});
   Json points = Json::array();
   for (const figures::BudgetFigures& of :
-       figures::BudgetOf(slow, *budget_ns, protocol::Phase::kStep))
+       figures::BudgetOf(model.slow(), *budget_ns, protocol::Phase::kStep))
     points.push_back({{"point", model.IndexOf(of.point->at)},
                       {"above", of.above},
                       {"cycles", of.cycles},

@@ -37,10 +37,9 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
 
 /// The answer to the `budget` of the scenario, if it has one.
 void AddBudget(const figures::Model& model, Document& document) {
-  if (!model.file().budget_ns() || !model.HasTimes()) return;
-  const figures::Model slow(
-      model.file(), {.only_sound = model.only_sound(), .statistic = figures::CycleStatistic::kP99});
-  document.push_back(BudgetSection(slow, *model.file().budget_ns(), protocol::Phase::kStep));
+  const auto budget_ns = model.file().budget_ns();
+  if (!budget_ns || !model.HasTimes()) return;
+  document.push_back(BudgetSection(model.slow(), *budget_ns, protocol::Phase::kStep));
 }
 
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
@@ -76,7 +75,8 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
 
 std::string MoreText(const std::string& file) {
   const std::string name = terminal::ShellWord(file);
-  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0} --open\n", name);
+  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0} --open\n",
+                     name);
 }
 
 RowTable::RowTable(const results::ResultFile& file, const figures::Rows& rows)
