@@ -256,8 +256,8 @@ TEST(Errors, OfHdf5ArePrintedNowhere) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
 }
 
-/// Starts `body` in a process that writes a byte after each piece of work, and kills it some time
-/// later. Returns the number of bytes.
+/// Starts `body` in a process that writes a byte after each piece of work, and kills it during one
+/// of the first pieces, however slow the machine is. Returns the number of bytes.
 std::size_t KillDuring(std::mt19937& random, const std::function<void(int)>& body) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
@@ -267,11 +267,13 @@ std::size_t KillDuring(std::mt19937& random, const std::function<void(int)>& bod
     _exit(0);
   }
   close(ends[1]);
-  usleep(static_cast<useconds_t>(random() % 40000));
+  std::size_t said = 0;
+  char c = 0;
+  for (std::size_t least = random() % 4; said < least && read(ends[0], &c, 1) == 1;) ++said;
+  usleep(static_cast<useconds_t>(random() % 20000));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
-  std::size_t said = 0;
-  for (char c = 0; read(ends[0], &c, 1) == 1;) ++said;
+  while (read(ends[0], &c, 1) == 1) ++said;
   close(ends[0]);
   return said;
 }
@@ -308,8 +310,9 @@ TEST(Kill, WhileMergingLeavesTheResultWhole) {
   journal::Merge(plan, {}, folder.path(), target / "out.h5");
   std::mt19937 random(11);
   for (int trial = 0; trial < Cases(60); ++trial) {
-    KillDuring(random, [&](int) {
-      for (;;) journal::Merge(plan, {}, folder.path(), target / "out.h5");
+    KillDuring(random, [&](int say) {
+      do journal::Merge(plan, {}, folder.path(), target / "out.h5");
+      while (write(say, "x", 1) == 1);
     });
     const results::ResultFile file(target / "out.h5");
     for (const plan::Run& run : plan.runs)
@@ -340,11 +343,13 @@ TEST(Kill, WhileMergingAndTracingLeavesNoTemporariesForEver) {
   std::mt19937 random(13);
   std::size_t left = 0;
   for (int trial = 0; trial < 10; ++trial) {
-    KillDuring(random, [&](int) {
-      for (;;) merge("killed.h5");
+    KillDuring(random, [&](int say) {
+      do merge("killed.h5");
+      while (write(say, "x", 1) == 1);
     });
-    KillDuring(random, [&](int) {
-      for (;;) write_trace("killed.trace.h5");
+    KillDuring(random, [&](int say) {
+      do write_trace("killed.trace.h5");
+      while (write(say, "x", 1) == 1);
     });
     for (const std::string& name : FilesIn(target.path())) left += name.ends_with(".tmp");
     merge("out.h5");
