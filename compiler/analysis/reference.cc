@@ -59,6 +59,14 @@ bool StretchSchedules(plan::SettingsOf<kGrouped>& settings, double from_s, doubl
   return true;
 }
 
+/// All schedules of a scene; false if one cannot be converted.
+bool Stretch(plan::Scene& scene, double from_s, double to_s) {
+  bool whole = StretchSchedules(scene.world, from_s, to_s);
+  for (plan::Group& group : scene.groups)
+    whole = StretchSchedules(group.settings, from_s, to_s) && whole;
+  return whole;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> WholeSteps(double span_s, double timestep_s) {
@@ -93,16 +101,14 @@ AccuracyFault FindAccuracyFault(const plan::Scene& scene) {
                         SecondsText(interval, interval)),
             "take a shorter interval or more cycles"};
   if (!needs_reference) return {};
-  if (samples > kMostCycles / *WholeSteps(interval, reference))
+  // The check of a reference may have twice as many cycles.
+  if (samples > kMostCycles / 2 / *WholeSteps(interval, reference))
     return {schema::WorldParameter("accuracy.reference.timestep").get(),
             fmt::format("the reference would have {:.3g} cycles",
                         static_cast<double>(samples) * interval / reference),
-            fmt::format("a run has at most {}: take a longer time step", kMostCycles)};
+            fmt::format("it may have at most {}: take a longer time step", kMostCycles / 2)};
   plan::Scene stretched = scene;
-  bool whole = StretchSchedules(stretched.world, timestep, reference);
-  for (plan::Group& group : stretched.groups)
-    whole = StretchSchedules(group.settings, timestep, reference) && whole;
-  if (!whole)
+  if (!Stretch(stretched, timestep, reference))
     return {schema::WorldParameter("accuracy.reference.timestep").get(),
             "a schedule changes at a time that is not a whole number of the reference's time steps",
             "take a reference.timestep that divides the time step of the run"};
@@ -153,19 +159,31 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   }
   // Up to the last sample of any run that uses this reference.
   reference.world.Set("cycles", (sampling->count - 1) * *steps);
-  reference.world.Set("record", schema::WordList{});
-  bool whole = StretchSchedules(reference.world, world.Real("timestep"), timestep);
-  for (plan::Group& group : reference.groups)
-    whole = StretchSchedules(group.settings, world.Real("timestep"), timestep) && whole;
-  CDB_CHECK(whole);
+  reference.world.Set("record", schema::WordList{"stability"});
+  CDB_CHECK(Stretch(reference, world.Real("timestep"), timestep));
   reference.KeepUsedPlugins();
   return reference;
 }
 
-plan::Scene PerturbedOf(plan::Scene reference) {
-  reference.role = plan::Role::kPerturbed;
-  reference.seeds.emplace("nudge", plan::StreamSeed(reference.world.Count("seed"), "nudge"));
-  return reference;
+plan::Scene PerturbedOf(const plan::Scene& reference) {
+  const double interval = reference.world.Real("accuracy.interval");
+  const double timestep = reference.world.Real("timestep");
+  const std::uint64_t cycles = reference.world.Count("cycles");
+  const auto of_timestep = [&](double other,
+                               std::uint64_t its_cycles) -> std::optional<plan::Scene> {
+    plan::Scene scene = reference;
+    if (!WholeSteps(interval, other) || !Stretch(scene, timestep, other)) return std::nullopt;
+    scene.role = plan::Role::kPerturbed;
+    scene.seeds.emplace("nudge", plan::StreamSeed(scene.world.Count("seed"), "nudge"));
+    scene.world.Set("timestep", other);
+    scene.world.Set("cycles", its_cycles);
+    scene.world.Set("record", schema::WordList{});
+    return scene;
+  };
+  auto perturbed = of_timestep(2 * timestep, cycles / 2);
+  if (!perturbed) perturbed = of_timestep(timestep / 2, 2 * cycles);
+  CDB_CHECK(perturbed);
+  return *std::move(perturbed);
 }
 
 void AddReferences(plan::Plan& plan) {

@@ -41,13 +41,15 @@ std::optional<std::uint64_t> WholeSteps(double span_s, double timestep_s);
 bool NeedsReference(const plan::Scene& scene);
 
 /// The scene that provides the ground truth for `scene`: the same start and the same time, with the
-/// time step, precision, detector, iterations and contact settings of the reference; only samples
-/// are recorded. Scenes that differ only in replaced settings share one reference.
+/// settings `accuracy.reference`; samples are recorded, and `stability` for its verdict. Scenes
+/// that differ only in replaced settings share one reference.
 plan::Scene ReferenceOf(const plan::Scene& scene);
 
-/// The reference run from a perturbed start: every object with mass is moved by kPerturbation of
-/// its size. The distance between the two shows how long the reference can be trusted.
-plan::Scene PerturbedOf(plan::Scene reference);
+/// The reference run with twice its time step, and from a perturbed start: every object with mass
+/// is moved by kPerturbation of its size. If twice the time step divides neither the interval nor
+/// the schedules, it is half. The distance between the two shows how far and how long the reference
+/// can be trusted: of a method of first order, it is the error of the reference.
+plan::Scene PerturbedOf(const plan::Scene& reference);
 inline constexpr double kPerturbation = 1e-9;
 
 /// Fills `references` of the plan, and enters their ids in its runs.

@@ -231,7 +231,7 @@ class Converter {
     }
     std::vector<std::string_view> words = parameter_.AllWords(plugins_);
     for (const std::string_view call : parameter_.AllCalls()) words.push_back(call);
-    if (parameter_.type == schema::ParameterType::kSwitch) words = {"on", "off"};
+    if (parameter_.type == schema::ParameterType::kSwitch) words.insert(words.end(), {"on", "off"});
     if (words.empty())
       return Error(
           scenario::kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),

@@ -251,6 +251,9 @@ struct ParameterTable {
     {.name = "accuracy.reference.contact", .type = kWord, .first_default = "same", .words = "same bullet faithful",
      .doc = "contact settings of the reference run; same are those of the run",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace, .of_reference = "contact"},
+    {.name = "accuracy.reference.sleeping", .type = kSwitch, .first_default = "off", .words = "same",
+     .doc = "sleeping in the reference run; same is that of the run",
+     .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace, .of_reference = "sleeping"},
 });
   // clang-format on
 };

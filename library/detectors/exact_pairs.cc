@@ -1,5 +1,7 @@
 #include "library/detectors/exact_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -69,10 +71,25 @@ PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found) {
   std::vector<Pair> rest;
   std::ranges::set_difference(exact, found, std::back_inserter(rest));
   faults.missed = rest.size();
+  if (!rest.empty()) faults.first_missed = rest.front();
   rest.clear();
   std::ranges::set_difference(found, exact, std::back_inserter(rest));
   faults.false_positives = rest.size();
   return faults;
+}
+
+std::string OverlapText(const Scene& scene, const Pair& pair) {
+  const auto vector = [](const Vec3& at) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", at.x, at.y, at.z);
+  };
+  const auto text = [&](const Box& box) { return vector(box.lower) + " to " + vector(box.upper); };
+  const Box &a = scene.boxes[pair.a], &b = scene.boxes[pair.b];
+  const auto overlap = [&](Component axis) {
+    return std::min(a.upper.*axis, b.upper.*axis) - std::max(a.lower.*axis, b.lower.*axis);
+  };
+  return fmt::format(
+      "bodies {} and {}, whose boxes {} and {} overlap by {:.3g} x {:.3g} x {:.3g} m", pair.a,
+      pair.b, text(a), text(b), overlap(&Vec3::x), overlap(&Vec3::y), overlap(&Vec3::z));
 }
 
 }  // namespace cdb::detectors

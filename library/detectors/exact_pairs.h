@@ -1,6 +1,8 @@
 // Exact pairs, computed by brute force, and the comparison of a list of pairs with them.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "library/detectors/detector.h"
@@ -18,11 +20,16 @@ struct PairFaults {
   std::size_t missed = 0;           ///< exact pairs that are not in the list
   std::size_t false_positives = 0;  ///< listed without an overlap, each counted once
   std::size_t duplicate = 0;        ///< listed more than once
+  std::optional<Pair> first_missed = {};
   bool operator==(const PairFaults&) const = default;
 };
 
 /// `found` may be in any order; pairs that may not collide are dropped first, as by the engine.
 /// Every id must be a body of the scene, and a < b.
 PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found);
+
+/// For messages: `bodies 12 and 47, whose boxes (…) to (…) and (…) to (…) overlap by 1 x 2 x 0.3
+/// m`.
+std::string OverlapText(const Scene& scene, const Pair& pair);
 
 }  // namespace cdb::detectors

@@ -2,8 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/conclusions.h"
@@ -47,7 +52,7 @@ class ErrorConclusions {
   std::string ErrorText(const ErrorRow& row) const {
     return fmt::format("{}{}{}", terminal::ShortNumber(row.Known()),
                        error_.unit.empty() ? "" : fmt::format(" {}", error_.unit),
-                       row.IsBelowFloor() ? " (its noise floor)" : "");
+                       row.IsBelowFloor() ? " (its floor)" : "");
   }
   /// `12.3 times real time (95 % interval 12.0 .. 12.6)`.
   std::string SpeedText(const ErrorRow& row) const {
@@ -116,12 +121,135 @@ class ErrorConclusions {
 
 }  // namespace
 
+namespace {
+
+/// Whether the truth is known well enough to tell the configurations apart.
+void ConcludeFloor(const Model& model, const schema::ErrorInfo& error, const ErrorFigures& figures,
+                   std::vector<Conclusion>& all) {
+  if (!model.file().Has("accuracy/reference")) return;
+  std::size_t below = 0, sound = 0;
+  double floor = 0;
+  for (const auto& [scene, table] : figures.tables)
+    for (const ErrorRow& row : table.rows) {
+      if (!row.MayBeOnFront()) continue;
+      ++sound;
+      if (!row.IsBelowFloor()) continue;
+      ++below;
+      floor = std::fmax(floor, row.floor);
+    }
+  constexpr double kRounding = 1e-9;  // of no interest, in any unit
+  if (below == 0 || floor < kRounding) return;
+  all.push_back(
+      {fmt::format("Is the reference good enough for {}?", error.name),
+       fmt::format("Not for {} of {} configurations: their errors are below the floor of {}{}, by "
+                   "which the reference changes with its time step and with a perturbed start. A "
+                   "shorter accuracy.reference.timestep lowers the floor, unless the motion is "
+                   "chaotic.",
+                   below, sound, terminal::ShortNumber(floor),
+                   error.unit.empty() ? "" : fmt::format(" {}", error.unit)),
+       "reference", Certainty::kClear});
+}
+
+/// How the error changes with the time step: its exponent, by a fit to the errors above the floor.
+/// Configurations that differ in nothing else make a group.
+class Order {
+ public:
+  Order(const Model& model, const ErrorFigures& figures) : model_(model), figures_(figures) {
+    for (const auto& [scene, table] : figures.tables)
+      for (const ErrorRow& row : table.rows) Add(scene, row);
+  }
+
+  void Conclude(const schema::ErrorInfo& error, std::vector<Conclusion>& all) const {
+    constexpr std::size_t kLeast = 3;
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    std::size_t groups = 0;
+    for (const auto& [key, points] : groups_) {
+      std::set<double> steps;
+      for (const Logs& logs : points) steps.insert(logs.timestep);
+      if (steps.size() < kLeast) continue;
+      ++groups;
+      const double order = Slope(points);
+      least = std::min(least, order);
+      most = std::max(most, order);
+    }
+    if (groups == 0) return;
+    constexpr double kFlat = 0.25;
+    const std::string range = most - least < 0.05 ? fmt::format("{:.2f}", (least + most) / 2)
+                                                  : fmt::format("{:.2f} to {:.2f}", least, most);
+    std::string text = most < kFlat ? fmt::format("No: as the time step to the power {}.", range)
+                       : least < kFlat
+                           ? fmt::format("Not everywhere: as the time step to the power {}.", range)
+                           : fmt::format("Yes: as the time step to the power {}.", range);
+    if (least < kFlat)
+      text +=
+          " Where it does not fall, something else makes the error: the iterations of the "
+          "solver, contact settings or margins, or chaotic motion.";
+    all.push_back({fmt::format("Does the error of {} fall with the time step?", error.name), text,
+                   "order", Certainty::kClear});
+  }
+
+ private:
+  struct Logs {
+    double timestep, error;
+  };
+
+  /// Rows of several time steps, and rows that are not known to have an error, are left out.
+  void Add(const Point& scene, const ErrorRow& row) {
+    if (!row.MayBeOnFront() || row.IsBelowFloor() || !(row.error > 0)) return;
+    const double timestep = model_.TimeStepOf(*row.row.points.front());
+    for (const MeasuredPoint* point : row.row.points)
+      if (model_.TimeStepOf(*point) != timestep) return;
+    if (!(timestep > 0)) return;
+    Point rest = row.row.at;
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      if (IsOfTimeStep(figures_.rows[i])) rest[i] = 0;
+    groups_[{scene, rest}].push_back({std::log(timestep), std::log(row.error)});
+  }
+
+  /// Whether the time step changes along an axis.
+  bool IsOfTimeStep(std::size_t axis) const {
+    const auto [known, is_new] = is_of_time_step_.try_emplace(axis, false);
+    if (!is_new) return known->second;
+    std::map<Point, double> steps;
+    for (const MeasuredPoint& point : model_.points()) {
+      Point rest = point.at;
+      rest[axis] = 0;
+      const double step = model_.TimeStepOf(point);
+      const auto [found, is_first] = steps.try_emplace(rest, step);
+      known->second = known->second || (!is_first && found->second != step);
+    }
+    return known->second;
+  }
+
+  static double Slope(const std::vector<Logs>& points) {
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (const Logs& point : points) {
+      x += point.timestep / static_cast<double>(points.size());
+      y += point.error / static_cast<double>(points.size());
+    }
+    for (const Logs& point : points) {
+      xx += (point.timestep - x) * (point.timestep - x);
+      xy += (point.timestep - x) * (point.error - y);
+    }
+    return xy / xx;
+  }
+
+  const Model& model_;
+  const ErrorFigures& figures_;
+  std::map<std::pair<Point, Point>, std::vector<Logs>> groups_;
+  mutable std::map<std::size_t, bool> is_of_time_step_;
+};
+
+}  // namespace
+
 void ConcludeErrors(const Model& model, std::vector<Conclusion>& all) {
   for (const auto& [error, figures] : CollectAllErrors(model)) {
     // Of different scenes, none is the best.
-    if (figures.tables.size() > kMaxScenes || !figures.has_fronts) continue;
-    for (const auto& [scene, table] : figures.tables)
-      ErrorConclusions(model, *error, figures).Add(scene, table, all);
+    if (figures.tables.size() <= kMaxScenes && figures.has_fronts)
+      for (const auto& [scene, table] : figures.tables)
+        ErrorConclusions(model, *error, figures).Add(scene, table, all);
+    ConcludeFloor(model, *error, figures, all);
+    if (error->needs_truth) Order(model, figures).Conclude(*error, all);
   }
 }
 

@@ -52,7 +52,7 @@ class Collector {
   }
 
  private:
-  void CheckName() const {
+  void CheckName() {
     std::vector<std::string_view> names;
     for (const schema::ErrorInfo& error : schema::Errors())
       if (file_.Has(fmt::format("accuracy/{}", error.name))) names.push_back(error.name);
@@ -60,6 +60,9 @@ class Collector {
       throw files::StoreError(
           "this file has no errors: its scenario has no accuracy { metrics … }, see `cdb doc "
           "accuracy`");
+    needs_truth_ = std::ranges::any_of(schema::Errors(), [&](const schema::ErrorInfo& error) {
+      return error.name == name_ && error.needs_truth;
+    });
     if (std::ranges::find(names, name_) == names.end())
       throw files::StoreError(fmt::format("there is no error '{}' in this file; there are {}",
                                           name_, fmt::join(names, ", ")));
@@ -138,6 +141,9 @@ class Collector {
     const Estimate error = over_seeds.MeanEstimate(of_seeds);
     figures_.seed_count = std::max(figures_.seed_count, of_seeds.size());
     made.unsound = UnsoundText(file_, row);
+    if (needs_truth_)
+      for (const MeasuredPoint* point : row.points)
+        if (made.unsound.empty()) made.unsound = model_.ReferenceFaultOf(*point);
     made.row = std::move(row);
     made.ms_per_s = MeanOf(times);
     made.time_interval = model_.times().IntervalOf(made.ms_per_s);
@@ -150,6 +156,7 @@ class Collector {
   const Model& model_;
   const results::ResultFile& file_;
   const std::string name_;
+  bool needs_truth_ = false;
   ErrorFigures figures_;
 };
 
@@ -189,6 +196,23 @@ std::vector<std::pair<const ErrorFigures::LeftOut*, std::size_t>> ByReason(
     }
   }
   return reasons;
+}
+
+std::vector<std::string> ReferenceTexts(const Model& model) {
+  std::vector<std::string> texts;
+  std::map<std::string, std::size_t> faults;
+  for (const results::ReferenceTrouble& trouble : model.reference_troubles())
+    if (trouble.is_unsound)
+      ++faults[trouble.text];
+    else
+      texts.push_back("A reference is missing: " + trouble.text);
+  for (const auto& [fault, count] : faults)
+    texts.push_back(fmt::format(
+        "{} not sound: {}. What is compared with {} has no known error, and is on no front "
+        "(cdb doc accuracy).",
+        count == 1 ? "A reference is" : fmt::format("{} references are", count), fault,
+        count == 1 ? "it" : "them"));
+  return texts;
 }
 
 ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options) {

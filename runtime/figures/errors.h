@@ -73,6 +73,9 @@ void MarkFront(std::vector<ErrorRow>& rows);
 std::vector<std::pair<const ErrorFigures::LeftOut*, std::size_t>> ByReason(
     const std::vector<ErrorFigures::LeftOut>& points);
 
+/// Sentences on the reference runs that failed or are not sound.
+std::vector<std::string> ReferenceTexts(const Model& model);
+
 /// Throws StoreError, also for an error or an axis that the file does not have.
 ErrorFigures CollectErrors(const Model& model, const ErrorOptions& options);
 

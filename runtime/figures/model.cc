@@ -62,9 +62,18 @@ const std::vector<DetectorFindings>& Model::findings() const {
   return *findings_;
 }
 
-const std::vector<std::string>& Model::reference_troubles() const {
+const std::vector<results::ReferenceTrouble>& Model::reference_troubles() const {
   if (!reference_troubles_) reference_troubles_ = file_.ReadReferenceTroubles();
   return *reference_troubles_;
+}
+
+std::string Model::ReferenceFaultOf(const MeasuredPoint& point) const {
+  if (reference_troubles().empty() || !file_.Has("accuracy/truth")) return {};
+  const std::string truth = file_.ReadText("accuracy/truth", point.cells[0]);
+  const auto found = std::ranges::find_if(reference_troubles(), [&](const auto& trouble) {
+    return trouble.is_unsound && trouble.id == truth;
+  });
+  return found == reference_troubles().end() ? std::string() : "reference " + found->text;
 }
 
 std::optional<std::size_t> Model::ComparedDetectors() const {
@@ -142,7 +151,9 @@ std::size_t Model::bad_count() const {
     return of.missed > 0 && of.detector != kIdle &&
            (info == nullptr || !info->Makes(schema::KnownErrors::kMissesPairs));
   });
-  return runs().bad.size() + reference_troubles().size() + static_cast<std::size_t>(wrong);
+  const auto failed =
+      std::ranges::count(reference_troubles(), false, &results::ReferenceTrouble::is_unsound);
+  return runs().bad.size() + static_cast<std::size_t>(failed + wrong);
 }
 
 }  // namespace cdb::figures

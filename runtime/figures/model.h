@@ -58,9 +58,12 @@ class Model {
   CycleTimes& times() const { return times_; }
   const CellGroups& runs() const;
   const std::vector<DetectorFindings>& findings() const;
-  /// The reasons why reference runs cannot be used, a line each.
-  const std::vector<std::string>& reference_troubles() const;
-  /// Runs that failed or are void, with references, and detectors that missed pairs but are not
+  /// Reference runs that failed or are not sound.
+  const std::vector<results::ReferenceTrouble>& reference_troubles() const;
+  /// `reference drifting from 0.35 s on` if the truth that a point is compared with is not sound;
+  /// else empty.
+  std::string ReferenceFaultOf(const MeasuredPoint& point) const;
+  /// Runs that failed or are void, references that failed, and detectors that missed pairs but are not
   /// known to.
   std::size_t bad_count() const;
 
@@ -109,7 +112,7 @@ class Model {
   mutable std::optional<std::vector<std::size_t>> scene_axes_;
   mutable std::optional<CellGroups> runs_;
   mutable std::optional<std::vector<DetectorFindings>> findings_;
-  mutable std::optional<std::vector<std::string>> reference_troubles_;
+  mutable std::optional<std::vector<results::ReferenceTrouble>> reference_troubles_;
   mutable std::optional<std::map<std::string, double>> time_steps_;  ///< by run
 };
 

@@ -418,10 +418,13 @@ class Verified {
   }
   void AddFirst(const std::string& name, const char* what,
                 const std::optional<figures::Place>& first, VerifiedPhase& phase) const {
-    if (first)
-      AddBelow(fmt::format("{} {} from cycle {} of {} on", name, what, first->cycle,
-                           figures::PlaceText(file_, first->cell)),
-               first->cell, phase);
+    if (!first) return;
+    // Of a finished run: the first pair that its detector missed.
+    const std::string message = file_.ReadText("message", first->cell);
+    AddBelow(
+        fmt::format("{} {} from cycle {} on, at {}{}{}", name, what, first->cycle,
+                    figures::PlaceText(file_, first->cell), message.empty() ? "" : "\n  ", message),
+        first->cell, phase);
   }
 
   const results::ResultFile& file_;

@@ -487,8 +487,7 @@ class WarningList {
       Add("failed", fmt::format("{} of {} runs did not end well ({}); they are marked, and not "
                                 "pooled with others in means and ratios.",
                                 groups_.bad.size(), groups_.NotSkipped(), fmt::join(texts, ", ")));
-    for (const std::string& trouble : model_.reference_troubles())
-      Add("failed", fmt::format("A reference is missing: {}", trouble));
+    for (const std::string& text : figures::ReferenceTexts(model_)) Add("failed", text);
   }
 
   void AddVerdicts() {

@@ -193,8 +193,7 @@ class Head {
     Add(lines, WrongDetectors(model_));
     Add(lines, BuildNote(file_));
     Add(lines, JobsNote(file_));
-    for (const std::string& trouble : model_.reference_troubles())
-      lines.push_back("A reference is missing: " + trouble);
+    Add(lines, figures::ReferenceTexts(model_));
     return lines;
   }
 

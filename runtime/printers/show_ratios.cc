@@ -332,8 +332,8 @@ class ErrorSummary {
     }
     if (has_below_floor)
       document.push_back({.title =
-                              "An error below its floor is not significant: the reference and its "
-                              "perturbed run differ by as much."});
+                              "An error below its floor is not significant: the reference changes "
+                              "by as much with its time step and with a perturbed start."});
     return document;
   }
 

@@ -106,7 +106,7 @@ struct RecordingHeader {
   Settling settling;
   FixedText<20> state_hash;   ///< 16 hex digits after the last cycle; empty before
   FixedText<2048> message;    ///< reason why the run failed, for the user, or why it must start
-                              ///< again
+                              ///< again; of a finished run, the first pair that its detector missed
   FixedText<256> omitted;     ///< names of the omitted components (compiler/analysis/pruning.h)
   FixedText<4096> decisions;  ///< the decision about each component, and its reason
   FixedText<4096> models;     ///< the hulls of the compounds in the scene (ModelsText)

@@ -433,9 +433,9 @@ std::vector<protocol::ContactRecord> ResultFile::ReadContacts(const Cell& cell, 
   });
 }
 
-std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
+std::vector<ReferenceTrouble> ResultFile::ReadReferenceTroubles() const {
   return impl_->Reading([&] {
-    std::vector<std::string> troubles;
+    std::vector<ReferenceTrouble> troubles;
     const hdf5::File& file = impl_->file;
     const std::string reference = impl_->PathOf(kReferenceGroup + "reference");
     if (!file.Has("accuracy/reference")) return troubles;
@@ -451,9 +451,15 @@ std::vector<std::string> ResultFile::ReadReferenceTroubles() const {
     for (std::size_t i = 0; i < ids.size(); ++i) {
       CheckValues("status", std::span(&statuses[i], 1), impl_->extents());
       const auto status = static_cast<Status>(statuses[i]);
-      if (status == Status::kDone || status == Status::kMissing) continue;
-      troubles.push_back(fmt::format("{} {}: {}{}{}", roles[i], ids[i], StatusName(status),
-                                     messages[i].empty() ? "" : ": ", messages[i]));
+      // One that is done has a message only if it is not sound.
+      const bool is_unsound = status == Status::kDone && !messages[i].empty();
+      if (is_unsound)
+        troubles.push_back({ids[i], messages[i], is_unsound});
+      else if (status != Status::kDone && status != Status::kMissing)
+        troubles.push_back({ids[i],
+                            fmt::format("{} {}: {}{}{}", roles[i], ids[i], StatusName(status),
+                                        messages[i].empty() ? "" : ": ", messages[i]),
+                            is_unsound});
     }
     return troubles;
   });

@@ -55,7 +55,7 @@ struct RunResult {
   double started_s = 0;  ///< since 1970-01-01 00:00:00 UTC
   std::string state_hash;
   std::string host;
-  std::string message;    ///< reason why it failed; empty if it succeeded
+  std::string message;    ///< reason why it failed, or the first pair that its detector missed
   std::string omitted;    ///< names of the omitted components, separated by spaces
   std::string decisions;  ///< the decision about each component, one per line
                           ///< (compiler/analysis/pruning.h)
@@ -91,6 +91,13 @@ inline constexpr std::string_view kResultRemedy =
 bool IsStored(const std::filesystem::path& file);
 /// Its attribute `schema`: `cdb-results`, `cdb-trace`; empty if it has none. Throws StoreError.
 std::string ReadSchema(const std::filesystem::path& file);
+
+/// A reference run that failed, or whose motion is not sound.
+struct ReferenceTrouble {
+  std::string id;
+  std::string text;  ///< `reference 0123…: crashed: …`, or `drifting from 0.35 s on, 3 objects`
+  bool is_unsound;
+};
 
 /// A results file opened for reading. Not thread-safe.
 class ResultFile {
@@ -157,9 +164,8 @@ class ResultFile {
   /// of contacts in each cycle.
   std::vector<protocol::ContactRecord> ReadContacts(const Cell& cell, std::uint64_t first,
                                                     std::uint64_t count) const;
-  /// The reasons why reference runs cannot be used, a line each: `reference 0123…: crashed: …`.
-  /// Empty if all succeeded, or there are none.
-  std::vector<std::string> ReadReferenceTroubles() const;
+  /// Reference runs that failed or are not sound. Empty if there are none.
+  std::vector<ReferenceTrouble> ReadReferenceTroubles() const;
   /// `/provenance`: `plan_text`, `scenario_text`, and its attributes.
   std::string ReadProvenance(std::string_view name) const;
   /// An attribute of the run in a cell, or the common attribute if runs do not differ in it.

@@ -1,5 +1,7 @@
 #include "runtime/engine/probes/pair_referee.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -102,6 +104,9 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
   scene.boxes = boxes_;
   scene.filters = filters_;
   const detectors::PairFaults faults = detectors::ComparePairs(scene, ListedPairs());
+  if (faults.first_missed && recording_.header().message.str().empty())
+    recording_.header().message = fmt::format("pair missed in cycle {}: {}", cycle,
+                                              detectors::OverlapText(scene, *faults.first_missed));
   recording_.Put("exact_pairs", cycle, static_cast<std::int32_t>(faults.exact));
   recording_.Put("missed_pairs", cycle, static_cast<std::int32_t>(faults.missed));
   recording_.Put("phantom_pairs", cycle, static_cast<std::int32_t>(faults.false_positives));

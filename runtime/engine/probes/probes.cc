@@ -71,11 +71,13 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, protocol::Record
       streams_contacts_(scene.world.Lists("record", "contacts")),
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
+      is_floor_box_(scene.world.WordOr("world.wall_shape") == "box"),
       contacts_fd_(contacts_fd),
       standing_walls_(omissions::StandingWalls(scene)) {
   if (recording_.Reals("motion_ratio").empty()) return;
   motion_watch_.emplace(engine, is_driven_);
   touches_.resize(engine.objects().size() + omissions::kWallCount);
+  below_.resize(engine.objects().size(), Below::kNot);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
@@ -209,11 +211,19 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
                      "cannot write the contacts");
 }
 
-bool Probes::IsBeyondWall(const btVector3& centre) const {
+bool Probes::IsBeyondWall(std::size_t object, const Vector3d& centre) {
   const double half = engine_.side() / 2;
-  const Vector3d at = world::ToEigen(centre);
-  if (all_walls_) return at.cwiseAbs().maxCoeff() > half;
-  return floor_ && at.y() < -half;
+  if (all_walls_) return centre.cwiseAbs().maxCoeff() > half;
+  Below& below = below_[object];
+  if (!floor_ || !(centre.y() < -half)) {
+    below = Below::kNot;
+  } else if (below == Below::kNot) {
+    // A floor that is a box has edges, over which objects may fall.
+    const double edge = half + omissions::kWallThickness * engine_.side();
+    const bool is_outside = std::max(std::fabs(centre.x()), std::fabs(centre.z())) > edge;
+    below = is_floor_box_ && is_outside ? Below::kFellOff : Below::kWentThrough;
+  }
+  return below == Below::kWentThrough;
 }
 
 /// Bullet removes a body whose box is larger, or, if it may not sleep, stops updating its box
@@ -243,7 +253,8 @@ void Probes::RecordStability(std::uint64_t cycle) {
     }
     if (body->isKinematicObject()) continue;  // moves as it is told
     if (body->isStaticObject()) continue;     // Bullet marks fixed bodies as asleep
-    escaped += engine_.MayTouchWalls(i) && IsBeyondWall(body->getWorldTransform().getOrigin());
+    escaped += engine_.MayTouchWalls(i) &&
+               IsBeyondWall(i, world::ToEigen(body->getWorldTransform().getOrigin()));
     fastest = std::max(fastest, world::ToEigen(body->getLinearVelocity()).norm());
     asleep += body->getActivationState() == ISLAND_SLEEPING;
     removed += body->getActivationState() == DISABLE_SIMULATION || IsTooLarge(*body);

@@ -111,7 +111,8 @@ class Probes {
   void RecordMotion(std::uint64_t cycle);
   void RecordJoints(std::uint64_t cycle);
   void RecordSoundness(std::uint64_t cycle);
-  bool IsBeyondWall(const btVector3& centre) const;
+  /// Call in every cycle, with the centre of mass.
+  bool IsBeyondWall(std::size_t object, const Eigen::Vector3d& centre);
   bool IsTooLarge(const btRigidBody& body) const;
   double SmallerSide(int a, int b) const;
 
@@ -119,12 +120,15 @@ class Probes {
   protocol::Recording& recording_;
   protocol::RecordingHeader& header_;
   const std::uint64_t cycles_;
-  const bool is_driven_, streams_contacts_, all_walls_, floor_;
+  const bool is_driven_, streams_contacts_, all_walls_, floor_, is_floor_box_;
   const int contacts_fd_;
   const unsigned standing_walls_;
   std::optional<MotionWatch> motion_watch_;  ///< for `record stability`, as is the next member
   std::optional<Soundness> soundness_;
-  std::vector<char> touches_;        ///< by body, including walls: has a contact in this cycle
+  std::vector<char> touches_;  ///< by body, including walls: has a contact in this cycle
+  /// By object: how it came below the floor.
+  enum class Below : char { kNot, kWentThrough, kFellOff };
+  std::vector<Below> below_;
   std::vector<double> least_sides_;  ///< by body; infinite for walls
   std::vector<protocol::ContactRecord> contact_records_;
 };

@@ -150,6 +150,10 @@ class Replay {
       CheckPairs(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
       const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
+      if (faults.first_missed && recording_.header().message.str().empty())
+        recording_.header().message =
+            fmt::format("pair missed in cycle {}: {}", i - warmup_,
+                        detectors::OverlapText(traced_.scene(), *faults.first_missed));
       put("exact_pairs", i - warmup_, faults.exact);
       put("missed_pairs", i - warmup_, faults.missed);
       put("phantom_pairs", i - warmup_, faults.false_positives);

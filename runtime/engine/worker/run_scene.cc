@@ -80,23 +80,28 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   processor_time.Store(recording.header().scalars);
 }
 
-/// Runs all cycles without a clock, for samples and for the pair referee.
+/// Runs all cycles without a clock, for samples, for the pair referee, and for the verdict of a
+/// reference run.
 void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
                      protocol::Recording& recording) {
   std::optional<probes::Sampler> sampler;
   if (analysis::SamplingOf(scene)) sampler.emplace(scene, engine, recording);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene)) referee.emplace(engine, recording);
+  std::optional<probes::Probes> probes;
+  if (scene.role == plan::Role::kReference) probes.emplace(scene, engine, recording, -1);
   Stepper stepper(scene, engine);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t steps = warmup + scene.world.Count("cycles");
   if (sampler) sampler->Begin();
+  if (probes) probes->Begin();
   for (std::uint64_t i = 0; i < steps; ++i) {
     if (sampler) sampler->BeforeStep();
     if (referee && i >= warmup) referee->BeforeStep();
     stepper.Step();
     if (sampler) sampler->AfterStep();
     if (referee && i >= warmup) referee->AfterStep(i - warmup);
+    if (probes) probes->Record(i);
   }
 }
 

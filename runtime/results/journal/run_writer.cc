@@ -25,7 +25,7 @@ namespace cdb::journal {
 namespace {
 
 constexpr std::uint64_t kSamplesInAChunk = 1 << 16;
-constexpr const char* kReferenceTexts[] = {"message", "state_hash", "host"};
+constexpr const char* kReferenceTexts[] = {"message", "state_hash", "host", "verdict"};
 
 /// Copies the block `count` from one array of items to another; `from` and `to` are the first
 /// elements, and the shapes those of the arrays.
@@ -315,6 +315,21 @@ void RunWriter::CopyContacts(const MergeBase& from, std::size_t cell, Record& re
   }
 }
 
+/// Why a reference is not sound: `drifting from 0.35 s on, 3 objects`.
+std::string FaultOf(const plan::Run& run, const results::RunResult& result) {
+  const protocol::Judgement& judgement = result.judgement;
+  if (result.status != results::Status::kDone || judgement.verdict <= protocol::Verdict::kStable)
+    return {};
+  std::string text(protocol::VerdictName(judgement.verdict));
+  if (judgement.first_bad_cycle >= 0)
+    text += fmt::format(" from {:.3g} s on", static_cast<double>(judgement.first_bad_cycle + 1) *
+                                                 run.scene.world.Real("timestep"));
+  if (judgement.bad_objects >= 0)
+    text +=
+        fmt::format(", {} object{}", judgement.bad_objects, judgement.bad_objects == 1 ? "" : "s");
+  return text;
+}
+
 void RunWriter::WriteReference(const plan::Run& run, const results::RunResult& result,
                                std::span<const double> samples, Journal& journal) {
   const auto shape = protocol::SampleShapeOf(run.scene);
@@ -331,8 +346,10 @@ void RunWriter::WriteReference(const plan::Run& run, const results::RunResult& r
   record.run_id = run.id;
   record.about = of_references_;
   record.numbers = {static_cast<double>(result.status)};
-  for (const std::string* text : {&result.message, &result.state_hash, &result.host})
-    record.texts.push_back(AsText(*text));
+  const std::string verdict(protocol::VerdictName(result.judgement.verdict));
+  for (const std::string& text :
+       {result.message + FaultOf(run, result), result.state_hash, result.host, verdict})
+    record.texts.push_back(AsText(text));
   std::uint32_t index = 0;
   for (std::size_t at = 0; at < samples.size(); at += kSamplesInAChunk)
     record.Add(
@@ -394,56 +411,86 @@ Block BlockOf(const Reference& run, std::size_t reference, std::string_view arra
   return block;
 }
 
+/// The references that a merge base holds.
+class ReferencesOf {
+ public:
+  /// `base`: null if there is none.
+  explicit ReferencesOf(const hdf5::File* base) : base_(base) {
+    if (base == nullptr || !base->Has(results::kReferenceGroup + "reference")) return;
+    const std::vector<std::string> ids =
+        base->OpenDataset(results::kReferenceGroup + "reference").ReadText();
+    for (std::size_t i = 0; i < ids.size(); ++i) places_.emplace(ids[i], i);
+    status_ = base->OpenDataset(results::kReferenceGroup + "status").Read();
+    // Files written by earlier versions lack some of the texts.
+    for (const char* name : kReferenceTexts)
+      if (base->Has(results::kReferenceGroup + name))
+        texts_[name] = base->OpenDataset(results::kReferenceGroup + name).ReadText();
+  }
+  const hdf5::File& file() const { return *base_; }
+  std::optional<std::size_t> PlaceOf(const std::string& id) const {
+    const auto found = places_.find(id);
+    return found == places_.end() ? std::nullopt : std::optional(found->second);
+  }
+  double Status(std::size_t place) const { return status_.at(place); }
+  std::string Text(const std::string& name, std::size_t place) const {
+    const auto found = texts_.find(name);
+    return found == texts_.end() ? std::string() : found->second.at(place);
+  }
+
+ private:
+  const hdf5::File* base_;
+  std::map<std::string, std::size_t> places_;
+  std::vector<double> status_;
+  std::map<std::string, std::vector<std::string>> texts_;
+};
+
 /// The data of all references in the merged file, except their samples.
 struct Head {
   std::vector<double> status;
   std::map<std::string, std::vector<std::string>> texts;
 };
 
-Head ReadHeads(const plan::Plan& plan, Journals& journals, const hdf5::File* base) {
-  constexpr const char* kTexts[] = {"message", "state_hash", "host"};
-  Head head, there;
-  if (base != nullptr) {
-    there.status = base->OpenDataset(results::kReferenceGroup + "status").Read();
-    for (const char* name : kTexts)
-      there.texts[name] = base->OpenDataset(results::kReferenceGroup + name).ReadText();
-  }
-  for (std::size_t i = 0; i < plan.references.size(); ++i) {
-    const plan::Run& run = plan.references[i];
+Head ReadHeads(const plan::Plan& plan, Journals& journals, const ReferencesOf& base) {
+  Head head;
+  for (const plan::Run& run : plan.references) {
     head.texts["role"].emplace_back(RoleName(run.scene.role));
     head.texts["run_text"].push_back(yaml::RunToYaml(run));
     const auto record = journals.Find(run.id);
-    head.status.push_back(record            ? record->Number("status").value_or(0)
-                          : base != nullptr ? there.status.at(i)
-                                            : static_cast<double>(results::Status::kMissing));
-    for (const char* name : kTexts)
-      head.texts[name].push_back(record            ? record->Text(name)
-                                 : base != nullptr ? there.texts[name].at(i)
-                                                   : std::string());
+    const auto place = record ? std::nullopt : base.PlaceOf(run.id);
+    head.status.push_back(record  ? record->Number("status").value_or(0)
+                          : place ? base.Status(*place)
+                                  : static_cast<double>(results::Status::kMissing));
+    for (const char* name : kReferenceTexts)
+      head.texts[name].push_back(record  ? record->Text(name)
+                                 : place ? base.Text(name, *place)
+                                         : std::string());
   }
   return head;
 }
 
-/// The same, read from a merged file.
-Block BlockIn(const hdf5::File& base, const std::string& array, std::size_t reference) {
+/// The samples of one reference, read from a merged file where it has the index `from`.
+Block BlockIn(const hdf5::File& base, const std::string& array, std::size_t from,
+              std::size_t reference) {
   const hdf5::Dataset dataset = base.OpenDataset(array);
   Block block;
   block.count = dataset.shape();
   block.start.assign(block.count.size(), 0);
-  block.start[0] = reference;
+  block.start[0] = from;
   block.count[0] = 1;
   block.values = dataset.Read(block.start, block.count);
+  block.start[0] = reference;
   return block;
 }
 
 /// Calls `visit(array, block)` for every reference that has samples.
-void ForEachBlock(const plan::Plan& plan, Journals& journals, const hdf5::File* base,
+void ForEachBlock(const plan::Plan& plan, Journals& journals, const ReferencesOf& base,
                   const std::function<void(const std::string&, const Block&)>& visit) {
   for (std::size_t i = 0; i < plan.references.size(); ++i) {
     const auto record = journals.Find(plan.references[i].id);
-    if (!record && base != nullptr)
+    if (const auto place = base.PlaceOf(plan.references[i].id); !record && place)
       for (const char* name : {"states", "observables"})
-        visit(results::kReferenceGroup + name, BlockIn(*base, results::kReferenceGroup + name, i));
+        visit(results::kReferenceGroup + name,
+              BlockIn(base.file(), results::kReferenceGroup + name, *place, i));
     if (!record) continue;
     const Reference run = ReadReference(plan.references[i], *record);
     if (run.values.empty() || run.shape.objects == 0) continue;
@@ -456,11 +503,12 @@ void ForEachBlock(const plan::Plan& plan, Journals& journals, const hdf5::File* 
 
 void MergeReferences(const plan::Plan& plan, const results::Layout& layout, Journals& journals,
                      const hdf5::File* base, hdf5::File& file) {
-  const Head head = ReadHeads(plan, journals, base);
+  const ReferencesOf there(base);
+  const Head head = ReadHeads(plan, journals, there);
   file.OpenDataset(layout.Get(results::kReferenceGroup + "status").name).Write(head.status);
   for (const auto& [name, texts] : head.texts)
     file.OpenDataset(results::kReferenceGroup + name).WriteText(texts);
-  ForEachBlock(plan, journals, base, [&file](const std::string& name, const Block& block) {
+  ForEachBlock(plan, journals, there, [&file](const std::string& name, const Block& block) {
     file.OpenDataset(name).Write(block.start, block.count, block.values);
     file.CheckWritten();
   });
@@ -471,13 +519,14 @@ void VerifyReferences(const plan::Plan& plan, const results::Layout& layout, Jou
   const auto expect = [](bool is_same, const std::string& name) {
     if (!is_same) throw hdf5::Error(fmt::format("{} did not come back as it was written", name));
   };
-  const Head head = ReadHeads(plan, journals, base);
+  const ReferencesOf there(base);
+  const Head head = ReadHeads(plan, journals, there);
   const std::string status = layout.Get(results::kReferenceGroup + "status").name;
   expect(file.OpenDataset(status).Read() == head.status, status);
   for (const auto& [name, texts] : head.texts)
     expect(file.OpenDataset(results::kReferenceGroup + name).ReadText() == texts,
            results::kReferenceGroup + name);
-  ForEachBlock(plan, journals, base, [&](const std::string& name, const Block& block) {
+  ForEachBlock(plan, journals, there, [&](const std::string& name, const Block& block) {
     const auto bytes = [](const std::vector<double>& values) {
       return files::Checksum(std::as_bytes(std::span(values)));
     };

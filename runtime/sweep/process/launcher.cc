@@ -128,6 +128,7 @@ void SetStatus(const plan::Run& run, const ProcessEnd& end, const protocol::Reco
   if (has_exited && outcome == protocol::WorkerOutcome::kDone && result.n_cycles == cycles) {
     result.status = results::Status::kDone;
     result.state_hash = header.state_hash.str();
+    result.message = text::Printable(header.message.str());
   } else if (HasMemoryLimit(run) && !end.is_timed_out && EndedOutOfMemory(header, outcome)) {
     result.status = results::Status::kFailed;
     result.message = fmt::format(

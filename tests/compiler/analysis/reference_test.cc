@@ -51,6 +51,41 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
             4u);
 }
 
+TEST(Reference, IsCheckedByARunOfAnotherTimeStep) {
+  const auto steps = [](const std::string& accuracy) {
+    const plan::Plan plan = PlanWith("cycles 120; accuracy { metrics position; " + accuracy + " }");
+    std::vector<double> cycles;
+    for (const plan::Run& run : plan.references) {
+      cycles.push_back(static_cast<double>(run.scene.world.Count("cycles")));
+      EXPECT_NEAR(cycles.back() * run.scene.world.Real("timestep"), 2, 1e-12);
+      EXPECT_EQ(analysis::SamplingOf(run.scene)->count, 31u);
+    }
+    return cycles;
+  };
+  EXPECT_EQ(steps("reference.timestep 1/3840"), (std::vector<double>{7680, 3840}));
+  // An odd number of steps has no half.
+  EXPECT_EQ(steps("reference.timestep 1/75"), (std::vector<double>{150, 300}));
+  EXPECT_EQ(steps("reference.timestep 1/15"), (std::vector<double>{30, 60}));
+
+  // Nor has a schedule that changes after each odd number of steps.
+  const plan::Plan plan = PlanWith(
+      "cycles 120; acceleration every(1, uniform((-1, -1, -1), (1, 1, 1)))\n"
+      "accuracy { metrics position; reference.timestep 1/60 }");
+  EXPECT_EQ(plan.references.at(1).scene.world.Count("cycles"), 240u);
+}
+
+TEST(Reference, DoesNotSleepAndHasAVerdict) {
+  const auto of = [](const std::string& settings) {
+    return PlanWith(settings + "; accuracy.metrics position").references;
+  };
+  const std::vector<plan::Run> references = of("sleeping on");
+  for (const plan::Run& run : references) EXPECT_FALSE(run.scene.world.On("sleeping"));
+  EXPECT_TRUE(references[0].scene.world.Lists("record", "stability"));
+  EXPECT_FALSE(references[1].scene.world.Lists("record", "stability"));
+  EXPECT_EQ(of("sleeping sweep(on, off)").size(), 2u);
+  EXPECT_EQ(of("sleeping sweep(on, off); accuracy.reference.sleeping same").size(), 4u);
+}
+
 TEST(Reference, HasThePluginsOfItsOwnDetectorAlone) {
   const auto plan_of = [](const std::string& accuracy) {
     const compiler::Compilation result = CompileText(

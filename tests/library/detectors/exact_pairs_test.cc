@@ -40,12 +40,25 @@ TEST(ComparePairs, CountsEachFaultByItself) {
   const std::size_t exact = found.size();
   Pair stranger = {0, 1};
   while (Overlap(scene.boxes[stranger.a], scene.boxes[stranger.b])) ++stranger.b;
+  const Pair missed = found.front();
   found.front() = stranger;       // one pair missed, one false positive,
   found.push_back(found.back());  // and one pair listed twice
   found.push_back(stranger);
-  EXPECT_EQ(
-      detectors::ComparePairs(scene, found),
-      (detectors::PairFaults{.exact = exact, .missed = 1, .false_positives = 1, .duplicate = 2}));
+  EXPECT_EQ(detectors::ComparePairs(scene, found), (detectors::PairFaults{.exact = exact,
+                                                                          .missed = 1,
+                                                                          .false_positives = 1,
+                                                                          .duplicate = 2,
+                                                                          .first_missed = missed}));
+}
+
+TEST(OverlapText, NamesBothBoxesAndTheirOverlap) {
+  const std::vector<Box> boxes = {{{0, 0, 0}, {1, 1, 1}}, {{0.75, -1, 0.5}, {2, 1, INFINITY}}};
+  Scene scene;
+  scene.size = 2;
+  scene.boxes = boxes;
+  EXPECT_EQ(detectors::OverlapText(scene, {0, 1}),
+            "bodies 0 and 1, whose boxes (0, 0, 0) to (1, 1, 1) and (0.75, -1, 0.5) to (2, 1, inf) "
+            "overlap by 0.25 x 1 x 0.5 m");
 }
 
 }  // namespace

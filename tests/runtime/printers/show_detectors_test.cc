@@ -133,13 +133,13 @@ TEST(Verify, TellsTheWrongFirst) {
   twice     broad        2       6    60 of 60       0        0          8            -             -  lists pairs twice
   bullet    narrow       9      27  189 of 189       0        -          -      2.0e-05             -  misses none
 
-  null misses pairs from cycle 2 of detector null, quantity 10, rep 0 on
+  null misses pairs from cycle 2 on, at detector null, quantity 10, rep 0
     cdb run fixture.cdb -b fixture --only )" +
                                IdOf(plan, 8) + R"(
   broken crashed at detector broken, quantity 20, rep 0: ended by signal 11 (SIGSEGV)
     cdb run fixture.cdb -b fixture --only )" +
                                IdOf(plan, 7) + R"(
-  twice lists pairs twice from cycle 2 of detector twice, quantity 10, rep 0 on
+  twice lists pairs twice from cycle 2 on, at detector twice, quantity 10, rep 0
     cdb run fixture.cdb -b fixture --only )" +
                                IdOf(plan, 4) + "\n  Omitted: sap is not built.\n");
 }
