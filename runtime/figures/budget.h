@@ -11,7 +11,8 @@
 
 namespace cdb::figures {
 
-/// Whether the 99th percentile is within the budget; kUnclear if its interval holds the budget.
+/// Whether the 99th percentile is within the budget; kUnclear if its interval holds the budget, or
+/// if it is above and `at_least` is not.
 enum class Fit { kYes, kNo, kUnclear };
 /// `yes`, `no`, `cannot tell`.
 std::string_view FitName(Fit fit);
@@ -19,15 +20,26 @@ std::string_view FitName(Fit fit);
 /// A point against the budget. Times in ns.
 struct BudgetFigures {
   const MeasuredPoint* point = nullptr;
+  double budget_ns = 0;
   std::size_t above = 0, cycles = 0;  ///< cycles above the budget, of all
   Estimate p99;                       ///< of the times of the cycles
   std::optional<Interval> interval;   ///< of p99; none with one repeat
   double worst = 0;                   ///< the longest cycle of any repeat, disturbances included
+  /// If half of the repeats or more are noisy: a lower bound for p99 without disturbances, which
+  /// only add time. It is the 99th percentile of the fastest repeat of each cycle; with one repeat,
+  /// the median, since more than one cycle in a hundred may be disturbed.
+  std::optional<double> at_least;
   Fit fit = Fit::kNo;
+
+  /// True if disturbances may be all that is above the budget.
+  bool MayBeNoise() const { return fit == Fit::kUnclear && at_least.has_value(); }
 };
 
 /// A figure for each point of `model`, whose statistic is kP99, in grid order. Throws StoreError.
 std::vector<BudgetFigures> BudgetOf(const Model& model, double budget_ns, protocol::Phase phase);
+
+/// `4 ms`.
+std::string BudgetText(double budget_ns);
 
 /// How many sound points fit, and which: whole sentences.
 std::string BudgetAnswer(const Model& model, const std::vector<BudgetFigures>& figures);

@@ -103,6 +103,32 @@ std::string_view CertaintyName(Certainty certainty) {
   return kCertaintyNames[static_cast<std::size_t>(certainty)];
 }
 
+namespace {
+
+/// The kinds of conclusions about times, other than `budget`, which regards noise itself.
+constexpr std::string_view kOfTimes[] = {"fastest", "detect", "scaling", "worst_cycle", "error"};
+
+/// Conclusions about times are not clear if the machine was noisy in half of the runs or more. The
+/// repeats of all configurations take turns, so disturbances bias a ratio less than a time.
+void DoubtNoisyTimes(const Model& model, std::vector<Conclusion>& all) {
+  const std::vector<Cell>& cells = model.runs().good;
+  const std::size_t noisy = CountNoisy(model.file(), cells);
+  if (noisy == 0 || 2 * noisy < cells.size()) return;
+  const std::string runs =
+      noisy == cells.size() ? "all runs" : fmt::format("{} of {} runs", noisy, cells.size());
+  for (Conclusion& of : all) {
+    if (std::ranges::find(kOfTimes, of.kind) == std::end(kOfTimes)) continue;
+    const bool is_ratio = of.kind != "error" && !model.file().axes().empty();
+    if (is_ratio && of.certainty != Certainty::kClear) continue;
+    if (of.certainty == Certainty::kClear) of.certainty = Certainty::kUnknown;
+    of.answer += fmt::format(" The machine was noisy in {}: {}.", runs,
+                             is_ratio ? "the order is more certain than the factors"
+                                      : "without disturbances, a step takes less");
+  }
+}
+
+}  // namespace
+
 std::vector<Conclusion> Conclusions(const Model& model) {
   std::vector<Conclusion> all;
   ConcludeBudget(model, all);
@@ -112,6 +138,7 @@ std::vector<Conclusion> Conclusions(const Model& model) {
   ConcludeVerdicts(model, all);
   ConcludeAxes(model, all);
   ConcludeDetectorLimits(model, all);
+  DoubtNoisyTimes(model, all);
   return all;
 }
 

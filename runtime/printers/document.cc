@@ -220,7 +220,7 @@ std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& 
   const Cell* worst = nullptr;
   double least_share = std::numeric_limits<double>::infinity();
   for (const Cell& cell : cells) {
-    if (file.ReadReal("noise", cell) != static_cast<double>(machine::Noise::kNoisy)) continue;
+    if (!figures::IsNoisy(file, cell)) continue;
     ++noisy;
     const double share = file.ReadReal("cpu_time", cell) / file.ReadReal("cycles_time", cell);
     if (worst != nullptr && !(share < least_share)) continue;

@@ -77,6 +77,7 @@ Json DocumentBudget(const figures::Model& model) {
                       {"p99", of.p99.value},
                       {"low", of.interval ? Json(of.interval->low) : Json()},
                       {"high", of.interval ? Json(of.interval->high) : Json()},
+                      {"at_least", of.at_least ? Json(*of.at_least) : Json()},
                       {"worst", of.worst},
                       {"fits", figures::FitName(of.fit)}});
   return {{"ns", *budget_ns}, {"phase", "step"}, {"points", std::move(points)}};

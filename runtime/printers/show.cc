@@ -35,11 +35,11 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
   return tables;
 }
 
-/// The answer to the `budget` of the scenario, if it has one.
-void AddBudget(const figures::Model& model, Document& document) {
+/// The table for the `budget` of the scenario, if it has one.
+void AddBudget(const figures::Model& model, bool has_answer, Document& document) {
   const auto budget_ns = model.file().budget_ns();
   if (!budget_ns || !model.HasTimes()) return;
-  document.push_back(BudgetSection(model.slow(), *budget_ns, protocol::Phase::kStep));
+  document.push_back(BudgetSection(model.slow(), *budget_ns, protocol::Phase::kStep, has_answer));
 }
 
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
@@ -49,7 +49,7 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
-  AddBudget(model, document);
+  AddBudget(model, false, document);  // the answer is in the head
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
   return document;
@@ -68,7 +68,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);
-  AddBudget(model, document);
+  AddBudget(model, true, document);
   if (options.plots) AddPlots(model, options.phases, document);
   return {TextOf(document, options.format), model.bad_count()};
 }

@@ -97,8 +97,10 @@ Section SummaryHead(const figures::Model& model);
 Section BriefHead(const figures::Model& model);
 Section BriefDoubts(const figures::Model& model);
 
-/// Which points stay within `budget_ns`; the statistic of `model` is kP99.
-Section BudgetSection(const figures::Model& model, double budget_ns, protocol::Phase phase);
+/// Which points stay within `budget_ns`; the statistic of `model` is kP99. `has_answer`: also in
+/// a sentence.
+Section BudgetSection(const figures::Model& model, double budget_ns, protocol::Phase phase,
+                      bool has_answer);
 
 /// Detectors that missed pairs, and those that are known to miss some and were not checked.
 std::vector<std::string> WrongDetectors(const figures::Model& model);
