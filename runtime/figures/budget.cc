@@ -71,6 +71,7 @@ std::vector<BudgetFigures> BudgetOf(const Model& model, double budget_ns, protoc
     const std::vector<double>& cycles = model.times().Of(point, phase).cycles;
     BudgetFigures figures;
     figures.point = &point;
+    figures.budget_ns = budget_ns;
     figures.p99 = model.TimeOf(point, phase);
     figures.cycles = cycles.size();
     figures.above = static_cast<std::size_t>(

@@ -72,6 +72,7 @@ Json DocumentBudget(const figures::Model& model) {
   for (const figures::BudgetFigures& of :
        figures::BudgetOf(model.slow(), *budget_ns, protocol::Phase::kStep))
     points.push_back({{"point", model.IndexOf(of.point->at)},
+                      {"ns", of.budget_ns},
                       {"above", of.above},
                       {"cycles", of.cycles},
                       {"p99", of.p99.value},
