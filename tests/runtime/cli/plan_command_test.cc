@@ -36,6 +36,19 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
 }
 
+TEST(Plan, EstimatesALowerBoundWhereContactsAreYetToCome) {
+  const Program program;
+  // Nothing touches in 30 cycles; a longer sample is too expensive.
+  program.Write("fall.cdb",
+                "benchmark fall { cycles 1e8; world { side 1e5; gravity 0 }\n"
+                "objects { quantity 3; location grid } }");
+  const Finished fall = program.Run({"plan", "--estimate", "fall.cdb"});
+  EXPECT_EQ(fall.status, 0) << fall.err;
+  EXPECT_NE(fall.out.find("\n  time    at least "), std::string::npos) << fall.out;
+  EXPECT_NE(fall.out.find("later cycles take longer"), std::string::npos) << fall.out;
+  EXPECT_EQ(fall.out.find("In brackets"), std::string::npos) << fall.out;
+}
+
 TEST(Plan, EstimatesWhatPilesTakeToSettle) {
   const Program program;
   program.Write("pile.cdb",
