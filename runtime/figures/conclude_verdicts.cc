@@ -114,14 +114,16 @@ void DoubtNoisyTimes(const Model& model, std::vector<Conclusion>& all) {
   const std::vector<Cell>& cells = model.runs().good;
   const std::size_t noisy = CountNoisy(model.file(), cells);
   if (noisy == 0 || 2 * noisy < cells.size()) return;
-  const std::string runs =
-      noisy == cells.size() ? "all runs" : fmt::format("{} of {} runs", noisy, cells.size());
+  const std::string runs = cells.size() == 1 ? ""
+                           : noisy == cells.size()
+                               ? " in all runs"
+                               : fmt::format(" in {} of {} runs", noisy, cells.size());
   for (Conclusion& of : all) {
     if (std::ranges::find(kOfTimes, of.kind) == std::end(kOfTimes)) continue;
     const bool is_ratio = of.kind != "error" && !model.file().axes().empty();
     if (is_ratio && of.certainty != Certainty::kClear) continue;
     if (of.certainty == Certainty::kClear) of.certainty = Certainty::kUnknown;
-    of.answer += fmt::format(" The machine was noisy in {}: {}.", runs,
+    of.answer += fmt::format(" The machine was noisy{}: {}.", runs,
                              is_ratio ? "the order is more certain than the factors"
                                       : "without disturbances, a step takes less");
   }

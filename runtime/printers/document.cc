@@ -228,9 +228,15 @@ std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& 
     worst = &cell;
   }
   if (worst == nullptr) return {};
-  return fmt::format("The machine was noisy in {} of {} run{}; worst in {}: {} (cdb doc noise).",
-                     noisy, cells.size(), cells.size() == 1 ? "" : "s",
-                     figures::PlaceText(file, *worst), file.ReadText("noise_cause", *worst));
+  const std::string cause = file.ReadText("noise_cause", *worst);
+  if (cells.size() == 1) return fmt::format("The machine was noisy: {} (cdb doc noise).", cause);
+  return fmt::format("The machine was noisy in {}; worst in {}: {} (cdb doc noise).",
+                     RunsText(noisy, cells.size()), figures::PlaceText(file, *worst), cause);
+}
+
+std::string RunsText(std::size_t count, std::size_t of) {
+  if (of == 1) return "the only run";
+  return count == of ? fmt::format("all {} runs", of) : fmt::format("{} of {} runs", count, of);
 }
 
 std::vector<std::string> ProcessorNotes(const results::ResultFile& file,

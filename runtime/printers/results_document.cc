@@ -495,15 +495,18 @@ class WarningList {
 
   void AddVerdicts() {
     std::vector<std::string> texts;
+    std::size_t unsound = 0;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row)
-      if (row->first > protocol::Verdict::kStable)
+      if (row->first > protocol::Verdict::kStable) {
+        unsound += row->second.size();
         texts.push_back(
             fmt::format("{} {}", row->second.size(), protocol::VerdictName(row->first)));
-    if (!texts.empty())
+      }
+    if (unsound > 0)
       Add("unsound",
-          fmt::format(
-              "The simulation was not sound in some runs ({}); their times are in the figures.",
-              fmt::join(texts, ", ")));
+          fmt::format("The simulation was not sound in {} ({}): times of unsound runs are "
+                      "shown, but are those of another motion.",
+                      RunsText(unsound, groups_.good.size()), fmt::join(texts, ", ")));
   }
 
   /// Points that have a time, and no error.

@@ -256,9 +256,11 @@ class Head {
     return names.empty() ? names : fmt::format("Errors, by cdb show --error: {}.", names);
   }
 
+    std::size_t unsound = 0;
   /// How sound the physics of the runs in the figures is. Empty if no run was judged.
   Lines Verdicts() const {
     Lines doubts;
+      unsound += runs.size();
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
       if (verdict <= protocol::Verdict::kStable) continue;
@@ -281,8 +283,12 @@ class Head {
     }
     doubts.insert(
         doubts.begin(),
-        fmt::format("{} stable; the others are in the figures, but not sound (cdb doc verdicts):",
-                    sound));
+        unsound + sound == 1
+            ? std::string("Not stable: its time is shown, but is that of another motion "
+                          "(cdb doc verdicts):")
+            : fmt::format("Not stable: {}; their times are shown, but are those of another motion "
+                          "(cdb doc verdicts):",
+                          RunsText(unsound, unsound + sound)));
     return doubts;
   }
 

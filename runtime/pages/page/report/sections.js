@@ -29,7 +29,7 @@ export function sweepText(doc) {
 function outcomes(doc) {
   const { runs = {} } = doc.raw;
   return [
-    ['good', doc.phases.length > 0 ? 'with valid times' : 'finished'],
+    ['good', doc.phases.length > 0 ? 'timed' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
     ['skipped', 'skipped'],
