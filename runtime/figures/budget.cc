@@ -42,11 +42,11 @@ std::string WhereText(const results::ResultFile& file, const std::map<Point, std
   return fmt::format(" Fitting: {}.", fmt::join(fitting, "; "));
 }
 
-Fit FitOf(const BudgetFigures& of, double budget_ns) {
+Fit FitOf(const BudgetFigures& of) {
   const Interval range = of.interval.value_or(Interval{of.p99.value, of.p99.value});
-  if (range.high <= budget_ns) return Fit::kYes;
-  return range.low > budget_ns && (!of.at_least || *of.at_least > budget_ns) ? Fit::kNo
-                                                                             : Fit::kUnclear;
+  if (range.high <= of.budget_ns) return Fit::kYes;
+  return range.low > of.budget_ns && (!of.at_least || *of.at_least > of.budget_ns) ? Fit::kNo
+                                                                                   : Fit::kUnclear;
 }
 
 /// `No: the 99th percentile is 112 ms (95 % interval 110 .. 115).`
@@ -65,17 +65,18 @@ std::string AnswerOfOne(const CycleTimes& times, const BudgetFigures& of) {
 
 }  // namespace
 
-std::vector<BudgetFigures> BudgetOf(const Model& model, double budget_ns, protocol::Phase phase) {
+std::vector<BudgetFigures> BudgetOf(const Model& model, const Budget& budget,
+                                    protocol::Phase phase) {
   std::vector<BudgetFigures> all;
   for (const MeasuredPoint& point : model.points()) {
     const std::vector<double>& cycles = model.times().Of(point, phase).cycles;
     BudgetFigures figures;
     figures.point = &point;
-    figures.budget_ns = budget_ns;
+    figures.budget_ns = budget.frame_s ? budget.OfStep(model.TimeStepOf(point)) : budget.ns;
     figures.p99 = model.TimeOf(point, phase);
     figures.cycles = cycles.size();
     figures.above = static_cast<std::size_t>(
-        std::ranges::count_if(cycles, [&](double ns) { return ns > budget_ns; }));
+        std::ranges::count_if(cycles, [&](double ns) { return ns > figures.budget_ns; }));
     if (model.times().HasIntervals()) figures.interval = model.times().IntervalOf(figures.p99);
     std::vector<std::vector<double>> repeats;
     for (const Cell& cell : point.cells) repeats.push_back(model.file().ReadDuration(phase, cell));
@@ -84,7 +85,7 @@ std::vector<BudgetFigures> BudgetOf(const Model& model, double budget_ns, protoc
       figures.worst = std::fmax(figures.worst, Largest(repeat));
     if (2 * CountNoisy(model.file(), point.cells) >= point.cells.size())
       figures.at_least = LeastP99(repeats);
-    figures.fit = FitOf(figures, budget_ns);
+    figures.fit = FitOf(figures);
     all.push_back(figures);
   }
   return all;
@@ -128,20 +129,41 @@ std::string BudgetAnswer(const Model& model, const std::vector<BudgetFigures>& f
                                                        candidates, unsound == 1 ? "is" : "are"));
 }
 
+double Budget::OfStep(double time_step) const {
+  if (!frame_s) return ns;
+  const double steps = std::round(*frame_s / time_step);
+  return ns / (steps < 1 ? 1 : steps);
+}
+
+std::string Budget::Text() const {
+  if (!frame_s) return BudgetText(ns) + " a step";
+  const double rate = std::round(1 / *frame_s);
+  return fmt::format("{} a frame of {}", BudgetText(ns),
+                     rate > 1 && std::abs(*frame_s * rate - 1) < 1e-9
+                         ? fmt::format("1/{:.0f} s", rate)
+                         : fmt::format("{:.4g} s", *frame_s));
+}
+
+std::optional<Budget> BudgetOfScenario(const results::ResultFile& file) {
+  const auto ns = file.budget_ns();
+  return ns ? std::optional(Budget{*ns, file.frame_s()}) : std::nullopt;
+}
+
 void ConcludeBudget(const Model& model, std::vector<Conclusion>& all) {
-  const auto budget_ns = model.file().budget_ns();
-  if (!budget_ns || !model.HasTimes() || model.points().empty()) return;
+  const auto budget = BudgetOfScenario(model.file());
+  if (!budget || !model.HasTimes() || model.points().empty()) return;
   const Model& slow = model.slow();
-  const std::vector<BudgetFigures> figures = BudgetOf(slow, *budget_ns, protocol::Phase::kStep);
+  const std::vector<BudgetFigures> figures = BudgetOf(slow, *budget, protocol::Phase::kStep);
   const bool is_clear = slow.times().bootstrap().kind() == IntervalKind::kInterval &&
                         std::ranges::none_of(figures, [](const BudgetFigures& of) {
                           return of.point->IsSound() && of.fit == Fit::kUnclear;
                         });
-  all.push_back(
-      {figures.size() == 1
-           ? fmt::format("Does a step stay within {}?", BudgetText(*budget_ns))
-           : fmt::format("Which configurations stay within {} a step?", BudgetText(*budget_ns)),
-       BudgetAnswer(slow, figures), "budget", is_clear ? Certainty::kClear : Certainty::kUnknown});
+  const bool is_one = figures.size() == 1;
+  all.push_back({fmt::format("{} within {}?",
+                             is_one ? "Does the simulation stay" : "Which configurations stay",
+                             budget->Text()),
+                 BudgetAnswer(slow, figures), "budget",
+                 is_clear ? Certainty::kClear : Certainty::kUnknown});
 }
 
 }  // namespace cdb::figures

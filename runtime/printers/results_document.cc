@@ -66,13 +66,13 @@ Json DocumentConclusions(const figures::Model& model) {
 }
 
 Json DocumentBudget(const figures::Model& model) {
-  const auto budget_ns = model.file().budget_ns();
-  if (!budget_ns || !model.HasTimes() || IsLarge(model)) return nullptr;
+  const auto budget = figures::BudgetOfScenario(model.file());
+  if (!budget || !model.HasTimes() || IsLarge(model)) return nullptr;
   Json points = Json::array();
-  for (const figures::BudgetFigures& of :
-       figures::BudgetOf(model.slow(), *budget_ns, protocol::Phase::kStep))
+  const auto all = figures::BudgetOf(model.slow(), *budget, protocol::Phase::kStep);
+  for (const figures::BudgetFigures& of : all)
     points.push_back({{"point", model.IndexOf(of.point->at)},
-                      {"ns", of.budget_ns},
+                      {"ns", JsonNumber(of.budget_ns, 9)},
                       {"above", of.above},
                       {"cycles", of.cycles},
                       {"p99", of.p99.value},
@@ -81,7 +81,12 @@ Json DocumentBudget(const figures::Model& model) {
                       {"at_least", of.at_least ? Json(*of.at_least) : Json()},
                       {"worst", of.worst},
                       {"fits", figures::FitName(of.fit)}});
-  return {{"ns", *budget_ns}, {"phase", "step"}, {"points", std::move(points)}};
+  const bool is_one = std::ranges::all_of(
+      all, [&](const figures::BudgetFigures& of) { return of.budget_ns == all[0].budget_ns; });
+  return {{"ns", is_one && !all.empty() ? JsonNumber(all[0].budget_ns, 9) : Json()},
+          {"text", budget->Text()},
+          {"phase", "step"},
+          {"points", std::move(points)}};
 }
 
 Json DocumentCoverage(const figures::Model& model) {

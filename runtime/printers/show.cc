@@ -37,9 +37,9 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
 
 /// The table for the `budget` of the scenario, if it has one.
 void AddBudget(const figures::Model& model, bool has_answer, Document& document) {
-  const auto budget_ns = model.file().budget_ns();
-  if (!budget_ns || !model.HasTimes()) return;
-  document.push_back(BudgetSection(model.slow(), *budget_ns, protocol::Phase::kStep, has_answer));
+  const auto budget = figures::BudgetOfScenario(model.file());
+  if (!budget || !model.HasTimes()) return;
+  document.push_back(BudgetSection(model.slow(), *budget, protocol::Phase::kStep, has_answer));
 }
 
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.

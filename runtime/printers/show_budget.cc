@@ -22,11 +22,12 @@ constexpr std::string_view kAtLeastNote =
     "of each cycle (the median if there is one repeat). Only above the budget is the answer no.";
 
 Table RowsOf(const figures::Model& model, const std::vector<BudgetFigures>& figures,
-             double budget_ns) {
+             const figures::Budget& budget) {
   const figures::Rows rows = figures::MatchRows(model.points(), figures::AllAxes(model.file()));
-  const terminal::TimeUnit unit = terminal::TimeUnit::For(budget_ns);
+  const terminal::TimeUnit unit = terminal::TimeUnit::For(budget.ns);
   const bool has_intervals = model.times().HasIntervals();
   RowTable table(model.file(), rows);
+  if (budget.frame_s) table.AddColumn(fmt::format("budget, {}", unit.name));
   for (const char* head : {"above", "of cycles"}) table.AddColumn(head);
   table.AddColumn(fmt::format("p99, {}", unit.name));
   if (has_intervals) table.AddColumn(fmt::format("its {}", model.times().IntervalName()));
@@ -40,6 +41,7 @@ Table RowsOf(const figures::Model& model, const std::vector<BudgetFigures>& figu
         *std::ranges::find(figures, row.points.front(), &BudgetFigures::point);
     std::vector<std::string> cells = {fmt::format("{}", of.above), fmt::format("{}", of.cycles),
                                       terminal::ShortNumber(of.p99.value / unit.ns)};
+    if (budget.frame_s) cells.insert(cells.begin(), terminal::ShortNumber(of.budget_ns / unit.ns));
     if (of.interval)
       cells.push_back(
           figures::IntervalText({of.interval->low / unit.ns, of.interval->high / unit.ns}));
@@ -55,15 +57,17 @@ Table RowsOf(const figures::Model& model, const std::vector<BudgetFigures>& figu
 
 }  // namespace
 
-Section BudgetSection(const figures::Model& model, double budget_ns, protocol::Phase phase,
-                      bool has_answer) {
-  const std::vector<BudgetFigures> figures = figures::BudgetOf(model, budget_ns, phase);
+Section BudgetSection(const figures::Model& model, const figures::Budget& budget,
+                      protocol::Phase phase, bool has_answer) {
+  const std::vector<BudgetFigures> figures = figures::BudgetOf(model, budget, phase);
   const bool has_intervals = model.times().HasIntervals();
   Section section = {
-      .title = fmt::format("Cycles whose {} takes more than {}", figures::PhaseName(phase),
-                           figures::BudgetText(budget_ns)),
-      .lines = {},
-      .table = RowsOf(model, figures, budget_ns)};
+      .title = budget.frame_s
+                   ? fmt::format("Cycles whose {} takes more than its part of {}",
+                                 figures::PhaseName(phase), budget.Text())
+                   : fmt::format("Cycles whose {} takes more than {}", figures::PhaseName(phase),
+                                 figures::BudgetText(budget.ns)),
+      .table = RowsOf(model, figures, budget)};
   if (has_answer) section.lines.push_back(figures::BudgetAnswer(model, figures));
   section.notes.push_back(fmt::format(
       "fits: the 99th percentile over the cycles{} is within the budget. worst: the "
@@ -81,7 +85,7 @@ Printed ShowBudget(const results::ResultFile& file, const ShowBudgetOptions& opt
       file, {.only_sound = options.only_sound, .statistic = figures::CycleStatistic::kP99});
   if (!model.HasTimes())
     throw files::StoreError("the file has no times; `record timing` adds them");
-  return {TextOf({BudgetSection(model, options.budget_ns, options.phase, true)}, options.format),
+  return {TextOf({BudgetSection(model, options.budget, options.phase, true)}, options.format),
           model.bad_count()};
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/figures/budget.h"
 #include "runtime/figures/model.h"
 #include "tests/runtime/figures/made_up_file.h"
 
@@ -98,8 +99,29 @@ TEST(Conclusions, BeginWithTheBudget) {
   one.budget_s = 2e-6;
   const Conclusion of_one =
       ConclusionsOf(one, [](const plan::Run&) { return MadeUp{.ns = 2500}; }).front();
-  EXPECT_EQ(of_one.question, "Does a step stay within 2 us?");
+  EXPECT_EQ(of_one.question, "Does the simulation stay within 2 us a step?");
   EXPECT_EQ(of_one.answer, "No: the 99th percentile is 2.50 us (95 % interval 2.50 .. 2.50).");
+}
+
+TEST(Conclusions, DivideTheBudgetOfAFrameAmongItsSteps) {
+  const figures::Budget budget = {4e6, 1.0 / 60};
+  EXPECT_EQ(budget.Text(), "4 ms a frame of 1/60 s");
+  EXPECT_EQ(budget.OfStep(1.0 / 60), 4e6);
+  EXPECT_EQ(budget.OfStep(1.0 / 120), 2e6);
+  EXPECT_EQ(budget.OfStep(1.0 / 30), 4e6);  // a step of two frames
+  EXPECT_EQ(figures::Budget{4e6}.OfStep(1.0 / 120), 4e6);
+  EXPECT_TRUE(std::isnan(budget.OfStep(NAN)));
+  // Steps of 1 ms.
+  plan::Plan plan =
+      MakePlan({}, 5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  plan.budget_s = 5e-6;
+  const auto answer = [&] {
+    return ConclusionsOf(plan, [](const plan::Run&) { return MadeUp{.ns = 3000}; }).front();
+  };
+  EXPECT_TRUE(answer().answer.starts_with("Yes: ")) << answer().answer;
+  plan.frame_s = 0.002;
+  EXPECT_EQ(answer().question, "Does the simulation stay within 5 us a frame of 1/500 s?");
+  EXPECT_TRUE(answer().answer.starts_with("No: ")) << answer().answer;
 }
 
 TEST(Conclusions, DoNotBlameConfigurationsForNoise) {

@@ -196,7 +196,7 @@ TEST(ShowBudget, SaysWhichPointsFit) {
       return made;
     };
     return WithMadeUpFile(Grid(repeats), make_up, [&](const results::ResultFile& file) {
-      return printers::ShowBudget(file, {.budget_ns = budget_ns}).text;
+      return printers::ShowBudget(file, {.budget = {budget_ns}}).text;
     });
   };
   const std::string five = shown(5, 2450);
@@ -223,7 +223,7 @@ TEST(ShowBudget, HasALowerBoundForNoisyRuns) {
       return made;
     };
     return WithMadeUpFile(Grid(repeats), make_up, [&](const results::ResultFile& file) {
-      return printers::ShowBudget(file, {.budget_ns = 3000}).text;
+      return printers::ShowBudget(file, {.budget = {3000}}).text;
     });
   };
   const std::string five = shown(5);

@@ -1,5 +1,5 @@
 // The parts of the page that are text: the head, the machine, and the tables.
-import { budgetText, pointText } from './document.js';
+import { pointText } from './document.js';
 import { bdi, h, table } from './dom.js';
 import { count, number, plural, range, short, timeUnit } from './format.js';
 
@@ -329,10 +329,7 @@ export function command(text) {
 }
 
 /** The heading of the budget. */
-export function budgetTitle(doc) {
-  const { ns, phase } = doc.raw.budget;
-  return `Within the budget${ns === null ? '' : ` of ${budgetText(ns)}`} (99th percentile of a ${phase})`;
-}
+export const budgetTitle = (doc) => `Within the budget of ${doc.raw.budget.text} (99th percentile)`;
 
 /** The points against the budget of the scenario. */
 export function budget(doc) {
