@@ -13,13 +13,8 @@
 namespace cdb::terminal {
 namespace {
 
-constexpr std::size_t kScreen = 100;
-
-/// `1 .. 2` as `1..2`.
-std::string WithoutSpaces(std::string range) {
-  const std::size_t dots = range.find(" .. ");
-  return dots == range.npos ? range : range.replace(dots, 4, "..");
-}
+/// Columns of a page where the output is not a terminal.
+constexpr std::size_t kPage = 100;
 
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
@@ -108,17 +103,10 @@ Table Table::NoWiderThan(std::size_t screen) const {
 std::string Table::Text() const {
   if (is_whole_) {
     const std::size_t screen = TerminalWidth();
-    const Table table = screen > 0 ? NoWiderThan(screen) : *this;
+    const Table table = NoWiderThan(screen > 0 ? screen : kPage);
     return table.TextOf(table.Widths());
   }
-  const std::vector<std::size_t> widths = Widths();
-  if (std::accumulate(widths.begin(), widths.end(), 2 * widths.size()) > kScreen) {
-    Table narrow = *this;
-    for (auto& row : narrow.rows_)
-      for (std::string& cell : row) cell = WithoutSpaces(std::move(cell));
-    return narrow.TextOf(narrow.Widths());
-  }
-  return TextOf(widths);
+  return TextOf(Widths());
 }
 
 std::string Table::TextOf(const std::vector<std::size_t>& widths) const {

@@ -18,12 +18,13 @@ class Table {
   /// `right`: aligned to the right.
   void AddColumn(std::string head, bool right);
   void AddRow(std::vector<std::string> cells);
-  /// On a narrow terminal, break cells at spaces instead of splitting the table into parts.
+  /// Beyond the width of the terminal, or 100 columns without one, break cells at spaces instead of
+  /// splitting the table into parts.
   void KeepWhole() { is_whole_ = true; }
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
-  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
-  /// than the terminal (console.h) is split into several parts, each with the keys of its rows.
+  /// A table that is wider than the terminal (console.h) is split into several parts, each with the
+  /// keys of its rows.
   std::string Text() const;
 
  private:
