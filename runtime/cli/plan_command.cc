@@ -110,10 +110,7 @@ constexpr std::uint64_t kMostShown = 10'000;
 
 /// `plan`: holds the runs to show, out of `runs`; `skipped` points have none.
 std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped) {
-  std::string grid;
-  for (const plan::Axis& axis : plan.axes)
-    grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
-  if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
+  const std::string grid = terminal::GridText(plan.axes, plan.repeats);
   std::string text = fmt::format("{}: {} {}{}{}\n", plan.benchmark, runs,
                                  runs == 1 ? "run" : "runs", grid.empty() ? "" : " = " + grid,
                                  skipped > 0 ? fmt::format(", {:.0f} skipped", skipped) : "");

@@ -209,11 +209,7 @@ class Head {
 
   /// The number of runs.
   std::string Grid() const {
-    std::string grid;
-    for (const plan::Axis& axis : file_.axes())
-      grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
-    if (file_.repeats() > 1)
-      grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", file_.repeats());
+    const std::string grid = terminal::GridText(file_.axes(), file_.repeats());
     const std::size_t cells = groups_.NotSkipped();
     std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
                                    grid.empty() ? "" : " (" + grid + ")", file_.cycles());

@@ -155,6 +155,16 @@ std::string Table::PartText(const std::vector<std::size_t>& widths,
   return text;
 }
 
+std::string GridText(const std::vector<plan::Axis>& axes, std::uint64_t repeats) {
+  std::string text;
+  for (const plan::Axis& axis : axes)
+    text += text.empty() ? fmt::format("{} value{} of {}", axis.values.size(),
+                                       axis.values.size() == 1 ? "" : "s", axis.name)
+                         : fmt::format(" x {} of {}", axis.values.size(), axis.name);
+  if (repeats > 1) text += fmt::format("{}{} repeats", text.empty() ? "" : " x ", repeats);
+  return text;
+}
+
 std::string CoordinateText(const plan::Axis& axis, std::size_t index) {
   return plan::CoordinateLabel(axis, index);
 }

@@ -1,6 +1,7 @@
 // Text tables with aligned columns.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,9 @@ struct TimeUnit {
 /// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
 /// exponent below 1e-4 and from 1e7 on. `-` if it is not finite.
 std::string ShortNumber(double value);
+
+/// `3 values of detector x 5 of quantity x 9 repeats`: the grid of runs; empty for one run.
+std::string GridText(const std::vector<plan::Axis>& axes, std::uint64_t repeats);
 
 /// The text of a value on an axis (compiler/plan/plan.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);

@@ -16,7 +16,8 @@ TEST(Plan, PrintsRunsAndWritesYaml) {
   program.Write("small.cdb", kSmall);
   const Finished table = program.Run({"plan", "small.cdb"});
   EXPECT_EQ(table.status, 0);
-  EXPECT_NE(table.out.find("small: 4 runs = 2 detector x 2 quantity"), std::string::npos)
+  EXPECT_NE(table.out.find("small: 4 runs = 2 values of detector x 2 of quantity"),
+            std::string::npos)
       << table.out;
   EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).out, "");
   EXPECT_EQ(program.Run({"plan", "p.yaml"}).out, table.out);

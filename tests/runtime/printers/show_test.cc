@@ -92,8 +92,9 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
   const Finished shown = program.Run({"show", "s.h5", "--all"});
   EXPECT_EQ(shown.status, 0);
   for (const char* part :
-       {"The title", "12 runs (3 detector x 2 quantity x 2 rep), 10 cycles", "broad", "integrate",
-        "pairs", "contacts", "5th .. 95th percentile", "Mean step over that of sap", "mean"})
+       {"The title", "12 runs (3 values of detector x 2 of quantity x 2 repeats), 10 cycles",
+        "broad", "integrate", "pairs", "contacts", "5th .. 95th percentile",
+        "Mean step over that of sap", "mean"})
     EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
   // One row for each of the six points, in the order of the grid.
   EXPECT_NE(shown.out.find("\n  sap              2"), std::string::npos) << shown.out;
@@ -159,7 +160,7 @@ TEST(Show, ReadsResultsOfVersion1) {
   const Finished shown = program.Run({"show", file, "--all"});
   EXPECT_EQ(shown.status, 0) << shown.err;
   for (const char* part :
-       {"4 runs (2 load x 2 hz)", "Omitted in all 4 runs: solver", "calm", "storm"})
+       {"4 runs (2 values of load x 2 of hz)", "Omitted in all 4 runs: solver", "calm", "storm"})
     EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
   const Finished errors = program.Run({"show", file, "--error", "position"});
   EXPECT_EQ(errors.status, 0) << errors.err;

@@ -7,12 +7,12 @@ const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain', faul
 const conclusionsAbove = 3; // number above the first figure
 const mostAlike = 2; // conclusions of one form in sentences; more are a table
 
-/** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
+/** `4 values of detector × 2 of quantity × 9 repeats, 300 cycles` */
 export function sweepText(doc) {
   const { runs = {} } = doc.raw;
   const parts = doc.axes
     .filter((axis) => axis.values.length > 1)
-    .map((axis) => `${axis.values.length} ${short(axis.name, 60)}`);
+    .map((axis, i) => `${axis.values.length} ${i === 0 ? 'values of' : 'of'} ${short(axis.name, 60)}`);
   if (runs.repeats > 1) parts.push(`${runs.repeats} repeats`);
   const cycles = [...new Set(doc.raw.points?.cycles === undefined ? [] : [].concat(doc.raw.points.cycles))].filter(
     (value) => typeof value === 'number',
