@@ -47,11 +47,11 @@ class VerdictConclusion {
     if (all == unknown) return std::nullopt;
     const char* question = "Is the simulation sound?";
     if (all == 1)
-      return Conclusion{question,
-                        stable == 1
-                            ? "Yes: it is stable." + OpenText()
-                            : fmt::format("No: it is {}{}.", counts.begin()->first, BadText()),
-                        "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
+      return Conclusion{
+          question,
+          stable == 1 ? "Yes: it is stable." + OpenText()
+                      : fmt::format("No: the verdict is {}{}.", counts.begin()->first, BadText()),
+          "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
     if (stable == all)
       return Conclusion{question,
                         fmt::format("Yes: all {} configurations are stable.", all) + OpenText(),

@@ -348,8 +348,9 @@ class Verified {
     }
     if (std::ranges::count(phases_, Fault::kBullet, &VerifiedPhase::fault) > 0)
       below.lines.emplace_back(
-          "Bullet makes the contacts that no detector makes; those that it misses are not the "
-          "fault of a detector.");
+          "bullet: for detectors that only find pairs, Bullet makes the contacts. The contacts "
+          "that "
+          "it misses do not count against a detector.");
     if (uncompared_ > 0)
       below.lines.push_back(fmt::format(
           "Not compared: {} possible overlaps, whose exact depth is not proven or which were not "

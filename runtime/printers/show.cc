@@ -63,7 +63,8 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
   if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
-  Document document = {SummaryHead(model)};
+  // Whoever asks for certain rows does not ask how the file is stored.
+  Document document = {SummaryHead(model, asked.empty())};
   for (const auto& by : ChooseTables(model, asked)) AddPhases(model, by, options.phases, document);
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
@@ -144,10 +145,10 @@ class Head {
     for (const CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
   }
 
-  Section Made() const {
+  Section Made(bool has_padding) const {
     Lines lines = {Grid()};
     Add(lines, AxisTitles());
-    Add(lines, Padding());
+    if (has_padding) Add(lines, Padding());
     Add(lines, Cautions());
     Add(lines, HarnessNote(model_));
     Add(lines, LeftOut());
@@ -239,8 +240,8 @@ class Head {
     const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
     if (share < kNoticeablePadding) return {};
     return fmt::format(
-        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles is padding.", least,
-        file_.cycles(), 100 * share);
+        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles in the file is padding.",
+        least, file_.cycles(), 100 * share);
   }
 
   /// The command that shows the errors, if the file has any.
@@ -252,14 +253,14 @@ class Head {
     return names.empty() ? names : fmt::format("Errors, by cdb show --error: {}.", names);
   }
 
-    std::size_t unsound = 0;
   /// How sound the physics of the runs in the figures is. Empty if no run was judged.
   Lines Verdicts() const {
     Lines doubts;
-      unsound += runs.size();
+    std::size_t unsound = 0;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
       if (verdict <= protocol::Verdict::kStable) continue;
+      unsound += runs.size();
       const std::string objects = figures::BadObjectsText(file_, runs[0].cell);
       doubts.push_back(fmt::format(
           "  {} {}: {} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
@@ -371,7 +372,9 @@ class Head {
 
 }  // namespace
 
-Section SummaryHead(const figures::Model& model) { return Head(model).Made(); }
+Section SummaryHead(const figures::Model& model, bool has_padding) {
+  return Head(model).Made(has_padding);
+}
 Section BriefHead(const figures::Model& model) { return Head(model).Answers(); }
 Section BriefDoubts(const figures::Model& model) { return Head(model).Doubts(); }
 

@@ -92,7 +92,7 @@ VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::s
 // The sections of a summary (show.h). All throw StoreError.
 
 /// The runs, and how far their figures can be trusted.
-Section SummaryHead(const figures::Model& model);
+Section SummaryHead(const figures::Model& model, bool has_padding);
 /// The runs and the first conclusions; and the reasons why they may not be trusted, without those
 /// that hold for most files.
 Section BriefHead(const figures::Model& model);

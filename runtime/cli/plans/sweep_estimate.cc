@@ -317,7 +317,7 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
   if (growing > 0)
     text += fmt::format(
         "          At the end of {} of {} samples, pairs and contacts were still increasing, or "
-        "there were none yet:\n          later cycles take longer.\n",
+        "there were none yet:\n          later cycles may take longer.\n",
         growing, estimate.samples.size());
   text += PilesText(estimate);
   const bool has_sizes = size.low < size.high;

@@ -145,9 +145,9 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     return printers::Show(results::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);
-  EXPECT_NE(
-      half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycles is padding.\n"),
-      std::string::npos)
+  EXPECT_NE(half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycles in the "
+                      "file is padding.\n"),
+            std::string::npos)
       << half;
   EXPECT_EQ(shown(98).find("padding"), std::string::npos);
   EXPECT_EQ(shown(100).find("padding"), std::string::npos);
