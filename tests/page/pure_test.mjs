@@ -1,7 +1,14 @@
 // The parts of the page that need no browser: pooling, state, formats.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { budgetOf, budgetText, column, openDocument, pointText, quantities } from '../../runtime/pages/page/report/document.js';
+import {
+  budgetOf,
+  budgetText,
+  column,
+  openDocument,
+  pointText,
+  quantities,
+} from '../../runtime/pages/page/report/document.js';
 import { count, csv, number, short } from '../../runtime/pages/page/report/format.js';
 import { entriesOf, thin } from '../../runtime/pages/page/report/pooled.js';
 import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/pages/page/report/state.js';

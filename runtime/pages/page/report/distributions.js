@@ -125,9 +125,7 @@ export function describeDistributions(doc, view, { theme, width }) {
     panels: [
       rowsPanel(rows, { theme, chosen, x, label }, (...of) => [
         ...quantileMarks(...of),
-        ...(budget === null
-          ? []
-          : [Plot.ruleX([budget], budgetStyle(theme))]),
+        ...(budget === null ? [] : [Plot.ruleX([budget], budgetStyle(theme))]),
       ]),
     ],
     notes: [

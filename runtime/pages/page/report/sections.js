@@ -119,7 +119,8 @@ export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
   const shown = given.find((each) => each.kind === kind);
   const isBudget = (each) => each.kind === 'budget';
-  const list = [...given.filter(isBudget), ...(shown ? [shown] : []), ...given.filter((each) => each !== shown && !isBudget(each))];
+  const rest = given.filter((each) => each !== shown && !isBudget(each));
+  const list = [...given.filter(isBudget), ...(shown ? [shown] : []), ...rest];
   if (list.length === 0)
     return [
       doc.count === 0
