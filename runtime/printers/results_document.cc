@@ -509,8 +509,8 @@ class WarningList {
       }
     if (unsound > 0)
       Add("unsound",
-          fmt::format("The simulation was not sound in {} ({}): times of unsound runs are "
-                      "shown, but are those of another motion.",
+          fmt::format("The simulation was unsound in {} ({}): their times are shown, but "
+                      "are those of another motion.",
                       RunsText(unsound, groups_.good.size()), fmt::join(texts, ", ")));
   }
 
