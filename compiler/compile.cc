@@ -345,12 +345,26 @@ class Expander {
   }
 
   bool FindBudget() {
-    const auto value = CommonValue("budget",
-                                   "one budget holds for all points; `cdb show --budget` "
-                                   "tries others on the results");
-    if (!value) return false;
-    if (const auto* number = std::get_if<schema::Number>(&*value))
+    const auto budget = CommonValue("budget",
+                                    "one budget holds for all points; for a budget of all steps of "
+                                    "a frame, set `frame 1/60 s`"),
+               frame = CommonValue("frame", "one budget, and one frame, holds for all points");
+    if (!budget || !frame) return false;
+    if (const auto* number = std::get_if<schema::Number>(&*budget))
       grid_.head.budget_s = number->AsReal();
+    const auto* number = std::get_if<schema::Number>(&*frame);
+    if (number == nullptr) return true;
+    grid_.head.frame_s = number->AsReal();
+    const auto span = configurations_[0]->SpanOf({"", schema::WorldParameter("frame").get()},
+                                                 benchmark_.benchmark->name.span);
+    if (configurations_[0]->IsSet({"", schema::WorldParameter("trace").get()})) {
+      diagnostics_.Report(scenario::kContradiction, span,
+                          "a trace has no time step, and so no steps of a frame", "remove it");
+      return false;
+    }
+    if (!grid_.head.budget_s)
+      diagnostics_.Report(scenario::kNoEffect, span, "'frame' has no effect without a budget",
+                          "set budget, or remove it");
     return true;
   }
 

@@ -119,7 +119,8 @@ struct Plan {
   std::string scenario_text;   ///< the text of this file, and of the files it uses
   std::vector<Axis> axes;      ///< the first varies slowest; may be empty (one run)
   std::uint64_t repeats = 1;
-  std::optional<double> budget_s;                 ///< that a step may take
+  std::optional<double> budget_s;                 ///< that a step, or a frame, may take
+  std::optional<double> frame_s;                  ///< that the steps within the budget make up
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
   /// Reference runs and their perturbed runs, each once; they follow from `runs` (AddReferences).
@@ -135,7 +136,7 @@ struct Plan {
   void ForEachSkipped(const WholePlan::VisitPoint& visit) const;
 
   /// 64 hex digits, a hash of axes, repeats, runs and skipped points, which determine the results;
-  /// titles, source, text and budget are excluded. That of `whole` if there is one.
+  /// titles, source, text, budget and frame are excluded. That of `whole` if there is one.
   std::string Sha256() const;
   /// Gives a plan that was read from an earlier format the ids of this one.
   void Renew();

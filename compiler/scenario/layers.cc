@@ -1,6 +1,7 @@
 #include "compiler/scenario/layers.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -312,10 +313,12 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
     const schema::Parameter* of_group =
         dot == std::string::npos ? nullptr : schema::FindParameter(text.substr(dot + 1), true);
     if (of_group != nullptr && (head == kUnnamedGroup || labelled)) {
-      if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_)
+      if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_) {
+        const std::string own = text.substr(dot);  // `.ccd`
         return misplaced(fmt::format("'{}' is outside of a group here", head),
-                         fmt::format("write {}.{}; or objects {{ … }} for further objects",
-                                     labels_.front(), text.substr(dot + 1)));
+                         fmt::format("write {}{}; or objects {{ … }} for further objects",
+                                     fmt::join(labels_, own + " or "), own));
+      }
       DeclareGroup(head, place);
       return {{head, of_group}};
     }

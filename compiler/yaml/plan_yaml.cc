@@ -262,6 +262,7 @@ PlanWriter::PlanWriter(const plan::Plan& head, std::function<void(std::string_vi
   out << YAML::Key << "source" << YAML::Value << YAML::DoubleQuoted << head.source;
   out << YAML::Key << "repeats" << YAML::Value << head.repeats;
   if (head.budget_s) out << YAML::Key << "budget" << YAML::Value << YamlReal(*head.budget_s);
+  if (head.frame_s) out << YAML::Key << "frame" << YAML::Value << YamlReal(*head.frame_s);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
   for (const plan::Axis& axis : head.axes) WriteAxis(out, axis);
   out << YAML::EndSeq << YAML::EndMap;

@@ -402,6 +402,7 @@ class PlanReader : public ValueReader {
     plan.source = Text(Member(root, "source"));
     plan.repeats = Count(Member(root, "repeats"));
     if (const YAML::Node budget = root["budget"]) plan.budget_s = Real(budget);
+    if (const YAML::Node frame = root["frame"]) plan.frame_s = Real(frame);
     for (const YAML::Node& axis : Member(root, "axes")) plan.axes.push_back(ReadAxis(axis));
     for (const YAML::Node& run : Member(root, "runs")) {
       plan.runs.push_back(ReadRun(run, plan.version));

@@ -16,6 +16,7 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/lookup.h"
+#include "runtime/manual/markdown.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -42,24 +43,37 @@ std::string ReferenceOf(const std::string& name, const CLI::App& app) {
   return text;
 }
 
-/// The text of a scenario that comes with cdb; empty if there is none of that name.
-std::string ScenarioText(const std::string& name) {
+/// The text of a file of the library; empty if there is none.
+std::string LibraryText(const std::string& name) {
   const std::filesystem::path library = options::ScenarioLibrary();
   if (library.empty() || name.find("..") != name.npos) return {};
   std::string why;
-  for (const char* extension : {"", ".cdb"})
-    if (const auto text = compiler::ReadFromDisk((library / (name + extension)).string(), why))
-      return *text;
-  return {};
+  return compiler::ReadFromDisk((library / name).string(), why).value_or("");
 }
 
-/// The scenarios that come with cdb whose file has this name, in any folder.
+/// Prints a scenario, or a page about scenarios, that comes with cdb; false if there is none.
+bool PrintFromLibrary(const std::string& name) {
+  for (const char* extension : {"", ".cdb"})
+    if (const std::string scenario = LibraryText(name + extension); !scenario.empty()) {
+      terminal::PrintExact(scenario);
+      return true;
+    }
+  const std::string page = LibraryText(name + ".md");
+  if (page.empty()) return false;
+  terminal::Print(
+      manual::PageText(page, terminal::TextWidth(), [](auto) { return std::string(); }));
+  return true;
+}
+
+/// The scenarios, and pages about them, that come with cdb and whose file has this name, in any
+/// folder.
 std::vector<std::string> ScenariosCalled(const std::string& name) {
   std::vector<std::string> found;
   const std::filesystem::path library = options::ScenarioLibrary();
   std::error_code error;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(library, error))
-    if (entry.path().extension() == ".cdb" && entry.path().stem() == name)
+    if ((entry.path().extension() == ".cdb" || entry.path().extension() == ".md") &&
+        entry.path().stem() == name)
       found.push_back(std::filesystem::path(entry.path())
                           .replace_extension()
                           .lexically_relative(library)
@@ -76,14 +90,12 @@ options::ExitStatus Doc(const std::string& name, const CLI::App& app) {
     terminal::Print(text);
     return options::ExitStatus::kGood;
   }
-  if (const std::string scenario = ScenarioText(name); !scenario.empty()) {
-    terminal::PrintExact(scenario);
-    return options::ExitStatus::kGood;
-  }
-  if (const std::vector<std::string> found = ScenariosCalled(name); !found.empty())
+  if (PrintFromLibrary(name)) return options::ExitStatus::kGood;
+  const std::vector<std::string> found = ScenariosCalled(name);
+  if (found.size() == 1 && PrintFromLibrary(found[0])) return options::ExitStatus::kGood;
+  if (!found.empty())
     throw options::CommandError(
-        fmt::format("no entry for '{}'; there {} {}: `cdb doc {}`", name,
-                    found.size() == 1 ? "is the scenario" : "are the scenarios",
+        fmt::format("no entry for '{}'; there are the scenarios {}: `cdb doc {}`", name,
                     fmt::join(found, ", "), found.front()));
   const std::vector<std::string> names = DocNames();
   throw options::CommandError(fmt::format(

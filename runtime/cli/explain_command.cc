@@ -1,6 +1,9 @@
-// `cdb explain`: explains a kind of error or warning, with a wrong and a right example.
+// `cdb explain`: explains a kind of error or warning, with a wrong and a right example, and
+// verdicts, with their causes and remedies.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,7 +12,6 @@
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/manual/explanation.h"
-#include "runtime/protocol/verdict.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -33,6 +35,7 @@ std::vector<std::string> CodesAndNames() {
   std::vector<std::string> names;
   for (const manual::Explanation* row : manual::AllExplanations())
     names.insert(names.end(), {std::string(row->kind->code), std::string(row->kind->id)});
+  std::ranges::move(manual::RemedyNames(), std::back_inserter(names));
   return names;
 }
 
@@ -47,10 +50,10 @@ options::ExitStatus Explain(const std::string& code) {
     terminal::Print((i > 0 ? "\n" : "") +
                     manual::ExplanationText(*found[i], RenderedWrong(*found[i])));
   if (!found.empty()) return options::ExitStatus::kGood;
-  for (const auto& verdict : protocol::Verdicts())
-    if (verdict.name == code)
-      throw options::CommandError(
-          fmt::format("'{0}' is a verdict on a run; `cdb doc {0}` explains it", code));
+  if (const std::string text = manual::RemedyText(code); !text.empty()) {
+    terminal::Print(text);
+    return options::ExitStatus::kGood;
+  }
   const std::vector<std::string> names = CodesAndNames();
   throw options::CommandError(fmt::format(
       "there is no code '{}'; {}", code,
@@ -59,17 +62,20 @@ options::ExitStatus Explain(const std::string& code) {
 
 void DeclareExplain(options::Subcommand& command) {
   const auto code = std::make_shared<std::string>();
-  command.Optional("CODE", *code, "a code such as E0201, or a name; without it, all are listed");
+  command.Optional(
+      "CODE", *code,
+      "a code such as E0201, a name, a verdict, or noisy; without it, all codes are listed");
   command.Action([code] { return Explain(*code); });
 }
 
 }  // namespace
 
 options::Command ExplainCommand() {
-  return {.name = "explain",
-          .help = "explain an error or a warning, with a wrong and a right example",
-          .declare = DeclareExplain,
-          .words = CodesAndNames};
+  return {
+      .name = "explain",
+      .help = "explain an error or a warning, by examples, or a verdict, with causes and remedies",
+      .declare = DeclareExplain,
+      .words = CodesAndNames};
 }
 
 }  // namespace cdb::cli

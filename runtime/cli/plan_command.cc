@@ -110,10 +110,7 @@ constexpr std::uint64_t kMostShown = 10'000;
 
 /// `plan`: holds the runs to show, out of `runs`; `skipped` points have none.
 std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped) {
-  std::string grid;
-  for (const plan::Axis& axis : plan.axes)
-    grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
-  if (plan.repeats > 1) grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", plan.repeats);
+  const std::string grid = terminal::GridText(plan.axes, plan.repeats);
   std::string text = fmt::format("{}: {} {}{}{}\n", plan.benchmark, runs,
                                  runs == 1 ? "run" : "runs", grid.empty() ? "" : " = " + grid,
                                  skipped > 0 ? fmt::format(", {:.0f} skipped", skipped) : "");
@@ -129,6 +126,7 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
   table.AddColumn("side", true);
   table.AddColumn("cycles", true);
   table.AddColumn("left out", false);
+  bool has_open = false;
   std::vector<std::vector<std::string>> labels;
   for (const plan::Axis& axis : plan.axes) labels.push_back(plan::CoordinateLabels(axis));
   for (const plan::Run& run : plan.runs) {
@@ -139,9 +137,13 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
     row.push_back(plan::ShortReal(run.scene.world.Real("world.side")));
     row.push_back(fmt::format("{}", run.scene.world.Count("cycles")));
     row.push_back(LeftOut(run.scene));
+    has_open = has_open || row.back().find('?') != std::string::npos;
     table.AddRow(std::move(row));
   }
   text += table.Text();
+  if (has_open)
+    text += fmt::format("?: the positions of the objects decide; `cdb plan --why {}` places them\n",
+                        terminal::ShellWord(plan.source));
   if (plan.runs.size() < runs)
     text += fmt::format("and {} more; `cdb plan -o PLAN.yaml {}` writes all\n",
                         runs - plan.runs.size(), terminal::ShellWord(plan.source));

@@ -164,9 +164,10 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
                                       FormatOf(arguments)});
   const std::vector<protocol::Phase> phases = PhasesOf(arguments);
   if (!arguments.budget.empty())
-    return printers::ShowBudget(file, {ParseBudget(arguments.budget),
+    return printers::ShowBudget(file, {{ParseBudget(arguments.budget)},
                                        phases.empty() ? protocol::Phase::kStep : phases.front(),
-                                       arguments.only_sound, FormatOf(arguments)});
+                                       arguments.only_sound,
+                                       FormatOf(arguments)});
   const figures::CycleStatistic statistic = StatisticOf(arguments);
   if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
   const bool is_brief = IsBrief(arguments);

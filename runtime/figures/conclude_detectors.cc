@@ -80,7 +80,7 @@ class DetectorConclusions {
         return model_.times().Of(point, phase).mean;
       };
       AddRanking(question, kind, figure, "time",
-                 phase == protocol::Phase::kStep ? NotRanked() : "");
+                 phase == protocol::Phase::kStep ? BroadShare() + NotRanked() : "");
     }
   }
 
@@ -164,6 +164,27 @@ class DetectorConclusions {
              fmt::format(" It is not the best everywhere: another is the best in {} of {} cells.",
                          count, ranking.cells);
     return text + fmt::format(" It is not the best everywhere: {}.", JoinWords(places));
+  }
+
+  /// How much of a step a detector can change at all: ` The broad phase is 2 to 9 % of a step.`
+  std::string BroadShare() const {
+    double least = kNone, most = kNone;
+    for (const MeasuredPoint& point : model_.points()) {
+      if (!point.IsSound() || left_out_.contains(point.at[axis_])) continue;
+      const auto time_of = [&](protocol::Phase phase) {
+        return model_.times().Of(point, phase).mean.value;
+      };
+      const double share = 100 * time_of(protocol::Phase::kBroad) / time_of(protocol::Phase::kStep);
+      least = std::fmin(least, share);
+      most = std::fmax(most, share);
+    }
+    if (std::isnan(least)) return {};
+    const auto text = [](double percent) {
+      return fmt::format(fmt::runtime(percent < 1 ? "{:.1g}" : "{:.0f}"), percent);
+    };
+    const std::string low = text(least), high = text(most);
+    return fmt::format(" The broad phase is {}{} % of a step.", low == high ? "" : low + " to ",
+                       high);
   }
 
   /// Names the detectors that were not ranked because they did not do the work.

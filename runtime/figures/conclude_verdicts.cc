@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/boundaries.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/detectors.h"
@@ -22,9 +23,6 @@
 
 namespace cdb::figures {
 namespace {
-
-/// Limit of different lines of verdicts.
-constexpr std::size_t kMaxLines = 2;
 
 class VerdictConclusion {
  public:
@@ -49,11 +47,11 @@ class VerdictConclusion {
     if (all == unknown) return std::nullopt;
     const char* question = "Is the simulation sound?";
     if (all == 1)
-      return Conclusion{question,
-                        stable == 1
-                            ? "Yes: it is stable." + OpenText()
-                            : fmt::format("No: it is {}{}.", counts.begin()->first, BadText()),
-                        "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
+      return Conclusion{
+          question,
+          stable == 1 ? "Yes: it is stable." + OpenText()
+                      : fmt::format("No: the verdict is {}{}.", counts.begin()->first, BadText()),
+          "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
     if (stable == all)
       return Conclusion{question,
                         fmt::format("Yes: all {} configurations are stable.", all) + OpenText(),
@@ -64,7 +62,7 @@ class VerdictConclusion {
     return Conclusion{
         "Where does the simulation stop being sound?",
         fmt::format("{} of {} configurations are stable ({}).", stable, all, JoinWords(others)) +
-            Along() + OpenText(),
+            BoundaryText(file_, verdicts_, {.good = "stable"}) + OpenText(),
         "stability", Certainty::kFault};
   }
 
@@ -86,191 +84,6 @@ class VerdictConclusion {
     return found == counts.end() ? 0 : found->second;
   }
 
-  /// The number of adjacent points along the axis whose verdicts differ.
-  std::size_t ChangesAlong(std::size_t axis) const {
-    std::size_t changes = 0;
-    for (const auto& [at, word] : verdicts_) {
-      Point next = at;
-      ++next[axis];
-      const auto found = verdicts_.find(next);
-      changes += found != verdicts_.end() && found->second != word ? 1 : 0;
-    }
-    return changes;
-  }
-
-  /// The axis of numbers along which verdicts change most.
-  std::optional<std::size_t> OwnAxis() const {
-    std::optional<std::size_t> own;
-    std::size_t most = 0;
-    for (std::size_t i = 0; i < file_.axes().size(); ++i) {
-      if (file_.axes()[i].IsText()) continue;
-      const std::size_t changes = ChangesAlong(i);
-      if (changes <= most) continue;
-      most = changes;
-      own = i;
-    }
-    return own;
-  }
-
-  /// The verdicts along that axis, one sentence for all places with equal verdicts.
-  std::string Along() const {
-    const auto own = OwnAxis();
-    if (!own) return {};
-    std::map<Point, Line> lines;
-    for (const auto& [at, word] : verdicts_) {
-      Line& line = lines[Without(at, *own)];
-      if (line.empty() || line.back().word != word) line.push_back({word, at[*own], at[*own]});
-      line.back().last = at[*own];
-    }
-    std::map<std::string, std::vector<Point>> places;
-    for (const auto& [place, line] : lines) places[TextOf(*own, line)].push_back(place);
-    if (places.size() > kMaxLines) return BoundaryText(*own, lines);
-    std::string text;
-    for (const auto& [line, alike] : places)
-      text += fmt::format(" Along {}{}: {}.", AxisWords(file_.axes()[*own]),
-                          PlacesText(OtherAxes(file_, *own), alike), line);
-    return text;
-  }
-
-  /// Adjacent points with the same verdict.
-  struct Segment {
-    std::string word;
-    std::size_t first, last;
-  };
-  using Line = std::vector<Segment>;
-
-  /// The stable part of the lines along an axis: from its lower or its upper end.
-  struct Boundaries {
-    bool is_low = true;
-    /// By place: the last stable point, seen from that end; nullopt if none is.
-    std::map<Point, std::optional<std::size_t>> last;
-  };
-
-  /// Nullopt if a line is stable again beyond an unsound point.
-  static std::optional<Boundaries> BoundariesOf(const std::map<Point, Line>& lines, bool is_low) {
-    Boundaries boundaries{.is_low = is_low, .last = {}};
-    for (const auto& [place, line] : lines) {
-      const auto stable = std::ranges::count(line, "stable", &Segment::word);
-      const Segment& end = is_low ? line.front() : line.back();
-      if (stable > 1 || (stable == 1 && end.word != "stable")) return std::nullopt;
-      boundaries.last[place] =
-          stable == 0 ? std::nullopt : std::optional(is_low ? end.last : end.first);
-    }
-    return boundaries;
-  }
-
-  /// `up to 200`, `from 30 on`, `nowhere`.
-  std::string ReachText(std::size_t own, const Boundaries& boundaries,
-                        std::optional<std::size_t> last) const {
-    const plan::Axis& axis = file_.axes()[own];
-    if (!last) return "nowhere";
-    if (*last == (boundaries.is_low ? axis.values.size() - 1 : 0)) return "everywhere";
-    const std::string at = terminal::CoordinateText(axis, *last);
-    return boundaries.is_low ? "up to " + at : "from " + at + " on";
-  }
-
-  /// The others of the axes that move the boundary if nothing else changes.
-  std::vector<std::size_t> AxesThatMove(const Boundaries& boundaries,
-                                        const std::vector<std::size_t>& others) const {
-    std::vector<std::size_t> moving;
-    for (std::size_t i = 0; i < others.size(); ++i) {
-      std::map<Point, std::set<std::optional<std::size_t>>> reached;
-      for (const auto& [place, last] : boundaries.last) reached[Without(place, i)].insert(last);
-      if (std::ranges::any_of(reached, [](const auto& each) { return each.second.size() > 1; }))
-        moving.push_back(i);
-    }
-    return moving;
-  }
-
-  /// Where many lines stop being stable.
-  std::string BoundaryText(std::size_t own, const std::map<Point, Line>& lines) const {
-    const std::string along = AxisWords(file_.axes()[own]);
-    auto boundaries = BoundariesOf(lines, true);
-    if (!boundaries) boundaries = BoundariesOf(lines, false);
-    if (!boundaries)
-      return fmt::format(
-          " Along {} there is no boundary: some cases are stable again beyond a value "
-          "at which they are not.",
-          along);
-    const std::vector<std::size_t> others = OtherAxes(file_, own);
-    const std::vector<std::size_t> moving = AxesThatMove(*boundaries, others);
-    std::vector<std::string> names;
-    for (const std::size_t i : moving) names.push_back(AxisWords(file_.axes()[others[i]]));
-    if (moving.size() == 1) return TextBy(own, *boundaries, moving[0], others[moving[0]]);
-    std::size_t nowhere = 0;
-    std::optional<std::size_t> least, most;
-    for (const auto& [place, last] : boundaries->last) {
-      if (!last) {
-        ++nowhere;
-        continue;
-      }
-      const auto is_less = [&](std::size_t a, std::size_t b) {
-        return boundaries->is_low ? a < b : a > b;
-      };
-      if (!least || is_less(*last, *least)) least = last;
-      if (!most || is_less(*most, *last)) most = last;
-    }
-    std::string text = fmt::format(
-        " Along {}: stable {} in the worst case, {} in the best{}", along,
-        ReachText(own, *boundaries, nowhere > 0 ? std::nullopt : least),
-        ReachText(own, *boundaries, most),
-        nowhere > 0
-            ? fmt::format(" ({} of {} cases are nowhere stable)", nowhere, boundaries->last.size())
-            : "");
-    return text + (names.empty() ? "." : fmt::format("; it depends on {}.", JoinWords(names)));
-  }
-
-  /// The boundary for each value of the only other axis that moves it; `place_at`: its position in
-  /// a place.
-  std::string TextBy(std::size_t own, const Boundaries& boundaries, std::size_t place_at,
-                     std::size_t other) const {
-    const plan::Axis& axis = file_.axes()[other];
-    std::map<std::size_t, std::string> reached;
-    for (const auto& [place, last] : boundaries.last)
-      reached.emplace(place[place_at], ReachText(own, boundaries, last));
-    std::vector<std::string> texts;
-    for (auto begin = reached.begin(); begin != reached.end();) {
-      auto end = std::next(begin);
-      while (end != reached.end() && end->second == begin->second) ++end;
-      const std::string from = terminal::CoordinateText(axis, begin->first);
-      const std::string to = terminal::CoordinateText(axis, std::prev(end)->first);
-      texts.push_back(fmt::format("{} with {} {}", begin->second, axis.name,
-                                  from == to ? from : from + " .. " + to));
-      begin = end;
-    }
-    return fmt::format(" Along {}: stable {}.", AxisWords(file_.axes()[own]), JoinWords(texts));
-  }
-
-  /// `stable 10 .. 90, tunnelled 120`.
-  std::string TextOf(std::size_t own, const Line& line) const {
-    const plan::Axis& axis = file_.axes()[own];
-    std::string text;
-    for (const Segment& segment : line)
-      text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", segment.word,
-                          terminal::CoordinateText(axis, segment.first),
-                          segment.last > segment.first
-                              ? " .. " + terminal::CoordinateText(axis, segment.last)
-                              : "");
-    return text;
-  }
-
-  /// The coordinates that the places have in common, and their number: ` with day storm (2 cases)`.
-  std::string PlacesText(const std::vector<std::size_t>& axes,
-                         const std::vector<Point>& places) const {
-    std::vector<std::size_t> common;
-    Point values;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const bool is_common =
-          std::ranges::all_of(places, [&](const Point& place) { return place[i] == places[0][i]; });
-      if (!is_common || file_.axes()[axes[i]].values.size() < 2) continue;
-      common.push_back(axes[i]);
-      values.push_back(places[0][i]);
-    }
-    const std::string text = PlaceText(file_, common, values);
-    return (text.empty() ? text : " with " + text) +
-           (places.size() > 1 ? fmt::format(" ({} cases)", places.size()) : "");
-  }
-
   const results::ResultFile& file_;
   std::map<Point, std::string> verdicts_;
   /// The runs that end as the verdict of their point, and those that are stable.
@@ -290,6 +103,34 @@ std::string_view CertaintyName(Certainty certainty) {
   return kCertaintyNames[static_cast<std::size_t>(certainty)];
 }
 
+namespace {
+
+/// The kinds of conclusions about times, other than `budget`, which regards noise itself.
+constexpr std::string_view kOfTimes[] = {"fastest", "detect", "scaling", "worst_cycle", "error"};
+
+/// Conclusions about times are not clear if the machine was noisy in half of the runs or more. The
+/// repeats of all configurations take turns, so disturbances bias a ratio less than a time.
+void DoubtNoisyTimes(const Model& model, std::vector<Conclusion>& all) {
+  const std::vector<Cell>& cells = model.runs().good;
+  const std::size_t noisy = CountNoisy(model.file(), cells);
+  if (noisy == 0 || 2 * noisy < cells.size()) return;
+  const std::string runs = cells.size() == 1 ? ""
+                           : noisy == cells.size()
+                               ? " in all runs"
+                               : fmt::format(" in {} of {} runs", noisy, cells.size());
+  for (Conclusion& of : all) {
+    if (std::ranges::find(kOfTimes, of.kind) == std::end(kOfTimes)) continue;
+    const bool is_ratio = of.kind != "error" && !model.file().axes().empty();
+    if (is_ratio && of.certainty != Certainty::kClear) continue;
+    if (of.certainty == Certainty::kClear) of.certainty = Certainty::kUnknown;
+    of.answer += fmt::format(" The machine was noisy{}: {}.", runs,
+                             is_ratio ? "the order is more certain than the factors"
+                                      : "without disturbances, a step takes less");
+  }
+}
+
+}  // namespace
+
 std::vector<Conclusion> Conclusions(const Model& model) {
   std::vector<Conclusion> all;
   ConcludeBudget(model, all);
@@ -299,6 +140,7 @@ std::vector<Conclusion> Conclusions(const Model& model) {
   ConcludeVerdicts(model, all);
   ConcludeAxes(model, all);
   ConcludeDetectorLimits(model, all);
+  DoubtNoisyTimes(model, all);
   return all;
 }
 

@@ -209,6 +209,16 @@ Ending WorstEnding(const results::ResultFile& file, const Point& at) {
   return worst;
 }
 
+bool IsNoisy(const results::ResultFile& file, const Cell& cell) {
+  return file.Has("noise") &&
+         file.ReadReal("noise", cell) == static_cast<double>(machine::Noise::kNoisy);
+}
+
+std::size_t CountNoisy(const results::ResultFile& file, const std::vector<Cell>& cells) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(cells, [&](const Cell& cell) { return IsNoisy(file, cell); }));
+}
+
 std::optional<std::string> Trouble(const results::ResultFile& file, const Cell& cell) {
   const results::Status status = file.ReadStatus(cell);
   if (status == results::Status::kMissing) return "not run yet";

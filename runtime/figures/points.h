@@ -66,6 +66,10 @@ Ending WorstEnding(const results::ResultFile& file, const Point& at);
 /// `one` or `other`, by the same rule.
 Ending WorseOf(const Ending& one, const Ending& other);
 
+/// True if the machine was noisy in the run (protocol/machine/noise.h).
+bool IsNoisy(const results::ResultFile& file, const Cell& cell);
+std::size_t CountNoisy(const results::ResultFile& file, const std::vector<Cell>& cells);
+
 /// The reason why the figures of a cell that was not skipped do not count; nullopt if they do.
 std::optional<std::string> Trouble(const results::ResultFile& file, const Cell& cell);
 

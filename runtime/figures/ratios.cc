@@ -118,7 +118,7 @@ class Ranker {
         if (point.values[value] == nullptr) continue;
         const Estimate ratio = RatioOf(figure_of_(*point.values[value]), figure_of_(*best));
         if (!(ratio.value < least) ||
-            CertaintyOf(bootstrap.IntervalOf(ratio), bootstrap.kind()) == Certainty::kTie)
+            CertaintyOf(bootstrap.IntervalOf(ratio), bootstrap.kind()) != Certainty::kClear)
           continue;
         least = ratio.value;
         winner = value;

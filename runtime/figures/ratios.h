@@ -72,8 +72,8 @@ struct Ranking {
   std::size_t best;           ///< index on the axis
   std::vector<Other> others;  ///< in order of increasing ratio
   std::size_t cells, of;      ///< number of points compared, and of all points
-  /// A point where another value is clearly better than the best: the value, and the point without
-  /// the axis.
+  /// A point where another value is better than the best, and the 95 % interval of their ratio
+  /// excludes 1: the value, and the point without the axis.
   struct Exception {
     std::size_t value;
     Point at;

@@ -139,9 +139,7 @@ class SceneCollector {
       } else if (!ending.IsKnown()) {
         SetFault(of, "no verdict");
       }
-      if (ending.status == results::Status::kDone && file_.Has("noise"))
-        of.noisy += static_cast<machine::Noise>(file_.ReadReal("noise", {at, rep})) ==
-                    machine::Noise::kNoisy;
+      if (ending.status == results::Status::kDone) of.noisy += IsNoisy(file_, {at, rep}) ? 1 : 0;
     }
     const protocol::Judgement worst = WorstEnding(file_, at).judgement;
     of.verdict = std::max(of.verdict, worst.verdict);

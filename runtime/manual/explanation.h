@@ -40,6 +40,11 @@ std::vector<const Explanation*> FindExplanations(std::string_view wanted);
 /// The text `E0201 unknown-name: …`, the reason why it is an error, and both examples. `rendered`:
 /// the diagnostics of the wrong example, as `cdb check` prints them.
 std::string ExplanationText(const Explanation& explanation, std::string_view rendered);
+/// The criterion, the usual causes and the remedies of a verdict, or of `noisy`; empty for other
+/// names.
+std::string RemedyText(std::string_view name);
+std::vector<std::string> RemedyNames();
+
 /// A table of every code.
 std::string ExplanationList();
 

@@ -220,7 +220,7 @@ std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& 
   const Cell* worst = nullptr;
   double least_share = std::numeric_limits<double>::infinity();
   for (const Cell& cell : cells) {
-    if (file.ReadReal("noise", cell) != static_cast<double>(machine::Noise::kNoisy)) continue;
+    if (!figures::IsNoisy(file, cell)) continue;
     ++noisy;
     const double share = file.ReadReal("cpu_time", cell) / file.ReadReal("cycles_time", cell);
     if (worst != nullptr && !(share < least_share)) continue;
@@ -228,9 +228,15 @@ std::string NoiseNote(const results::ResultFile& file, const std::vector<Cell>& 
     worst = &cell;
   }
   if (worst == nullptr) return {};
-  return fmt::format("The machine was noisy in {} of {} run{}; worst in {}: {} (cdb doc noise).",
-                     noisy, cells.size(), cells.size() == 1 ? "" : "s",
-                     figures::PlaceText(file, *worst), file.ReadText("noise_cause", *worst));
+  const std::string cause = file.ReadText("noise_cause", *worst);
+  if (cells.size() == 1) return fmt::format("The machine was noisy: {} (cdb doc noise).", cause);
+  return fmt::format("The machine was noisy in {}; worst in {}: {} (cdb doc noise).",
+                     RunsText(noisy, cells.size()), figures::PlaceText(file, *worst), cause);
+}
+
+std::string RunsText(std::size_t count, std::size_t of) {
+  if (of == 1) return "the only run";
+  return count == of ? fmt::format("all {} runs", of) : fmt::format("{} of {} runs", count, of);
 }
 
 std::vector<std::string> ProcessorNotes(const results::ResultFile& file,
@@ -342,8 +348,9 @@ class Verified {
     }
     if (std::ranges::count(phases_, Fault::kBullet, &VerifiedPhase::fault) > 0)
       below.lines.emplace_back(
-          "Bullet makes the contacts that no detector makes; those that it misses are not the "
-          "fault of a detector.");
+          "bullet: for detectors that only find pairs, Bullet makes the contacts. The contacts "
+          "that "
+          "it misses do not count against a detector.");
     if (uncompared_ > 0)
       below.lines.push_back(fmt::format(
           "Not compared: {} possible overlaps, whose exact depth is not proven or which were not "

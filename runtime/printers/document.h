@@ -53,6 +53,8 @@ struct Printed {
 
 // Sentences about the runs of a results file, for summaries.
 
+/// `all 9 runs`, `3 of 9 runs`, `the only run`.
+std::string RunsText(std::size_t count, std::size_t of);
 /// The number of noisy `cells`, and the cause for the one that was longest off the processor. Empty
 /// if none was noisy, or the file does not say. Throws StoreError.
 std::string NoiseNote(const results::ResultFile& file, const std::vector<figures::Cell>& cells);

@@ -66,20 +66,27 @@ Json DocumentConclusions(const figures::Model& model) {
 }
 
 Json DocumentBudget(const figures::Model& model) {
-  const auto budget_ns = model.file().budget_ns();
-  if (!budget_ns || !model.HasTimes() || IsLarge(model)) return nullptr;
+  const auto budget = figures::BudgetOfScenario(model.file());
+  if (!budget || !model.HasTimes() || IsLarge(model)) return nullptr;
   Json points = Json::array();
-  for (const figures::BudgetFigures& of :
-       figures::BudgetOf(model.slow(), *budget_ns, protocol::Phase::kStep))
+  const auto all = figures::BudgetOf(model.slow(), *budget, protocol::Phase::kStep);
+  for (const figures::BudgetFigures& of : all)
     points.push_back({{"point", model.IndexOf(of.point->at)},
+                      {"ns", JsonNumber(of.budget_ns, 9)},
                       {"above", of.above},
                       {"cycles", of.cycles},
                       {"p99", of.p99.value},
                       {"low", of.interval ? Json(of.interval->low) : Json()},
                       {"high", of.interval ? Json(of.interval->high) : Json()},
+                      {"at_least", of.at_least ? Json(*of.at_least) : Json()},
                       {"worst", of.worst},
                       {"fits", figures::FitName(of.fit)}});
-  return {{"ns", *budget_ns}, {"phase", "step"}, {"points", std::move(points)}};
+  const bool is_one = std::ranges::all_of(
+      all, [&](const figures::BudgetFigures& of) { return of.budget_ns == all[0].budget_ns; });
+  return {{"ns", is_one && !all.empty() ? JsonNumber(all[0].budget_ns, 9) : Json()},
+          {"text", budget->Text()},
+          {"phase", "step"},
+          {"points", std::move(points)}};
 }
 
 Json DocumentCoverage(const figures::Model& model) {
@@ -492,15 +499,18 @@ class WarningList {
 
   void AddVerdicts() {
     std::vector<std::string> texts;
+    std::size_t unsound = 0;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row)
-      if (row->first > protocol::Verdict::kStable)
+      if (row->first > protocol::Verdict::kStable) {
+        unsound += row->second.size();
         texts.push_back(
             fmt::format("{} {}", row->second.size(), protocol::VerdictName(row->first)));
-    if (!texts.empty())
+      }
+    if (unsound > 0)
       Add("unsound",
-          fmt::format(
-              "The simulation was not sound in some runs ({}); their times are in the figures.",
-              fmt::join(texts, ", ")));
+          fmt::format("The simulation was unsound in {} ({}): their times are shown, but "
+                      "are those of another motion.",
+                      RunsText(unsound, groups_.good.size()), fmt::join(texts, ", ")));
   }
 
   /// Points that have a time, and no error.

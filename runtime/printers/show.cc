@@ -35,11 +35,11 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
   return tables;
 }
 
-/// The answer to the `budget` of the scenario, if it has one.
-void AddBudget(const figures::Model& model, Document& document) {
-  const auto budget_ns = model.file().budget_ns();
-  if (!budget_ns || !model.HasTimes()) return;
-  document.push_back(BudgetSection(model.slow(), *budget_ns, protocol::Phase::kStep));
+/// The table for the `budget` of the scenario, if it has one.
+void AddBudget(const figures::Model& model, bool has_answer, Document& document) {
+  const auto budget = figures::BudgetOfScenario(model.file());
+  if (!budget || !model.HasTimes()) return;
+  document.push_back(BudgetSection(model.slow(), *budget, protocol::Phase::kStep, has_answer));
 }
 
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
@@ -49,7 +49,7 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
-  AddBudget(model, document);
+  AddBudget(model, false, document);  // the answer is in the head
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
   return document;
@@ -63,12 +63,13 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
   if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
-  Document document = {SummaryHead(model)};
+  // Whoever asks for certain rows does not ask how the file is stored.
+  Document document = {SummaryHead(model, asked.empty())};
   for (const auto& by : ChooseTables(model, asked)) AddPhases(model, by, options.phases, document);
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);
-  AddBudget(model, document);
+  AddBudget(model, true, document);
   if (options.plots) AddPlots(model, options.phases, document);
   return {TextOf(document, options.format), model.bad_count()};
 }
@@ -144,10 +145,10 @@ class Head {
     for (const CellGroups::Bad& bad : groups_.bad) measured_.push_back(bad.cell);
   }
 
-  Section Made() const {
+  Section Made(bool has_padding) const {
     Lines lines = {Grid()};
     Add(lines, AxisTitles());
-    Add(lines, Padding());
+    if (has_padding) Add(lines, Padding());
     Add(lines, Cautions());
     Add(lines, HarnessNote(model_));
     Add(lines, LeftOut());
@@ -208,11 +209,7 @@ class Head {
 
   /// The number of runs.
   std::string Grid() const {
-    std::string grid;
-    for (const plan::Axis& axis : file_.axes())
-      grid += fmt::format("{}{} {}", grid.empty() ? "" : " x ", axis.values.size(), axis.name);
-    if (file_.repeats() > 1)
-      grid += fmt::format("{}{} rep", grid.empty() ? "" : " x ", file_.repeats());
+    const std::string grid = terminal::GridText(file_.axes(), file_.repeats());
     const std::size_t cells = groups_.NotSkipped();
     std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
                                    grid.empty() ? "" : " (" + grid + ")", file_.cycles());
@@ -242,8 +239,8 @@ class Head {
     const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
     if (share < kNoticeablePadding) return {};
     return fmt::format(
-        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles is padding.", least,
-        file_.cycles(), 100 * share);
+        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles in the file is padding.",
+        least, file_.cycles(), 100 * share);
   }
 
   /// The command that shows the errors, if the file has any.
@@ -258,9 +255,11 @@ class Head {
   /// How sound the physics of the runs in the figures is. Empty if no run was judged.
   Lines Verdicts() const {
     Lines doubts;
+    std::size_t unsound = 0;
     for (auto row = groups_.verdicts.rbegin(); row != groups_.verdicts.rend(); ++row) {
       const auto& [verdict, runs] = *row;
       if (verdict <= protocol::Verdict::kStable) continue;
+      unsound += runs.size();
       const std::string objects = figures::BadObjectsText(file_, runs[0].cell);
       doubts.push_back(fmt::format(
           "  {} {}: {} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
@@ -280,8 +279,12 @@ class Head {
     }
     doubts.insert(
         doubts.begin(),
-        fmt::format("{} stable; the others are in the figures, but not sound (cdb doc verdicts):",
-                    sound));
+        unsound + sound == 1
+            ? std::string("Not stable: its time is shown, but is that of another motion "
+                          "(cdb doc verdicts):")
+            : fmt::format("Not stable: {}; their times are shown, but are those of another motion "
+                          "(cdb doc verdicts):",
+                          RunsText(unsound, unsound + sound)));
     return doubts;
   }
 
@@ -368,7 +371,9 @@ class Head {
 
 }  // namespace
 
-Section SummaryHead(const figures::Model& model) { return Head(model).Made(); }
+Section SummaryHead(const figures::Model& model, bool has_padding) {
+  return Head(model).Made(has_padding);
+}
 Section BriefHead(const figures::Model& model) { return Head(model).Answers(); }
 Section BriefDoubts(const figures::Model& model) { return Head(model).Doubts(); }
 

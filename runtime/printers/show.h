@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/times.h"
@@ -59,7 +60,7 @@ struct ShowErrorOptions {
 Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options);
 
 struct ShowBudgetOptions {
-  double budget_ns = 0;
+  figures::Budget budget = {};
   protocol::Phase phase = protocol::Phase::kStep;
   bool only_sound = false;
   Format format = Format::kTerminal;
@@ -91,14 +92,16 @@ VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::s
 // The sections of a summary (show.h). All throw StoreError.
 
 /// The runs, and how far their figures can be trusted.
-Section SummaryHead(const figures::Model& model);
+Section SummaryHead(const figures::Model& model, bool has_padding);
 /// The runs and the first conclusions; and the reasons why they may not be trusted, without those
 /// that hold for most files.
 Section BriefHead(const figures::Model& model);
 Section BriefDoubts(const figures::Model& model);
 
-/// Which points stay within `budget_ns`; the statistic of `model` is kP99.
-Section BudgetSection(const figures::Model& model, double budget_ns, protocol::Phase phase);
+/// Which points stay within `budget`; the statistic of `model` is kP99. `has_answer`: also in
+/// a sentence.
+Section BudgetSection(const figures::Model& model, const figures::Budget& budget,
+                      protocol::Phase phase, bool has_answer);
 
 /// Detectors that missed pairs, and those that are known to miss some and were not checked.
 std::vector<std::string> WrongDetectors(const figures::Model& model);

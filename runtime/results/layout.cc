@@ -595,6 +595,7 @@ void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
     axes.append(i == 0 ? "" : " ").append(plan.axes[i].name);
   file.SetText("axes", axes);
   if (plan.budget_s) file.SetNumber("budget", Type::kFloat64, *plan.budget_s);
+  if (plan.frame_s) file.SetNumber("frame", Type::kFloat64, *plan.frame_s);
 }
 
 }  // namespace cdb::results

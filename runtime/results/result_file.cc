@@ -274,6 +274,10 @@ std::optional<double> ResultFile::budget_ns() const {
   const double seconds = impl_->file.Number("budget");
   return seconds > 0 ? std::optional(seconds * 1e9) : std::nullopt;
 }
+std::optional<double> ResultFile::frame_s() const {
+  const double seconds = impl_->file.Number("frame");
+  return seconds > 0 ? std::optional(seconds) : std::nullopt;
+}
 const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) {

@@ -115,8 +115,10 @@ class ResultFile {
   const std::string& plan_sha256() const;
   const std::string& title() const;
   const std::string& benchmark() const;
-  /// That a step may take, if the scenario sets it.
+  /// That a step, or the steps of a frame, may take, if the scenario sets it.
   std::optional<double> budget_ns() const;
+  /// The simulated time of these steps, s; nullopt if the budget is for one step.
+  std::optional<double> frame_s() const;
   const std::string& source() const;  ///< the scenario file, as the user named it
   /// Restricts `axis` to the values with the indices `kept`, in that order, for all later calls:
   /// axes and cells are those of the selection. `kept` is not empty.

@@ -13,13 +13,8 @@
 namespace cdb::terminal {
 namespace {
 
-constexpr std::size_t kScreen = 100;
-
-/// `1 .. 2` as `1..2`.
-std::string WithoutSpaces(std::string range) {
-  const std::size_t dots = range.find(" .. ");
-  return dots == range.npos ? range : range.replace(dots, 4, "..");
-}
+/// Columns of a page where the output is not a terminal.
+constexpr std::size_t kPage = 100;
 
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(
@@ -108,17 +103,10 @@ Table Table::NoWiderThan(std::size_t screen) const {
 std::string Table::Text() const {
   if (is_whole_) {
     const std::size_t screen = TerminalWidth();
-    const Table table = screen > 0 ? NoWiderThan(screen) : *this;
+    const Table table = NoWiderThan(screen > 0 ? screen : kPage);
     return table.TextOf(table.Widths());
   }
-  const std::vector<std::size_t> widths = Widths();
-  if (std::accumulate(widths.begin(), widths.end(), 2 * widths.size()) > kScreen) {
-    Table narrow = *this;
-    for (auto& row : narrow.rows_)
-      for (std::string& cell : row) cell = WithoutSpaces(std::move(cell));
-    return narrow.TextOf(narrow.Widths());
-  }
-  return TextOf(widths);
+  return TextOf(Widths());
 }
 
 std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
@@ -164,6 +152,16 @@ std::string Table::PartText(const std::vector<std::size_t>& widths,
   for (const std::size_t c : columns) total += widths[c] + 2;
   text += "  " + std::string(total > 2 ? total - 2 : 0, '-') + '\n';
   for (const auto& row : rows_) add_line([&](std::size_t c) { return row[c]; });
+  return text;
+}
+
+std::string GridText(const std::vector<plan::Axis>& axes, std::uint64_t repeats) {
+  std::string text;
+  for (const plan::Axis& axis : axes)
+    text += text.empty() ? fmt::format("{} value{} of {}", axis.values.size(),
+                                       axis.values.size() == 1 ? "" : "s", axis.name)
+                         : fmt::format(" x {} of {}", axis.values.size(), axis.name);
+  if (repeats > 1) text += fmt::format("{}{} repeats", text.empty() ? "" : " x ", repeats);
   return text;
 }
 

@@ -1,6 +1,7 @@
 // Text tables with aligned columns.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,13 @@ class Table {
   /// `right`: aligned to the right.
   void AddColumn(std::string head, bool right);
   void AddRow(std::vector<std::string> cells);
-  /// On a narrow terminal, break cells at spaces instead of splitting the table into parts.
+  /// Beyond the width of the terminal, or 100 columns without one, break cells at spaces instead of
+  /// splitting the table into parts.
   void KeepWhole() { is_whole_ = true; }
   bool empty() const { return rows_.empty(); }
   /// Each line ends with a newline; no line ends with a space. Widths count UTF-8 code points.
-  /// Ranges lose their spaces (`1..2`) in a table of more than 100 columns. A table that is wider
-  /// than the terminal (console.h) is split into several parts, each with the keys of its rows.
+  /// A table that is wider than the terminal (console.h) is split into several parts, each with the
+  /// keys of its rows.
   std::string Text() const;
 
  private:
@@ -58,6 +60,9 @@ struct TimeUnit {
 /// Three significant digits, or four from 1000 on: `0.0123`, `1.23`, `1235`, `12350`; with an
 /// exponent below 1e-4 and from 1e7 on. `-` if it is not finite.
 std::string ShortNumber(double value);
+
+/// `3 values of detector x 5 of quantity x 9 repeats`: the grid of runs; empty for one run.
+std::string GridText(const std::vector<plan::Axis>& axes, std::uint64_t repeats);
 
 /// The text of a value on an axis (compiler/plan/plan.h).
 std::string CoordinateText(const plan::Axis& axis, std::size_t index);

@@ -1,7 +1,14 @@
 // The parts of the page that need no browser: pooling, state, formats.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { column, openDocument, pointText, quantities } from '../../runtime/pages/page/report/document.js';
+import {
+  budgetOf,
+  budgetText,
+  column,
+  openDocument,
+  pointText,
+  quantities,
+} from '../../runtime/pages/page/report/document.js';
 import { count, csv, number, short } from '../../runtime/pages/page/report/format.js';
 import { entriesOf, thin } from '../../runtime/pages/page/report/pooled.js';
 import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/pages/page/report/state.js';
@@ -13,6 +20,15 @@ test('numbers have three digits, and exponents where they are far from one', () 
     ['0', '1', '1235', '0.123', '10⁶', '2.5 × 10⁻⁷', '−3', '–', '–'],
   );
   assert.equal(count(1234567), '1\u202f234\u202f567');
+});
+
+test('a budget is drawn for its phase, if it is the same at all points', () => {
+  const of = (budget) => openDocument({ axes: [], points: { at: [] }, budget });
+  assert.equal(budgetOf(of({ ns: 4e6, phase: 'step' }), 'step', 1e6), 4);
+  assert.equal(budgetOf(of({ ns: 4e6, phase: 'step' }), 'detect', 1e6), null);
+  assert.equal(budgetOf(of({ ns: null, phase: 'step' }), 'step', 1e6), null);
+  assert.equal(budgetOf(of(null), 'step', 1e6), null);
+  assert.deepEqual([4e6, 2.5e5, 8333333].map(budgetText), ['4 ms', '250 µs', '8.333 ms']);
 });
 
 test('text of one line has no control characters and no changes of direction', () => {

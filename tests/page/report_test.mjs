@@ -44,7 +44,7 @@ function residual(pairs) {
 
 test('the first screen has what swept, warnings, conclusions and a figure', async () => {
   await open('first', first());
-  assert.match(await text('.sweep'), /144 runs: 4 detector × 4 quantity × 9 repeats, 100 cycles each/);
+  assert.match(await text('.sweep'), /144 runs: 4 values of detector × 4 of quantity × 9 repeats, 100 cycles each/);
   assert.equal(await text('.warnings li'), 'A debug build: its times say nothing.');
   assert.match(await text('.conclusions'), /least time for a step\?sap32: 0.35 of simple’s time. clear/);
   const place = await tab.$eval('#times', (figure) => figure.getBoundingClientRect().top);

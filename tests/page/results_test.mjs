@@ -76,7 +76,7 @@ test('a sweep of detectors', async () => {
   assert.equal(await compareTimes(document, document.axes), 8);
   assert.match(
     await tab.$eval('.sweep', (element) => element.textContent),
-    /16 runs: 4 detector × 2 quantity × 2 repeats, 20 cycles each/,
+    /16 runs: 4 values of detector × 2 of quantity × 2 repeats, 20 cycles each/,
   );
   const shown = await tab.$$eval('.warnings li', (items) => items.map((item) => item.textContent));
   assert.deepEqual(

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <string>
@@ -83,11 +84,11 @@ double SeriesBytes(const plan::Scene& scene) {
   return bytes;
 }
 
-/// A copy of the run, shortened and timed, without a reference run.
-plan::Run Shortened(const plan::Run& run) {
+/// A copy of the run, of `cycles` at most and timed, without a reference run.
+plan::Run Shortened(const plan::Run& run, std::uint64_t cycles) {
   plan::Run sample = run;
   plan::WorldSettings& world = sample.scene.world;
-  world.Set("cycles", std::min<std::uint64_t>(world.Count("cycles"), kSampledCycles));
+  world.Set("cycles", std::min<std::uint64_t>(world.Count("cycles"), cycles));
   world.Set("warmup", std::uint64_t{0});
   world.Set("accuracy.metrics", schema::WordList{"none"});
   schema::WordList record = world.Words("record");
@@ -98,15 +99,39 @@ plan::Run Shortened(const plan::Run& run) {
   return sample;
 }
 
-/// Time of a step over the cycles that ran, s.
-double StepSeconds(const process::Ending& ending, const plan::Scene& scene) {
-  const auto durations = ending.recording->Reals("duration");
-  const std::uint64_t cycles = scene.world.Count("cycles");
-  double nanoseconds = 0;
+/// The cycles of a sampled run. Times in s.
+struct CycleSample {
+  std::uint64_t count = 0;
+  double seconds = 0, last_step = 0;  ///< of all cycles; the mean of the last quarter
+  /// The last quarter had more pairs and contacts than the one before, or there was no contact yet.
+  bool is_growing = false;
+};
+
+CycleSample CyclesOf(const process::Ending& ending, const plan::Scene& scene) {
+  constexpr double kGrowth = 1.05;  // more pairs and contacts than that are growth
+  CycleSample sample;
+  sample.count = scene.world.Count("cycles");
+  const std::uint64_t quarter = std::max<std::uint64_t>(1, sample.count / 4);
   // The times are stored as a row of cycles for each phase.
-  const std::size_t row = protocol::IndexOf(protocol::Phase::kStep) * cycles;
-  for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) nanoseconds += durations[row + cycle];
-  return nanoseconds * 1e-9 / static_cast<double>(cycles);
+  const auto steps =
+      ending.recording->Reals("duration")
+          .subspan(protocol::IndexOf(protocol::Phase::kStep) * sample.count, sample.count);
+  sample.seconds = 1e-9 * std::accumulate(steps.begin(), steps.end(), 0.0);
+  const auto last = steps.last(quarter);
+  sample.last_step =
+      1e-9 * std::accumulate(last.begin(), last.end(), 0.0) / static_cast<double>(quarter);
+  if (sample.count < 2 * quarter) return sample;
+  double late = 0, before = 0;
+  const auto contacts = ending.recording->Ints("contacts");
+  for (const auto& counts : {ending.recording->Ints("pairs"), contacts}) {
+    if (counts.empty()) continue;
+    const auto middle = counts.end() - static_cast<std::ptrdiff_t>(quarter);
+    before = std::accumulate(middle - static_cast<std::ptrdiff_t>(quarter), middle, before);
+    late = std::accumulate(middle, counts.end(), late);
+  }
+  sample.is_growing =
+      late > kGrowth * before || (!contacts.empty() && std::ranges::max(contacts) == 0);
+  return sample;
 }
 
 /// A temporary folder for a journal, where `cdb run` would write it by default.
@@ -168,13 +193,28 @@ MeanOfSample MeanOf(const std::vector<double>& values, std::uint64_t population)
   return {mean, std::max(0.0, mean - 2 * error), mean + 2 * error};
 }
 
+namespace {
+
+/// Executes a run; nullopt if it was stopped.
+std::optional<process::Ending> Execute(process::ProcessLauncher& launcher, const plan::Run& run,
+                                       const process::StopFlag& stop) {
+  launcher.Start(0, run, "");
+  std::optional<process::Ending> ending;
+  while (!ending && !stop.requested()) ending = launcher.Wait(1);
+  return ending;
+}
+
+}  // namespace
+
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop) {
+  constexpr double kMostSeconds = 1;    // of a longer sample, as far as a shorter one predicts it
+  constexpr std::uint64_t kLonger = 4;  // times the cycles of the shorter one
   SweepEstimate estimate;
   estimate.runs = grid.run_count();
   estimate.points = grid.point_count;
   plan::Plan plan = grid.head;
   std::vector<plan::Run> whole = SpreadRuns(grid);
-  for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run));
+  for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run, kSampledCycles));
   estimate.piles = CountPiles(grid, whole);
   std::set<std::string> settled;  // ids of settled piles
   TrialJournal journal(plan);
@@ -182,28 +222,34 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   for (std::size_t i = 0; i < whole.size() && !stop.requested(); ++i) {
     const plan::Scene& scene = whole[i].scene;
     estimate.has_references = estimate.has_references || analysis::NeedsReference(scene);
-    launcher.Start(0, plan.runs[i], "");
-    std::optional<process::Ending> ending;
-    while (!ending && !stop.requested()) ending = launcher.Wait(1);
+    auto ending = Execute(launcher, plan.runs[i], stop);
     if (!ending) break;
     if (ending->result.status != results::Status::kDone) {
       estimate.failures.push_back(
           fmt::format("{}: {}", plan::Describe(plan, plan.runs[i]), ending->result.message));
       continue;
     }
-    const std::uint64_t sampled = plan.runs[i].scene.world.Count("cycles");
-    const double step = StepSeconds(*ending, plan.runs[i].scene);
+    CycleSample sample = CyclesOf(*ending, plan.runs[i].scene);
     const double settling = ending->recording->header().settling.seconds.load();
-    const double rest =
-        std::max(0.0, ending->wall_s - settling - step * static_cast<double>(sampled));
+    const double rest = std::max(0.0, ending->wall_s - settling - sample.seconds);
     if (yaml::HasPile(scene)) settled.insert(yaml::PileText(scene));
-    const auto cycles =
-        static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
-    estimate.cycles = std::max(estimate.cycles, sampled);
     const auto writing = journal.TimeOf(plan.runs[i], ending->result);
     estimate.has_journal = estimate.has_journal && writing;
+    const std::uint64_t cycles = scene.world.Count("cycles");
+    // The first cycles, such as those of a fall, are not like the later ones.
+    while (sample.count < cycles && !stop.requested() &&
+           sample.last_step * static_cast<double>(kLonger * sample.count) < kMostSeconds) {
+      const plan::Run longer = Shortened(whole[i], kLonger * sample.count);
+      const auto more = Execute(launcher, longer, stop);
+      if (!more || more->result.status != results::Status::kDone) break;
+      sample = CyclesOf(*more, longer.scene);
+    }
+    if (stop.requested()) break;
+    estimate.cycles = std::max(estimate.cycles, sample.count);
+    const auto left = static_cast<double>(cycles + scene.world.Count("warmup") - sample.count);
     estimate.samples.push_back(
-        {rest + step * cycles + writing.value_or(0), settling, SeriesBytes(scene)});
+        {rest + sample.seconds + sample.last_step * left + writing.value_or(0), settling,
+         SeriesBytes(scene), sample.count < cycles && sample.is_growing});
   }
   estimate.settled_piles = settled.size();
   return estimate;
@@ -257,20 +303,37 @@ std::string EstimateText(const SweepEstimate& estimate, const std::string& bench
       SettlingTime(estimate).value_or(0) *
       static_cast<double>(estimate.piles - std::min(estimate.piles, estimate.settled_piles)) /
       static_cast<double>(jobs);
-  text += fmt::format("  time    {} ({} .. {}), with {} at a time\n",
-                      Duration(time.mean * share + settling), Duration(time.low * share + settling),
-                      Duration(time.high * share + settling),
-                      jobs == 1 ? "one run" : fmt::format("{} runs", jobs));
+  const auto growing =
+      static_cast<std::size_t>(std::ranges::count_if(estimate.samples, &SampledRun::is_growing));
+  // An interval would be about the sampled points only, not about their later cycles.
+  const bool has_interval = growing == 0 && time.low < time.high;
+  text +=
+      fmt::format("  time    {}{}{}, with {} at a time\n", growing > 0 ? "at least " : "",
+                  Duration(time.mean * share + settling),
+                  has_interval ? fmt::format(" ({} .. {})", Duration(time.low * share + settling),
+                                             Duration(time.high * share + settling))
+                               : "",
+                  jobs == 1 ? "one run" : fmt::format("{} runs", jobs));
+  if (growing > 0)
+    text += fmt::format(
+        "          At the end of {} of {} samples, pairs and contacts were still increasing, or "
+        "there were none yet:\n          later cycles may take longer.\n",
+        growing, estimate.samples.size());
   text += PilesText(estimate);
-  text += fmt::format("  result  {} ({} .. {}) before compression\n",
-                      protocol::BytesText(size.mean * runs), protocol::BytesText(size.low * runs),
-                      std::isinf(size.high) ? "unknown" : protocol::BytesText(size.high * runs));
+  const bool has_sizes = size.low < size.high;
   text += fmt::format(
-      "  Sampled: {} of {} points, spread over the grid, for {} cycles each; one run takes {} .. "
-      "{}.\n"
-      "  In brackets: the mean plus and minus two standard errors of the sample.\n",
-      estimate.samples.size(), estimate.points, estimate.cycles,
+      "  result  {}{} before compression\n", protocol::BytesText(size.mean * runs),
+      has_sizes
+          ? fmt::format(" ({} .. {})", protocol::BytesText(size.low * runs),
+                        std::isinf(size.high) ? "unknown" : protocol::BytesText(size.high * runs))
+          : "");
+  text += fmt::format(
+      "  Sampled: {} of {} points{}, for up to {} cycles each; one run takes {} .. {}.\n",
+      estimate.samples.size(), estimate.points,
+      estimate.samples.size() < estimate.points ? ", spread over the grid" : "", estimate.cycles,
       Duration(*std::ranges::min_element(seconds)), Duration(*std::ranges::max_element(seconds)));
+  if (has_interval || has_sizes)
+    text += "  In brackets: the mean plus and minus two standard errors of the sample.\n";
   text += "  Not known: how the time of a cycle changes after these; what other programs disturb";
   if (!estimate.has_journal)
     text += ";\n  how long writing the results takes, as nothing can be written to this folder";

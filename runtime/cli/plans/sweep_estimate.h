@@ -16,6 +16,7 @@ struct SampledRun {
   double seconds = 0;   ///< predicted for all of its cycles and for writing it, without settling
   double settling = 0;  ///< s, of its piles; 0 if it has none, or if they were already settled
   double bytes = 0;     ///< of its series, before compression
+  bool is_growing = false;  ///< pairs or contacts were still increasing: `seconds` is a lower bound
 };
 
 /// A mean over sampled runs, and the interval of twice its standard error.
@@ -31,7 +32,7 @@ struct SweepEstimate {
   std::uint64_t runs = 0, points = 0;
   std::vector<SampledRun> samples;
   std::vector<std::string> failures;  ///< reasons why sampled runs failed
-  std::uint64_t cycles = 0;           ///< most cycles of each sampled run
+  std::uint64_t cycles = 0;           ///< most cycles of a sampled run
   bool has_references = false;        ///< runs are compared with reference runs, whose cost is not
                                       ///< included
   bool has_journal = true;            ///< a journal can be written here, and its time is included
@@ -40,8 +41,9 @@ struct SweepEstimate {
   std::uint64_t piles = 0, settled_piles = 0;
 };
 
-/// Executes runs at about kSampledRuns points, spread over the grid, one after the other. Writes
-/// a journal to a folder in the current one, which it removes. Throws ScheduleError.
+/// Executes runs at about kSampledRuns points, spread over the grid, one after the other, for
+/// kSampledCycles and then for as many more as take a few seconds. Writes a journal to a folder in
+/// the current one, which it removes. Throws ScheduleError.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;

@@ -107,6 +107,13 @@ TEST(Explain, ShowsBothExamplesAndTheMessage) {
     EXPECT_NE(one.out.find(part), std::string::npos) << part << one.out;
   EXPECT_EQ(program.Run({"explain", "unknown-name"}).out, one.out);
   EXPECT_NE(program.Run({"explain"}).out.find("W0301  tall-stack"), std::string::npos);
+  const Finished verdict = program.Run({"explain", "tunnelled"});
+  EXPECT_EQ(verdict.status, 0) << verdict.err;
+  for (const char* part :
+       {"tunnelled (verdict on a run)\n", "passed through another", "\nUSUAL CAUSES\n",
+        "\nREMEDIES\n", "ccd on", "More: cdb doc verdicts\n"})
+    EXPECT_NE(verdict.out.find(part), std::string::npos) << part << verdict.out;
+  EXPECT_NE(program.Run({"explain", "noisy"}).out.find("--retry-noisy"), std::string::npos);
   const Finished unknown = program.Run({"explain", "unknown-nme"});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_NE(unknown.err.find("did you mean 'unknown-name'?"), std::string::npos) << unknown.err;

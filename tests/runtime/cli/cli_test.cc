@@ -92,8 +92,11 @@ TEST(Doc, KnowsEveryParameter) {
        {"language", "omit", "accuracy", "results", "objects", "detectors", "layouts", "scenarios"})
     EXPECT_GT(program.Run({"doc", topic}).out.size(), 20u) << topic;
   const Finished omit = program.Run({"doc", "omit"});
+  // The texts are wrapped in their columns.
+  const auto beginning = [](std::string_view text) { return text.substr(0, text.find(' ')); };
   for (const auto& component : schema::Components())
-    for (const std::string_view part : {component.name, component.doc, component.changes})
+    for (const std::string_view part :
+         {component.name, beginning(component.doc), beginning(component.changes)})
       EXPECT_NE(omit.out.find(part), std::string::npos) << part;
   EXPECT_NE(omit.out.find("default  auto"), std::string::npos) << "the parameter as well";
   EXPECT_EQ(program.Run({"doc", "detecter"}).status, 2);

@@ -84,6 +84,8 @@ TEST(Doc, FindsWordsAndScenarios) {
   const Finished scenario = program.Run({"doc", "paper/experiment2"});
   EXPECT_EQ(scenario.status, 0);
   EXPECT_NE(scenario.out.find("benchmark paper_experiment2"), std::string::npos);
+  EXPECT_EQ(program.Run({"doc", "experiment2"}).out, scenario.out);
+  EXPECT_TRUE(program.Run({"doc", "which_one"}).out.starts_with("WHICH"));
   EXPECT_EQ(program.Run({"doc", "../../etc/passwd"}).status, 2);
   EXPECT_NE(program.Run({"doc", "tunneled"}).err.find("did you mean 'tunnelled'?"),
             std::string::npos);

@@ -16,7 +16,8 @@ TEST(Plan, PrintsRunsAndWritesYaml) {
   program.Write("small.cdb", kSmall);
   const Finished table = program.Run({"plan", "small.cdb"});
   EXPECT_EQ(table.status, 0);
-  EXPECT_NE(table.out.find("small: 4 runs = 2 detector x 2 quantity"), std::string::npos)
+  EXPECT_NE(table.out.find("small: 4 runs = 2 values of detector x 2 of quantity"),
+            std::string::npos)
       << table.out;
   EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).out, "");
   EXPECT_EQ(program.Run({"plan", "p.yaml"}).out, table.out);
@@ -34,6 +35,19 @@ TEST(Plan, EstimatesWhatASweepWillCost) {
   EXPECT_EQ(program.Run({"plan", "--estimate", "small.cdb", "-o", "p.yaml"}).status, 2);
   EXPECT_EQ(program.Run({"plan", "small.cdb", "-o", "p.yaml"}).status, 0);
   EXPECT_EQ(program.Run({"plan", "--estimate", "p.yaml"}).status, 2);
+}
+
+TEST(Plan, EstimatesALowerBoundWhereContactsAreYetToCome) {
+  const Program program;
+  // Nothing touches in 30 cycles; a longer sample is too expensive.
+  program.Write("fall.cdb",
+                "benchmark fall { cycles 1e8; world.side 1e5; acceleration 0\n"
+                "objects { quantity 3; location grid } }");
+  const Finished fall = program.Run({"plan", "--estimate", "fall.cdb"});
+  EXPECT_EQ(fall.status, 0) << fall.err;
+  EXPECT_NE(fall.out.find("\n  time    at least "), std::string::npos) << fall.out;
+  EXPECT_NE(fall.out.find("later cycles may take longer"), std::string::npos) << fall.out;
+  EXPECT_EQ(fall.out.find("In brackets"), std::string::npos) << fall.out;
 }
 
 TEST(Plan, EstimatesWhatPilesTakeToSettle) {
@@ -59,7 +73,8 @@ TEST(Plan, SaysWhatEachRunLeavesOut) {
        {"  detector  omit  objects  side  cycles  left out\n",
         "  sap       auto        1    50       5  walls? raycast_tree solver? sleeping?\n",
         "  dbvt      auto        1    50       5  walls? solver? sleeping?\n",
-        "  sap       none        1    50       5  -\n"})
+        "  sap       none        1    50       5  -\n",
+        "\n?: the positions of the objects decide; "})
     EXPECT_NE(table.out.find(row), std::string::npos) << row << table.out;
 
   const Finished why = program.Run({"plan", "--why", "o.cdb"});

@@ -272,7 +272,7 @@ TEST(Run, SetsParametersOverThoseOfTheScenario) {
   const Finished run = program.Run({"run", "a.cdb", "-b", "a", "--set", "objects.quantity=n + 4",
                                     "--set", "detector=sweep(sap, dbvt)"});
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.out.find("The title\n  2 runs (2 detector), 4 cycles"), std::string::npos)
+  EXPECT_NE(run.out.find("The title\n  2 runs (2 values of detector), 4 cycles"), std::string::npos)
       << run.out;
   const results::ResultFile file(program.folder() / "a.h5");
   EXPECT_NE(file.ReadProvenance("scenario_text").find("objects.quantity n + 4"), std::string::npos);

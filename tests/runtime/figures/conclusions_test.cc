@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/figures/budget.h"
 #include "runtime/figures/model.h"
 #include "tests/runtime/figures/made_up_file.h"
 
@@ -53,7 +54,7 @@ TEST(Conclusions, NameTheFastestDetectorWithItsInterval) {
   EXPECT_EQ(step.answer,
             "dbvt. Next is sap, with 1.20 times the time of dbvt (95 % interval 1.20 .. 1.20). "
             "Last is simple, with 2.00 times the time of dbvt (95 % interval 2.00 .. 2.00). These "
-            "are geometric means over 3 cells.");
+            "are geometric means over 3 cells. The broad phase is 100 % of a step.");
   EXPECT_EQ(step.certainty, Certainty::kClear);
 }
 
@@ -71,6 +72,117 @@ TEST(Conclusions, BeginWithWhatTheSweepAsks) {
       MakePlan({TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20})},
                5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
   EXPECT_TRUE(kinds(with_errors).starts_with("error error fastest detect "));
+}
+
+/// The answer on a budget of 5 us, of detectors that take 1 us, 2 us and 1 ms per 10 objects.
+Conclusion BudgetConclusion(const std::function<void(const plan::Run&, MadeUp&)>& change) {
+  plan::Plan plan = DetectorPlan(5);
+  plan.budget_s = 5e-6;
+  return ConclusionsOf(plan,
+                       [&](const plan::Run& run) {
+                         MadeUp made = FactorTimes(run, {1, 2, 1000});
+                         change(run, made);
+                         return made;
+                       })
+      .front();
+}
+
+TEST(Conclusions, BeginWithTheBudget) {
+  const Conclusion budget = BudgetConclusion([](const plan::Run&, MadeUp&) {});
+  EXPECT_EQ(budget.question, "Which configurations stay within 5 us a step?");
+  EXPECT_EQ(
+      budget.answer,
+      "5 of 9 configurations fit. Along the number of objects, simple: fits everywhere; dbvt: "
+      "fits up to 20, does not fit from 40; sap: fits nowhere.");
+  EXPECT_EQ(budget.certainty, Certainty::kClear);
+  plan::Plan one = MakePlan({}, 5, {.cycles = kMadeUpCycles, .record = {"timing"}});
+  one.budget_s = 2e-6;
+  const Conclusion of_one =
+      ConclusionsOf(one, [](const plan::Run&) { return MadeUp{.ns = 2500}; }).front();
+  EXPECT_EQ(of_one.question, "Does the simulation stay within 2 us a step?");
+  EXPECT_EQ(of_one.answer, "No: the 99th percentile is 2.50 us (95 % interval 2.50 .. 2.50).");
+}
+
+TEST(Conclusions, DivideTheBudgetOfAFrameAmongItsSteps) {
+  const figures::Budget budget = {4e6, 1.0 / 60};
+  EXPECT_EQ(budget.Text(), "4 ms a frame of 1/60 s");
+  EXPECT_EQ(budget.OfStep(1.0 / 60), 4e6);
+  EXPECT_EQ(budget.OfStep(1.0 / 120), 2e6);
+  EXPECT_EQ(budget.OfStep(1.0 / 30), 4e6);  // a step of two frames
+  EXPECT_EQ(figures::Budget{4e6}.OfStep(1.0 / 120), 4e6);
+  EXPECT_TRUE(std::isnan(budget.OfStep(NAN)));
+  // Steps of 1 ms.
+  plan::Plan plan =
+      MakePlan({}, 5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  plan.budget_s = 5e-6;
+  const auto answer = [&] {
+    return ConclusionsOf(plan, [](const plan::Run&) { return MadeUp{.ns = 3000}; }).front();
+  };
+  EXPECT_TRUE(answer().answer.starts_with("Yes: ")) << answer().answer;
+  plan.frame_s = 0.002;
+  EXPECT_EQ(answer().question, "Does the simulation stay within 5 us a frame of 1/500 s?");
+  EXPECT_TRUE(answer().answer.starts_with("No: ")) << answer().answer;
+}
+
+TEST(Conclusions, DoNotBlameConfigurationsForNoise) {
+  // With simple, a cycle is disturbed in all but one repeat; the others cannot fit.
+  const auto disturb = [](const plan::Run& run, MadeUp& made) {
+    made.noise = machine::Noise::kNoisy;
+    if (run.at[0] == 0 && run.rep > 0) made.stall = 1e5;
+  };
+  const Conclusion noisy = BudgetConclusion(disturb);
+  EXPECT_EQ(noisy.answer,
+            "2 of 9 configurations fit, 3 cannot be told (the machine was noisy). Along the number "
+            "of objects, simple: cannot tell anywhere; dbvt: fits up to 20, does not fit from 40; "
+            "sap: fits nowhere.");
+  EXPECT_EQ(noisy.certainty, Certainty::kUnknown);
+  const Conclusion quiet = BudgetConclusion([&](const plan::Run& run, MadeUp& made) {
+    disturb(run, made);
+    if (run.rep >= 2) made.noise = machine::Noise::kQuiet;
+  });
+  EXPECT_NE(quiet.answer.find("simple and sap: fits nowhere"), std::string::npos) << quiet.answer;
+}
+
+TEST(Conclusions, SayWhichOfTheFittingAreUnsound) {
+  const auto unsound = [](std::size_t detectors) {
+    return BudgetConclusion([=](const plan::Run& run, MadeUp& made) {
+             if (run.at[0] < detectors) made.verdict = protocol::Verdict::kTunnelled;
+           })
+        .answer;
+  };
+  EXPECT_NE(unsound(1).find("sap: fits nowhere. 3 of these 5 are not stable."), std::string::npos)
+      << unsound(1);
+  EXPECT_NE(unsound(2).find(" None of these 5 is stable."), std::string::npos) << unsound(2);
+}
+
+TEST(Conclusions, AreNotClearOnTimesOfANoisyMachine) {
+  const auto of = [](std::uint64_t noisy_repeats) {
+    return FindConclusion(ConclusionsOf(DetectorPlan(5),
+                                        [=](const plan::Run& run) {
+                                          MadeUp made = FactorTimes(run, {2, 1, 1.2});
+                                          if (run.rep < noisy_repeats)
+                                            made.noise = machine::Noise::kNoisy;
+                                          return made;
+                                        }),
+                          "fastest");
+  };
+  EXPECT_EQ(of(2).certainty, Certainty::kClear);
+  EXPECT_EQ(of(5).certainty, Certainty::kUnknown);
+  EXPECT_TRUE(of(5).answer.ends_with(
+      " The machine was noisy in all runs: the order is more certain than the factors."))
+      << of(5).answer;
+  EXPECT_TRUE(
+      of(3).answer.ends_with("noisy in 27 of 45 runs: the order is more certain than the "
+                             "factors."))
+      << of(3).answer;
+  const plan::Plan one = MakePlan({}, 5, {.cycles = kMadeUpCycles, .record = {"timing"}});
+  const Conclusion step = FindConclusion(
+      ConclusionsOf(one, [](const plan::Run&) { return MadeUp{.noise = machine::Noise::kNoisy}; }),
+      "fastest");
+  EXPECT_EQ(step.certainty, Certainty::kUnknown);
+  EXPECT_TRUE(step.answer.ends_with(
+      " The machine was noisy in all runs: without disturbances, a step takes less."))
+      << step.answer;
 }
 
 TEST(Conclusions, CallWhatCannotBeToldApartATie) {
@@ -96,24 +208,34 @@ TEST(Conclusions, KnowNothingFromOneRepeat) {
       step.answer,
       "dbvt. Next is sap, with 1.20 times the time of dbvt. Last is simple, with 2.00 times the "
       "time of dbvt. These are geometric means over 3 cells. One repeat: there is no interval; "
-      "`repeats 5` gives one.");
+      "`repeats 5` gives one. The broad phase is 100 % of a step.");
   EXPECT_EQ(step.certainty, Certainty::kUnknown);
 }
 
 TEST(Conclusions, SayWhereAnotherDetectorIsFaster) {
-  const auto all = ConclusionsOf(DetectorPlan(5), [](const plan::Run& run) {
-    // n^2 compared with 15 n: faster at 10, slower at 20 and 40.
-    constexpr double kObjects[] = {10, 20, 40};
-    const double n = kObjects[run.at[1]];
-    return MadeUp{.ns = run.at[0] == 0 ? n * n : (run.at[0] == 1 ? 15 : 30) * n};
-  });
-  const Conclusion step = FindConclusion(all, "fastest");
+  const auto conclusion = [](std::uint64_t repeats) {
+    return FindConclusion(ConclusionsOf(DetectorPlan(repeats),
+                                        [](const plan::Run& run) {
+                                          // n^2 compared with 15 n: faster at 10, slower at 20
+                                          // and 40.
+                                          constexpr double kObjects[] = {10, 20, 40};
+                                          const double n = kObjects[run.at[1]];
+                                          return MadeUp{.ns = run.at[0] == 0
+                                                                  ? n * n
+                                                                  : (run.at[0] == 1 ? 15 : 30) * n};
+                                        }),
+                          "fastest");
+  };
+  const Conclusion step = conclusion(5);
   EXPECT_NE(step.answer.find("dbvt. Next is simple, with 1.33 times the time of dbvt"),
             std::string::npos)
       << step.answer;
   EXPECT_NE(step.answer.find("It is not the best everywhere: simple at quantity 10."),
             std::string::npos)
       << step.answer;
+  // Without a 95 % interval, it is not certain.
+  for (const std::uint64_t repeats : {1, 4})
+    EXPECT_EQ(conclusion(repeats).answer.find("not the best"), std::string::npos);
 }
 
 TEST(Conclusions, RankOverTheCellsThatAllHave) {
@@ -126,11 +248,10 @@ TEST(Conclusions, RankOverTheCellsThatAllHave) {
                 .answer.find("geometric means over 2 of 3 cells (those that all detectors have)"),
             std::string::npos);
   const Conclusion sound = FindConclusion(all, "stability");
-  EXPECT_EQ(
-      sound.answer,
-      "8 of 9 configurations are stable (1 frozen). Along the number of objects with detector "
-      "dbvt: stable 10 .. 20, frozen 40. Along the number of objects (2 cases): stable 10 .. 40." +
-          kNothingChecked);
+  EXPECT_EQ(sound.answer,
+            "8 of 9 configurations are stable (1 frozen). Along the number of objects, simple and "
+            "sap: stable everywhere; dbvt: stable up to 20, frozen from 40." +
+                kNothingChecked);
 }
 
 /// The sentence on the boundary of a sweep over mass ratios, time steps and, for each of them, some
@@ -168,8 +289,8 @@ TEST(Conclusions, StateTheBoundaryOfSoundSimulation) {
       BoundaryOf([](double ratio, std::size_t hz, std::size_t) {
         return ratio * std::pow(10.0, static_cast<double>(hz)) >= 100;
       }),
-      "Along ratio: stable from 100 on with hz 30, from 10 on with hz 60 and everywhere with hz "
-      "120 .. 480.");
+      "Along hz: stable from 120 on with ratio 1, from 60 on with ratio 10 and everywhere with "
+      "ratio 100 .. 1000.");
   // Several do.
   EXPECT_EQ(
       BoundaryOf([](double ratio, std::size_t hz, std::size_t n) {
@@ -182,6 +303,33 @@ TEST(Conclusions, StateTheBoundaryOfSoundSimulation) {
               return (static_cast<std::size_t>(std::log10(ratio)) + hz + n) % 3 != 0;
             }).substr(0, 33),
             "Along hz there is no boundary: so");
+}
+
+TEST(Conclusions, StateBoundariesByValueNotByOrder) {
+  // Values in the order of the sweep: 40, 10, 20.
+  const plan::Plan plan = MakePlan({NumberAxis("quantity", {40, 10, 20})}, 1,
+                                   {.cycles = kMadeUpCycles, .record = {"timing"}});
+  const auto all = ConclusionsOf(plan, [](const plan::Run& run) {
+    return MadeUp{.verdict =
+                      run.at[0] == 0 ? protocol::Verdict::kTunnelled : protocol::Verdict::kStable};
+  });
+  const std::string answer = FindConclusion(all, "stability").answer;
+  EXPECT_NE(answer.find("Along the number of objects: stable up to 20, tunnelled from 40."),
+            answer.npos)
+      << answer;
+}
+
+TEST(Conclusions, SayThatNothingIsStableOnce) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("hz", {30, 60, 120}), NumberAxis("iterations", {5, 10, 20})}, 1,
+               {.cycles = kMadeUpCycles, .record = {"timing"}});
+  using enum protocol::Verdict;
+  constexpr protocol::Verdict kVerdicts[] = {kTunnelled, kPenetrating, kDrifting};
+  const auto all = ConclusionsOf(plan, [&](const plan::Run& run) {
+    return MadeUp{.verdict = kVerdicts[(run.at[0] + run.at[1]) % 3]};
+  });
+  const std::string answer = FindConclusion(all, "stability").answer;
+  EXPECT_NE(answer.find(" Along hz: stable nowhere."), answer.npos) << answer;
 }
 
 TEST(Conclusions, CompareMemory) {

@@ -71,7 +71,7 @@ TEST(BadObjects, AreCountedOfThoseThatMove) {
   made.moving_objects = 2000;
   const Answers many = AnswersOf("objects { quantity 2000 }", made);
   EXPECT_EQ(many.bad, "439 of 2000 objects");
-  EXPECT_EQ(many.conclusion, "No: it is tunnelled (439 of 2000 objects).");
+  EXPECT_EQ(many.conclusion, "No: the verdict is tunnelled (439 of 2000 objects).");
 }
 
 TEST(Sleep, IsSaidFromATenthOfTheObjectsOn) {

@@ -29,6 +29,7 @@ struct MadeUp {
   std::int64_t bad_objects = -1;
   double moving_objects = NAN, mean_asleep = NAN;
   std::uint64_t cycles = 4;  ///< that were executed; all of them, unless the run failed
+  machine::Noise noise = machine::Noise::kUnknown;
 };
 using MakeUp = std::function<MadeUp(const plan::Run&)>;
 
@@ -53,6 +54,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
   fake.result.judgement.bad_objects = made.bad_objects;
   fake.result.scalars.moving_objects = made.moving_objects;
   fake.result.scalars.mean_asleep = made.mean_asleep;
+  fake.result.noise.noise = made.noise;
   fake.result.message = made.status == results::Status::kDone ? "" : "made up";
   fake.result.omitted = made.omitted;
   fake.result.decisions = made.decisions;

@@ -12,9 +12,17 @@
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "dsl/diagnostics.h"
 #include "library/closed_forms/scene_fault.h"
+#include "runtime/protocol/verdict.h"
 
 namespace cdb::tests {
 namespace {
+
+TEST(Explanation, HasRemediesForEveryVerdict) {
+  for (const protocol::VerdictInfo& info : protocol::Verdicts())
+    EXPECT_NE(manual::RemedyText(info.name), "") << info.name;
+  EXPECT_EQ(manual::RemedyNames().size(), protocol::Verdicts().size() + 1);  // and noisy
+  EXPECT_EQ(manual::RemedyText("E0201"), "");
+}
 
 std::vector<const dsl::DiagnosticKind*> AllKinds() {
   std::vector<const dsl::DiagnosticKind*> kinds(std::begin(dsl::kDiagnosticKinds),

@@ -62,7 +62,7 @@ double NumberIn(std::string text) {
 
 double NumberIn(const json& value) { return value.is_null() ? NAN : value.get<double>(); }
 
-/// `1.2 .. 3.4` or `1.2..3.4`.
+/// `1.2 .. 3.4`.
 std::pair<double, double> RangeIn(const std::string& text) {
   const std::size_t dots = text.find("..");
   if (dots == text.npos) return {NAN, NAN};

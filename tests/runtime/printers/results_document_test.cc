@@ -165,8 +165,8 @@ TEST(ResultsDocument, HasTheWorstVerdictOfTheRepeatsThatRan) {
             json({"stable", "tunnelled", "tunnelled", "stable", "tunnelled", "tunnelled"}));
   EXPECT_EQ(points["first_bad_cycle"], json({nullptr, 1, 1, nullptr, 1, 1}));
   EXPECT_EQ(StabilityIn(document),
-            "2 of 6 configurations are stable (4 tunnelled). Along the number of objects (2 "
-            "cases): stable 10, tunnelled 20 .. 40." +
+            "2 of 6 configurations are stable (4 tunnelled). Along the number of "
+            "objects: stable up to 10, tunnelled from 20." +
                 kNothingChecked);
 }
 
@@ -176,7 +176,9 @@ TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
   });
   EXPECT_EQ(document["points"]["verdict"], json({"stable", "tunnelled", "stable", "tunnelled"}));
   EXPECT_EQ(StabilityIn(document),
-            "2 of 4 configurations are stable (2 tunnelled)." + kNothingChecked);
+            "2 of 4 configurations are stable (2 tunnelled). Along the number of objects: stable up "
+            "to 10, tunnelled from 40." +
+                kNothingChecked);
 }
 
 TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {

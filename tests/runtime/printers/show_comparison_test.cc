@@ -196,7 +196,7 @@ TEST(ShowBudget, SaysWhichPointsFit) {
       return made;
     };
     return WithMadeUpFile(Grid(repeats), make_up, [&](const results::ResultFile& file) {
-      return printers::ShowBudget(file, {.budget_ns = budget_ns}).text;
+      return printers::ShowBudget(file, {.budget = {budget_ns}}).text;
     });
   };
   const std::string five = shown(5, 2450);
@@ -210,6 +210,42 @@ TEST(ShowBudget, SaysWhichPointsFit) {
   ExpectHas(shown(5, 1e5), "9 of 9 configurations fit");
   ExpectHas(shown(5, 1), "0 of 9 configurations fit.");
   ExpectHas(shown(1, 1e5), "One repeat: there is no interval");
+  ExpectLacks(shown(5, 2450), "at least");
+}
+
+TEST(ShowBudget, HasALowerBoundForNoisyRuns) {
+  const auto shown = [](std::uint64_t repeats) {
+    // A cycle of most repeats is disturbed.
+    const auto make_up = [](const plan::Run& run) {
+      MadeUp made = OfQuantity(run);
+      made.noise = machine::Noise::kNoisy;
+      if (run.rep != 1) made.stall = 1e6;
+      return made;
+    };
+    return WithMadeUpFile(Grid(repeats), make_up, [&](const results::ResultFile& file) {
+      return printers::ShowBudget(file, {.budget = {3000}}).text;
+    });
+  };
+  const std::string five = shown(5);
+  ExpectHas(five, "its 95 % interval  at least, us  worst, us");
+  ExpectHas(five, "  2.40       1002  cannot tell: noisy\n");
+  ExpectHas(five, "  8.00       1008                 no\n");
+  ExpectHas(five, "\n  at least: on a noisy machine, ");
+  // The median of the cycles of the only repeat.
+  ExpectHas(shown(1), "  2.40       1002  cannot tell: noisy\n");
+  ExpectHas(shown(1), "  8.00       1008                 no\n");
+}
+
+TEST(ShowBudget, IsAnsweredOnceInShow) {
+  plan::Plan plan = Grid();
+  plan.budget_s = 1e-6;
+  for (const bool is_brief : {true, false}) {
+    const std::string text = Shown(plan, OfQuantity, {.is_brief = is_brief});
+    const std::string answer = "configurations fit";
+    const std::size_t first = text.find(answer);
+    ASSERT_NE(first, std::string::npos) << text;
+    EXPECT_EQ(text.find(answer, first + 1), std::string::npos) << text;
+  }
 }
 
 /// Both commands, for runs one of which stalled.

@@ -52,13 +52,13 @@ TEST(ShowError, IsSortedByTimeAndMarksTheFront) {
   1 did not end well; marked, and not on the front:
     hz 60, precision double: crashed: of old age
 
-   hz  precision  x real time  ms per s           range  position    floor  horizon, s
-  ------------------------------------------------------------------------------------------------------
-   60  single           13330    0.0750  0.0600..0.0900    0.0250  0.00100        1.50  front
-  120  single            6667     0.150    0.120..0.180    0.0125  0.00100        1.50  front
-  120  double            3333     0.300    0.240..0.360   0.00833  0.00100        1.50  front
-  240  single            3333     0.300    0.240..0.360   0.00625   0.0100        1.50  tie, below floor
-   60  double            6667     0.150    0.120..0.180    0.0167  0.00100        1.50  crashed
+   hz  precision  x real time  ms per s             range  position    floor  horizon, s
+  --------------------------------------------------------------------------------------------------------
+   60  single           13330    0.0750  0.0600 .. 0.0900    0.0250  0.00100        1.50  front
+  120  single            6667     0.150    0.120 .. 0.180    0.0125  0.00100        1.50  front
+  120  double            3333     0.300    0.240 .. 0.360   0.00833  0.00100        1.50  front
+  240  single            3333     0.300    0.240 .. 0.360   0.00625   0.0100        1.50  tie, below floor
+   60  double            6667     0.150    0.120 .. 0.180    0.0167  0.00100        1.50  crashed
   Median over 2 repeats per cycle, then mean over cycles; range over all draws of repeats.
   tie: every configuration that is as fast and as accurate lies within the range and the floor.
 

@@ -92,8 +92,9 @@ TEST(Show, HasAxesPhasesCountsAndRatios) {
   const Finished shown = program.Run({"show", "s.h5", "--all"});
   EXPECT_EQ(shown.status, 0);
   for (const char* part :
-       {"The title", "12 runs (3 detector x 2 quantity x 2 rep), 10 cycles", "broad", "integrate",
-        "pairs", "contacts", "5th .. 95th percentile", "Mean step over that of sap", "mean"})
+       {"The title", "12 runs (3 values of detector x 2 of quantity x 2 repeats), 10 cycles",
+        "broad", "integrate", "pairs", "contacts", "5th .. 95th percentile",
+        "Mean step over that of sap", "mean"})
     EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
   // One row for each of the six points, in the order of the grid.
   EXPECT_NE(shown.out.find("\n  sap              2"), std::string::npos) << shown.out;
@@ -144,9 +145,9 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     return printers::Show(results::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);
-  EXPECT_NE(
-      half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycles is padding.\n"),
-      std::string::npos)
+  EXPECT_NE(half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycles in the "
+                      "file is padding.\n"),
+            std::string::npos)
       << half;
   EXPECT_EQ(shown(98).find("padding"), std::string::npos);
   EXPECT_EQ(shown(100).find("padding"), std::string::npos);
@@ -159,7 +160,7 @@ TEST(Show, ReadsResultsOfVersion1) {
   const Finished shown = program.Run({"show", file, "--all"});
   EXPECT_EQ(shown.status, 0) << shown.err;
   for (const char* part :
-       {"4 runs (2 load x 2 hz)", "Omitted in all 4 runs: solver", "calm", "storm"})
+       {"4 runs (2 values of load x 2 of hz)", "Omitted in all 4 runs: solver", "calm", "storm"})
     EXPECT_NE(shown.out.find(part), std::string::npos) << part << " in:\n" << shown.out;
   const Finished errors = program.Run({"show", file, "--error", "position"});
   EXPECT_EQ(errors.status, 0) << errors.err;

@@ -1,7 +1,7 @@
 // The panels of a figure over the axes: lines for axes of numbers, rows of dots for axes of texts.
 import * as Plot from '@observablehq/plot';
 import { axisTitle, valueText } from './document.js';
-import { style } from './palette.js';
+import { budgetStyle, style } from './palette.js';
 import { thin } from './pooled.js';
 import { labelMargin, rowAxes, scale, valueScale } from './scales.js';
 
@@ -81,7 +81,7 @@ function seriesMarks(series, theme, { at, dx }) {
 }
 
 /** Lines over an axis of numbers. */
-function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
+function linePanel(rows, { theme, colours, x, y, xLabel, yLabel, budget }) {
   const aside = asides(colours);
   const isLast = (i) => Number(i === theme.highlight);
   const series = seriesOf(rows).sort((a, b) => isLast(a[0].colour) - isLast(b[0].colour));
@@ -95,6 +95,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
         const own = rows.filter((row) => row.colour === i);
         marks.push(...dots(own, theme, { x: at, y: 'value', dx: aside(i) }, `hot hot-${i + 1}`));
       }
+    if (budget !== null) marks.push(Plot.ruleY([budget], budgetStyle(theme)));
     return {
       width,
       height,
@@ -110,7 +111,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel }) {
 }
 
 /** Dots in rows: the texts vertically, the quantity horizontally. */
-function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
+function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel, budget }) {
   return ({ width, height }) => {
     const y = (row) => row.xIndex;
     const spread = rowsShown.colours.length > 1 ? Math.min(18 / rowsShown.colours.length, 6) : 0;
@@ -130,13 +131,14 @@ function rowPanel(rows, { theme, scaleX, rowsShown, label, margin, xLabel }) {
       );
       marks.push(...dots(own, theme, { y, x: 'value', dy }, `hot hot-${colour + 1}`));
     }
+    if (budget !== null) marks.push(Plot.ruleX([budget], budgetStyle(theme)));
     const axes = { margin, x: scaleX, xLabel: evenly(scaleX, xLabel), domain: rowsShown.values, labelOf: label };
     return { width, height, ...rowAxes(axes), marks };
   };
 }
 
 /** Dots in rows, with a panel for each value of the axis of panels. */
-export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true, missing = [] }) {
+export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = true, missing = [], budget = null }) {
   const [x] = axes;
   const isSingle = new Set(rows.map((row) => row.panel)).size <= 1;
   const values = [...new Set(rows.map((row) => row.xIndex))];
@@ -152,7 +154,7 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
   const each = (how.width - 22 * (perRow - 1)) / perRow;
   const margin = labelMargin(values.map(label), each);
   const scaleX = scale(
-    rows.flatMap((row) => [row.value, row.low, row.high]),
+    [...rows.flatMap((row) => [row.value, row.low, row.high]), budget],
     view.yScale,
     { room: Math.max(3, Math.floor((each - margin) / 55)) },
   );
@@ -171,6 +173,7 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
           label,
           margin,
           xLabel: yLabel,
+          budget,
         }),
         hot: hotOf(own, colours),
       };
@@ -179,10 +182,10 @@ export function textDrawing(doc, view, { rows, axes, how, yLabel, isSorted = tru
 }
 
 /** Lines, with a panel for each value of the axis of panels. */
-export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missing = [] }) {
+export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missing = [], budget = null }) {
   const [x, , panel] = axes;
   const y = scale(
-    rows.flatMap((row) => [row.value, row.low, row.high]),
+    [...rows.flatMap((row) => [row.value, row.low, row.high]), budget],
     view.yScale,
   );
   const colours = coloursOf(rows);
@@ -196,7 +199,7 @@ export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missin
       return {
         title: i < 0 ? '' : `${panel.name} ${valueText(panel, i)}`,
         hot: hotOf(own, colours),
-        options: linePanel(own, { theme: how.theme, colours, x: xOf, y, xLabel: axisTitle(x), yLabel }),
+        options: linePanel(own, { theme: how.theme, colours, x: xOf, y, xLabel: axisTitle(x), yLabel, budget }),
       };
     }),
   };

@@ -1,10 +1,10 @@
 // The spread of times: over the cycles of a run, as quantiles, and over its repeats.
 import * as Plot from '@observablehq/plot';
 import * as d3 from 'd3';
-import { pointText } from './document.js';
-import { number, short, timeUnit } from './format.js';
+import { budgetOf, budgetText, pointText } from './document.js';
+import { short, timeUnit } from './format.js';
 import { phaseOf, representatives, whereText } from './cycle_points.js';
-import { style } from './palette.js';
+import { budgetStyle, style } from './palette.js';
 import { extent, labelMargin, rowAxes, scale } from './scales.js';
 
 const rowHeight = 24;
@@ -60,12 +60,6 @@ const atText = (doc, view, chosen) => {
   const where = whereText(doc, view, chosen);
   return where ? [`At ${short(where, 200)}.`] : [];
 };
-
-/** The budget of the scenario in ns / `factor`, if it is one of this phase. */
-function budgetOf(doc, phase, factor) {
-  const { budget } = doc.raw;
-  return budget && budget.phase === phase ? budget.ns / factor : null;
-}
 
 function quantileMarks(rows, theme) {
   const ink = inkOf(theme);
@@ -131,13 +125,11 @@ export function describeDistributions(doc, view, { theme, width }) {
     panels: [
       rowsPanel(rows, { theme, chosen, x, label }, (...of) => [
         ...quantileMarks(...of),
-        ...(budget === null
-          ? []
-          : [Plot.ruleX([budget], { stroke: theme.ink, strokeWidth: 1.5, strokeDasharray: '5 3', className: 'budget' })]),
+        ...(budget === null ? [] : [Plot.ruleX([budget], budgetStyle(theme))]),
       ]),
     ],
     notes: [
-      ...(budget === null ? [] : [`Dashed: the budget, ${number(budget)} ${unit}.`]),
+      ...(budget === null ? [] : [`Dashed: the budget, ${budgetText(doc.raw.budget.ns)}.`]),
       'Line: least to greatest cycle. Pale: 5 to 95 % of the cycles. Dark: 25 to 75 %. Tick: median.',
       ...repeats,
       ...atText(doc, view, chosen),

@@ -1,5 +1,5 @@
 // Access to a results document (version 1), some parts of which may be missing.
-import { number, short } from './format.js';
+import { number, short, timeUnit } from './format.js';
 
 /**
  * @typedef {object} Axis
@@ -105,6 +105,18 @@ export function openDocument(json) {
     times,
     pooled: new Map((json.pooled ?? []).map((table) => [table.axes.join(), openPooled(table)])),
   };
+}
+
+/** The budget of the scenario in ns / `factor`, if it is one of this phase and the same at all points; else null. */
+export function budgetOf(doc, phase, factor) {
+  const { budget } = doc.raw;
+  return budget && budget.phase === phase && budget.ns !== null ? budget.ns / factor : null;
+}
+
+/** `4 ms`: a budget in ns. */
+export function budgetText(ns) {
+  const { unit, factor } = timeUnit(ns);
+  return `${Number((ns / factor).toPrecision(4))} ${unit}`;
 }
 
 /** @typedef {{value: (number|null)[], low?: (number|null)[], high?: (number|null)[]}} Estimates */

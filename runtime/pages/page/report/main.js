@@ -77,7 +77,7 @@ function sectionsOf(doc, figures, key) {
       isSingle(doc) ? 'Phases' : 'Over the axes',
       isSingle(doc) ? take('phases') : take('times', 'phases'),
     ],
-    parts.budget(doc) && ['budget', 'Within the budget', parts.budget(doc)],
+    parts.budget(doc) && ['budget', parts.budgetTitle(doc), parts.budget(doc)],
     has.ratios(doc) && ['paired', 'Detectors compared', take('rivals')],
     has.errors(doc) && ['accuracy', 'Error against run time', take('errors')],
     (has.cycles(doc) || doc.raw.distributions) && [

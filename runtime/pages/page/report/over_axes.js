@@ -1,7 +1,7 @@
 // A quantity over the axes (figures 4 and 5 of the paper).
 import { legendOf, lineDrawing, textDrawing } from './axis_panels.js';
 import { rowsOf, tableOf } from './axis_rows.js';
-import { quantities, statistics, valueText } from './document.js';
+import { budgetOf, budgetText, quantities, statistics, valueText } from './document.js';
 import { short } from './format.js';
 import { noTable } from './pooled.js';
 import { extent, poolNotes, unitOf } from './scales.js';
@@ -34,6 +34,7 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
   const has = new Set(drawn.map((row) => row.xIndex));
   const missing = axes[0] ? axes[0].values.map((_, i) => i).filter((i) => !has.has(i) && axes === found.axes) : [];
   const isRows = !axes[0] || axes[0].isText;
+  const budget = quantity.dimension === 'time' ? budgetOf(doc, quantity.id.slice(5), unit.factor) : null;
   const label = isSmall ? unit.unit : `${quantity.short}${unit.unit ? `, ${unit.unit}` : ''}`;
   const drawing = (isRows ? textDrawing : lineDrawing)(doc, view, {
     rows: drawn,
@@ -42,6 +43,7 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
     yLabel: label,
     height,
     missing,
+    budget,
   });
   const isTime = quantity.dimension === 'time';
   const statistic = isTime
@@ -57,6 +59,9 @@ export function describeQuantity(doc, view, plainHow, quantity, { height = 340, 
     ...drawing,
     notes: [
       statistic,
+      ...(budget === null
+        ? []
+        : [`Dashed: the budget, ${budgetText(doc.raw.budget.ns)}, which is for the 99th percentile of the cycles.`]),
       ...(missing.length > 0 && missing.length <= mostNamed
         ? [`No value at ${axes[0].name} ${missing.map((i) => short(valueText(axes[0], i), 40)).join(', ')}.`]
         : []),

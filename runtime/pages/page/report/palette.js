@@ -91,3 +91,11 @@ export function inkOn(colour) {
   const [red, green, blue] = [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
   return 0.2126 * red ** 2.2 + 0.7152 * green ** 2.2 + 0.0722 * blue ** 2.2 > 0.3 ? '#14171a' : '#ffffff';
 }
+
+/** The line of a budget. */
+export const budgetStyle = (theme) => ({
+  stroke: theme.ink,
+  strokeWidth: 1.5,
+  strokeDasharray: '5 3',
+  className: 'budget',
+});

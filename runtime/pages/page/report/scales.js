@@ -154,8 +154,9 @@ export function fixedText(doc, view) {
 /** `Bars: 95 % interval, by bootstrap over the 9 repeats.` */
 export function intervalText(doc) {
   const { name, text } = doc.raw.interval ?? {};
-  const how = text ? `, ${text[0].toLowerCase()}${text.slice(1)}` : '.';
-  return `Bars: ${name ?? 'interval'}${how}`;
+  const how = text ? `${text[0].toLowerCase()}${text.slice(1)}` : '';
+  if (name && how.startsWith(name)) return `Bars: ${how}`;
+  return `Bars: ${name ?? 'interval'}${how ? `, ${how}` : '.'}`;
 }
 
 /**

@@ -7,12 +7,12 @@ const certainties = { clear: 'clear', tie: 'a tie', unknown: 'not certain', faul
 const conclusionsAbove = 3; // number above the first figure
 const mostAlike = 2; // conclusions of one form in sentences; more are a table
 
-/** `4 detector × 2 quantity × 9 repeats, 300 cycles` */
+/** `4 values of detector × 2 of quantity × 9 repeats, 300 cycles` */
 export function sweepText(doc) {
   const { runs = {} } = doc.raw;
   const parts = doc.axes
     .filter((axis) => axis.values.length > 1)
-    .map((axis) => `${axis.values.length} ${short(axis.name, 60)}`);
+    .map((axis, i) => `${axis.values.length} ${i === 0 ? 'values of' : 'of'} ${short(axis.name, 60)}`);
   if (runs.repeats > 1) parts.push(`${runs.repeats} repeats`);
   const cycles = [...new Set(doc.raw.points?.cycles === undefined ? [] : [].concat(doc.raw.points.cycles))].filter(
     (value) => typeof value === 'number',
@@ -29,7 +29,7 @@ export function sweepText(doc) {
 function outcomes(doc) {
   const { runs = {} } = doc.raw;
   return [
-    ['good', doc.phases.length > 0 ? 'with valid times' : 'finished'],
+    ['good', doc.phases.length > 0 ? 'timed' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
     ['skipped', 'skipped'],
@@ -111,11 +111,16 @@ function effects(doc, list) {
   );
 }
 
-/** The conclusions above and below the first figure. The one that the figure shows comes first. */
+/**
+ * The conclusions above and below the first figure. The budget of the scenario comes first, then the one that the figure
+ * shows.
+ */
 export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
   const shown = given.find((each) => each.kind === kind);
-  const list = shown ? [shown, ...given.filter((each) => each !== shown)] : given;
+  const isBudget = (each) => each.kind === 'budget';
+  const rest = given.filter((each) => each !== shown && !isBudget(each));
+  const list = [...given.filter(isBudget), ...(shown ? [shown] : []), ...rest];
   if (list.length === 0)
     return [
       doc.count === 0
@@ -324,40 +329,44 @@ export function command(text) {
   return h('span', { class: 'command' }, h('code', {}, bdi(text)), button);
 }
 
+/** The heading of the budget. */
+export const budgetTitle = (doc) => `Within the budget of ${doc.raw.budget.text} (99th percentile)`;
+
 /** The points against the budget of the scenario. */
 export function budget(doc) {
   const { budget: found } = doc.raw;
   if (!found) return null;
-  const { unit, factor } = timeUnit(found.ns);
+  const { unit, factor } = timeUnit(Math.max(...found.points.map((each) => each.ns)));
   const time = (ns) => number(ns / factor);
+  const isNoisy = (each) => (each.at_least ?? null) !== null;
+  const fits = (each) => (each.fits === 'cannot tell' && isNoisy(each) ? 'cannot tell: noisy' : each.fits);
   const hasIntervals = found.points.some((each) => each.low !== null);
+  const columns = [
+    ['configuration', (each) => pointText(doc, each.point) || 'the only one'],
+    found.ns === null && [`budget, ${unit}`, (each) => time(each.ns)],
+    ['cycles above', (each) => count(each.above)],
+    ['of', (each) => count(each.cycles)],
+    [`99th percentile, ${unit}`, (each) => time(each.p99)],
+    hasIntervals && [doc.raw.interval?.name ?? 'interval', (each) => range(each.low / factor, each.high / factor)],
+    found.points.some(isNoisy) && [`at least, ${unit}`, (each) => (isNoisy(each) ? time(each.at_least) : '-')],
+    [`worst, ${unit}`, (each) => time(each.worst)],
+    ['fits', (each) => (each.fits === 'yes' ? 'yes' : h('strong', {}, fits(each)))],
+  ].filter(Boolean);
   return [
     table(
-      [
-        { label: 'configuration' },
-        { label: 'cycles above', isNumber: true },
-        { label: 'of', isNumber: true },
-        { label: `99th percentile, ${unit}`, isNumber: true },
-        ...(hasIntervals ? [{ label: doc.raw.interval?.name ?? 'interval', isNumber: true }] : []),
-        { label: `worst, ${unit}`, isNumber: true },
-        { label: 'fits' },
-      ],
-      found.points.map((each) => [
-        pointText(doc, each.point) || 'the only one',
-        count(each.above),
-        count(each.cycles),
-        time(each.p99),
-        ...(hasIntervals ? [range(each.low / factor, each.high / factor)] : []),
-        time(each.worst),
-        each.fits === 'yes' ? 'yes' : h('strong', {}, each.fits),
-      ]),
-      `Steps against the budget of ${time(found.ns)} ${unit}`,
+      columns.map(([label]) => ({ label, isNumber: !['configuration', 'fits'].includes(label) })),
+      found.points.map((each) => columns.map(([, cell]) => cell(each))),
+      'Steps against the budget',
     ),
     h(
       'p',
       { class: 'note' },
       `A configuration fits if the 99th percentile of the times of its cycles${hasIntervals ? ', with its interval,' : ''} `,
       'is within the budget. The worst is the longest cycle of any repeat, disturbances included.',
+      found.points.some(isNoisy)
+        ? ' At least: on a noisy machine, which only adds time, the 99th percentile of the fastest repeat of each cycle ' +
+            '(the median if there is one repeat). Only above the budget is the answer no.'
+        : '',
     ),
   ];
 }

@@ -142,6 +142,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"threads", "must not change what a detector finds"},
     {"expect", "is the verdict's"},
     {"budget", "is the report's"},
+    {"frame", "is the report's"},
     {"timeout", "is the schedule's"},
     {"memory", "is the schedule's"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
