@@ -63,8 +63,8 @@ class Model {
   /// `reference drifting from 0.35 s on` if the truth that a point is compared with is not sound;
   /// else empty.
   std::string ReferenceFaultOf(const MeasuredPoint& point) const;
-  /// Runs that failed or are void, references that failed, and detectors that missed pairs but are not
-  /// known to.
+  /// Runs that failed or are void, references that failed, and detectors that missed pairs but are
+  /// not known to.
   std::size_t bad_count() const;
 
   /// The same points by the 99th percentile of their cycles, which budgets are about.
