@@ -43,7 +43,8 @@ constexpr VerdictInfo kVerdicts[] = {
     {kClamped, "clamped",
      "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
     {kTunnelled, "tunnelled",
-     "an object passed through another, or its centre of mass is beyond a wall at the end, unless it fell over the edge of a floor"},
+     "an object passed through another, or its centre of mass is beyond a wall at the end, unless "
+     "it fell over the edge of a floor"},
     {kExploded, "exploded", "energy rose by more than its scale"},
     {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
     {kRemoved, "removed",
