@@ -175,10 +175,11 @@ TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
     return run.at[1] == 1 ? MadeUp{.status = results::Status::kMissing} : PartlyRun(run);
   });
   EXPECT_EQ(document["points"]["verdict"], json({"stable", "tunnelled", "stable", "tunnelled"}));
-  EXPECT_EQ(StabilityIn(document),
-            "2 of 4 configurations are stable (2 tunnelled). Along the number of objects: stable up "
-            "to 10, tunnelled from 40." +
-                kNothingChecked);
+  EXPECT_EQ(
+      StabilityIn(document),
+      "2 of 4 configurations are stable (2 tunnelled). Along the number of objects: stable up "
+      "to 10, tunnelled from 40." +
+          kNothingChecked);
 }
 
 TEST(ResultsDocument, HasBinsForTheCyclesThatRan) {

@@ -144,7 +144,8 @@ TEST(Select, ReadsTheValuesOfTheWholeFile) {
 TEST(Select, MakesTablesOfThePart) {
   const std::string text =
       WithForm({"x=2"}, [](const results::ResultFile& file) { return printers::Show(file).text; });
-  EXPECT_NE(text.find("2 runs (2 values of detector x 1 of x), 4 cycles"), std::string::npos) << text;
+  EXPECT_NE(text.find("2 runs (2 values of detector x 1 of x), 4 cycles"), std::string::npos)
+      << text;
   EXPECT_EQ(text.find("3.10"), std::string::npos) << text;
 }
 
