@@ -49,6 +49,7 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
+  AddPairs(model, by.front(), document);
   AddBudget(model, document);
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
@@ -64,7 +65,10 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
                              {.only_sound = options.only_sound, .statistic = options.statistic});
   if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
   Document document = {SummaryHead(model)};
-  for (const auto& by : ChooseTables(model, asked)) AddPhases(model, by, options.phases, document);
+  for (const auto& by : ChooseTables(model, asked)) {
+    AddPhases(model, by, options.phases, document);
+    AddPairs(model, by, document);
+  }
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);
