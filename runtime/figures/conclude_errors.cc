@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/conclusions.h"
+#include "runtime/figures/detectors.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/times.h"
 #include "runtime/terminal/table.h"
@@ -119,10 +118,6 @@ class ErrorConclusions {
   const ErrorFigures& figures_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Whether the truth is known well enough to tell the configurations apart.
 void ConcludeFloor(const Model& model, const schema::ErrorInfo& error, const ErrorFigures& figures,
                    std::vector<Conclusion>& all) {
@@ -160,19 +155,13 @@ class Order {
   }
 
   void Conclude(const schema::ErrorInfo& error, std::vector<Conclusion>& all) const {
-    constexpr std::size_t kLeast = 3;
-    double least = std::numeric_limits<double>::infinity(), most = -least;
-    std::size_t groups = 0;
+    double least = kNone, most = kNone;
     for (const auto& [key, points] : groups_) {
-      std::set<double> steps;
-      for (const Logs& logs : points) steps.insert(logs.timestep);
-      if (steps.size() < kLeast) continue;
-      ++groups;
-      const double order = Slope(points);
-      least = std::min(least, order);
-      most = std::max(most, order);
+      const double order = GrowthExponent(points);  // NaN for fewer than three time steps
+      least = std::fmin(least, order);
+      most = std::fmax(most, order);
     }
-    if (groups == 0) return;
+    if (std::isnan(least)) return;
     constexpr double kFlat = 0.25;
     const std::string range = most - least < 0.05 ? fmt::format("{:.2f}", (least + most) / 2)
                                                   : fmt::format("{:.2f} to {:.2f}", least, most);
@@ -189,10 +178,6 @@ class Order {
   }
 
  private:
-  struct Logs {
-    double timestep, error;
-  };
-
   /// Rows of several time steps, and rows that are not known to have an error, are left out.
   void Add(const Point& scene, const ErrorRow& row) {
     if (!row.MayBeOnFront() || row.IsBelowFloor() || !(row.error > 0)) return;
@@ -203,7 +188,7 @@ class Order {
     Point rest = row.row.at;
     for (std::size_t i = 0; i < rest.size(); ++i)
       if (IsOfTimeStep(figures_.rows[i])) rest[i] = 0;
-    groups_[{scene, rest}].push_back({std::log(timestep), std::log(row.error)});
+    groups_[{scene, rest}].emplace_back(timestep, row.error);
   }
 
   /// Whether the time step changes along an axis.
@@ -221,22 +206,10 @@ class Order {
     return known->second;
   }
 
-  static double Slope(const std::vector<Logs>& points) {
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (const Logs& point : points) {
-      x += point.timestep / static_cast<double>(points.size());
-      y += point.error / static_cast<double>(points.size());
-    }
-    for (const Logs& point : points) {
-      xx += (point.timestep - x) * (point.timestep - x);
-      xy += (point.timestep - x) * (point.error - y);
-    }
-    return xy / xx;
-  }
-
   const Model& model_;
   const ErrorFigures& figures_;
-  std::map<std::pair<Point, Point>, std::vector<Logs>> groups_;
+  /// Time steps and errors.
+  std::map<std::pair<Point, Point>, std::vector<std::pair<double, double>>> groups_;
   mutable std::map<std::size_t, bool> is_of_time_step_;
 };
 
