@@ -35,6 +35,22 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 
 }  // namespace
 
+void RecordPairFaults(const Scene& scene, std::vector<Pair> listed, std::uint64_t cycle,
+                      protocol::Recording& recording) {
+  const detectors::PairFaults faults = detectors::ComparePairs(scene, std::move(listed));
+  const auto put = [&](schema::IntSeries series, std::size_t count) {
+    constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
+    recording.Put(series, cycle, static_cast<std::int32_t>(std::min(count, kMost)));
+  };
+  put("exact_pairs", faults.exact);
+  put("missed_pairs", faults.missed);
+  put("phantom_pairs", faults.false_positives);
+  put("duplicate_pairs", faults.duplicate);
+  if (faults.first_missed && recording.header().message.str().empty())
+    recording.header().message = fmt::format("pair missed in cycle {}: {}", cycle,
+                                             detectors::OverlapText(scene, *faults.first_missed));
+}
+
 PairReferee::PairReferee(world::Engine& engine, protocol::Recording& recording)
     : engine_(engine),
       adapter_(dynamic_cast<detection::AdapterBroadPhase*>(engine.world().getBroadphase())),
@@ -103,14 +119,7 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
   scene.size = boxes_.size();
   scene.boxes = boxes_;
   scene.filters = filters_;
-  const detectors::PairFaults faults = detectors::ComparePairs(scene, ListedPairs());
-  if (faults.first_missed && recording_.header().message.str().empty())
-    recording_.header().message = fmt::format("pair missed in cycle {}: {}", cycle,
-                                              detectors::OverlapText(scene, *faults.first_missed));
-  recording_.Put("exact_pairs", cycle, static_cast<std::int32_t>(faults.exact));
-  recording_.Put("missed_pairs", cycle, static_cast<std::int32_t>(faults.missed));
-  recording_.Put("phantom_pairs", cycle, static_cast<std::int32_t>(faults.false_positives));
-  recording_.Put("duplicate_pairs", cycle, static_cast<std::int32_t>(faults.duplicate));
+  RecordPairFaults(scene, ListedPairs(), cycle, recording_);
 }
 
 void PairReferee::JudgeContacts(std::uint64_t cycle) {

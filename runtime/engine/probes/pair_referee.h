@@ -70,6 +70,11 @@ NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<Exact
 enum class ContactMaker { kNone, kDetector, kBullet };  // kNone: the broad phase did not list it
 ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies);
 
+/// Compares a list of pairs with brute force and records the counts of the cycle. The message of
+/// the recording becomes the first pair that any cycle missed.
+void RecordPairFaults(const Scene& scene, std::vector<Pair> listed, std::uint64_t cycle,
+                      protocol::Recording& recording);
+
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are
 /// compared with exact overlaps, in the poses that the detector saw. Requires that the run records

@@ -15,9 +15,9 @@
 
 #include "library/confinement.h"
 #include "library/detectors/detector.h"
-#include "library/detectors/exact_pairs.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
@@ -139,9 +139,6 @@ class Replay {
   /// Runs the same cycles again with a new detector, and compares its pairs with brute force.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
-    const auto put = [&](schema::IntSeries series, std::uint64_t cycle, std::size_t count) {
-      recording_.Put(series, cycle, Count(count));
-    };
     const detection::NamedDetector detector = Prepared();
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
       traced_.MoveTo(i);
@@ -149,15 +146,7 @@ class Replay {
       detector.detector->FindPairs(traced_.scene(), pairs_);
       CheckPairs(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
-      const detectors::PairFaults faults = detectors::ComparePairs(traced_.scene(), pairs_);
-      if (faults.first_missed && recording_.header().message.str().empty())
-        recording_.header().message =
-            fmt::format("pair missed in cycle {}: {}", i - warmup_,
-                        detectors::OverlapText(traced_.scene(), *faults.first_missed));
-      put("exact_pairs", i - warmup_, faults.exact);
-      put("missed_pairs", i - warmup_, faults.missed);
-      put("phantom_pairs", i - warmup_, faults.false_positives);
-      put("duplicate_pairs", i - warmup_, faults.duplicate);
+      probes::RecordPairFaults(traced_.scene(), pairs_, i - warmup_, recording_);
     }
   }
 
