@@ -115,9 +115,9 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
                                  runs == 1 ? "run" : "runs", grid.empty() ? "" : " = " + grid,
                                  skipped > 0 ? fmt::format(", {:.0f} skipped", skipped) : "");
   if (!plan.references.empty())
-    text +=
-        fmt::format("  compared with {} reference runs, half of them perturbed: cdb doc accuracy\n",
-                    plan.references.size());
+    text += fmt::format(
+        "  compared with {} reference runs, half of which check the others: cdb doc accuracy\n",
+        plan.references.size());
   terminal::Table table;
   table.AddColumn("run", false);
   for (const plan::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());

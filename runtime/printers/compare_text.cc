@@ -289,7 +289,7 @@ class ComparisonText {
            fmt::format("{}", fact.points),
            fmt::format("{}: {}", PlaceOf(of_, most.point), ChangeText(most))});
     }
-    facts.notes = {"Other: neither better nor worse, or an error within its noise floor."};
+    facts.notes = {"Other: neither better nor worse, or an error within its floor."};
     return facts;
   }
 

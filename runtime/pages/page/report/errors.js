@@ -185,7 +185,7 @@ function columnsOf(rows, name, unit) {
     ['given', `${name} error${unit ? `, ${unit}` : ''}`, true],
     ['errorLow', 'error low', true],
     ['errorHigh', 'error high', true],
-    ['floor', 'noise floor', true],
+    ['floor', 'floor', true],
     ['state', 'front'],
   ]
     .map(([key, label, isNumber = false]) => ({ key, label, isNumber }))
@@ -204,7 +204,7 @@ function notesOf(doc, view, rows, info) {
     `Speed: ${statistic.charAt(0).toLowerCase()}${statistic.slice(1)}, divided by the time step.`,
     rows.some((row) => row.speedLow !== null) ? intervalText(doc) : 'No intervals of the speed: one repeat.',
     ...some((row) => row.errorLow !== null, 'Bars of errors: over the seeds.'),
-    ...some((row) => row.given < row.floor, 'An error below its noise floor is not known, and is drawn at the floor.'),
+    ...some((row) => row.given < row.floor, 'An error below its floor is not known, and is drawn at the floor.'),
     ...some((row) => row.given <= 0, 'An error of 0 is drawn at the lower edge.'),
     ...some((row) => row.isVoid, 'Hollow: the verdict voids the time.'),
   ];
