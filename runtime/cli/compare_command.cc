@@ -1,5 +1,6 @@
 // `cdb compare`: compares two results files of one benchmark, or several in order.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "runtime/cli/report_page.h"
 #include "runtime/printers/compare.h"
 #include "runtime/protocol/series.h"
+#include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -23,7 +25,7 @@ namespace fs = std::filesystem;
 
 struct CompareArguments {
   std::vector<std::string> files;  ///< results files, or folders of them
-  std::string fail_above = "5%";
+  std::vector<std::string> fail_above, fail_if, allow;
   std::string phase;  ///< empty: all
   std::string out;    ///< the page; empty: compare.html
   std::vector<std::string> select;
@@ -41,6 +43,54 @@ std::optional<protocol::Phase> ParsePhase(const std::string& name) {
   return static_cast<protocol::Phase>(found - names.begin());
 }
 
+figures::Finding ParseFinding(const std::string& option, const std::string& word) {
+  std::vector<std::string_view> words;
+  for (const figures::FindingInfo& info : figures::Findings()) {
+    if (info.word == word) return info.finding;
+    words.push_back(info.word);
+  }
+  throw options::CommandError(fmt::format(
+      "{} {}: {}", option, word,
+      options::Suggestion(word, words, fmt::format("there are {}", fmt::join(words, ", ")))));
+}
+
+/// `5%` for all findings that have a limit, `memory=2%` for one.
+void SetLimit(figures::Gate& gate, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string percent = equals == text.npos ? text : text.substr(equals + 1);
+  const double limit = options::ParsePercent("--fail-above", percent);
+  if (limit > 0 && limit < 0.01 && !percent.ends_with('%'))
+    throw options::CommandError(fmt::format(
+        "--fail-above {0}: write {0}% for a limit of {0} %, or {1:g}% for the fraction {0}",
+        percent, 1e4 * limit));
+  std::vector<std::string_view> words;
+  for (const figures::FindingInfo& info : figures::Findings()) {
+    if (!info.has_limit) continue;
+    words.push_back(info.word);
+    if (equals == text.npos || info.word == text.substr(0, equals))
+      gate.SetLimit(info.finding, limit);
+  }
+  if (equals != text.npos && std::ranges::count(words, text.substr(0, equals)) == 0)
+    throw options::CommandError(
+        fmt::format("--fail-above {}: only {} have a limit", text, fmt::join(words, ", ")));
+}
+
+/// Limits of one finding count over those of all, whatever their order.
+figures::Gate GateOf(const CompareArguments& arguments) {
+  figures::Gate gate;
+  for (const bool is_of_one : {false, true})
+    for (const std::string& text : arguments.fail_above)
+      if ((text.find('=') != text.npos) == is_of_one) SetLimit(gate, text);
+  for (const std::string& word : arguments.fail_if)
+    gate.SetFails(ParseFinding("--fail-if", word), true);
+  for (const std::string& word : arguments.allow) {
+    if (std::ranges::count(arguments.fail_if, word) > 0)
+      throw options::CommandError(fmt::format("--fail-if and --allow both name {}", word));
+    gate.SetFails(ParseFinding("--allow", word), false);
+  }
+  return gate;
+}
+
 figures::CompareOptions OptionsOf(const CompareArguments& arguments) {
   if (arguments.files.size() < 2)
     throw options::CommandError(
@@ -51,8 +101,7 @@ figures::CompareOptions OptionsOf(const CompareArguments& arguments) {
                          {"--page", arguments.is_page}});
   if (!arguments.out.empty() && !arguments.is_page)
     throw options::CommandError("-o names the page: it needs --page");
-  return {arguments.select, ParsePhase(arguments.phase),
-          options::ParsePercent("--fail-above", arguments.fail_above), arguments.is_relative,
+  return {arguments.select, ParsePhase(arguments.phase), GateOf(arguments), arguments.is_relative,
           arguments.lists_all};
 }
 
@@ -85,10 +134,10 @@ std::set<std::string> ResultsIn(const std::string& folder) {
   return names;
 }
 
-/// The files of each benchmark, in the order of the arguments. `unmatched` receives the files that
-/// are not in all of the folders.
+/// The files of each benchmark, in the order of the arguments. Files that are not in all folders
+/// are noted in `comparisons`.
 std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& arguments,
-                                              std::vector<std::string>& unmatched) {
+                                              figures::Comparisons& comparisons) {
   std::error_code error;
   const auto folders = std::ranges::count_if(
       arguments, [&](const std::string& path) { return fs::is_directory(path, error); });
@@ -109,9 +158,12 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
       if (of_folders[i].contains(name)) paths.push_back((fs::path(arguments[i]) / name).string());
     if (paths.size() == arguments.size()) {
       files.push_back(std::move(paths));
-    } else {
-      unmatched.insert(unmatched.end(), paths.begin(), paths.end());
+      continue;
     }
+    auto& unmatched = comparisons.unmatched;
+    if (!of_folders.back().contains(name))
+      comparisons.missing.insert(comparisons.missing.end(), paths.begin(), paths.end());
+    unmatched.insert(unmatched.end(), paths.begin(), paths.end());
   }
   if (files.empty())
     throw options::CommandError(
@@ -120,89 +172,81 @@ std::vector<std::vector<std::string>> FilesOf(const std::vector<std::string>& ar
 }
 
 /// Throws StoreError.
-std::vector<figures::BenchmarkHistory> ReadAll(const std::vector<std::vector<std::string>>& files,
-                                               const figures::CompareOptions& options) {
-  std::vector<figures::BenchmarkHistory> benchmarks;
-  for (const std::vector<std::string>& paths : files)
-    benchmarks.push_back(
-        figures::MakeHistory({paths.begin(), paths.end()}, NamesOf(paths), options));
-  figures::JudgeHistories(benchmarks, options);
-  return benchmarks;
-}
-
-/// `names`: the names of the files or folders on the command line.
-printers::Document DocumentOf(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                              const std::vector<std::string>& names,
-                              const std::vector<std::string>& unmatched,
-                              const figures::CompareOptions& options) {
-  printers::Document document;
-  if (!unmatched.empty())
-    document.push_back({.title = "Not compared, because not in all folders", .lines = unmatched});
-  if (benchmarks[0].files.size() > 2) {
-    printers::Document history = printers::HistoryDocument(benchmarks, names, options);
-    std::ranges::move(history, std::back_inserter(document));
-    return document;
+void ReadAll(const std::vector<std::vector<std::string>>& files,
+             const figures::CompareOptions& options, figures::Comparisons& comparisons) {
+  for (const std::vector<std::string>& paths : files) {
+    const std::vector<std::string> names = NamesOf(paths);
+    try {
+      comparisons.benchmarks.push_back(
+          figures::MakeHistory({paths.begin(), paths.end()}, names, options));
+    } catch (const figures::UnlikeScenes& unlike) {
+      comparisons.unlike.push_back(
+          {results::ResultFile(paths[0]).benchmark(), unlike.what(), names, unlike.differences});
+    }
   }
-  for (const figures::BenchmarkHistory& benchmark : benchmarks) {
-    printers::Document sections = printers::CompareDocument(benchmark.steps[0], options);
-    std::ranges::move(sections, std::back_inserter(document));
-  }
-  return document;
+  figures::JudgeHistories(comparisons.benchmarks, options);
 }
 
 /// Reports of the files follow the comparison, unless it is of several benchmarks.
-void WriteComparison(const CompareArguments& arguments,
-                     const std::vector<figures::BenchmarkHistory>& benchmarks,
+void WriteComparison(const CompareArguments& arguments, const figures::Comparisons& comparisons,
                      const std::vector<std::vector<std::string>>& files,
-                     const std::vector<std::string>& unmatched,
                      const figures::CompareOptions& options) {
-  const std::vector<std::string> names = NamesOf(arguments.files);
   const PageDocuments reports = files.size() == 1 ? ReadPageDocuments(files[0]) : PageDocuments();
-  std::vector<std::string> shown = unmatched;
+  std::vector<std::string> shown = comparisons.unmatched;
   for (const std::vector<std::string>& paths : files)
     shown.insert(shown.end(), paths.begin(), paths.end());
   WriteReportPage(
       arguments.out.empty() ? "compare.html" : arguments.out,
-      fmt::format("{} compared with {}", names.back(), names.front()),
+      fmt::format("{} compared with {}", comparisons.names.back(), comparisons.names.front()),
       fmt::format("{{\"comparison\":{},\"documents\":[{}]}}",
-                  printers::ComparePageJson(benchmarks, names, unmatched, options), reports.json),
+                  printers::ComparePageJson(comparisons, options), reports.json),
       shown);
 }
 
 options::ExitStatus CompareResults(const CompareArguments& arguments) {
   const figures::CompareOptions options = OptionsOf(arguments);
-  std::vector<std::string> unmatched;
-  const auto files = FilesOf(arguments.files, unmatched);
-  const auto benchmarks = ReadAll(files, options);
+  figures::Comparisons comparisons;
+  comparisons.names = NamesOf(arguments.files);
+  const auto files = FilesOf(arguments.files, comparisons);
+  ReadAll(files, options, comparisons);
   if (arguments.is_page) {
-    WriteComparison(arguments, benchmarks, files, unmatched, options);
+    WriteComparison(arguments, comparisons, files, options);
+    terminal::Print(printers::Headline(comparisons, options) + "\n");
   } else if (arguments.is_json) {
-    terminal::PrintJson(printers::CompareJson(benchmarks, unmatched, options));
+    terminal::PrintJson(printers::CompareJson(comparisons, options));
+  } else if (arguments.is_markdown) {
+    terminal::Print(printers::PullRequestText(comparisons, options));
   } else {
-    const printers::Document document =
-        DocumentOf(benchmarks, NamesOf(arguments.files), unmatched, options);
-    terminal::Print(printers::TextOf(document, arguments.is_markdown ? printers::Format::kMarkdown
-                                               : arguments.is_latex  ? printers::Format::kLatex
-                                                                     : printers::Format::kWrapped));
+    terminal::Print(printers::TextOf(
+        printers::AllDocument(comparisons, options),
+        arguments.is_latex ? printers::Format::kLatex : printers::Format::kWrapped));
   }
-  const bool is_worse = std::ranges::any_of(benchmarks, [&](const auto& benchmark) {
-    return !figures::WorseThings(benchmark.Whole(), options).empty();
-  });
-  return is_worse ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
+  if (!comparisons.unlike.empty()) return options::ExitStatus::kOtherScenes;
+  return comparisons.IsFailed(options) ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
 }
 
 void DeclareCompare(options::Subcommand& command) {
   const auto arguments = std::make_shared<CompareArguments>();
   command.Required("FILES", arguments->files,
                    "two results files of one benchmark, several in order, or folders of them");
-  command.Optional("--fail-above", arguments->fail_above,
-                   "exit status 4 if something is worse by more than this (5%)");
-  command.Optional("--phase", arguments->phase, "only this phase (detect)");
+  command.ShortList("--fail-if", arguments->fail_if,
+                    "exit status 4 also if physics differs (physics), or a time cannot be told "
+                    "(unsure)");
+  command.ShortList("--allow", arguments->allow,
+                    "do not fail if something is of this kind: slower, memory, stability, "
+                    "accuracy, missing, scenes");
+  command.ShortList("--fail-above", arguments->fail_above,
+                    "the limit of slower, memory and accuracy (default: 5%), or of one of them "
+                    "(memory=2%)");
+  command.Optional(
+      "--phase", arguments->phase,
+      fmt::format("only this phase: {} (default: all)", fmt::join(protocol::PhaseNames(), ", ")));
   command.ShortList("--select", arguments->select, "only points with this value (detector=sap)");
   command.Flag("--relative", arguments->is_relative,
                "judge each detector relative to the median of all");
   command.Flag("--all", arguments->lists_all, "list every point, also unchanged ones");
-  command.Flag("--markdown", arguments->is_markdown, "print Markdown, for a pull request");
+  command.Flag("--markdown", arguments->is_markdown,
+               "print a summary in Markdown, for a pull request, with the rest folded");
   command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
   command.Flag("--json", arguments->is_json, "print JSON, for scripts");
   command.Flag("--page", arguments->is_page, "write a page of figures for a browser");
@@ -212,8 +256,8 @@ void DeclareCompare(options::Subcommand& command) {
 
 }  // namespace
 
-/// Prints the changes between results files. Exit status 4 if something is worse by more than
-/// --fail-above.
+/// Prints the changes between results files. Exit status 4 if something of --fail-if is found, 5 if
+/// the scenes of a benchmark differ.
 options::Command CompareCommand() {
   return {.name = "compare",
           .help = "report the changes from one results file to another",

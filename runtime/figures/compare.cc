@@ -64,9 +64,9 @@ class Matcher {
     ChooseAxes();
     MatchPoints();
     if (match_.points.empty())
-      throw files::StoreError(fmt::format("{} and {} have no point in common: {}; {}", a_.of.name,
-                                          b_.of.name, FirstOf(a_, match_.only_a),
-                                          FirstOf(b_, match_.only_b)));
+      throw UnlikeScenes(fmt::format("{} and {} have no point in common: {}; {}", a_.of.name,
+                                     b_.of.name, FirstOf(a_, match_.only_a),
+                                     FirstOf(b_, match_.only_b)));
     return std::move(match_);
   }
 
@@ -85,7 +85,7 @@ class Matcher {
   /// For an axis that the other file lacks.
   void IgnoreAxis(const ComparedFile& of, const plan::Axis& axis) {
     if (axis.values.size() > 1)
-      throw files::StoreError(fmt::format(
+      throw UnlikeScenes(fmt::format(
           "only {} has the axis '{}' ({}): choose one of its values, such as --select {}={}",
           of.name, axis.name, ValuesText(axis), axis.name, terminal::CoordinateText(axis, 0)));
     match_.notes.push_back(fmt::format("only {} has the axis {}, with the value {}", of.name,
@@ -193,6 +193,19 @@ bool IsOfTheScene(std::string_view name) {
   return parameter == nullptr || parameter->concern != schema::Concern::kMeasurement;
 }
 
+/// As a scenario writes it: `1/300` for a time step, `0xAAAAAAAAAA` for a large seed.
+std::string SettingText(const schema::Parameter& parameter, const schema::Value& value) {
+  if (const auto* number = std::get_if<schema::Number>(&value)) {
+    const double inverse = 1 / number->AsReal();
+    if (parameter.unit == "s" && inverse > 1.5 &&
+        std::fabs(inverse - std::round(inverse)) < 1e-9 * inverse)
+      return fmt::format("1/{:.0f}", inverse);
+    if (parameter.name == "seed" && number->AsReal() >= 1e9)
+      return fmt::format("{:#X}", number->AsCount()).replace(0, 2, "0x");
+  }
+  return schema::LabelOf(value);
+}
+
 /// The parameters that differ between the scenes, by name, with the distinct values of both files.
 class SceneDifferences {
  public:
@@ -208,7 +221,9 @@ class SceneDifferences {
         AddSettings(name_a + ".", a.groups[i].settings, b.groups[i].settings);
       }
     }
-    if (a.seeds != b.seeds) AddTexts("random streams", "other seeds", "other seeds");
+    // The streams follow from the distributions, and their seeds from `seed`.
+    if (a.seeds != b.seeds && a.world.Count("seed") == b.world.Count("seed"))
+      AddTexts("random streams", StreamsOnlyIn(a, b), StreamsOnlyIn(b, a));
     for (const schema::PluginDetector& plugin : a.plugins) {
       const auto other = std::ranges::find(b.plugins, plugin.name, &schema::PluginDetector::name);
       if (other != b.plugins.end() && other->sha256 != plugin.sha256)
@@ -238,6 +253,14 @@ class SceneDifferences {
     return texts.size() > kMostTexts ? text + ", …" : text;
   }
 
+  /// `objects.size`; `-` if there is none.
+  static std::string StreamsOnlyIn(const plan::Scene& scene, const plan::Scene& other) {
+    std::string names;
+    for (const auto& [name, seed] : scene.seeds)
+      if (!other.seeds.contains(name)) names += (names.empty() ? "" : " ") + name;
+    return names.empty() ? "-" : names;
+  }
+
   void AddTexts(const std::string& name, const std::string& a, const std::string& b) {
     auto& [of_a, of_b] = found_[name];
     if (std::ranges::find(of_a, a) == of_a.end()) of_a.push_back(a);
@@ -249,7 +272,8 @@ class SceneDifferences {
       if (parameter.grouped == group.empty()) continue;
       const schema::Value &of_a = a.ValueOf(parameter), &of_b = b.ValueOf(parameter);
       if (of_a != of_b)
-        AddTexts(group + std::string(parameter.name), schema::LabelOf(of_a), schema::LabelOf(of_b));
+        AddTexts(group + std::string(parameter.name), SettingText(parameter, of_a),
+                 SettingText(parameter, of_b));
     }
   }
 
@@ -263,16 +287,15 @@ std::map<Point, const plan::Scene*> ScenesOf(const plan::Plan& plan) {
   return scenes;
 }
 
-std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedFile& b,
-                                          const PointMatch& match,
-                                          std::vector<std::string>& notes) {
+void ComparePlans(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
+                  SetupComparison& setup) {
   for (const ComparedFile* of : {&a, &b})
     if (!of->plan)
-      notes.push_back(
+      setup.notes.push_back(
           fmt::format("{} was written by a version of cdb with other plans, so its scenes cannot "
                       "be compared: make sure that they are the same as those of the other file",
                       of->name));
-  if (!a.plan || !b.plan) return {};
+  if (!a.plan || !b.plan) return;
   const auto scenes_a = ScenesOf(*a.plan), scenes_b = ScenesOf(*b.plan);
   SceneDifferences differences;
   for (const MatchedPoint& point : match.points) {
@@ -280,17 +303,19 @@ std::vector<SetupDifference> ComparePlans(const ComparedFile& a, const ComparedF
     if (of_a != scenes_a.end() && of_b != scenes_b.end())
       differences.Add(*of_a->second, *of_b->second);
   }
+  setup.scenes = differences.List(true);
+  setup.parameters = differences.List(false);
+}
+
+void RefuseUnlikeScenes(const ComparedFile& a, const ComparedFile& b,
+                        const std::vector<SetupDifference>& scenes) {
   std::string unlike;
-  for (const SetupDifference& of : differences.List(true))
+  for (const SetupDifference& of : scenes)
     unlike += fmt::format("{}{} ({} in {}, {} in {})", unlike.empty() ? "" : "; ", of.name, of.a,
                           a.name, of.b, b.name);
   if (!unlike.empty())
-    throw files::StoreError(
-        fmt::format("{} and {} have different scenes: {}; a difference between them could be due "
-                    "to the scenes. Run the same scenario for both, or sweep the parameter in one "
-                    "file and use `cdb show`",
-                    a.name, b.name, unlike));
-  return differences.List(false);
+    throw UnlikeScenes(fmt::format("{} and {} have different scenes: {}", a.name, b.name, unlike),
+                       scenes);
 }
 
 /// The start times of the runs of a file, s since 1970; sorted.
@@ -307,13 +332,17 @@ std::vector<double> StartsOf(const ComparedFile& of) {
 /// Adds a note if the machine may have changed between the files. No note for two machines, or if
 /// the times are unknown.
 void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupComparison& setup) {
-  if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) return;
+  if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) {
+    setup.doubt = "the machines differ";
+    return;
+  }
   const std::vector<double> of_a = StartsOf(a), of_b = StartsOf(b);
   if (of_a.empty() || of_b.empty()) return;
   const double both = std::fmin(of_a.back(), of_b.back()) - std::fmax(of_a[0], of_b[0]);
   const double shorter = std::fmin(of_a.back() - of_a[0], of_b.back() - of_b[0]);
   setup.is_interleaved = both > shorter / 2;
   if (setup.is_interleaved) return;
+  setup.doubt = "the runs were not interleaved";
   const bool a_first = of_a[0] < of_b[0];
   const double gap = a_first ? of_b[0] - of_a.back() : of_a[0] - of_b.back();
   setup.notes.push_back(
@@ -326,15 +355,14 @@ void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupCompari
                                : fmt::format("{:.0f} days", gap / 86400)));
 }
 
-/// Throws StoreError as MatchPoints does; for different benchmarks, the message begins with that.
+/// Throws UnlikeScenes as MatchPoints does; for different benchmarks, the message begins with that.
 PointMatch MatchBenchmarks(const ComparedFile& a, const ComparedFile& b) {
   try {
     return MatchPoints(a, b);
-  } catch (const files::StoreError& error) {
+  } catch (const UnlikeScenes& error) {
     if (a.file.benchmark() == b.file.benchmark()) throw;
-    throw files::StoreError(fmt::format("{} has the benchmark '{}', but {} has '{}': {}", a.name,
-                                        a.file.benchmark(), b.name, b.file.benchmark(),
-                                        error.what()));
+    throw UnlikeScenes(fmt::format("{} has the benchmark '{}', but {} has '{}': {}", a.name,
+                                   a.file.benchmark(), b.name, b.file.benchmark(), error.what()));
   }
 }
 
@@ -361,7 +389,7 @@ PointMatch MatchPoints(const ComparedFile& a, const ComparedFile& b) {
 SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match) {
   SetupComparison setup;
-  setup.parameters = ComparePlans(a, b, match, setup.notes);
+  ComparePlans(a, b, match, setup);
   if (a.file.benchmark() != b.file.benchmark())
     setup.parameters.insert(setup.parameters.begin(),
                             {"benchmark", a.file.benchmark(), b.file.benchmark()});
@@ -383,6 +411,7 @@ FileComparison CompareFiles(const ComparedFile& a, const ComparedFile& b,
                             const CompareOptions& options) {
   FileComparison made = {&a, &b, MatchBenchmarks(a, b), {}, {}, {}, {}};
   made.setup = CompareSetups(a, b, made.match);
+  if (options.gate.Fails(Finding::kScenes)) RefuseUnlikeScenes(a, b, made.setup.scenes);
   made.states = CompareStates(a, b, made.match);
   made.facts = CompareFacts(a, b, made.match);
   made.times = CompareTimes(a, b, made.match, options.phase);
@@ -396,26 +425,6 @@ FileComparison CompareFiles(const ComparedFile& a, const ComparedFile& b,
 
 const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& options) {
   return options.is_relative ? change.relative : change.absolute;
-}
-
-std::vector<std::string> WorseThings(const FileComparison& comparison,
-                                     const CompareOptions& options) {
-  std::vector<std::string> worse;
-  const auto add = [&](const std::string& place, protocol::Phase phase) {
-    worse.push_back(fmt::format("{} {}", place, PhaseName(phase)));
-  };
-  for (const FactComparison& fact : comparison.facts)
-    if (fact.IsWorse(options.margin)) worse.push_back(fact.name);
-  for (const TimedGroup& group : comparison.times.groups)
-    for (const TimeChange& change : group.phases)
-      if (JudgementOf(change, options).IsSlowerThan(options.margin)) add(group.name, change.phase);
-  if (options.is_relative || comparison.times.points.size() == comparison.times.groups.size())
-    return worse;
-  for (const TimedPoint& point : comparison.times.points)
-    for (const TimeChange& change : point.phases)
-      if (change.absolute.IsSlowerThan(options.margin))
-        add(comparison.match.points[point.point].PlaceText(comparison.match.axes), change.phase);
-  return worse;
 }
 
 BenchmarkHistory MakeHistory(const std::vector<std::filesystem::path>& paths,
@@ -436,7 +445,7 @@ void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOpti
   for (BenchmarkHistory& benchmark : benchmarks)
     for (auto* comparisons : {&benchmark.steps, &benchmark.to_first})
       for (FileComparison& of : *comparisons) all.push_back(&of.times);
-  JudgeTimes(all, options.margin);
+  JudgeTimes(all, options.gate.LimitOf(Finding::kSlower));
 }
 
 }  // namespace cdb::figures

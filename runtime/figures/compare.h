@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/gate.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/points.h"
 #include "runtime/protocol/series.h"
@@ -60,13 +61,23 @@ struct SetupDifference {
 };
 
 struct SetupComparison {
+  /// Equal builds on one machine differ by less, even if its load or clock changed in between.
+  static constexpr double kDrift = 0.5;
+
   std::vector<SetupDifference> machine;     ///< machine, build and versions
-  std::vector<SetupDifference> parameters;  ///< parameters of the runs, and plug-ins
+  std::vector<SetupDifference> scenes;      ///< parameters that make another scene
+  std::vector<SetupDifference> parameters;  ///< other parameters of the runs, and plug-ins
   std::vector<std::string> notes;           ///< warnings about builds and occasions, in sentences
   bool is_interleaved = false;              ///< the runs of both files are interleaved in time
+  /// The reason why a change of times may be one of the machine: `the runs were not interleaved`.
+  std::string doubt = {};
+
+  /// The limit above which a slower time is certain.
+  double LimitOfTimes(double limit) const {
+    return doubt.empty() || limit > kDrift ? limit : kDrift;
+  }
 };
-/// Compares the provenance of two files, and the scenes of their matched points. Throws StoreError,
-/// with the remedy, if parameters of the scene differ.
+/// Compares the provenance of two files, and the scenes of their matched points.
 SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match);
 
@@ -183,8 +194,8 @@ void JudgeTimes(const std::vector<TimeComparison*>& comparisons, double margin);
 struct CompareOptions {
   std::vector<std::string> select = {};       ///< `axis=value`
   std::optional<protocol::Phase> phase = {};  ///< only this phase
-  /// A value that is worse by more than this is a failure; values that differ by less are the same.
-  double margin = 0.05;
+  /// What fails. Times that differ by less than its limit are the same.
+  Gate gate = Gate();
   /// Groups are judged relative to the median of all groups.
   bool is_relative = false;
   bool lists_all = false;  ///< list every point, also those that did not change
@@ -199,16 +210,23 @@ struct FileComparison {
   std::vector<FactComparison> facts;
   TimeComparison times;
 };
-/// Throws StoreError for unlike scenes, for points that do not match, and if the options request
-/// data that the files lack. The changes are not judged yet.
+/// The two files cannot be compared, because they have other scenes or points.
+struct UnlikeScenes : files::StoreError {
+  explicit UnlikeScenes(const std::string& why, std::vector<SetupDifference> differences_of = {})
+      : StoreError(why), differences(std::move(differences_of)) {}
+  std::vector<SetupDifference> differences;  ///< of the scenes
+};
+/// Throws UnlikeScenes, also for unlike scenes unless the gate allows them, and StoreError if the
+/// options request data that the files lack. The changes are not judged yet.
 FileComparison CompareFiles(const ComparedFile& a, const ComparedFile& b,
                             const CompareOptions& options);
 
 /// The judgement that the options select.
 const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& options);
-/// Groups, facts and points that are slower or worse by more than the margin: `sap step`.
-std::vector<std::string> WorseThings(const FileComparison& comparison,
-                                     const CompareOptions& options);
+/// What is worse by more than the limits, or unsure, whether it fails or not: implemented in
+/// gate.cc.
+std::vector<Found> FindingsOf(const FileComparison& comparison, const CompareOptions& options);
+bool IsFailed(const FileComparison& comparison, const CompareOptions& options);
 
 struct BenchmarkHistory {
   std::vector<std::unique_ptr<ComparedFile>> files;  ///< two or more
@@ -225,5 +243,24 @@ BenchmarkHistory MakeHistory(const std::vector<std::filesystem::path>& paths,
                              const std::vector<std::string>& names, const CompareOptions& options);
 /// Judges all steps, corrected for the tests of all benchmarks together.
 void JudgeHistories(std::vector<BenchmarkHistory>& benchmarks, const CompareOptions& options);
+
+/// A benchmark that was not compared, because its files have other scenes.
+struct UnlikeBenchmark {
+  std::string name, why;
+  std::vector<std::string> files;
+  std::vector<SetupDifference> differences;
+};
+
+/// All of a command.
+struct Comparisons {
+  std::vector<std::string> names;  ///< of the files or folders on the command line
+  std::vector<BenchmarkHistory> benchmarks;
+  std::vector<UnlikeBenchmark> unlike;
+  std::vector<std::string> unmatched;  ///< files that are not in all folders
+  std::vector<std::string> missing;    ///< those of them that the last folder lacks
+
+  bool IsHistory() const { return names.size() > 2; }
+  bool IsFailed(const CompareOptions& options) const;
+};
 
 }  // namespace cdb::figures

@@ -15,27 +15,43 @@ namespace cdb::printers {
 Document CompareDocument(const figures::FileComparison& comparison,
                          const figures::CompareOptions& options);
 
+/// All of a command, with a summary first if it has several benchmarks. Throws StoreError.
+Document AllDocument(const figures::Comparisons& comparisons,
+                     const figures::CompareOptions& options);
+
+/// The same for a pull request: a headline and one table, and the rest folded away.
+std::string PullRequestText(const figures::Comparisons& comparisons,
+                            const figures::CompareOptions& options);
+
+/// `FAIL (exit status 4): crowd: slower by more than 5 %: sap step`.
+std::string Headline(const figures::Comparisons& comparisons,
+                     const figures::CompareOptions& options);
+
 /// For several files: the differences from one to the next, then a line for each group with its
-/// ratio to the first file and the steps at which it changed. `names`: of the files, or of their
-/// folders.
-Document HistoryDocument(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                         const std::vector<std::string>& names,
+/// ratio to the first file and the steps at which it changed.
+Document HistoryDocument(const figures::Comparisons& comparisons,
                          const figures::CompareOptions& options);
 
 /// Every number of the comparisons; NaN is null. `cdb doc compare` describes the members.
-std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                        const std::vector<std::string>& unmatched,
+std::string CompareJson(const figures::Comparisons& comparisons,
                         const figures::CompareOptions& options);
 
-/// The same for a page, with the sections that a terminal shows. `names`: as for HistoryDocument.
-std::string ComparePageJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                            const std::vector<std::string>& names,
-                            const std::vector<std::string>& unmatched,
+/// The same for a page, with the sections that a terminal shows.
+std::string ComparePageJson(const figures::Comparisons& comparisons,
                             const figures::CompareOptions& options);
 
-/// A summary that stands alone: times, states, facts, and whether something is worse.
+/// A summary that stands alone: times, states, facts, and what fails.
 std::vector<std::string> ResultLines(const figures::FileComparison& comparison,
                                      const figures::CompareOptions& options);
+
+/// What fails, and what was found but is allowed.
+std::vector<std::string> GateLines(const figures::FileComparison& comparison,
+                                   const figures::CompareOptions& options);
+
+/// The sections of no single benchmark: those not compared, the history of several files, and a
+/// summary of several benchmarks.
+Document SharedSections(const figures::Comparisons& comparisons,
+                        const figures::CompareOptions& options);
 
 /// The lines about states and facts that changed.
 std::vector<std::string> FactLines(const figures::FileComparison& comparison);
@@ -50,6 +66,8 @@ std::string PercentText(double ratio);
 std::string PercentRange(double low, double high);
 /// `25.12 us`, in the unit that suits `like_ns`.
 std::string TimeText(double ns, double like_ns);
+/// The limit of times: `5 %`.
+std::string LimitText(const figures::CompareOptions& options);
 /// `8 points`.
 std::string Counted(std::size_t count, const char* noun);
 /// The first of `places`, and the number of the others.

@@ -116,16 +116,32 @@ Json FactsJson(const figures::PointMatch& match,
   return json;
 }
 
+Json FindingsJson(const figures::FileComparison& of, const figures::CompareOptions& options) {
+  Json findings = Json::array();
+  for (const figures::Found& found : figures::FindingsOf(of, options))
+    findings.push_back({{"kind", figures::InfoOf(found.finding).word},
+                        {"fails", options.gate.Fails(found.finding)},
+                        {"what", found.what}});
+  return findings;
+}
+
+Json DifferencesJson(const std::vector<figures::SetupDifference>& list) {
+  Json json = Json::array();
+  for (const figures::SetupDifference& difference : list)
+    json.push_back({{"name", difference.name}, {"a", difference.a}, {"b", difference.b}});
+  return json;
+}
+
 Json ComparisonJson(const figures::FileComparison& of, const figures::CompareOptions& options) {
   Json differs = Json::array();
-  for (const auto& list : {of.setup.machine, of.setup.parameters})
-    for (const figures::SetupDifference& difference : list)
-      differs.push_back({{"name", difference.name}, {"a", difference.a}, {"b", difference.b}});
+  for (const auto* list : {&of.setup.scenes, &of.setup.machine, &of.setup.parameters})
+    for (Json& difference : DifferencesJson(*list)) differs.push_back(std::move(difference));
   std::vector<std::string> notes = of.match.notes;
   notes.insert(notes.end(), of.setup.notes.begin(), of.setup.notes.end());
   return {{"a", of.a->name},
           {"b", of.b->name},
-          {"is_worse", !figures::WorseThings(of, options).empty()},
+          {"is_worse", figures::IsFailed(of, options)},
+          {"findings", FindingsJson(of, options)},
           {"result", ResultLines(of, options)},
           {"differs", std::move(differs)},
           {"notes", notes},
@@ -138,29 +154,42 @@ Json ComparisonJson(const figures::FileComparison& of, const figures::CompareOpt
           {"times", TimesJson(of.match, of.times)}};
 }
 
-Json AllJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-             const std::vector<std::string>& unmatched, const figures::CompareOptions& options) {
-  bool is_worse = false;
+Json LimitsJson(const figures::Gate& gate) {
+  Json limits = Json::object();
+  for (const figures::FindingInfo& info : figures::Findings())
+    if (info.has_limit) limits[std::string(info.word)] = gate.LimitOf(info.finding);
+  return limits;
+}
+
+Json AllJson(const figures::Comparisons& comparisons, const figures::CompareOptions& options) {
   Json list = Json::array();
-  for (const figures::BenchmarkHistory& benchmark : benchmarks) {
-    Json files = Json::array(), comparisons = Json::array(), to_first = Json::array();
+  for (const figures::BenchmarkHistory& benchmark : comparisons.benchmarks) {
+    Json files = Json::array(), steps = Json::array(), to_first = Json::array();
     for (const auto& file : benchmark.files) files.push_back(file->name);
     for (const figures::FileComparison& step : benchmark.steps)
-      comparisons.push_back(ComparisonJson(step, options));
+      steps.push_back(ComparisonJson(step, options));
     for (const figures::FileComparison& of : benchmark.to_first)
       to_first.push_back(ComparisonJson(of, options));
-    is_worse = is_worse || !figures::WorseThings(benchmark.Whole(), options).empty();
     Json json = {{"benchmark", benchmark.files[0]->file.benchmark()},
                  {"title", benchmark.files[0]->file.title()},
                  {"files", std::move(files)},
-                 {"comparisons", std::move(comparisons)}};
+                 {"comparisons", std::move(steps)}};
     if (!to_first.empty()) json["relative_to_the_first"] = std::move(to_first);
     list.push_back(std::move(json));
   }
+  Json unlike = Json::array();
+  for (const figures::UnlikeBenchmark& of : comparisons.unlike)
+    unlike.push_back({{"benchmark", of.name},
+                      {"files", of.files},
+                      {"why", of.why},
+                      {"differs", DifferencesJson(of.differences)}});
   return {{"cdb_compare", 1},
-          {"fail_above", options.margin},
-          {"is_worse", is_worse},
-          {"unmatched", unmatched},
+          {"headline", Headline(comparisons, options)},
+          {"is_worse", comparisons.IsFailed(options)},
+          {"fail_above", LimitsJson(options.gate)},
+          {"unmatched", comparisons.unmatched},
+          {"missing", comparisons.missing},
+          {"other_scenes", std::move(unlike)},
           {"benchmarks", std::move(list)}};
 }
 
@@ -182,161 +211,22 @@ Json SectionsJson(const Document& document) {
 
 }  // namespace
 
-std::string CompareJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                        const std::vector<std::string>& unmatched,
+std::string CompareJson(const figures::Comparisons& comparisons,
                         const figures::CompareOptions& options) {
-  return AllJson(benchmarks, unmatched, options)
-             .dump(2, ' ', false, Json::error_handler_t::replace) +
-         "\n";
+  return AllJson(comparisons, options).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string ComparePageJson(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                            const std::vector<std::string>& names,
-                            const std::vector<std::string>& unmatched,
+std::string ComparePageJson(const figures::Comparisons& comparisons,
                             const figures::CompareOptions& options) {
-  Json all = AllJson(benchmarks, unmatched, options);
-  all["names"] = names;
-  all["sections"] = benchmarks[0].files.size() > 2
-                        ? SectionsJson(HistoryDocument(benchmarks, names, options))
-                        : Json::array();
-  for (std::size_t i = 0; i < benchmarks.size(); ++i)
+  Json all = AllJson(comparisons, options);
+  all["names"] = comparisons.names;
+  all["sections"] = SectionsJson(SharedSections(comparisons, options));
+  for (std::size_t i = 0; i < comparisons.benchmarks.size(); ++i)
     all["benchmarks"][i]["sections"] =
-        benchmarks[i].files.size() > 2
+        comparisons.IsHistory()
             ? Json::array()
-            : SectionsJson(CompareDocument(benchmarks[i].steps[0], options));
+            : SectionsJson(CompareDocument(comparisons.benchmarks[i].steps[0], options));
   return all.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-namespace {
-
-/// The group's change in the phase by which all groups are compared; null if it has none.
-const figures::TimeChange* FindChange(const figures::FileComparison& comparison,
-                                      const std::string& group) {
-  const auto found = std::ranges::find(comparison.times.groups, group, &figures::TimedGroup::name);
-  if (found == comparison.times.groups.end()) return nullptr;
-  const auto change =
-      std::ranges::find(found->phases, comparison.times.common_phase, &figures::TimeChange::phase);
-  return change == found->phases.end() ? nullptr : &*change;
-}
-
-/// The second file relative to the first is in `steps`, not in `to_first`.
-const figures::FileComparison& ToFirst(const figures::BenchmarkHistory& benchmark,
-                                       std::size_t file) {
-  return file == 1 ? benchmark.steps[0] : benchmark.to_first[file - 2];
-}
-
-/// A group's change from file `i - 1` to file `i`; null if it was not timed.
-const figures::JudgedChange* FindStep(const figures::BenchmarkHistory& benchmark, std::size_t i,
-                                      const std::string& group,
-                                      const figures::CompareOptions& options) {
-  const figures::TimeChange* change = FindChange(benchmark.steps[i - 1], group);
-  return change == nullptr ? nullptr : &figures::JudgementOf(*change, options);
-}
-
-/// The steps at which the group became faster or slower: `c.h5 +5.2 %`.
-std::string StepsText(const figures::BenchmarkHistory& benchmark,
-                      const std::vector<std::string>& names, const std::string& group,
-                      const figures::CompareOptions& options) {
-  std::string text;
-  bool is_known = true;
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    const figures::JudgedChange* judged = FindStep(benchmark, i, group, options);
-    is_known =
-        is_known && judged != nullptr && judged->verdict != figures::ChangeVerdict::kCannotTell;
-    if (judged != nullptr && judged->verdict > figures::ChangeVerdict::kSame)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", names[i],
-                          PercentText(judged->tested.ratio));
-  }
-  if (!text.empty()) return text;
-  return is_known ? "none" : "cannot tell";
-}
-
-std::vector<std::string> GroupRow(const figures::BenchmarkHistory& benchmark,
-                                  const std::vector<std::string>& names, const std::string& group,
-                                  const figures::CompareOptions& options) {
-  std::vector<std::string> row = {benchmark.files[0]->file.benchmark(), group, FourDigits(1)};
-  std::vector<double> ratios = {1};
-  for (std::size_t file = 1; file < benchmark.files.size(); ++file) {
-    const figures::TimeChange* change = FindChange(ToFirst(benchmark, file), group);
-    ratios.push_back(change == nullptr ? figures::kNone : change->change.ratio());
-    row.push_back(FourDigits(ratios.back()));
-  }
-  row.push_back(Sparkline(ratios, ratios.size(), figures::kNegligible));
-  row.push_back(StepsText(benchmark, names, group, options));
-  return row;
-}
-
-/// The same with intervals, a line for each file and group.
-void AddSteps(const figures::BenchmarkHistory& benchmark, const std::vector<std::string>& names,
-              const figures::CompareOptions& options, std::vector<std::string>& lines) {
-  for (std::size_t i = 1; i < names.size(); ++i)
-    for (const figures::TimedGroup& group : benchmark.steps[i - 1].times.groups) {
-      const figures::JudgedChange* judged = FindStep(benchmark, i, group.name, options);
-      if (judged == nullptr || judged->verdict <= figures::ChangeVerdict::kSame) continue;
-      lines.push_back(
-          fmt::format("{}: {}, from {} to {}: {} {} ({})",
-                      judged->verdict == figures::ChangeVerdict::kSlower ? "SLOWER" : "FASTER",
-                      benchmark.files[0]->file.benchmark(), names[i - 1], names[i], group.name,
-                      PercentText(judged->tested.ratio),
-                      PercentRange(judged->tested.interval.low, judged->tested.interval.high)));
-    }
-}
-
-/// Setups that differ and facts that changed from each file to the next.
-std::vector<std::string> StepLines(const figures::BenchmarkHistory& benchmark) {
-  std::vector<std::string> lines;
-  for (const figures::FileComparison& step : benchmark.steps) {
-    const std::string head = fmt::format(
-        "{}, from {} to {}: ", benchmark.files[0]->file.benchmark(), step.a->name, step.b->name);
-    for (const auto& list : {step.setup.machine, step.setup.parameters})
-      for (const figures::SetupDifference& of : list)
-        lines.push_back(fmt::format("{}{}: {} -> {}", head, of.name, of.a, of.b));
-    for (const std::string& note : step.match.notes)
-      lines.push_back(head + "axis ignored: " + note);
-    for (const std::string& note : step.setup.notes) lines.push_back(head + note);
-    const std::size_t unmatched = step.match.only_a.size() + step.match.only_b.size();
-    if (unmatched > 0)
-      lines.push_back(fmt::format("{}{} points are only in one of them", head, unmatched));
-    for (const std::string& line : FactLines(step)) lines.push_back(head + line);
-  }
-  return lines;
-}
-
-}  // namespace
-
-Document HistoryDocument(const std::vector<figures::BenchmarkHistory>& benchmarks,
-                         const std::vector<std::string>& names,
-                         const figures::CompareOptions& options) {
-  Section setups = {"From file to file"}, table = {"History"};
-  table.table.columns = {{"benchmark", false}, {"", false}};
-  for (const std::string& name : names) table.table.AddColumn(name, true);
-  table.table.AddColumn("", false);
-  table.table.AddColumn("steps", false);
-  std::vector<std::string> worse;
-  for (const figures::BenchmarkHistory& benchmark : benchmarks) {
-    for (std::string& line : StepLines(benchmark)) setups.lines.push_back(std::move(line));
-    for (const figures::TimedGroup& group : benchmark.steps[0].times.groups)
-      table.table.rows.push_back(GroupRow(benchmark, names, group.name, options));
-    AddSteps(benchmark, names, options, table.lines);
-    for (const std::string& thing : figures::WorseThings(benchmark.Whole(), options))
-      worse.push_back(benchmark.files[0]->file.benchmark() + " " + thing);
-  }
-  if (setups.lines.empty()) setups.lines = {"The same machine, versions and facts"};
-  const protocol::Phase phase = benchmarks[0].steps[0].times.common_phase;
-  table.notes = {fmt::format("Mean {} of a cycle over that of the first file, geometric mean over "
-                             "the points that both have.",
-                             figures::PhaseName(phase)),
-                 "Steps: files that are slower or faster than the one before, by Holm's correction "
-                 "for all of them (5 %)."};
-  const std::string margin = fmt::format("{:g} %", 100 * options.margin);
-  table.notes.push_back(
-      worse.empty()
-          ? "Nothing is significantly worse in the last file than in the first, by more than " +
-                margin
-          : fmt::format(
-                "WORSE: the last file relative to the first, by more than {}, exit status 4: {}",
-                margin, PlacesText(worse)));
-  return {setups, table};
 }
 
 }  // namespace cdb::printers

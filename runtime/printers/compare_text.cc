@@ -39,16 +39,12 @@ class ResultText {
     AddStates(lines);
     for (const figures::FactComparison& fact : of_.facts) AddFact(lines, fact);
     AddUnchanged(lines);
-    const std::vector<std::string> worse = figures::WorseThings(of_, options_);
-    lines.push_back(
-        worse.empty()
-            ? fmt::format("Nothing is significantly worse by more than {}", Margin())
-            : fmt::format("WORSE by more than {}, exit status 4: {}", Margin(), PlacesText(worse)));
+    for (std::string& line : GateLines(of_, options_)) lines.push_back(std::move(line));
     return lines;
   }
 
  private:
-  std::string Margin() const { return fmt::format("{:g} %", 100 * options_.margin); }
+  double Limit() const { return options_.gate.LimitOf(figures::Finding::kSlower); }
 
   void AddTimes(std::vector<std::string>& lines) const {
     const figures::TimeComparison& times = of_.times;
@@ -65,7 +61,8 @@ class ResultText {
     if (!times.left_out.empty()) {
       std::vector<std::string> places;
       for (const auto& [point, why] : times.left_out)
-        places.push_back(fmt::format("{} ({})", PlaceOf(of_, point), why));
+        places.push_back(
+            of_.match.points.size() > 1 ? fmt::format("{} ({})", PlaceOf(of_, point), why) : why);
       lines.push_back("Times not compared: " + PlacesText(places));
     }
   }
@@ -97,15 +94,36 @@ class ResultText {
       lines.push_back(fmt::format("Same within {:.1f} %: {}", 100 * bound, PlacesText(groups)));
   }
 
+  /// The number of repeats that would do: intervals shrink as 1 / sqrt(repeats), until they are
+  /// within the limit, or away from 1.
+  std::string RepeatsText(std::uint64_t present) const {
+    double factor = 1;
+    for (const figures::TimedGroup& group : of_.times.groups)
+      for (const figures::TimeChange& change : group.phases) {
+        const figures::JudgedChange& judged = figures::JudgementOf(change, options_);
+        if (judged.verdict != figures::ChangeVerdict::kCannotTell || !judged.tested.IsTested())
+          continue;
+        const double distance = std::fabs(judged.tested.ratio - 1),
+                     half = (judged.tested.interval.high - judged.tested.interval.low) / 2,
+                     room = std::fmax(Limit() - distance, distance - figures::kNegligible);
+        factor = std::fmax(factor, room > 0 ? half / room : INFINITY);
+      }
+    const double repeats = std::ceil(static_cast<double>(present) * factor * factor);
+    constexpr double kMost = 1000;
+    return repeats > kMost
+               ? fmt::format("More than {:g} repeats would tell", kMost)
+               : fmt::format("About {:.0f} repeats would tell, in place of {}", repeats, present);
+  }
+
   void AddUnknown(std::vector<std::string>& lines) const {
     double bound = 0;
     const std::vector<std::string> groups =
         GroupsJudged(figures::ChangeVerdict::kCannotTell, bound);
     if (groups.empty()) return;
     const std::uint64_t least = std::min(of_.a->file.begun_repeats(), of_.b->file.begun_repeats());
-    std::string why = fmt::format(
-        "the noise is larger than {}: the ratio may be up to {:.0f} % from 1. Add repeats",
-        Margin(), 100 * bound);
+    std::string why =
+        fmt::format("the noise is larger than {:g} %: the ratio may be up to {:.0f} % from 1. {}",
+                    100 * Limit(), 100 * bound, RepeatsText(least));
     if (bound == 0) why = "repeats are missing or void";
     if (!of_.times.has_intervals)
       why = fmt::format(
@@ -149,7 +167,11 @@ class ResultText {
                           figures::PhaseName(change.phase), PercentText(judged.tested.ratio),
                           PercentRange(judged.tested.interval.low, judged.tested.interval.high));
       }
-      if (!phases.empty()) lines.push_back(fmt::format("{}: {}: {}", name, group.name, phases));
+      const std::string but = verdict == figures::ChangeVerdict::kSlower && !of_.setup.doubt.empty()
+                                  ? ", but " + of_.setup.doubt
+                                  : "";
+      if (!phases.empty())
+        lines.push_back(fmt::format("{}{}: {}: {}", name, but, group.name, phases));
     }
   }
 
@@ -174,10 +196,11 @@ class ResultText {
     const std::size_t known = of_.match.points.size() - states.unknown;
     if (known == 0) return;
     if (states.same == known) {
+      const std::size_t points = of_.match.points.size();
       lines.push_back(fmt::format(
-          "{} at {} of {}{}{}",
+          "{}{}{}{}",
           states.of_pairs ? "Pairs: the same in the last cycle" : "Physics: the same last state",
-          states.same, Counted(of_.match.points.size(), "point"),
+          points > 1 ? fmt::format(" at {} of {}", states.same, Counted(points, "point")) : "",
           states.of_pairs ? "" : ", to the last bit",
           states.unknown > 0 ? "; at the others, a run did not reach its end" : ""));
       return;
@@ -185,16 +208,19 @@ class ResultText {
     std::vector<std::string> other, unsettled;
     for (const std::size_t point : states.other) other.push_back(PlaceOf(of_, point));
     for (const std::size_t point : states.unsettled) unsettled.push_back(PlaceOf(of_, point));
-    if (!other.empty())
-      lines.push_back(fmt::format("{} at {} of {}, whose times are of {}: {}",
-                                  states.of_pairs ? "PAIRS DIFFER: other pairs in the last cycle"
-                                                  : "PHYSICS DIFFERS: another last state",
-                                  other.size(), Counted(known, "point"),
-                                  states.of_pairs ? "other pairs" : "another motion",
-                                  PlacesText(other)));
+    const bool is_one = of_.match.points.size() == 1;
+    if (!other.empty()) {
+      const char *head = states.of_pairs ? "PAIRS DIFFER: other pairs in the last cycle"
+                                         : "PHYSICS DIFFERS: another last state",
+                 *what = states.of_pairs ? "other pairs" : "another motion";
+      lines.push_back(is_one ? fmt::format("{}, and times of {}", head, what)
+                             : fmt::format("{} at {} of {}, whose times are of {}: {}", head,
+                                           other.size(), Counted(known, "point"), what,
+                                           PlacesText(other)));
+    }
     if (!unsettled.empty())
-      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in different states: {}",
-                                  PlacesText(unsettled)));
+      lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in different states{}",
+                                  is_one ? "" : ": " + PlacesText(unsettled)));
   }
 
   static const char* HeadOf(figures::FactComparison::Kind kind, figures::Direction direction) {
@@ -216,9 +242,11 @@ class ResultText {
       const std::size_t count = fact.Count(direction);
       if (count == 0) continue;
       const auto most = std::ranges::find(fact.changes, direction, &figures::FactChange::direction);
-      lines.push_back(fmt::format("{}: {} at {} of {}{}: {}: {}", HeadOf(fact.kind, direction),
-                                  fact.name, count, Counted(fact.points, "point"),
-                                  count > 1 ? ", the most" : "", PlaceOf(of_, most->point),
+      std::string places;
+      if (of_.match.points.size() > 1)
+        places = fmt::format(" at {} of {}{}: {}", count, Counted(fact.points, "point"),
+                             count > 1 ? ", the most" : "", PlaceOf(of_, most->point));
+      lines.push_back(fmt::format("{}: {}{}: {}", HeadOf(fact.kind, direction), fact.name, places,
                                   ChangeText(*most)));
     }
   }
@@ -252,8 +280,8 @@ class ComparisonText {
   /// Facts that a reader must know before any figure.
   Section Head() const {
     Section head = {fmt::format("{}: from {} to {}", of_.a->file.title(), a_, b_)};
-    for (const auto& list : {of_.setup.machine, of_.setup.parameters})
-      for (const figures::SetupDifference& of : list)
+    for (const auto* list : {&of_.setup.scenes, &of_.setup.machine, &of_.setup.parameters})
+      for (const figures::SetupDifference& of : *list)
         head.table.rows.push_back({of.name, of.a, of.b});
     head.table.columns = {{"differs", false}, {a_, false}, {b_, false}};
     if (of_.setup.machine.empty())
@@ -287,7 +315,8 @@ class ComparisonText {
            fmt::format("{}", fact.Count(figures::Direction::kWorse)),
            fmt::format("{}", fact.Count(figures::Direction::kOther)),
            fmt::format("{}", fact.points),
-           fmt::format("{}: {}", PlaceOf(of_, most.point), ChangeText(most))});
+           (of_.match.points.size() > 1 ? PlaceOf(of_, most.point) + ": " : "") +
+               ChangeText(most)});
     }
     facts.notes = {"Other: neither better nor worse, or an error within its floor."};
     return facts;

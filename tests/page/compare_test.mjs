@@ -56,8 +56,10 @@ const section = (title, lines = [], rows = []) => ({
 const dataOf = (more, title = 'Two builds') => ({
   documents: [first(), first()],
   comparison: {
-    fail_above: 0.05,
+    headline: 'FAIL (exit status 4): first: slower by more than 5 %: sap step',
+    fail_above: { slower: 0.05, memory: 0.05, accuracy: 0.05 },
     is_worse: true,
+    other_scenes: [],
     unmatched: [],
     names: ['a.h5', 'b.h5'],
     sections: [],
@@ -81,7 +83,7 @@ const dataOf = (more, title = 'Two builds') => ({
 test('two files: sections, groups and points', async () => {
   await visit(tab, writePage('compare', dataOf()));
   assert.equal(await text('h1'), 'Two builds');
-  assert.match(await text('.warnings'), /Something is worse by more than 5 %/);
+  assert.match(await text('.warnings'), /FAIL \(exit status 4\): first: slower by more than 5 %: sap step/);
   assert.deepEqual(await tab.$$eval('.body h2', (heads) => heads.map((head) => head.innerText)), [
     'What was compared',
     'Result',

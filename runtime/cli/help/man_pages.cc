@@ -90,7 +90,9 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
   text += Item("3", "complete, but a run failed or its timings do not count");
   text += Item(
       "4",
-      "cdb compare found something worse, or cdb suite --against found a result that disagrees");
+      "cdb compare found something that fails (--fail-if, --allow), or cdb suite --against found a "
+      "result that disagrees");
+  text += Item("5", "cdb compare did not compare a benchmark, because its scenes differ");
   text += ".SH ENVIRONMENT\n";
   text += Item(Bold("CDB_CACHE"),
                "the folder of decomposed meshes and settled piles, in place of ~/.cache/cdb");

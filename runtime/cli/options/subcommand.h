@@ -21,6 +21,7 @@ enum class ExitStatus {
   kEnvironmentError = 2,  ///< environment or usage error
   kFailedRuns = 3,        ///< complete, but with failed runs
   kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
+  kOtherScenes = 5,  ///< `cdb compare` did not compare a benchmark, whose scenes differ
 };
 
 /// The exit status of a command that was stopped by `signal`.

@@ -27,7 +27,9 @@ TEST(CompareCommand, ExitsByWhatIsWorse) {
   WriteFactor(program, "b.h5", 1.08, 2);
   const Finished worse = program.Run({"compare", "a.h5", "b.h5"});
   EXPECT_EQ(worse.status, 4) << worse.err;
-  EXPECT_NE(worse.out.find("\n  WORSE by more than 5 %, exit status 4: sap "), std::string::npos);
+  EXPECT_NE(worse.out.find("\n  FAIL (exit status 4): slower by more than 5 %: sap "),
+            std::string::npos)
+      << worse.out;
   EXPECT_EQ(program.Run({"compare", "b.h5", "a.h5"}).status, 0);
   EXPECT_EQ(program.Run({"compare", "a.h5", "b.h5", "--fail-above", "9 %"}).status, 0);
   EXPECT_EQ(program.Run({"compare", "--select", "detector=simple", "a.h5", "b.h5"}).status, 0);
@@ -53,7 +55,7 @@ Result
   Physics: the same last state at 2 of 2 points, to the last bit
   Unchanged: verdicts, position error, missed pairs, false positive pairs, duplicate pairs, peak
       memory
-  WORSE by more than 5 %, exit status 4: sap step
+  FAIL (exit status 4): slower by more than 5 %: sap step
 
 Mean of a cycle
   detector  phase      a.h5      b.h5  ratio    95 % interval  verdict
@@ -95,6 +97,42 @@ TEST(CompareCommand, ComparesFoldersFileByFile) {
   EXPECT_TRUE(parsed["benchmarks"][1]["comparisons"][0]["is_worse"]);
 }
 
+TEST(CompareCommand, NamesEveryBenchmarkWithOtherScenes) {
+  const Program program;
+  for (const char* name : {"one.h5", "two.h5", "three.h5"}) {
+    WriteFactor(program, std::string("before/") + name, 1, 1);
+    if (name[1] == 'n') WriteFactor(program, std::string("after/") + name, 1, 1);
+  }
+  WriteCompared({ComparedPlan(5, {"10"}, {"simple", "sap"}, "timestep 1/30")},
+                program.folder() / "after/two.h5");
+  WriteCompared({ComparedPlan(5, {"20", "30"}, {"simple", "sap"})},
+                program.folder() / "after/three.h5");
+  const std::vector<std::string> compare = {"compare", "before", "after", "--phase", "step"};
+  const Finished unlike = program.Run(compare);
+  EXPECT_EQ(unlike.status, 5) << unlike.err;
+  EXPECT_EQ(unlike.err, "");
+  for (const char* part : {"A comparison: from before/one.h5 to after/one.h5\n",
+                           "  fixture    timestep   1/60    1/30\n", "have no point in common",
+                           "FAIL (exit status 5): fixture: other scenes"})
+    EXPECT_NE(unlike.out.find(part), std::string::npos) << part << " is not in\n" << unlike.out;
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), compare.begin(), compare.end());
+    return program.Run(more);
+  };
+  const Finished markdown = with({"--markdown"});
+  EXPECT_EQ(markdown.status, 5);
+  EXPECT_TRUE(markdown.out.starts_with("### FAIL (exit status 5): ")) << markdown.out;
+  EXPECT_NE(markdown.out.find("<summary>fixture: all numbers</summary>"), std::string::npos);
+  const auto json = nlohmann::json::parse(with({"--json"}).out);
+  EXPECT_EQ(json["other_scenes"].size(), 2u);
+  EXPECT_TRUE(json["is_worse"]);
+
+  std::filesystem::remove(program.folder() / "after/three.h5");
+  EXPECT_EQ(with({"--allow", "scenes"}).status, 4);
+  EXPECT_NE(with({"--allow", "scenes"}).out.find("missing: before/three.h5"), std::string::npos);
+  EXPECT_EQ(with({"--allow", "scenes,missing"}).status, 0);
+}
+
 /// The data of a page.
 nlohmann::json DataOf(const std::string& page) {
   const std::string start = "id=\"data\">";
@@ -111,6 +149,7 @@ TEST(CompareCommand, WritesAPageOfTheSameNumbers) {
     GTEST_SKIP() << "this build has no pages";
   EXPECT_EQ(written.status, 4) << written.err;
   EXPECT_TRUE(written.out.starts_with("compare.html: ")) << written.out;
+  EXPECT_NE(written.out.find("\nFAIL (exit status 4): "), std::string::npos) << written.out;
   nlohmann::json data = DataOf(program.Read("compare.html"));
   EXPECT_EQ(data["documents"].size(), 2u);
   nlohmann::json comparison = data["comparison"];
@@ -148,7 +187,14 @@ TEST(CompareCommand, RefusesByName) {
       {{"a.h5", "text.h5"}, "text.h5: is not a whole result of cdb"},
       {{"a.h5", "empty"}, "compare takes files or folders, not both: name the file in each folder"},
       {{"empty", "empty"}, "no .h5 file is in all of the folders empty, empty"},
-      {{"a.h5", "other.h5"}, "different scenes: warmup (0 in a.h5, 3 in other.h5)"},
+      {{"a.h5", "a.h5", "--fail-above", "0.1"},
+       "--fail-above 0.1: write 0.1% for a limit of 0.1 %, or 10% for the fraction 0.1"},
+      {{"a.h5", "a.h5", "--fail-above", "physics=2%"},
+       "--fail-above physics=2%: only slower, memory, accuracy have a limit"},
+      {{"a.h5", "a.h5", "--fail-if", "phisics"}, "--fail-if phisics: did you mean 'physics'?"},
+      {{"a.h5", "a.h5", "--allow", "what"}, "--allow what: there are slower, memory, "},
+      {{"a.h5", "a.h5", "--allow", "memory", "--fail-if", "memory"},
+       "--fail-if and --allow both name memory"},
       {{"a.h5", "a.h5", "--phase", "brod"},
        "--phase brod: there is no such phase; there are broad"},
       {{"a.h5", "a.h5", "--fail-above", "-1"}, "--fail-above -1: not a percentage"},

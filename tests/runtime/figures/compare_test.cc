@@ -58,17 +58,19 @@ class Compared {
     if (is_reversed) std::ranges::reverse(paths);
     std::vector<std::string> names;
     for (const std::filesystem::path& path : paths) names.push_back(path.filename().string());
-    histories_.push_back(figures::MakeHistory(paths, names, options_));
-    figures::JudgeHistories(histories_, options_);
+    all_.names = names;
+    all_.benchmarks.push_back(figures::MakeHistory(paths, names, options_));
+    figures::JudgeHistories(all_.benchmarks, options_);
   }
   explicit Compared(const std::vector<ComparedResult>& results, CompareOptions options = {})
       : Compared(std::make_shared<const ComparedFiles>(results), std::move(options)) {}
-  const std::vector<figures::BenchmarkHistory>& histories() const { return histories_; }
-  const figures::FileComparison& comparison() const { return histories_[0].steps[0]; }
+  const figures::Comparisons& all() const { return all_; }
+  const figures::FileComparison& comparison() const { return all_.benchmarks[0].steps[0]; }
   const CompareOptions& options() const { return options_; }
   printers::Document document() const { return printers::CompareDocument(comparison(), options_); }
   std::string Text() const { return printers::TextOf(document(), printers::Format::kWrapped); }
-  bool IsWorse() const { return !figures::WorseThings(comparison(), options_).empty(); }
+  bool IsWorse() const { return figures::IsFailed(comparison(), options_); }
+  std::string Headline() const { return printers::Headline(all_, options_); }
   /// The change of a group, in the phase step.
   const figures::TimeChange& Group(const std::string& name) const {
     for (const figures::TimedGroup& group : comparison().times.groups)
@@ -79,7 +81,7 @@ class Compared {
  private:
   const std::shared_ptr<const ComparedFiles> written_;
   const CompareOptions options_;
-  std::vector<figures::BenchmarkHistory> histories_;
+  figures::Comparisons all_;
 };
 
 /// The text with single spaces and joined lines.
@@ -123,14 +125,14 @@ TEST(Compare, FindsOneSlowerDetectorAndNothingElse) {
   ExpectSays(text, "Unchanged: verdicts, position error, missed pairs, ");
   // The interval includes changes below 5 %.
   EXPECT_FALSE(compared.IsWorse());
-  ExpectSays(text, "Nothing is significantly worse by more than 5 %");
+  ExpectSays(text, "PASS: nothing is significantly worse by more than 5 %");
 }
 
 TEST(Compare, FailsWhereTheWholeIntervalIsAbove) {
-  const Compared slower(SlowerSap(), {.margin = 0.03});
+  const Compared slower(SlowerSap(), {.gate = figures::Gate(0.03)});
   EXPECT_TRUE(slower.IsWorse());
-  ExpectSays(slower.Text(), "WORSE by more than 3 %, exit status 4: sap broad; sap ");
-  EXPECT_FALSE(Compared(SlowerSap(), {.margin = 0.03}, true).IsWorse());
+  ExpectSays(slower.Text(), "FAIL (exit status 4): slower by more than 3 %: sap broad; sap ");
+  EXPECT_FALSE(Compared(SlowerSap(), {.gate = figures::Gate(0.03)}, true).IsWorse());
   ExpectSays(Compared(SlowerSap(), {}, true).Text(), "FASTER: sap: broad -4.");
 }
 
@@ -324,9 +326,78 @@ TEST(Compare, RefusesUnlikeScenes) {
   const plan::Plan other =
       ComparedPlan(1, {"10", "20"}, {"simple", "dbvt", "sap", "grid"}, "warmup 7");
   EXPECT_EQ(RefusalOf({{ComparedPlan(1)}, {other}}),
-            "a.h5 and b.h5 have different scenes: warmup (0 in a.h5, 7 in b.h5); a difference "
-            "between them could be due to the scenes. Run the same scenario for both, or sweep the "
-            "parameter in one file and use `cdb show`");
+            "a.h5 and b.h5 have different scenes: warmup (0 in a.h5, 7 in b.h5)");
+  figures::Gate gate;
+  gate.SetFails(figures::Finding::kScenes, false);
+  const Compared allowed({{ComparedPlan(1)}, {other}}, {.gate = gate});
+  EXPECT_FALSE(allowed.IsWorse());
+  ExpectSays(allowed.Text(), "\n  warmup   0     7\n");
+  ExpectSays(allowed.Text(), "Does not fail (--allow scenes): other scenes: warmup");
+}
+
+TEST(Compare, WritesDifferencesOfScenesAsAScenarioDoes) {
+  const std::vector<std::string> sizes = {"10"}, detectors = {"sap", "dbvt"};
+  const std::string why = RefusalOf({{ComparedPlan(1, sizes, detectors, "timestep 1/30")},
+                                     {ComparedPlan(1, sizes, detectors, "seed 1")}});
+  EXPECT_EQ(why,
+            "a.h5 and b.h5 have different scenes: seed (0xAAAAAAAAAA in a.h5, 1 in b.h5); timestep "
+            "(1/30 in a.h5, 1/60 in b.h5)");
+}
+
+TEST(Compare, FailsByTheFindingsOfTheGate) {
+  const auto other = [](const plan::Run& run, ComparedRun& made) {
+    if (run.at[1] == 1) made.state = "fedcba9876543210";
+  };
+  const std::vector<ComparedResult> results = {{ComparedPlan(2)},
+                                               {.plan = ComparedPlan(2), .change = other}};
+  const Compared by_default(results);
+  EXPECT_FALSE(by_default.IsWorse());
+  ExpectSays(by_default.Text(),
+             "Does not fail (unless --fail-if physics): other physics: detector");
+  EXPECT_NE(by_default.Headline().find("PASS: nothing is significantly worse by more than 5 %; "
+                                       "other physics: fixture; cannot tell: fixture"),
+            std::string::npos)
+      << by_default.Headline();
+  figures::Gate gate;
+  gate.SetFails(figures::Finding::kPhysics, true);
+  EXPECT_TRUE(Compared(results, {.gate = gate}).IsWorse());
+  // 2 repeats are too few for an interval.
+  figures::Gate sure;
+  sure.SetFails(figures::Finding::kUnsure, true);
+  EXPECT_TRUE(Compared({results[0], results[0]}, {.gate = sure}).IsWorse());
+
+  const auto larger = [](const plan::Run&, ComparedRun& made) { made.peak_bytes *= 1.08; };
+  const std::vector<ComparedResult> memory = {{ComparedPlan(2)},
+                                              {.plan = ComparedPlan(2), .change = larger}};
+  EXPECT_TRUE(Compared(memory).IsWorse());
+  figures::Gate tolerant;
+  tolerant.SetLimit(figures::Finding::kMemory, 0.1);
+  EXPECT_FALSE(Compared(memory, {.gate = tolerant}).IsWorse());
+}
+
+TEST(Compare, FailsIfTheSecondFileLacksAPoint) {
+  const ComparedResult two = {ComparedPlan(1, {"10", "20"}, {"sap"})},
+                       one = {ComparedPlan(1, {"10"}, {"sap"})};
+  EXPECT_TRUE(Compared({two, one}).IsWorse());
+  EXPECT_FALSE(Compared({one, two}).IsWorse());
+}
+
+TEST(Compare, DoesNotFailByTheMachineIfRunsWereNotInterleaved) {
+  const auto later = [](double factor) {
+    return Compared({{ComparedPlan(6)},
+                     {.plan = ComparedPlan(6), .change = Slower(2, factor), .started = 3600}});
+  };
+  const Compared drift = later(1.2);
+  EXPECT_FALSE(drift.IsWorse());
+  ExpectSays(drift.Text(), "SLOWER, but the runs were not interleaved: sap: broad +20");
+  ExpectSays(drift.Headline(), "cannot tell: fixture (the runs were not interleaved)");
+  EXPECT_TRUE(later(1.8).IsWorse());
+}
+
+TEST(Compare, SaysHowManyRepeatsWouldTell) {
+  const Compared compared({{.plan = ComparedPlan(6), .noise = 0.1},
+                           {.plan = ComparedPlan(6), .noise = 0.1, .seed = 2}});
+  ExpectSays(compared.Text(), " repeats would tell, in place of 6: ");
 }
 
 TEST(Compare, SaysFirstWhatDiffers) {
@@ -356,7 +427,7 @@ TEST(Compare, PrintsMarkdownAndJson) {
             std::string::npos)
       << markdown;
   const auto json =
-      nlohmann::json::parse(printers::CompareJson(compared.histories(), {}, compared.options()));
+      nlohmann::json::parse(printers::CompareJson(compared.all(), compared.options()));
   EXPECT_FALSE(json["is_worse"]);
   const auto& comparison = json["benchmarks"][0]["comparisons"][0];
   EXPECT_EQ(comparison["states"]["same"], 8);
@@ -375,16 +446,14 @@ TEST(Compare, ShowsAHistoryWithItsSteps) {
                        .seed = i + 1});
   const Compared compared(results, {.phase = protocol::Phase::kStep});
   const std::string text = printers::TextOf(
-      printers::HistoryDocument(compared.histories(), {"a.h5", "b.h5", "c.h5", "d.h5"},
-                                compared.options()),
-      printers::Format::kWrapped);
+      printers::HistoryDocument(compared.all(), compared.options()), printers::Format::kWrapped);
   ExpectSays(text, "From file to file The same machine, versions and facts");
   ExpectSays(text, "fixture sap 1.000 0.9995 1.079 1.080 ▁▁██ c.h5 +8.0 %");
   ExpectSays(text, "SLOWER: fixture, from b.h5 to c.h5: sap +8.0 % (+7.6 .. +8.4 %)");
   ExpectSays(text, "▄▄▄▄ none");
   ExpectSays(text,
-             "WORSE: the last file relative to the first, by more than 5 %, exit status 4: fixture "
-             "sap step");
+             "The last file relative to the first: FAIL (exit status 4): fixture: slower by more "
+             "than 5 %: sap step");
   EXPECT_EQ(printers::Sparkline({1, NAN, 2}, 3), "▁ █");
 }
 

@@ -98,7 +98,7 @@ function ratioPanel(rows, { theme, margin, x, worse, label }) {
 }
 
 /** A panel for each phase, with a row for each group or point. */
-function describeRows(given, { title, a, b, worse, notes }, { theme, width }) {
+function describeRows(given, { title, a, b, worse, notes, ratios }, { theme, width }) {
   const rows = given.filter((row) => row.value > 0);
   if (rows.length === 0) return { title, empty: '' };
   const phases = [...new Set(rows.map((row) => row.phase))];
@@ -106,7 +106,7 @@ function describeRows(given, { title, a, b, worse, notes }, { theme, width }) {
   const perRow = Math.max(1, Math.min(phases.length, Math.floor(width / 400)));
   const margin = labelMargin(names, width / perRow);
   const x = scaleOf(
-    rows.flatMap((row) => [row.value, row.low, row.high, 1 + worse]),
+    ratios,
     Math.max(3, Math.floor((width / perRow - margin) / 55)),
   );
   const ordered = phases.flatMap((phase) => rows.filter((row) => row.phase === phase));
@@ -130,7 +130,7 @@ function describeRows(given, { title, a, b, worse, notes }, { theme, width }) {
           margin,
           x,
           worse,
-          label: isLast ? `${short(b, 24)} over ${short(a, 24)}   ← faster · slower` : '',
+          label: isLast ? `← faster   ${short(b, 24)} over ${short(a, 24)}   slower →` : '',
         }),
       };
     }),
@@ -142,8 +142,8 @@ const noteOf = (comparison, worse) => [
   `Dashed: ${number(100 * worse)} % slower.`,
 ];
 
-/** The groups of a comparison. */
-const groupFigure = (comparison, worse, id) =>
+/** The groups of a comparison. `ratios`: that its axis shows. */
+const groupFigure = (comparison, { worse, ratios }, id) =>
   createFigure({
     id,
     describe: (_, __, how) =>
@@ -153,6 +153,7 @@ const groupFigure = (comparison, worse, id) =>
           title: `Time of a cycle: ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
           ...comparison,
           worse,
+          ratios,
           notes: [
             comparison.times.groups.some((group) => group.points > 1) &&
               `Geometric means over the points of each ${comparison.times.group ?? 'group'}.`,
@@ -169,7 +170,7 @@ const placeText = (place) =>
     .join(', ');
 
 /** The points, in the phase by which the groups change the most. */
-const pointFigure = (comparison, worse, id) =>
+const pointFigure = (comparison, { worse, ratios }, id) =>
   createFigure({
     id,
     describe: (_, __, how) => {
@@ -188,6 +189,7 @@ const pointFigure = (comparison, worse, id) =>
           title: `Each point: ${phase} in ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
           ...comparison,
           worse,
+          ratios,
           notes: [
             rows.length < own.length && `The ${rows.length} largest of ${own.length} changes.`,
             ...noteOf(comparison, worse),
@@ -215,7 +217,7 @@ function historyRows(benchmark) {
   return rows;
 }
 
-const historyFigure = (benchmark, worse, id) =>
+const historyFigure = (benchmark, { worse, historyRatios }, id) =>
   createFigure({
     id,
     describe: (_, __, { theme }) => {
@@ -230,7 +232,7 @@ const historyFigure = (benchmark, worse, id) =>
         of: short(benchmark.files[row.file], 40),
         place: row.file + shift(row.name),
       }));
-      const y = scaleOf([...rows.flatMap((row) => [row.value, row.low, row.high]), 1 + worse], 7);
+      const y = scaleOf(historyRatios, 7);
       const ink = (row) => style(theme, names.indexOf(row.name)).colour;
       const at = { x: 'place', y: 'value', stroke: ink };
       return {
@@ -307,20 +309,35 @@ function sectionItems({ lines: list, columns: heads, rows, notes }) {
 }
 
 /** The figures of a benchmark. `prefix`: of the ids of its elements. */
-function figuresOf(benchmark, worse, prefix) {
-  if (benchmark.comparisons.length > 1) return [historyFigure(benchmark, worse, `${prefix}history`)];
+function figuresOf(benchmark, axes, prefix) {
+  if (benchmark.comparisons.length > 1) return [historyFigure(benchmark, axes, `${prefix}history`)];
   const [comparison] = benchmark.comparisons;
   const { groups, points } = comparison.times;
   return [
-    groups.length && groupFigure(comparison, worse, `${prefix}groups`),
-    points.length > groups.length && pointFigure(comparison, worse, `${prefix}points`),
+    groups.length && groupFigure(comparison, axes, `${prefix}groups`),
+    points.length > groups.length && pointFigure(comparison, axes, `${prefix}points`),
   ].filter(Boolean);
+}
+
+const rangeOf = ({ value, low, high }) => [value, low, high];
+
+/** What all axes of the page show, so that lengths can be compared between benchmarks. */
+function axesOf({ benchmarks, fail_above: limits }) {
+  const worse = limits.slower;
+  const changes = benchmarks.flatMap(({ comparisons: [{ times }] }) =>
+    [...times.groups, ...times.points].flatMap(({ phases }) => phases.map((change) => rowOf('', change))),
+  );
+  const ratios = changes.filter((row) => row.value > 0).flatMap(rangeOf);
+  const history = benchmarks.filter(({ comparisons }) => comparisons.length > 1).flatMap(historyRows);
+  return { worse, ratios: [...ratios, 1 + worse], historyRatios: [...history.flatMap(rangeOf), 1 + worse] };
 }
 
 function head(comparison) {
   const { names, benchmarks } = comparison;
   const title =
-    benchmarks.length === 1 ? benchmarks[0].title || benchmarks[0].benchmark : plural(benchmarks.length, 'benchmark');
+    benchmarks.length === 1
+      ? benchmarks[0].title || benchmarks[0].benchmark
+      : plural(benchmarks.length + comparison.other_scenes.length, 'benchmark');
   return h(
     'header',
     {},
@@ -331,10 +348,9 @@ function head(comparison) {
 }
 
 function warnings(comparison) {
-  const worse = comparison.is_worse && `Something is worse by more than ${number(100 * comparison.fail_above)} %.`;
   const missing =
     comparison.unmatched.length > 0 && `Not compared, because not in all folders: ${comparison.unmatched.join(', ')}.`;
-  const list = [worse, missing].filter(Boolean);
+  const list = [comparison.is_worse && comparison.headline, missing].filter(Boolean);
   return list.length
     ? h('ul', { class: 'warnings' }, ...list.map((text) => h('li', { class: 'warning' }, bdi(short(text, 1000)))))
     : null;
@@ -347,10 +363,11 @@ function warnings(comparison) {
 export function compareParts(comparison) {
   const sections = comparison.sections.map((each, i) => [`all-${i}`, each.title, sectionItems(each)]);
   const figures = [];
+  const axes = axesOf(comparison);
   comparison.benchmarks.forEach((benchmark, b) => {
     const doc = { raw: { sources: [{ benchmark: benchmark.benchmark }] } };
     const name = comparison.benchmarks.length > 1 ? `${short(benchmark.files[0].split('/').at(-1), 60)}: ` : '';
-    const own = figuresOf(benchmark, comparison.fail_above, `b${b}-`);
+    const own = figuresOf(benchmark, axes, `b${b}-`);
     figures.push(...own.map((figure) => ({ figure, doc })));
     const texts = benchmark.sections.map((each, i) => [
       `b${b}-${i}`,
