@@ -240,7 +240,7 @@ struct RunScalarInfo {
 
 // clang-format off
 inline constexpr RunScalarInfo kRunScalars[] = {
-    {.name = "peak_rss", .unit = "bytes", .doc = "peak memory of the run's process", .value = &RunScalars::peak_rss_bytes},
+    {.name = "peak_rss", .unit = "bytes", .doc = "peak memory of the run's process, once the objects are made", .value = &RunScalars::peak_rss_bytes},
     {.name = "place_time", .unit = "ns", .doc = "time to place the objects", .value = &RunScalars::place_ns},
     {.name = "build_time", .unit = "ns", .doc = "time to decide the omissions and build the world", .value = &RunScalars::build_ns},
     {.name = "harness", .unit = "ns", .doc = "measurement overhead of a cycle: time stamps, and calling a detector that does nothing", .value = &RunScalars::harness_ns},

@@ -55,6 +55,13 @@ FactComparison CompareVerdicts(const ComparedFile& a, const ComparedFile& b,
   return fact;
 }
 
+/// False if a repeat of the point ended early: it timed out or crashed.
+bool IsWhole(const results::ResultFile& file, const MeasuredPoint& point) {
+  return std::ranges::all_of(point.cells, [&](const Cell& cell) {
+    return file.ReadStatus(cell) == results::Status::kDone;
+  });
+}
+
 /// A value of a point, and how it is compared.
 struct NumberFact {
   Kind kind;
@@ -66,11 +73,13 @@ struct NumberFact {
   double scale = 1;     ///< of the unit
   using ValueOf = std::function<double(const Model&, const MeasuredPoint&)>;
   ValueOf value = {};
-  ValueOf floor = {};  ///< differences up to the floor are not significant
+  ValueOf floor = {};          ///< differences up to the floor are not significant
+  bool of_whole_runs = false;  ///< no value for a run that ended early
 
   double ValueAt(const Model& model, const Point& at) const {
     const MeasuredPoint* point = model.Find(at);
-    return point == nullptr ? kNone : scale * value(model, *point);
+    if (point == nullptr || (of_whole_runs && !IsWhole(model.file(), *point))) return kNone;
+    return scale * value(model, *point);
   }
   double FloorAt(const Model& model, const Point& at) const {
     const MeasuredPoint* point = model.Find(at);
@@ -93,6 +102,8 @@ FactComparison CompareNumbers(const ComparedFile& a, const ComparedFile& b, cons
     const auto& [at_a, at_b, place] = match.points[i];
     const double value_a = of.ValueAt(a.model, at_a), value_b = of.ValueAt(b.model, at_b);
     if (std::isnan(value_a) && std::isnan(value_b)) continue;
+    // Verdicts say that a run ended early.
+    if (of.of_whole_runs && (std::isnan(value_a) || std::isnan(value_b))) continue;
     ++fact.points;
     if (value_a == value_b) continue;
     const double floor = std::fmax(of.FloorAt(a.model, at_a), of.FloorAt(b.model, at_b));
@@ -119,20 +130,23 @@ double SumOf(const Model& model, const MeasuredPoint& point, const char* series)
   return sum;
 }
 
-/// The spread of the peak memory between repeats, at least a fraction of the largest; a larger
-/// fraction for few repeats, which show little of the spread.
-double PeakSpread(const Model& model, const MeasuredPoint& point) {
+/// The spread of the memory `name` between repeats, at least kNegligible of the largest; more for
+/// the peak memory of few repeats, which show little of the spread.
+double MemorySpread(const Model& model, const MeasuredPoint& point, const std::string& name) {
   double smallest = kNone;
   std::size_t repeats = 0;
-  for (const Cell& cell : point.cells)
-    if (const double bytes = model.file().ReadReal("peak_rss", cell); std::isfinite(bytes)) {
+  for (const Cell& cell : point.cells) {
+    MeasuredPoint one = point;
+    one.cells = {cell};
+    if (const double bytes = model.MemoryOf(one, name); std::isfinite(bytes)) {
       smallest = std::fmin(smallest, bytes);
       ++repeats;
     }
+  }
   if (repeats == 0) return 0;
-  const double largest = model.MemoryOf(point, "peak_rss");
-  const double least = repeats < Bootstrap::kLeastForInterval ? kSpreadOfFew : kNegligible;
-  return std::fmax(largest - smallest, least * largest);
+  const double largest = model.MemoryOf(point, name);
+  const bool is_unsure = name == "peak_rss" && repeats < Bootstrap::kLeastForInterval;
+  return std::fmax(largest - smallest, (is_unsure ? kSpreadOfFew : kNegligible) * largest);
 }
 
 std::vector<NumberFact> AllFacts() {
@@ -153,33 +167,26 @@ std::vector<NumberFact> AllFacts() {
   for (const char* series : {"missed_pairs", "missed_contacts", "phantom_pairs", "duplicate_pairs",
                              "pairs", "contacts"}) {
     const bool is_missed = std::string_view(series).starts_with("missed");
-    facts.push_back({.kind = is_missed ? Kind::kPairs : Kind::kCount,
-                     .name = series,
-                     .less_is_better = is_missed,
-                     .value = [series](const Model& model, const MeasuredPoint& point) {
-                       return SumOf(model, point, series);
-                     }});
+    facts.push_back(
+        {.kind = is_missed ? Kind::kPairs : Kind::kCount,
+         .name = series,
+         .less_is_better = is_missed,
+         .value = [series](const Model& model,
+                           const MeasuredPoint& point) { return SumOf(model, point, series); },
+         .of_whole_runs = true});
   }
-  const auto memory = [](const std::string& name) {
-    return [name](const Model& model, const MeasuredPoint& point) {
-      return model.MemoryOf(point, name);
-    };
-  };
-  facts.push_back({.kind = Kind::kMemory,
-                   .name = "heap",
-                   .unit = "MB",
-                   .scale = 1e-6,
-                   .value = memory("heap"),
-                   .floor = [](const Model& model, const MeasuredPoint& point) {
-                     return kNegligible * model.MemoryOf(point, "heap");
-                   }});
-  facts.push_back({.kind = Kind::kMemory,
-                   .name = "peak_rss",
-                   .unit = "MB",
-                   .varies = true,
-                   .scale = 1e-6,
-                   .value = memory("peak_rss"),
-                   .floor = PeakSpread});
+  for (const std::string name : {"heap", "peak_rss"})
+    facts.push_back(
+        {.kind = Kind::kMemory,
+         .name = name,
+         .unit = "MB",
+         .varies = true,
+         .scale = 1e-6,
+         .value = [name](const Model& model,
+                         const MeasuredPoint& point) { return model.MemoryOf(point, name); },
+         .floor = [name](const Model& model,
+                         const MeasuredPoint& point) { return MemorySpread(model, point, name); },
+         .of_whole_runs = true});
   return facts;
 }
 

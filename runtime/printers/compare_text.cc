@@ -271,7 +271,7 @@ class ComparisonText {
 
   Document Sections() const {
     Document document = {Head(), {"Result", ResultLines(of_, options_)}};
-    for (Section section : {Facts(), Groups(), Points()})
+    for (Section section : {Facts(false), Facts(true), Groups(), Points()})
       if (!section.table.rows.empty()) document.push_back(std::move(section));
     return document;
   }
@@ -303,12 +303,17 @@ class ComparisonText {
     return head;
   }
 
-  Section Facts() const {
-    Section facts = {"Facts that are the same in every repeat, compared exactly"};
+  /// `is_memory`: of the memory, which varies, or of the other facts.
+  Section Facts(bool is_memory) const {
+    Section facts = {
+        is_memory ? "Memory: the largest of the repeats, if it changed by more than they vary"
+                  : "Facts that are the same in every repeat, compared exactly"};
     facts.table.columns = {{"fact", false}, {"better", true}, {"worse", true},
                            {"other", true}, {"points", true}, {"the largest change", false}};
     for (const figures::FactComparison& fact : of_.facts) {
-      if (fact.changes.empty()) continue;
+      if (fact.changes.empty() ||
+          (fact.kind == figures::FactComparison::Kind::kMemory) != is_memory)
+        continue;
       const figures::FactChange& most = fact.changes[0];
       facts.table.rows.push_back(
           {fact.name, fmt::format("{}", fact.Count(figures::Direction::kBetter)),
@@ -318,7 +323,8 @@ class ComparisonText {
            (of_.match.points.size() > 1 ? PlaceOf(of_, most.point) + ": " : "") +
                ChangeText(most)});
     }
-    facts.notes = {"Other: neither better nor worse, or an error within its floor."};
+    if (!is_memory)
+      facts.notes = {"Other: neither better nor worse, or an error within its floor."};
     return facts;
   }
 

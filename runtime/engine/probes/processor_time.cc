@@ -64,6 +64,11 @@ double HeapInUse() {
 void BeginHeap() { heap_at_start = HeapInUse(); }
 double HeapBytes() { return HeapInUse() - heap_at_start; }
 
+void BeginPeak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";  // proc(5): resets VmHWM
+}
+
 double PeakRssBytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {

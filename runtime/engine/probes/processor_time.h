@@ -32,7 +32,11 @@ void BeginHeap();
 /// The heap in use since BeginHeap, bytes.
 double HeapBytes();
 
-/// Peak memory of this process, bytes; NaN if the system does not report it.
+/// To be called once the objects are made: settling a pile or decomposing a mesh takes more memory
+/// than a run, and happens only in the first one.
+void BeginPeak();
+/// Peak memory of this process since BeginPeak, bytes, or since its start if the system cannot
+/// reset it; NaN if the system does not report it.
 double PeakRssBytes();
 
 }  // namespace cdb::probes

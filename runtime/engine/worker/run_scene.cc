@@ -155,6 +155,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
     layouts::Place(run.scene, state);
     if (yaml::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
     if (run.scene.role == plan::Role::kPerturbed) layouts::Perturb(run.scene, state);
+    probes::BeginPeak();
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
     omissions::Omissions omissions = omissions::DecideOmissions(run.scene, state);

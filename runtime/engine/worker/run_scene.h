@@ -20,7 +20,8 @@ struct Kept {
 /// Draws and places the objects, decides the omissions, builds the world, runs the warm-up and
 /// every cycle, and fills `recording`. If the scene requests errors, or both timing and pairs, it
 /// is then run a second time from the start, without a clock, to record them. A reference is run
-/// only for its samples. `peak_rss_bytes` covers the whole process before that second run.
+/// only for its samples. `peak_rss_bytes` covers the process from the building of the world to the
+/// end of the first run.
 /// `cycles_done` is incremented after each recorded cycle is stored. The outcome is kDone with the
 /// state hash, or kFailed with a message. The only exception that a scene can cause is
 /// OmissionGuardTripped: the run must then be restarted in a new process that keeps the walls, with

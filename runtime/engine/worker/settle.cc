@@ -208,10 +208,12 @@ std::string ReadAnswer(int fd, const SettlingListener& listener) {
   }
 }
 
-/// The answer of the double-precision worker about the scene.
-std::string AskDoubleWorker(const plan::Scene& scene, const SettlingListener& listener) {
-  const std::string program =
-      (std::filesystem::read_symlink("/proc/self/exe").parent_path() / "cdb-worker-f64").string();
+/// The answer of the worker of that precision about the scene.
+std::string AskWorker(std::string_view precision, const plan::Scene& scene,
+                      const SettlingListener& listener) {
+  const std::string program = (std::filesystem::read_symlink("/proc/self/exe").parent_path() /
+                               (precision == "double" ? "cdb-worker-f64" : "cdb-worker-f32"))
+                                  .string();
   plan::Run run;
   run.scene = scene;
   run.id = plan::RunId(scene, run.rep);
@@ -358,15 +360,16 @@ InitialState KeptOrMade(const Settling& settling, std::string_view kind,
   return state;
 }
 
-/// True if the piles come to rest in the precision of this worker.
-bool RestsHere(const plan::Scene& scene) {
-  return yaml::RestScene(scene).world.WordOr("precision") == world::EnginePrecision();
+/// The precision in which the piles come to rest.
+std::string RestPrecision(const plan::Scene& scene) {
+  return std::string(yaml::RestScene(scene).world.WordOr("precision"));
 }
 
-/// `kind`: the result that the double-precision worker is asked for.
-InitialState KeptOrAsked(const Settling& settling, std::string_view kind) {
+/// `kind`: the result that the worker of that precision is asked for.
+InitialState KeptOrAsked(const Settling& settling, std::string_view kind,
+                         std::string_view precision) {
   if (auto kept = Kept(settling, kind)) return *std::move(kept);
-  const std::string answer = AskDoubleWorker(settling.scene, settling.listener);
+  const std::string answer = AskWorker(precision, settling.scene, settling.listener);
   if (!answer.starts_with(kSettled)) throw SceneError(answer);
   InitialState state = settling.dropped;
   if (!TakePoses(std::string_view(answer).substr(kSettled.size()), state))
@@ -376,13 +379,8 @@ InitialState KeptOrAsked(const Settling& settling, std::string_view kind) {
 
 InitialState AfterDrop(const Settling& settling) {
   if (std::string_view(world::EnginePrecision()) != "double")
-    return KeptOrAsked(settling, kDropKind);
+    return KeptOrAsked(settling, kDropKind, "double");
   return KeptOrMade(settling, kDropKind, [&] { return Dropped(settling); });
-}
-
-InitialState AtRest(const Settling& settling) {
-  if (!RestsHere(settling.scene)) return KeptOrAsked(settling, kPileKind);
-  return KeptOrMade(settling, kPileKind, [&] { return Rested(settling, AfterDrop(settling)); });
 }
 
 }  // namespace
@@ -391,7 +389,7 @@ void SettlePiles(const plan::Scene& scene, InitialState& state, const SettlingLi
   const InitialState dropped = state;
   Settling settling = PrepareToSettle(scene, dropped);
   settling.listener = listener;
-  state = AtRest(settling);
+  state = KeptOrAsked(settling, kPileKind, RestPrecision(scene));
 }
 
 void SettleForAnother(const plan::Run& run, int fd) {
@@ -402,7 +400,10 @@ void SettleForAnother(const plan::Run& run, int fd) {
     settling.listener = [fd](const SettlingProgress& progress) {
       protocol::WriteAll(fd, ProgressLine(progress));
     };
-    answer += PosesOf(RestsHere(run.scene) ? AtRest(settling) : AfterDrop(settling));
+    const bool rests_here = RestPrecision(run.scene) == world::EnginePrecision();
+    answer += PosesOf(rests_here ? KeptOrMade(settling, kPileKind,
+                                              [&] { return Rested(settling, AfterDrop(settling)); })
+                                 : AfterDrop(settling));
   } catch (const std::bad_alloc&) {
     answer = kOutOfMemory;
   } catch (const std::exception& error) {

@@ -37,11 +37,12 @@ using SettlingListener = std::function<void(const SettlingProgress&)>;
 /// than 1 % of the objects may move. If the scene has `expect anything`, those after the last round
 /// suffice.
 ///
-/// In the single-precision build, the double-precision worker beside this program lets them drop.
-/// Results are taken from the cache if present (library/content_cache.h); of several processes that
-/// need the same piles at once, one settles them. Throws library::SceneError if there is no floor
-/// or no gravity, or if the objects do not come to rest; std::system_error if the other worker
-/// cannot be started.
+/// Another process does so, so that the heap and the peak memory of this one are the same whether
+/// the result was in the cache or not: the worker beside this program that has the precision of the
+/// rest, which asks that of double precision to let them drop. Results are taken from the cache if
+/// present (library/content_cache.h); of several processes that need the same piles at once, one
+/// settles them. Throws library::SceneError if there is no floor or no gravity, or if the objects
+/// do not come to rest; std::system_error if the other process cannot be started.
 void SettlePiles(const plan::Scene& scene, layouts::InitialState& state,
                  const SettlingListener& listener = {});
 

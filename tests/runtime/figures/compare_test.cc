@@ -225,6 +225,19 @@ TEST(Compare, TakesTheLargestPeakMemoryOfTheRepeatsAsShowDoes) {
   ExpectSaysNot(within.Text(), "MORE MEMORY");
 }
 
+TEST(Compare, ComparesNoMemoryOfARunThatEndedEarly) {
+  const auto late = [](const plan::Run&, ComparedRun& made) {
+    made.status = results::Status::kTimedOut;
+    made.peak_bytes = 3e6;
+    made.missed = 1;
+  };
+  const std::string text =
+      Compared({{ComparedPlan(2)}, {.plan = ComparedPlan(2), .change = late}}).Text();
+  ExpectSays(text, "LESS STABLE: verdicts at 8 of 8 points");
+  ExpectSaysNot(text, "MEMORY");
+  ExpectSaysNot(text, "missed pairs at");
+}
+
 TEST(Compare, CallsAnErrorWithinItsFloorNeitherBetterNorWorse) {
   const auto other = [](const plan::Run&, ComparedRun& made) {
     made.error = 0.6;

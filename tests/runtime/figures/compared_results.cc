@@ -48,6 +48,7 @@ void WriteCompared(const ComparedResult& of, const std::filesystem::path& out) {
         {protocol::FindSeries("missed_pairs"), std::as_bytes(std::span(missed))},
         {protocol::FindSeries("phantom_pairs"), std::as_bytes(std::span(zeros))},
         {protocol::FindSeries("duplicate_pairs"), std::as_bytes(std::span(zeros))}};
+    fake.result.status = made.status;
     fake.result.judgement.verdict = made.verdict;
     fake.result.judgement.first_bad_cycle = made.verdict == protocol::Verdict::kStable ? -1 : 3;
     fake.result.state_hash = made.state;

@@ -20,6 +20,7 @@ struct ComparedRun {
   double factor = 1;  ///< applied to all times
   std::string state = "0123456789abcdef";
   protocol::Verdict verdict = protocol::Verdict::kStable;
+  results::Status status = results::Status::kDone;
   double error = 0.5, floor = 0;
   double peak_bytes = 5e6;
   std::int32_t missed = 0;

@@ -10,6 +10,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/protocol/fork_server.h"
 #include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/cache.h"
 
 namespace cdb::tests {
 namespace {
@@ -74,6 +75,29 @@ TEST(Worker, GivesWhatTheSameRunGivesHere) {
     EXPECT_GT(recording.header().scalars.peak_rss_bytes, 1e6);
     EXPECT_GT(recording.Reals("duration").back(), 0);
   }
+}
+
+TEST(Worker, NeedsNoMoreMemoryIfItSettlesThePile) {
+  const TemporaryCache cache;
+  plan::Run run;
+  run.scene = EngineScene(300, 40);
+  SetWorld(run.scene, "cycles", std::uint64_t{20});
+  SetWorld(run.scene, "record", schema::WordList{"timing", "memory"});
+  SetGroup(run.scene, "size", 1.0);
+  SetGroup(run.scene, "location", schema::Call{"pile", {schema::Word{"fit"}}});
+  SeedStreams(run.scene);
+  run.id = plan::RunId(run.scene, run.rep);
+  double peaks[2], heaps[2];
+  for (int i = 0; i < 2; ++i) {
+    protocol::Recording recording = protocol::Recording::Create(run.scene);
+    ASSERT_EQ(Start(yaml::RunToYaml(run), recording), 0);
+    ASSERT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kDone)
+        << recording.header().message.str();
+    peaks[i] = recording.header().scalars.peak_rss_bytes;
+    heaps[i] = recording.Reals("heap").back();
+  }
+  EXPECT_NEAR(peaks[0] / peaks[1], 1, 0.03);  // settled, and found in the cache
+  EXPECT_NEAR(heaps[0] / heaps[1], 1, 0.005);
 }
 
 /// Two objects whose boxes overlap but which do not touch, placed so by the seed.
