@@ -13,6 +13,10 @@ std::optional<TraceName> TraceOf(const plan::Scene& scene) {
                    std::get<schema::Text>(schema::ArgumentOf(*call, "sha256")).text};
 }
 
+bool IsOnPairs(const plan::Scene& scene) {
+  return scene.world.WordOr("narrow_phase") != "own" && TraceOf(scene).has_value();
+}
+
 namespace {
 
 const schema::Call* LayoutCalled(std::string_view name, const plan::Group& group) {

@@ -19,6 +19,10 @@ struct TraceFacts {
   std::uint64_t cycles = 0;
   double timestep_s = 0;
   bool is_double = false;  ///< recorded in double precision
+  /// Of all that a narrow phase gets; empty if only boxes were recorded (`cdb trace` without
+  /// --pairs).
+  std::string pairs_sha256 = {};
+  std::uint64_t pairs = 0;  ///< of all cycles
 };
 
 /// Reads a trace from disk; a function, so that the compiler does not depend on HDF5. The facts
@@ -33,6 +37,8 @@ struct TraceName {
 };
 /// Nullopt if the scene runs in a live world.
 std::optional<TraceName> TraceOf(const plan::Scene& scene);
+/// True if the scene runs a narrow phase on the recorded pairs of its trace, and no broad phase.
+bool IsOnPairs(const plan::Scene& scene);
 
 // Facts about the table named by `location poses("start.csv")` or `location path("lift.csv")`.
 // Compiler and library share them; the library reads tables (library/layouts/pose_table.h),

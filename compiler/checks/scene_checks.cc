@@ -429,6 +429,31 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
                         fmt::format("'{}' has no meaning on a trace", setting.node->path.text),
                         "remove it; a benchmark on a trace can set " + MeaningfulNames()});
 
+  if (analysis::IsOnPairs(scene)) {
+    constexpr schema::WorldParameter kNarrowPhase = "narrow_phase", kDetector = "detector";
+    const auto fault = [&](schema::WorldParameter parameter, std::string message,
+                           std::string help) {
+      faults.push_back({&scenario::kContradiction,
+                        {"", parameter.get()},
+                        {},
+                        std::move(message),
+                        std::move(help)});
+    };
+    if (facts.pairs_sha256.empty())
+      fault(kNarrowPhase,
+            fmt::format("a narrow phase needs pairs, and '{}' has only boxes",
+                        analysis::TraceOf(scene)->path),
+            "record them: cdb trace FILE --pairs");
+    if (is_set(kDetector))
+      fault(kDetector,
+            "with 'narrow_phase', a run on a trace has the recorded pairs and no detector",
+            "remove it, or narrow_phase; the two are timed in benchmarks of their own");
+    // All that a narrow phase gets identifies the run, not the boxes alone.
+    schema::Call trace = *schema::AsCall(scene.world.Get("trace"));
+    trace.arguments[1] = schema::Text{facts.pairs_sha256};
+    if (!facts.pairs_sha256.empty()) set("trace", std::move(trace));
+  }
+
   const std::uint64_t warmup = scene.world.Count("warmup");
   const schema::WorldParameter of_cycles = "cycles", of_warmup = "warmup";
   if (!is_set("cycles")) set("cycles", facts.cycles - std::min(facts.cycles - 1, warmup));

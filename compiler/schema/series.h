@@ -75,6 +75,15 @@ constexpr const DimensionInfo& InfoOf(Dimension dimension) {
 
 enum class SeriesType { kInt32, kFloat64 };
 
+/// The runs on traces that record a series.
+enum class OnTraces {
+  kNone,
+  kBroad,    ///< those of a broad phase on recorded boxes
+  kNarrow,   ///< those of a narrow phase on recorded pairs
+  kBoth,
+  kNarrowOnly,  ///< as kNarrow, and no run in a live world
+};
+
 /// The dimensions of a series (DimensionsOf).
 enum class SeriesShape {
   kScalar,  ///< a value for each cycle
@@ -100,7 +109,7 @@ struct Series {
   SeriesShape shape = SeriesShape::kScalar;
   std::string_view unit = {};  ///< in the notation of results files; empty if there is none
   std::string_view doc;        ///< the dataset's long_name
-  bool on_traces = false;      ///< also recorded by a detector that runs on a trace
+  OnTraces on_traces = OnTraces::kNone;
   bool may_be_none = false;    ///< NaN or infinite in a cycle without anything to measure
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
@@ -115,12 +124,14 @@ struct Series {
 namespace series_table {
 using enum SeriesType;
 using enum SeriesShape;
+using enum OnTraces;
 // clang-format off
 inline constexpr auto kRows = std::to_array<Series>({
-    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = true},
-    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = true},
-    {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point"},
-    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points"},
+    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth},
+    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth},
+    {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow},
+    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow},
+    {.name = "unhandled_pairs", .records = "counts", .type = kInt32, .doc = "pairs of the trace that the narrow phase does not handle; they are not in its time, and Bullet makes their contacts", .on_traces = kNarrowOnly},
     {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation"},
     {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2"},
     {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps"},
@@ -148,26 +159,29 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "false_normals", .records = "stability", .type = kInt32, .doc = "contacts with fixed ground that pushed along a normal that its shape does not allow"},
     {.name = "false_impulse", .records = "stability", .unit = "kg m/s", .doc = "impulse of these contacts across the legal normals, summed over the contacts"},
     {.name = "deflected", .records = "stability", .type = kInt32, .doc = "objects to which false normals have given more than a twentieth of their largest momentum so far"},
-    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = true},
+    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth},
     {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots", .may_be_none = true},
     {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes", .may_be_none = true},
     {.name = "joint_stretch", .records = "stability", .doc = "largest sum of the gaps of a chain of joints over its length", .may_be_none = true},
     {.name = "poses", .records = "poses", .shape = kPose, .doc = "position and orientation quaternion (x, y, z, w) after the cycle: of the centre of mass and of the axes of the sides; of a mesh, of its origin and of the axes of its file"},
     {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .may_be_none = true},
     {.name = "box_filters", .records = "boxes", .shape = kFilter, .doc = "bits of the group of the body and of the groups that it may collide with, and 1 if it is fixed; float64, as masks have 32 bits"},
-    {.name = "exact_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that may collide and whose boxes overlap, by brute force in double precision", .on_traces = true},
-    {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = true},
-    {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = true},
-    {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = true},
-    {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision"},
-    {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn"},
-    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make"},
-    {.name = "unlisted_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs that the broad phase did not list, which are missed, too"},
-    {.name = "bullet_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs whose contacts Bullet makes, not the detector"},
-    {.name = "bullet_missed_contacts", .records = "pairs", .type = kInt32, .doc = "missed contacts of these pairs"},
-    {.name = "bullet_uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "uncompared contacts of pairs whose contacts Bullet makes"},
-    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of exact contacts, in sizes of the smaller object", .may_be_none = true},
-    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .may_be_none = true},
+    {.name = "exact_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that may collide and whose boxes overlap, by brute force in double precision", .on_traces = kBroad},
+    {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = kBroad},
+    {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = kBroad},
+    {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = kBroad},
+    {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision", .on_traces = kNarrow},
+    {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn", .on_traces = kNarrow},
+    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make", .on_traces = kNarrow},
+    {.name = "unlisted_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs that the broad phase did not list, which are missed, too", .on_traces = kNarrow},
+    {.name = "bullet_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs whose contacts Bullet makes, not the detector", .on_traces = kNarrow},
+    {.name = "bullet_missed_contacts", .records = "pairs", .type = kInt32, .doc = "missed contacts of these pairs", .on_traces = kNarrow},
+    {.name = "bullet_uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "uncompared contacts of pairs whose contacts Bullet makes", .on_traces = kNarrow},
+    {.name = "false_contacts", .records = "pairs", .type = kInt32, .doc = "pairs with a contact deeper than a thousandth of the size of the smaller object, although they do not overlap", .on_traces = kNarrow},
+    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of exact contacts, in sizes of the smaller object", .on_traces = kNarrow, .may_be_none = true},
+    {.name = "max_depth_error", .records = "pairs", .doc = "largest error of the depth of an exact contact, in sizes of the smaller object", .on_traces = kNarrow, .may_be_none = true},
+    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .on_traces = kNarrow, .may_be_none = true},
+    {.name = "max_normal_error", .records = "pairs", .unit = "rad", .doc = "largest error of the normal of an exact contact", .on_traces = kNarrow, .may_be_none = true},
 });
 // clang-format on
 }  // namespace series_table

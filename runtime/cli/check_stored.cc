@@ -81,9 +81,11 @@ options::ExitStatus CheckResults(const std::string& file) {
 
 options::ExitStatus CheckTraceFile(const std::string& file) {
   const results::TraceCheck trace = results::CheckTrace(file);
-  terminal::Print(fmt::format("{}: {}: a trace of {} cycles of {} bodies, run {}; {}\n", file,
-                              State(trace.has_digest), trace.facts.cycles, trace.facts.bodies,
-                              trace.run_id, Proof(trace.has_digest)));
+  terminal::Print(fmt::format(
+      "{}: {}: a trace of {} cycles of {} bodies{}, run {}; {}\n", file, State(trace.has_digest),
+      trace.facts.cycles, trace.facts.bodies,
+      trace.facts.pairs_sha256.empty() ? "" : fmt::format(" with {} pairs", trace.facts.pairs),
+      trace.run_id, Proof(trace.has_digest)));
   return options::ExitStatus::kGood;
 }
 

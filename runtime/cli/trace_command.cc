@@ -1,4 +1,5 @@
-// `cdb trace`: records the boxes of runs, so that detectors can be run on them.
+// `cdb trace`: records the boxes of runs, and, if asked, their pairs, so that detectors can be run
+// on them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,6 +34,7 @@ struct TraceArguments {
   std::string out;
   std::vector<std::string> plugins;   ///< shared libraries with detectors
   std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
+  bool pairs = false;                 ///< record the input of narrow phases too
   bool fresh = false;
   bool quiet = false;
 };
@@ -43,16 +45,22 @@ class Tracer {
       : plan_(plan),
         arguments_(arguments),
         stop_(stop),
-        launcher_(process::FindWorkers(plan), 1, &stop) {}
+        launcher_(process::FindWorkers(plan), 1, &stop) {
+    if (arguments.pairs) launcher_.RecordNarrowInput();
+  }
 
   /// ExitStatus::kFailedRuns for a failed run; no file is written for it.
   options::ExitStatus Trace(const plan::Run& run, const fs::path& file) {
     files::RemoveStaleTemporariesBeside(file);
-    if (!arguments_.fresh && results::TracedRun(file) == run.id) {
-      Tell(file, "exists already; --fresh records it again");
-      return options::ExitStatus::kGood;
+    if (!arguments_.fresh) {
+      const auto traced = results::TracedRun(file);
+      if (traced != run.id) {
+        CheckIsFree(file);
+      } else if (!arguments_.pairs || !results::ReadTraceFacts(file).pairs_sha256.empty()) {
+        Tell(file, "exists already; --fresh records it again");
+        return options::ExitStatus::kGood;
+      }
     }
-    CheckIsOurs(file);
     launcher_.Start(0, run, "");
     std::optional<process::Ending> ending;
     while (!ending && !stop_.requested()) ending = launcher_.Wait(1);
@@ -65,18 +73,24 @@ class Tracer {
                                 ending->result.message));
       return options::ExitStatus::kFailedRuns;
     }
-    const protocol::TraceMemory trace = protocol::TraceOf(run.scene, *ending->recording);
+    const std::string run_text = yaml::RunToYaml(run);
+    const protocol::TraceMemory trace =
+        arguments_.pairs ? protocol::TraceOfPairs(run.scene, *ending->recording,
+                                                  ending->narrow_input.get(), run_text)
+                         : protocol::TraceOf(run.scene, *ending->recording);
     const results::TraceOrigin origin = {plan_.benchmark,
                                          plan_.axes.empty() ? "" : plan::Describe(plan_, run),
                                          run.id,
                                          ending->result.state_hash,
                                          run.scene.world.Real("timestep"),
                                          plan_.scenario_text,
-                                         yaml::RunToYaml(run)};
+                                         run_text};
     results::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
                         file);
-    Tell(file, fmt::format("{} bodies, {} cycles; {:.1f} s", trace.shape().bodies,
-                           trace.shape().cycles, ending->wall_s));
+    Tell(file,
+         fmt::format("{} bodies, {} cycles{}; {:.1f} s", trace.shape().bodies, trace.shape().cycles,
+                     arguments_.pairs ? fmt::format(", {} pairs", trace.shape().pairs) : "",
+                     ending->wall_s));
     return options::ExitStatus::kGood;
   }
 
@@ -85,10 +99,10 @@ class Tracer {
     if (!arguments_.quiet) terminal::Print(fmt::format("{}: {}\n", file.string(), what));
   }
 
-  /// Throws CommandError if the file exists and --fresh is not given.
-  void CheckIsOurs(const fs::path& file) const {
+  /// Throws CommandError if the file exists.
+  static void CheckIsFree(const fs::path& file) {
     std::error_code error;
-    if (!arguments_.fresh && fs::exists(file, error))
+    if (fs::exists(file, error))
       throw options::CommandError(
           fmt::format("'{}' exists but is not a trace of this run; name another place by -o, or "
                       "use --fresh to overwrite it",
@@ -129,6 +143,8 @@ void DeclareTrace(options::Subcommand& command) {
   command.Out(arguments->out,
               "trace file, or a folder for them (default: BENCHMARK.trace.h5; for several "
               "points, the folder BENCHMARK.traces)");
+  command.Flag("--pairs", arguments->pairs,
+               "record the poses and pairs too, to time narrow phases on them");
   command.Fresh(arguments->fresh, "overwrite existing traces");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
@@ -142,7 +158,7 @@ void DeclareTrace(options::Subcommand& command) {
 }  // namespace
 
 /// Runs each point once for its boxes and poses, and writes a trace of each. Safe to rerun:
-/// finished traces are skipped.
+/// finished traces are skipped, except those without pairs if these are to be recorded.
 options::Command TraceCommand() {
   return {.name = "trace",
           .help = "record the boxes of runs, to time detectors on them later",

@@ -12,8 +12,32 @@ RunExtents ExtentsOf(const plan::Scene& scene) {
   return {scene.world.Count("cycles"), scene.ObjectCount(), analysis::BodyCount(scene)};
 }
 
+namespace {
+
+enum class RunKind { kLive, kOnBoxes, kOnPairs };
+
+RunKind KindOf(const plan::Scene& scene) {
+  if (!analysis::TraceOf(scene)) return RunKind::kLive;
+  return analysis::IsOnPairs(scene) ? RunKind::kOnPairs : RunKind::kOnBoxes;
+}
+
+bool IsRecordedIn(RunKind kind, schema::OnTraces on_traces) {
+  using enum schema::OnTraces;
+  switch (kind) {
+    case RunKind::kLive:
+      return on_traces != kNarrowOnly;
+    case RunKind::kOnBoxes:
+      return on_traces == kBroad || on_traces == kBoth;
+    case RunKind::kOnPairs:
+      return on_traces == kNarrow || on_traces == kNarrowOnly || on_traces == kBoth;
+  }
+  return false;
+}
+
+}  // namespace
+
 bool IsRecordedBy(const Series& series, const plan::Scene& scene) {
-  if (!series.on_traces && analysis::TraceOf(scene)) return false;
+  if (!IsRecordedIn(KindOf(scene), series.on_traces)) return false;
   return std::ranges::any_of(scene.world.Words("record"), [&](const std::string& word) {
     return schema::ListsWord(series.records, word);
   });
@@ -25,11 +49,10 @@ bool IsRecordedBy(const Series& series, const plan::Plan& plan) {
 }
 
 const std::vector<const Series*>& RecordedSeriesOf::Find(const plan::Scene& scene) {
-  const bool is_of_trace = analysis::TraceOf(scene).has_value();
+  const int kind = static_cast<int>(KindOf(scene));
   const schema::Value& record = scene.world.Get("record");
-  if (is_begun_ && is_of_trace == is_of_trace_ && record == record_) return series_;
-  is_begun_ = true;
-  is_of_trace_ = is_of_trace;
+  if (kind == kind_ && record == record_) return series_;
+  kind_ = kind;
   record_ = record;
   series_.clear();
   for (const Series& series : AllSeries())

@@ -42,7 +42,7 @@ class RecordedSeriesOf {
   const std::vector<const Series*>& Find(const plan::Scene& scene);
 
  private:
-  bool is_begun_ = false, is_of_trace_ = false;
+  int kind_ = -1;  ///< of run: in a live world, on boxes, on pairs; -1 before the first
   schema::Value record_;
   std::vector<const Series*> series_;
 };

@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstddef>
@@ -19,6 +21,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "dsl/text/check.h"
+#include "runtime/protocol/file_descriptor_io.h"
 #include "runtime/protocol/series.h"
 
 namespace cdb::protocol {
@@ -35,8 +38,46 @@ std::size_t BoxesBegin(const TraceShape& shape) {
 
 std::size_t CycleBytes(const TraceShape& shape) { return shape.PerCycle() * shape.ItemBytes(); }
 
-std::size_t AllBytes(const TraceShape& shape) {
+/// The end of the boxes, which is that of a trace without pairs. It does not depend on the pairs,
+/// nor does its hash.
+std::size_t BoxesEnd(const TraceShape& shape) {
   return BoxesBegin(shape) + shape.cycles * CycleBytes(shape);
+}
+
+// The part of the pairs: its head, the frames, the first pair of each cycle, the pairs, the text.
+struct PairsHeader {
+  static constexpr std::uint64_t kMagic = 0x31'52'49'41'50'54'43'00;  // "\0CTPAIR1"
+  std::uint64_t magic, pairs, text_bytes, walls;
+};
+
+std::size_t PairsHeadBegin(const TraceShape& shape) { return WholeCacheLines(BoxesEnd(shape)); }
+std::size_t FramesBegin(const TraceShape& shape) {
+  return WholeCacheLines(PairsHeadBegin(shape) + sizeof(PairsHeader));
+}
+std::size_t FrameBytesOf(const TraceShape& shape) {
+  return shape.FramesPerCycle() * shape.ItemBytes();
+}
+std::size_t FirstPairsBegin(const TraceShape& shape) {
+  return WholeCacheLines(FramesBegin(shape) + shape.cycles * FrameBytesOf(shape));
+}
+std::size_t PairsBegin(const TraceShape& shape) {
+  return FirstPairsBegin(shape) + (shape.cycles + 1) * sizeof(std::uint64_t);
+}
+std::size_t TextBegin(const TraceShape& shape) {
+  return PairsBegin(shape) + shape.pairs * sizeof(TracePair);
+}
+
+std::size_t AllBytes(const TraceShape& shape) {
+  return shape.HasPairs() ? TextBegin(shape) + shape.text_bytes : BoxesEnd(shape);
+}
+
+void StoreReals(std::span<const double> reals, bool is_double, std::byte* to) {
+  if (is_double) {
+    std::ranges::copy(reals, reinterpret_cast<double*>(to));
+  } else {
+    std::ranges::transform(reals, reinterpret_cast<float*>(to),
+                           [](double real) { return static_cast<float>(real); });
+  }
 }
 
 void ReadAt(int fd, std::size_t offset, std::span<std::byte> to) {
@@ -69,6 +110,10 @@ TraceMemory TraceMemory::Create(const TraceShape& shape) {
   fcntl(fd, F_ADD_SEALS, F_SEAL_FUTURE_WRITE);
   const Header header = {Header::kMagic, shape.bodies, shape.cycles, shape.ItemBytes()};
   std::memcpy(trace.memory_, &header, sizeof header);
+  if (shape.HasPairs()) {
+    const PairsHeader pairs = {PairsHeader::kMagic, shape.pairs, shape.text_bytes, 0};
+    std::memcpy(trace.memory_ + PairsHeadBegin(shape), &pairs, sizeof pairs);
+  }
   return trace;
 }
 
@@ -88,13 +133,7 @@ std::span<TraceFilter> TraceMemory::filters() const {
 
 void TraceMemory::SetBoxes(std::uint64_t cycle, std::span<const double> sides) {
   CDB_CHECK(cycle < shape_.cycles && sides.size() == shape_.PerCycle());
-  std::byte* to = memory_ + BoxesBegin(shape_) + cycle * CycleBytes(shape_);
-  if (shape_.is_double) {
-    std::ranges::copy(sides, reinterpret_cast<double*>(to));
-  } else {
-    std::ranges::transform(sides, reinterpret_cast<float*>(to),
-                           [](double side) { return static_cast<float>(side); });
-  }
+  StoreReals(sides, shape_.is_double, memory_ + BoxesBegin(shape_) + cycle * CycleBytes(shape_));
 }
 
 std::span<const std::byte> TraceMemory::BoxBytes(std::uint64_t cycle) const {
@@ -112,6 +151,45 @@ std::vector<double> TraceMemory::Boxes(std::uint64_t cycle) const {
 }
 
 std::string TraceMemory::Sha256() const {
+  return plan::Sha256Hex({reinterpret_cast<const char*>(memory_), BoxesEnd(shape_)});
+}
+
+void TraceMemory::SetPairs(std::uint64_t cycle, std::span<const double> frames,
+                           std::span<const TracePair> pairs) {
+  CDB_CHECK(shape_.HasPairs() && cycle < shape_.cycles && frames.size() == shape_.FramesPerCycle());
+  auto* first = reinterpret_cast<std::uint64_t*>(memory_ + FirstPairsBegin(shape_));
+  CDB_CHECK(pairs.size() <= shape_.pairs - first[cycle]);
+  StoreReals(frames, shape_.is_double,
+             memory_ + FramesBegin(shape_) + cycle * FrameBytesOf(shape_));
+  std::ranges::copy(pairs,
+                    reinterpret_cast<TracePair*>(memory_ + PairsBegin(shape_)) + first[cycle]);
+  first[cycle + 1] = first[cycle] + pairs.size();
+}
+
+std::span<const std::byte> TraceMemory::FrameBytes(std::uint64_t cycle) const {
+  return {memory_ + FramesBegin(shape_) + cycle * FrameBytesOf(shape_), FrameBytesOf(shape_)};
+}
+
+std::span<const std::uint64_t> TraceMemory::first_pairs() const {
+  return {reinterpret_cast<const std::uint64_t*>(memory_ + FirstPairsBegin(shape_)),
+          shape_.cycles + 1};
+}
+
+std::span<const TracePair> TraceMemory::pairs() const {
+  return {reinterpret_cast<const TracePair*>(memory_ + PairsBegin(shape_)), shape_.pairs};
+}
+
+void TraceMemory::SetRun(std::uint64_t walls, std::string_view run_text) {
+  CDB_CHECK(shape_.HasPairs() && run_text.size() == shape_.text_bytes);
+  reinterpret_cast<PairsHeader*>(memory_ + PairsHeadBegin(shape_))->walls = walls;
+  std::ranges::copy(run_text, reinterpret_cast<char*>(memory_ + TextBegin(shape_)));
+}
+
+std::uint64_t TraceMemory::walls() const {
+  return reinterpret_cast<const PairsHeader*>(memory_ + PairsHeadBegin(shape_))->walls;
+}
+
+std::string TraceMemory::PairsSha256() const {
   return plan::Sha256Hex({reinterpret_cast<const char*>(memory_), AllBytes(shape_)});
 }
 
@@ -124,18 +202,66 @@ TraceReader::TraceReader(int fd) : fd_(fd) {
   filters_.resize(shape_.bodies);
   ReadAt(fd_, sizeof header, std::as_writable_bytes(std::span(filters_)));
   sides_.resize(shape_.PerCycle());
-  if (!shape_.is_double) floats_.resize(shape_.PerCycle());
+  struct stat status = {};
+  if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) == BoxesEnd(shape_))
+    return;
+  PairsHeader pairs = {};
+  ReadAt(fd_, PairsHeadBegin(shape_), std::as_writable_bytes(std::span(&pairs, 1)));
+  if (pairs.magic != PairsHeader::kMagic)
+    throw std::runtime_error("the trace of this run is not a trace of pairs");
+  shape_.pairs = pairs.pairs;
+  shape_.text_bytes = pairs.text_bytes;
+  walls_ = pairs.walls;
+  frames_.resize(shape_.FramesPerCycle());
+  first_pairs_.resize(shape_.cycles + 1);
+  ReadAt(fd_, FirstPairsBegin(shape_), std::as_writable_bytes(std::span(first_pairs_)));
+}
+
+void TraceReader::ReadReals(std::size_t at, std::vector<double>& to) {
+  if (shape_.is_double) {
+    ReadAt(fd_, at, std::as_writable_bytes(std::span(to)));
+  } else {
+    floats_.resize(to.size());
+    ReadAt(fd_, at, std::as_writable_bytes(std::span(floats_)));
+    std::ranges::copy(floats_, to.begin());
+  }
 }
 
 std::span<const double> TraceReader::Read(std::uint64_t cycle) {
-  const std::size_t at = BoxesBegin(shape_) + cycle * CycleBytes(shape_);
-  if (shape_.is_double) {
-    ReadAt(fd_, at, std::as_writable_bytes(std::span(sides_)));
-  } else {
-    ReadAt(fd_, at, std::as_writable_bytes(std::span(floats_)));
-    std::ranges::copy(floats_, sides_.begin());
-  }
+  ReadReals(BoxesBegin(shape_) + cycle * CycleBytes(shape_), sides_);
   return sides_;
+}
+
+std::span<const double> TraceReader::ReadFrames(std::uint64_t cycle) {
+  ReadReals(FramesBegin(shape_) + cycle * FrameBytesOf(shape_), frames_);
+  return frames_;
+}
+
+std::span<const TracePair> TraceReader::ReadPairs(std::uint64_t cycle) {
+  const std::uint64_t first = first_pairs_.at(cycle);
+  pairs_.resize(first_pairs_.at(cycle + 1) - first);
+  ReadAt(fd_, PairsBegin(shape_) + first * sizeof(TracePair),
+         std::as_writable_bytes(std::span(pairs_)));
+  return pairs_;
+}
+
+std::string TraceReader::ReadRunText() const {
+  std::string text(shape_.text_bytes, '\0');
+  ReadAt(fd_, TextBegin(shape_), std::as_writable_bytes(std::span(text)));
+  return text;
+}
+
+void BeginNarrowInput(int fd, std::uint64_t walls) {
+  WriteAll(fd, std::as_bytes(std::span(&walls, 1)), "cannot write the pairs");
+}
+
+void AppendNarrowInput(int fd, std::span<const std::byte> frames,
+                       std::span<const TracePair> pairs) {
+  constexpr const char* kWhat = "cannot write the pairs";
+  const std::uint64_t count = pairs.size();
+  WriteAll(fd, std::as_bytes(std::span(&count, 1)), kWhat);
+  WriteAll(fd, frames, kWhat);
+  WriteAll(fd, std::as_bytes(pairs), kWhat);
 }
 
 namespace {
@@ -149,17 +275,56 @@ std::vector<std::size_t> BodiesOf(const Recording& recording) {
   return bodies;
 }
 
-}  // namespace
+constexpr std::size_t kWallBytes = sizeof(std::uint64_t);
 
-TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
-  const std::vector<std::size_t> bodies = BodiesOf(recording);
-  if (bodies.empty())
-    throw std::runtime_error("the scene has no bodies, so there is nothing to trace");
-  const std::uint64_t cycles = scene.world.Count("cycles");
-  const bool is_double = scene.world.WordOr("precision") == "double";
+/// The number of pairs in the file of AppendNarrowInput.
+std::uint64_t CountPairs(int fd, const TraceShape& shape) {
+  std::uint64_t all = 0;
+  std::size_t at = kWallBytes;
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle) {
+    std::uint64_t count = 0;
+    ReadAt(fd, at, std::as_writable_bytes(std::span(&count, 1)));
+    at += sizeof count + FrameBytesOf(shape) + count * sizeof(TracePair);
+    all += count;
+  }
+  return all;
+}
+
+void TakePairs(int fd, TraceMemory& trace) {
+  const TraceShape& shape = trace.shape();
+  std::vector<float> floats(shape.is_double ? 0 : shape.FramesPerCycle());
+  std::vector<double> frames(shape.FramesPerCycle());
+  std::vector<TracePair> pairs;
+  std::size_t at = kWallBytes;
+  const auto read = [&](auto& to) {
+    const auto bytes = std::as_writable_bytes(std::span(to));
+    ReadAt(fd, at, bytes);
+    at += bytes.size();
+  };
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle) {
+    std::array<std::uint64_t, 1> count = {};
+    read(count);
+    if (shape.is_double) {
+      read(frames);
+    } else {
+      read(floats);
+      std::ranges::copy(floats, frames.begin());
+    }
+    if (!std::ranges::all_of(frames, [](double part) { return std::isfinite(part); }))
+      throw std::runtime_error(
+          fmt::format("a pose is not finite in cycle {}: the scene exploded; run it by `cdb run` "
+                      "to see how",
+                      cycle));
+    pairs.resize(count[0]);
+    read(pairs);
+    trace.SetPairs(cycle, frames, pairs);
+  }
+}
+
+void TakeBoxes(const Recording& recording, const std::vector<std::size_t>& bodies,
+               TraceMemory& trace) {
   const auto filters = recording.Reals("box_filters"), boxes = recording.Reals("boxes");
   const std::size_t all = filters.size() / kFilterSize;
-  TraceMemory trace = TraceMemory::Create({bodies.size(), cycles, is_double});
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const double* filter = &filters[bodies[i] * kFilterSize];
     trace.filters()[i] = {static_cast<std::uint32_t>(filter[0]),
@@ -167,7 +332,7 @@ TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
                           static_cast<std::uint32_t>(filter[2])};
   }
   std::vector<double> sides(trace.shape().PerCycle());
-  for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
+  for (std::uint64_t cycle = 0; cycle < trace.shape().cycles; ++cycle) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const auto box = boxes.subspan((cycle * all + bodies[i]) * kBoxSize, kBoxSize);
       if (std::ranges::any_of(box, [](double side) { return std::isnan(side); }))
@@ -179,6 +344,40 @@ TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
     }
     trace.SetBoxes(cycle, sides);
   }
+}
+
+std::vector<std::size_t> SomeBodiesOf(const Recording& recording) {
+  std::vector<std::size_t> bodies = BodiesOf(recording);
+  if (bodies.empty())
+    throw std::runtime_error("the scene has no bodies, so there is nothing to trace");
+  return bodies;
+}
+
+TraceShape ShapeOf(const plan::Scene& scene, const std::vector<std::size_t>& bodies) {
+  return {bodies.size(), scene.world.Count("cycles"), scene.world.WordOr("precision") == "double"};
+}
+
+}  // namespace
+
+TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording) {
+  const std::vector<std::size_t> bodies = SomeBodiesOf(recording);
+  TraceMemory trace = TraceMemory::Create(ShapeOf(scene, bodies));
+  TakeBoxes(recording, bodies, trace);
+  return trace;
+}
+
+TraceMemory TraceOfPairs(const plan::Scene& scene, const Recording& recording, int narrow_input_fd,
+                         std::string_view run_text) {
+  const std::vector<std::size_t> bodies = SomeBodiesOf(recording);
+  TraceShape shape = ShapeOf(scene, bodies);
+  shape.pairs = CountPairs(narrow_input_fd, shape);
+  shape.text_bytes = run_text.size();
+  TraceMemory trace = TraceMemory::Create(shape);
+  TakeBoxes(recording, bodies, trace);
+  std::uint64_t walls = 0;
+  ReadAt(narrow_input_fd, 0, std::as_writable_bytes(std::span(&walls, 1)));
+  trace.SetRun(walls, run_text);
+  TakePairs(narrow_input_fd, trace);
   return trace;
 }
 

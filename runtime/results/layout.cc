@@ -522,9 +522,6 @@ const std::vector<RunText>& RunTexts() {
 
 namespace {
 
-/// netCDF's mark for a dimension without a coordinate, from its file format specification.
-constexpr std::string_view kNoCoordinate = "This is a netCDF dimension but not a netCDF variable.";
-
 constexpr std::string_view kComment =
     "Durations are whole nanoseconds as float64, which holds them exactly up to 104 days, has a "
     "value for none, and is a number in every language. Counts are int32. The fill value (NaN, or "

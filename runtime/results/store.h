@@ -191,6 +191,10 @@ struct Dimension {
   std::string units_by_label;  ///< separated by spaces, if the labels differ in unit
 };
 
+/// netCDF's mark for a dimension without a coordinate, from its file format specification; its size
+/// follows.
+inline constexpr std::string_view kNoCoordinate =
+    "This is a netCDF dimension but not a netCDF variable.";
 /// The numbers from 0 to `n` - 1.
 std::vector<double> Indices(std::uint64_t n);
 /// A dimension of indices. `doc`: its `long_name`.

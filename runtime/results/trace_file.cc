@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <iterator>
 #include <limits>
+#include <optional>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "runtime/protocol/series.h"
@@ -30,13 +33,22 @@ hdf5::Shape ChunkOf(const hdf5::Shape& shape, std::size_t item_bytes) {
   return chunk;
 }
 
+/// Of a list: whole rows.
+hdf5::Shape ChunkOfRows(const hdf5::Shape& shape) {
+  hdf5::Shape chunk = shape;
+  hdf5::SplitEvenly(chunk, 0, sizeof(std::int32_t));
+  return chunk;
+}
+
 void AddScale(hdf5::File& file, const Dimension& dimension) {
   hdf5::Dataset scale =
       file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});
   if (dimension.type == Type::kText) {
     scale.WriteText(dimension.texts);
-  } else {
+  } else if (!dimension.numbers.empty() || dimension.size == 0) {
     scale.Write(dimension.numbers);
+  } else {
+    return scale.MakeScale(fmt::format("{}{:10}", kNoCoordinate, dimension.size));
   }
   scale.MakeScale(dimension.name);
   for (const auto& [name, text] : dimension.attributes) scale.SetText(name.c_str(), text);
@@ -53,6 +65,10 @@ void AddText(hdf5::File& file, const char* name, const std::string& text, const 
   dataset.WriteText({{text}});
   dataset.SetText("long_name", doc);
 }
+
+constexpr const char* kFrameParts[] = {"x",   "y",   "z",   "x_x", "x_y", "x_z",
+                                       "y_x", "y_y", "y_z", "z_x", "z_y", "z_z"};
+static_assert(std::size(kFrameParts) == protocol::kFrameSize);
 
 void WriteHead(hdf5::File& file, const protocol::TraceMemory& trace, const TraceOrigin& origin,
                std::uint64_t objects) {
@@ -78,6 +94,51 @@ void WriteHead(hdf5::File& file, const protocol::TraceMemory& trace, const Trace
   number("bodies", shape.bodies);
   number("objects", objects);
   number("cycles", shape.cycles);
+  if (!shape.HasPairs()) return;
+  file.SetText("pairs_sha256", trace.PairsSha256());
+  file.SetNumber("pairs", Type::kFloat64, static_cast<double>(shape.pairs));
+  number("walls", trace.walls());
+}
+
+/// The input of the narrow phase. Returns the scales of its arrays.
+std::vector<hdf5::Group::Attachment> WritePairs(hdf5::File& file,
+                                                const protocol::TraceMemory& trace) {
+  const protocol::TraceShape& shape = trace.shape();
+  AddScale(file, Labelled("frame", {std::begin(kFrameParts), std::end(kFrameParts)},
+                          "centre of mass, and the axes of the body in the world"));
+  AddScale(file, Counted("pair_side", 2, "the two bodies of a pair"));
+  const hdf5::Shape all = {shape.cycles, shape.bodies, protocol::kFrameSize};
+  hdf5::Dataset frames =
+      file.CreateDataset({"frames", shape.is_double ? Type::kFloat64 : Type::kFloat32, all,
+                          ChunkOf(all, shape.ItemBytes()), NAN});
+  frames.SetText("component_units", "m m m 1 1 1 1 1 1 1 1 1");
+  frames.SetText("long_name", "pose of each body as the narrow phase was given it");
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
+    frames.Write({cycle, 0, 0}, {1, shape.bodies, protocol::kFrameSize},
+                 trace.FrameBytes(cycle).data(), {1, shape.bodies, protocol::kFrameSize});
+  hdf5::Dataset first = file.CreateDataset({"first_pair", Type::kFloat64, {shape.cycles}, {}, NAN});
+  first.SetText("units", kNoUnit);
+  first.SetText("long_name", "row of the cycle's first pair in pair_bodies");
+  const auto starts = trace.first_pairs().first(shape.cycles);
+  first.Write(std::vector<double>(starts.begin(), starts.end()));
+  std::vector<hdf5::Group::Attachment> attachments = {{"frames", {"cycle", "body", "frame"}},
+                                                      {"first_pair", {"cycle"}}};
+  if (shape.pairs > 0) {
+    Dimension pair;
+    pair.name = "pair";
+    pair.size = shape.pairs;
+    AddScale(file, pair);
+    const hdf5::Shape rows = {shape.pairs, 2};
+    hdf5::Dataset bodies =
+        file.CreateDataset({"pair_bodies", Type::kInt32, rows, ChunkOfRows(rows), -1});
+    bodies.SetText("units", kNoUnit);
+    bodies.SetText("long_name",
+                   "pairs that the narrow phase was given, in the order of their bodies");
+    static_assert(sizeof(protocol::TracePair) == 2 * sizeof(std::int32_t));
+    bodies.Write({0, 0}, rows, std::as_bytes(trace.pairs()).data(), rows);
+    attachments.push_back({"pair_bodies", {"pair", "pair_side"}});
+  }
+  return attachments;
 }
 
 void WriteArrays(hdf5::File& file, const protocol::TraceMemory& trace, std::uint64_t objects,
@@ -126,6 +187,8 @@ void WriteArrays(hdf5::File& file, const protocol::TraceMemory& trace, std::uint
                     poses.subspan(cycle * per_cycle, per_cycle));
     attachments.push_back({"poses", {"cycle", "object", "pose"}});
   }
+  if (trace.shape().HasPairs())
+    for (auto& attachment : WritePairs(file, trace)) attachments.push_back(std::move(attachment));
   file.AttachScales(attachments);
 }
 
@@ -180,6 +243,14 @@ analysis::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   facts.is_double = file.Text("precision") == "double";
   if (facts.sha256.size() != 64 || !(facts.timestep_s > 0))
     throw Useless(path, "its head is not whole");
+  facts.pairs_sha256 = file.Text("pairs_sha256");
+  if (facts.pairs_sha256.empty()) return facts;
+  const double pairs = file.Number("pairs"), walls = file.Number("walls");
+  constexpr double kMost = 1e15, kAllWalls = 63;
+  if (facts.pairs_sha256.size() != 64 || !(pairs >= 0 && pairs <= kMost) ||
+      pairs != std::floor(pairs) || !(walls >= 0 && walls <= kAllWalls))
+    throw Useless(path, "its head is not whole");
+  facts.pairs = static_cast<std::uint64_t>(pairs);
   return facts;
 }
 
@@ -201,15 +272,87 @@ void CheckHead(const hdf5::File& file, const analysis::TraceFacts& facts, const 
   expect("object", {count});
   if (count > 0) expect("poses", {facts.cycles, count, protocol::kPoseSize});
   file.OpenDataset("boxes").CheckCount(hdf5::Product(boxes));
+  if (facts.pairs_sha256.empty()) return;
+  const hdf5::Shape frames = {facts.cycles, facts.bodies, protocol::kFrameSize};
+  expect("frames", frames);
+  expect("first_pair", {facts.cycles});
+  if (facts.pairs > 0) {
+    expect("pair_bodies", {facts.pairs, 2});
+    file.OpenDataset("pair_bodies").CheckCount(2 * facts.pairs);
+  }
+  file.OpenDataset("frames").CheckCount(hdf5::Product(frames));
+}
+
+/// The poses of a cycle.
+std::vector<double> ReadFrames(const hdf5::Dataset& dataset, const protocol::TraceShape& shape,
+                               std::uint64_t cycle, const fs::path& path) {
+  constexpr double kUnit = 1e-3;  // an axis is as long, but for rounding
+  std::vector<double> frames = dataset.Read({cycle, 0, 0}, {1, shape.bodies, protocol::kFrameSize});
+  for (std::size_t at = 0; at < frames.size(); at += protocol::kFrameSize) {
+    const double* frame = &frames[at];
+    bool is_pose = std::all_of(frame, frame + protocol::kFrameSize,
+                               [](double part) { return std::isfinite(part); });
+    for (std::size_t axis = 3; axis < protocol::kFrameSize; axis += 3)
+      is_pose = is_pose &&
+                std::fabs(std::hypot(frame[axis], frame[axis + 1], frame[axis + 2]) - 1) <= kUnit;
+    if (!is_pose)
+      throw Useless(
+          path, fmt::format("body {} has no pose in cycle {}", at / protocol::kFrameSize, cycle));
+  }
+  return frames;
+}
+
+/// The pairs of a cycle, `first` to `end` in the list of all.
+std::vector<protocol::TracePair> ReadPairs(const std::optional<hdf5::Dataset>& dataset,
+                                           std::uint64_t bodies, std::uint64_t first,
+                                           std::uint64_t end, const fs::path& path) {
+  std::vector<protocol::TracePair> pairs;
+  if (first == end) return pairs;
+  const std::vector<double> rows = dataset->Read({first, 0}, {end - first, 2});
+  for (std::size_t i = 0; i < rows.size(); i += 2) {
+    if (!(rows[i] >= 0 && rows[i] < rows[i + 1] && rows[i + 1] < static_cast<double>(bodies)))
+      throw Useless(path, fmt::format("its pair {} is not two of its bodies", first + i / 2));
+    pairs.push_back({static_cast<std::uint32_t>(rows[i]), static_cast<std::uint32_t>(rows[i + 1])});
+    if (i > 0 && !(pairs[i / 2 - 1] < pairs[i / 2]))
+      throw Useless(path, fmt::format("its pair {} is not after the one before", first + i / 2));
+  }
+  return pairs;
+}
+
+void FillPairs(const hdf5::File& file, const fs::path& path, const std::string& run_text,
+               protocol::TraceMemory& trace) {
+  const protocol::TraceShape& shape = trace.shape();
+  trace.SetRun(static_cast<std::uint64_t>(file.Number("walls")), run_text);
+  std::vector<double> first = file.OpenDataset("first_pair").Read();
+  first.push_back(static_cast<double>(shape.pairs));
+  if (first[0] != 0 || !std::ranges::all_of(first, [](double row) { return row >= 0; }) ||
+      !std::ranges::is_sorted(first) ||
+      !std::ranges::all_of(first, [](double row) { return row == std::floor(row); }))
+    throw Useless(path, "its 'first_pair' are not the rows of its cycles");
+  std::optional<hdf5::Dataset> bodies;
+  if (shape.pairs > 0) bodies.emplace(file.OpenDataset("pair_bodies"));
+  const hdf5::Dataset frames = file.OpenDataset("frames");
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle)
+    trace.SetPairs(cycle, ReadFrames(frames, shape, cycle, path),
+                   ReadPairs(bodies, shape.bodies, static_cast<std::uint64_t>(first[cycle]),
+                             static_cast<std::uint64_t>(first[cycle + 1]), path));
 }
 
 protocol::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFacts& facts,
-                                 const fs::path& path) {
+                                 bool with_pairs, const fs::path& path) {
   const hdf5::Dataset boxes = file.OpenDataset("boxes");
   CheckHead(file, facts, path);
   const std::vector<double> filters = file.OpenDataset("filters").Read();
-  protocol::TraceMemory trace =
-      protocol::TraceMemory::Create({facts.bodies, facts.cycles, facts.is_double});
+  protocol::TraceShape shape = {facts.bodies, facts.cycles, facts.is_double};
+  std::string run_text;
+  if (with_pairs) {
+    const std::vector<std::string> texts = file.OpenDataset("run_text").ReadText();
+    if (texts.size() != 1 || texts[0].empty()) throw Useless(path, "its 'run_text' is no text");
+    run_text = texts[0];
+    shape.pairs = facts.pairs;
+    shape.text_bytes = run_text.size();
+  }
+  protocol::TraceMemory trace = protocol::TraceMemory::Create(shape);
   constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
   if (!std::ranges::all_of(filters, [](double bits) { return bits >= 0 && bits <= kMost; }))
     throw Useless(path, "its filters are not what a trace has");
@@ -219,7 +362,15 @@ protocol::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFa
                           static_cast<std::uint32_t>(filters[i * protocol::kFilterSize + 2])};
   for (std::uint64_t cycle = 0; cycle < facts.cycles; ++cycle)
     trace.SetBoxes(cycle, boxes.Read({cycle, 0, 0}, {1, facts.bodies, protocol::kBoxSize}));
+  if (with_pairs) FillPairs(file, path, run_text, trace);
   return trace;
+}
+
+void CheckHashes(const protocol::TraceMemory& trace, const analysis::TraceFacts& facts,
+                 const fs::path& path) {
+  if (trace.Sha256() != facts.sha256 ||
+      (trace.shape().HasPairs() && trace.PairsSha256() != facts.pairs_sha256))
+    throw Useless(path, "it is damaged");
 }
 
 constexpr std::string_view kTraceRemedy = "`cdb trace` makes it anew";
@@ -290,21 +441,25 @@ TraceCheck CheckTrace(const fs::path& path) {
   const hdf5::File file = OpenTrace(path);
   check.facts = Undamaged(path, [&] { return FactsOf(file, path); });
   check.run_id = file.Text("run_id");
-  if (ReadMemory(file, check.facts, path).Sha256() != check.facts.sha256)
-    throw Useless(path, "it is damaged");
+  const bool with_pairs = !check.facts.pairs_sha256.empty();
+  const protocol::TraceMemory trace =
+      Undamaged(path, [&] { return ReadMemory(file, check.facts, with_pairs, path); });
+  CheckHashes(trace, check.facts, path);
   return check;
 }
 
 protocol::TraceMemory LoadTrace(const fs::path& path, const std::string& sha256) {
   const hdf5::File file = OpenProvenTrace(path, ProofOf::kFewValues);
   const analysis::TraceFacts facts = Undamaged(path, [&] { return FactsOf(file, path); });
-  if (facts.sha256 != sha256)
+  const bool with_pairs = facts.pairs_sha256 == sha256;
+  if (facts.sha256 != sha256 && !with_pairs)
     throw files::StoreError(
         fmt::format("{}: it holds the trace {} and this plan is of {}; plan again, or "
                     "put the other back",
                     path.string(), facts.sha256.substr(0, 16), sha256.substr(0, 16)));
-  protocol::TraceMemory trace = Undamaged(path, [&] { return ReadMemory(file, facts, path); });
-  if (trace.Sha256() != sha256) throw Useless(path, "it is damaged");
+  protocol::TraceMemory trace =
+      Undamaged(path, [&] { return ReadMemory(file, facts, with_pairs, path); });
+  CheckHashes(trace, facts, path);
   return trace;
 }
 

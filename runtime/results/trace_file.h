@@ -1,4 +1,5 @@
-// Traces on disk: the boxes of a recorded run as input of detectors, one HDF5 file for each run.
+// Traces on disk: the boxes of a recorded run as input of detectors, and, if asked, its poses and
+// pairs as input of narrow phases, one HDF5 file for each run.
 // `cdb doc traces` describes the file. The idea is from Broadmark (Serpa & Rodrigues, Computer
 // Graphics Forum 39(1), 2020), which records scenes for broad phases.
 #pragma once
@@ -25,7 +26,7 @@ struct TraceOrigin {
   std::string run_id, state_hash;
   double timestep_s = 0;
   std::string scenario_text;
-  std::string run_text;  ///< everything that determines the run, as YAML
+  std::string run_text;  ///< everything that determines the run, as YAML; as in a trace of pairs
 };
 
 /// Writes `file`: under a temporary name, closed, synced, renamed. `poses`: of the first `objects`
@@ -50,8 +51,9 @@ struct TraceCheck {
 /// Throws StoreError for a damaged trace.
 TraceCheck CheckTrace(const std::filesystem::path& file);
 
-/// Reads the whole trace. Throws StoreError, also if its contents do not match its hash, or if it
-/// is not the trace `sha256`.
+/// Reads the trace that a plan names by `sha256`: that of its boxes, or that of its pairs, which
+/// reads both. Throws StoreError, also if its contents do not match its hash, or if it is not that
+/// trace.
 protocol::TraceMemory LoadTrace(const std::filesystem::path& file, const std::string& sha256);
 
 }  // namespace cdb::results

@@ -127,7 +127,7 @@ protocol::Verdict VerdictOf(plan::Scene scene) {
   run.scene = std::move(scene);
   tests::SetWorld(run.scene, "cycles", std::uint64_t{120});
   protocol::Recording recording = protocol::Recording::Create(run.scene);
-  worker::RunScene(run, recording, -1);
+  worker::RunScene(run, recording, {});
   return protocol::Judge(run.scene, recording, recording.header().cycles_done.load()).verdict;
 }
 

@@ -68,6 +68,7 @@ TRACED = """benchmark traced {
 }
 """
 ON_TRACE = 'benchmark on_trace { trace "damaged.h5"; detector sap }\n'
+ON_PAIRS = 'benchmark on_pairs { trace "damaged.h5"; narrow_phase bullet }\n'
 # {whole} and {damaged} stand for files.
 COMMANDS = {
     "results": {
@@ -84,7 +85,8 @@ COMMANDS = {
     },
     "journal": {"merge": ["merge", "parts.runs", "-o", "out.h5"], "show merged": ["show", "out.h5", "--csv"],
                 "check": ["check", "{damaged}"]},
-    "trace": {"run on trace": ["run", "-q", "on_trace.cdb", "-o", "out.h5"], "check": ["check", "{damaged}"]},
+    "trace": {"run on trace": ["run", "-q", "on_trace.cdb", "-o", "out.h5"],
+              "run on pairs": ["run", "-q", "on_pairs.cdb", "-o", "pairs.h5"], "check": ["check", "{damaged}"]},
 }
 
 
@@ -274,12 +276,12 @@ def run(command, folder, has_limit):
 
 def make_originals(cdb, place):
     """The undamaged files, by kind."""
-    texts = {"plain": SWEEP % "", "errors": SWEEP % ERRORS, "traced": TRACED, "on_trace": ON_TRACE}
+    texts = {"plain": SWEEP % "", "errors": SWEEP % ERRORS, "traced": TRACED, "on_trace": ON_TRACE, "on_pairs": ON_PAIRS}
     for name, text in texts.items():
         (place / f"{name}.cdb").write_text(text, encoding="utf-8")
     commands = [["run", "-q", name + ".cdb", "-o", name + ".h5"] for name in ("plain", "errors")]
     commands += [["run", "-q", "plain.cdb", "-o", "parts.h5", "--shard", part] for part in ("1/2", "2/2")]
-    commands += [["trace", "-q", "traced.cdb", "-o", "trace.h5"]]
+    commands += [["trace", "-q", "--pairs", "traced.cdb", "-o", "trace.h5"]]
     for command in commands:
         subprocess.run([cdb, *command], cwd=place, check=True)
     return {
@@ -296,7 +298,8 @@ def set_up(place, kind, original):
     if kind == "journal":
         shutil.copytree(place / "parts.runs", folder / "parts.runs")
         return folder / "parts.runs" / original.name
-    shutil.copy(place / "on_trace.cdb", folder)
+    for name in ("on_trace.cdb", "on_pairs.cdb"):
+        shutil.copy(place / name, folder)
     shutil.copy(original, folder / "damaged.h5")
     return folder / "damaged.h5"
 

@@ -39,9 +39,15 @@ struct Bases {
     journal::Merge(plan, tests::TestProvenance(), folder.path(), folder / "out.h5");
     const plan::Run& run = contacts.runs[0];
     tests::WriteRun(contacts, run, tests::FakeResult(run).result, {}, with_contacts.path());
-    protocol::TraceMemory trace = protocol::TraceMemory::Create({3, 4, false});
-    for (std::uint64_t cycle = 0; cycle < 4; ++cycle)
+    protocol::TraceMemory trace = protocol::TraceMemory::Create({3, 4, false, 4, 2});
+    trace.SetRun(0, "id");
+    const double frame[] = {1, 2, 3, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::vector<double> frames;
+    for (int body = 0; body < 3; ++body) frames.insert(frames.end(), frame, std::end(frame));
+    for (std::uint64_t cycle = 0; cycle < 4; ++cycle) {
       trace.SetBoxes(cycle, std::vector<double>(3 * protocol::kBoxSize, 1.5));
+      trace.SetPairs(cycle, frames, {{{{0, 1}}}});
+    }
     results::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""},
                         0, {}, folder / "trace.h5");
     for (const fs::path& file : {folder / "out.h5", folder / "runs.journal",
@@ -105,7 +111,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!is_journal) files::AppendSeal(file, file);
     if (which == 0) ReadResults(file);
     if (is_journal) MergeJournal(plan, file, folder / "merged.h5");
-    if (which == 3) results::LoadTrace(file, results::ReadTraceFacts(file).sha256);
+    if (which == 3) {
+      const analysis::TraceFacts facts = results::ReadTraceFacts(file);
+      results::LoadTrace(file, facts.pairs_sha256.empty() ? facts.sha256 : facts.pairs_sha256);
+    }
   } catch (const files::StoreError& error) {
     CDB_CHECK(std::string(error.what()).find(folder.path().string()) != std::string::npos);
   }

@@ -122,6 +122,9 @@ struct LongNormal {
   void operator()(Contact& contact) const { contact.normal = {0, 2, 0}; }
 };
 
+/// Finds no contact.
+struct IsBlind : EveryPair {};
+
 template <typename T>
 Detector* Make(const Options&) {
   return new T;
@@ -148,6 +151,7 @@ constexpr DetectorEntry kEntries[] = {
     {"unknown_body", "", kBroad, 0, Make<UnknownBody>},
     {"same_body", "", kBroad, 0, Make<SameBody>},
     {"throws_in_find_contacts", "", kNarrow, 0, Make<ThrowsInFindContacts>},
+    {"is_blind", "", kNarrow, 0, Make<IsBlind>},
     {"place_is_nan", "", kNarrow, 0, Make<Spoiled<PlaceIsNaN>>},
     {"distance_is_nan", "", kNarrow, 0, Make<Spoiled<DistanceIsNaN>>},
     {"long_normal", "", kNarrow, 0, Make<Spoiled<LongNormal>>},

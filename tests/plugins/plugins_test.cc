@@ -93,6 +93,34 @@ TEST(Plugins, AreTracedToo) {
   EXPECT_TRUE(Has(traced.out, "20 cycles")) << traced.out;
 }
 
+TEST(Plugins, ThatMissContactsAreFoundOnPairs) {
+  const Program program;
+  program.Write("b.cdb", ContactCluster("", "acceleration 0"));
+  ASSERT_EQ(program.Run({"trace", "b.cdb", "-q", "--pairs", "-o", "t.h5"}).status, 0);
+  program.Write("on.cdb", Use("faulty") +
+                              "benchmark on { trace \"t.h5\"; record timing, counts, pairs\n"
+                              "narrow_phase sweep(bullet, is_blind, throws_in_find_contacts) }\n");
+  const Finished run = program.Run({"run", "on.cdb"});
+  EXPECT_EQ(run.status, 3) << run.out << run.err;
+  const auto ends = Ends(program.folder() / "on.h5");
+  EXPECT_EQ(ends.at("bullet").status, results::Status::kDone) << ends.at("bullet").message;
+  EXPECT_EQ(ends.at("is_blind").status, results::Status::kDone) << ends.at("is_blind").message;
+  EXPECT_TRUE(Has(ends.at("throws_in_find_contacts").message, "out of luck"));
+  const results::ResultFile file(program.folder() / "on.h5");
+  const auto sum = [&](const char* series, std::size_t phase) {
+    double all = 0;
+    for (const double value : file.ReadSeries(series, {{phase}, 0})) all += value;
+    return all;
+  };
+  EXPECT_GT(sum("exact_contacts", 0), 0);
+  EXPECT_EQ(sum("missed_contacts", 0), 0);
+  EXPECT_EQ(sum("false_contacts", 0), 0);
+  EXPECT_EQ(sum("exact_contacts", 1), sum("exact_contacts", 0));
+  EXPECT_EQ(sum("missed_contacts", 1), sum("exact_contacts", 1));
+  EXPECT_EQ(sum("contacts", 1), 0);
+  EXPECT_EQ(sum("pairs", 1), sum("pairs", 0));
+}
+
 TEST(Plugins, CostTheirOwnCellsAlone) {
   const std::map<std::string, std::string> causes = {
       {"makes_nothing", "returns nothing"},

@@ -35,13 +35,16 @@ inline scenario::DescribePlugin DescribeText() {
   };
 }
 
-/// Traces of a hundred cycles: 1000 bodies in single precision, and too many for `sap` in double
-/// precision.
+/// Traces of a hundred cycles: 1000 bodies in single precision, with pairs or without, and too many
+/// for `sap` in double precision.
 inline std::optional<analysis::TraceFacts> MadeUpTraces(const std::string& path, std::string& why) {
   if (path.ends_with("crowd.trace.h5"))
     return analysis::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false};
   if (path.ends_with("large.trace.h5"))
     return analysis::TraceFacts{std::string(64, '1'), 100'000, 100, 1.0 / 240, true};
+  if (path.ends_with("pairs.trace.h5"))
+    return analysis::TraceFacts{std::string(64, 'c'), 1000, 100, 1.0 / 60, false,
+                                std::string(64, 'p'), 5000};
   why = path.ends_with("result.h5") ? "it is HDF5, but no trace (cdb-results)"
                                     : "there is no such file";
   return std::nullopt;

@@ -92,6 +92,14 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
   return made;
 }
 
+NamedDetector MakeNarrowPhase(std::string_view name, const plan::Scene& scene) {
+  NamedDetector narrow = MakeDetector(name, scene);
+  if (!HasAny(narrow.phases, cdb::kNarrow))
+    throw SceneError(fmt::format(
+        "narrow_phase `{}` finds pairs but no contacts; choose another, or bullet", name));
+  return narrow;
+}
+
 Detectors MakeDetectors(const plan::Scene& scene) {
   const std::string_view name = scene.world.WordOr("detector");
   const std::string_view narrow = scene.world.WordOr("narrow_phase");
@@ -105,12 +113,7 @@ Detectors MakeDetectors(const plan::Scene& scene) {
   if (own_contacts) {
     if (HasAny(detectors.broad.phases, cdb::kNarrow)) detectors.narrow = detectors.broad;
   } else if (narrow != "bullet") {
-    detectors.narrow = MakeDetector(narrow, scene);
-    if (!HasAny(detectors.narrow.phases, cdb::kNarrow))
-      throw SceneError(
-          fmt::format("narrow_phase `{}` finds pairs but no contacts; choose another, "
-                      "or bullet",
-                      narrow));
+    detectors.narrow = MakeNarrowPhase(narrow, scene);
   }
   return detectors;
 }

@@ -26,6 +26,9 @@ struct NamedDetector {
 /// gets the scene's `threads`. Throws library::SceneError if this build does not have it.
 NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene);
 
+/// The detector `name` as a narrow phase. Throws library::SceneError also if it is none.
+NamedDetector MakeNarrowPhase(std::string_view name, const plan::Scene& scene);
+
 /// The detectors of a run; one detector may be both.
 struct Detectors {
   NamedDetector broad;   ///< null: Bullet's, named by the scene

@@ -64,13 +64,14 @@ PairReferee::PairReferee(world::Engine& engine, protocol::Recording& recording)
 
 void PairReferee::BeforeStep() {
   // The detector runs before the bodies are moved.
-  if (detects_) contacts_ = ExactOverlaps(engine_, ExactPairs(engine_), steps_++);
+  if (detects_)
+    contacts_ = ExactOverlaps(engine_, WithWalls(engine_, ExactPairs(engine_)), steps_++);
 }
 
 void PairReferee::AfterStep(std::uint64_t cycle) {
   if (!detects_) return;
   JudgePairs(cycle);
-  JudgeContacts(cycle);
+  JudgeContacts(engine_, contacts_, recording_, cycle);
 }
 
 /// Boxes do not change between the broad phase and the end of the step.
@@ -120,26 +121,6 @@ void PairReferee::JudgePairs(std::uint64_t cycle) {
   scene.boxes = boxes_;
   scene.filters = filters_;
   RecordPairFaults(scene, ListedPairs(), cycle, recording_);
-}
-
-void PairReferee::JudgeContacts(std::uint64_t cycle) {
-  const NarrowPhaseErrors errors = CompareContacts(engine_, contacts_.overlaps);
-  const auto of_bullet =
-      std::ranges::count(contacts_.uncompared, ContactMaker::kBullet,
-                         [&](const BodyPair& bodies) { return ContactMakerOf(engine_, bodies); });
-  const auto put = [&](schema::IntSeries series, auto count) {
-    recording_.Put(series, cycle, static_cast<std::int32_t>(count));
-  };
-  put("exact_contacts", contacts_.overlaps.size());
-  put("uncompared_contacts", contacts_.uncompared.size());
-  put("missed_contacts", errors.missed);
-  put("unlisted_contacts", errors.unlisted);
-  put("bullet_contacts", errors.bullet);
-  put("bullet_missed_contacts", errors.bullet_missed);
-  put("bullet_uncompared_contacts", of_bullet);
-  const double found = static_cast<double>(contacts_.overlaps.size()) - errors.missed;
-  if (found > 0) recording_.Put("depth_error", cycle, errors.depth_sum / found);
-  if (errors.normals > 0) recording_.Put("normal_error", cycle, errors.normal_sum / errors.normals);
 }
 
 namespace {
@@ -212,6 +193,11 @@ exact::HalfSpace PlaneWall(const btRigidBody& wall) {
   return {normal, normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin()))};
 }
 
+const btRigidBody& WallOf(const world::Engine& engine, std::uint32_t index) {
+  return **std::ranges::find(engine.walls(), static_cast<int>(index),
+                             [](const auto& wall) { return wall->getUserIndex(); });
+}
+
 }  // namespace
 
 std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
@@ -244,6 +230,19 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   return pairs;
 }
 
+std::vector<BodyPair> WithWalls(const world::Engine& engine, std::vector<BodyPair> pairs) {
+  const auto& objects = engine.initial_state().objects;
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
+    for (const auto& wall : engine.walls()) {
+      const auto index = static_cast<std::uint32_t>(wall->getUserIndex());
+      if (!engine.IsWithoutWall(i, static_cast<int>(index - objects.size())))
+        pairs.emplace_back(i, index);
+    }
+  }
+  return pairs;
+}
+
 ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
                             std::uint64_t draw, std::size_t most) {
   ExactContacts contacts;
@@ -251,7 +250,23 @@ ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyP
   const auto& objects = engine.initial_state().objects;
   const auto size_of = [&](std::uint32_t object) { return objects[object].solid.sides.maxCoeff(); };
   for (const auto& [first, second] : pairs) {
-    const btRigidBody &a = *engine.objects()[first], &b = *engine.objects()[second];
+    const btRigidBody& a = *engine.objects()[first];
+    if (second >= objects.size()) {
+      const btRigidBody& wall = WallOf(engine, second);
+      const objects::Pose pose = PoseOf(a);
+      if (wall.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
+        Add({first, second}, size_of(first),
+            exact::DistanceOf(objects[first].solid, pose, PlaneWall(wall)), contacts);
+      else
+        candidates.push_back({{first, second},
+                              size_of(first),
+                              objects[first].solid,
+                              BoxWall(wall),
+                              pose,
+                              PoseOf(wall)});
+      continue;
+    }
+    const btRigidBody& b = *engine.objects()[second];
     // Linked objects may pass through each other.
     if (!a.checkCollideWith(&b)) continue;
     candidates.push_back({{first, second},
@@ -261,33 +276,18 @@ ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyP
                           PoseOf(a),
                           PoseOf(b)});
   }
-  for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
-    const objects::Pose pose = PoseOf(*engine.objects()[i]);
-    for (const auto& wall : engine.walls()) {
-      const auto index = static_cast<std::uint32_t>(wall->getUserIndex());
-      if (engine.IsWithoutWall(i, static_cast<int>(index - objects.size()))) continue;
-      if (wall->getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
-        Add({i, index}, size_of(i), exact::DistanceOf(objects[i].solid, pose, PlaneWall(*wall)),
-            contacts);
-      else
-        candidates.push_back(
-            {{i, index}, size_of(i), objects[i].solid, BoxWall(*wall), pose, PoseOf(*wall)});
-    }
-  }
   Draw(candidates, draw, most, contacts.uncompared);
   for (const Candidate& candidate : candidates) Compute(candidate, contacts);
   std::ranges::sort(contacts.overlaps, {}, &ExactOverlap::bodies);
+  std::ranges::sort(contacts.uncompared);
   return contacts;
 }
 
 ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies) {
   const auto proxy = [&](std::uint32_t index) {
     const auto objects = engine.objects().size();
-    if (index < objects) return engine.objects()[index]->getBroadphaseHandle();
-    const auto wall = std::ranges::find(engine.walls(), static_cast<int>(index),
-                                        [](const auto& one) { return one->getUserIndex(); });
-    return (*wall)->getBroadphaseHandle();
+    return const_cast<btBroadphaseProxy*>(
+        (index < objects ? *engine.objects()[index] : WallOf(engine, index)).getBroadphaseHandle());
   };
   const btBroadphasePair* pair =
       engine.world().getPairCache()->findPair(proxy(bodies.first), proxy(bodies.second));
@@ -296,47 +296,107 @@ ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies) {
                                                           : ContactMaker::kBullet;
 }
 
-NarrowPhaseErrors CompareContacts(world::Engine& engine,
-                                  const std::vector<ExactOverlap>& overlaps) {
-  struct Found {
-    double depth = -std::numeric_limits<double>::infinity();
-    Vector3d normal;
-  };
+namespace {
+
+/// The deepest point of a pair.
+struct Found {
+  double depth = -std::numeric_limits<double>::infinity();
+  Vector3d normal = Vector3d::Zero();  ///< from the second body to the first
+};
+
+void AddError(const ExactOverlap& exact, const Found& found, NarrowPhaseErrors& errors) {
+  const double depth = std::fabs(found.depth - exact.depth) / exact.size;
+  errors.depth_sum += depth;
+  errors.depth_max = std::max(errors.depth_max, depth);
+  if (!exact.has_one_normal) return;
+  // The sine is accurate for small angles, the cosine for large ones.
+  const double angle =
+      std::atan2(found.normal.cross(exact.normal).norm(), found.normal.dot(exact.normal));
+  errors.normal_sum += angle;
+  errors.normal_max = std::max(errors.normal_max, angle);
+  ++errors.normals;
+}
+
+/// m, of the smaller object; walls have none.
+double SizeOf(const world::Engine& engine, const BodyPair& bodies) {
+  const auto& objects = engine.initial_state().objects;
+  const double first = objects[bodies.first].solid.sides.maxCoeff();
+  return bodies.second < objects.size()
+             ? std::min(first, objects[bodies.second].solid.sides.maxCoeff())
+             : first;
+}
+
+}  // namespace
+
+NarrowPhaseErrors CompareContacts(world::Engine& engine, const ExactContacts& exact) {
+  const std::vector<ExactOverlap>& overlaps = exact.overlaps;
   std::vector<Found> founds(overlaps.size());
+  std::vector<BodyPair> others;  // in contact, and not known to overlap
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine.world())) {
     const auto body0 = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
     const auto body1 = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
     const BodyPair bodies = std::minmax(body0, body1);
-    const auto overlap = std::ranges::lower_bound(overlaps, bodies, {}, &ExactOverlap::bodies);
-    if (overlap == overlaps.end() || overlap->bodies != bodies) continue;
-    Found& found = founds[static_cast<std::size_t>(overlap - overlaps.begin())];
+    Found deepest;
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
       const double depth = -static_cast<double>(point.getDistance());
       // Bullet's normal points from the second body to the first.
-      if (depth > found.depth)
-        found = {depth, (body0 < body1 ? 1 : -1) * world::ToEigen(point.m_normalWorldOnB)};
+      if (depth > deepest.depth)
+        deepest = {depth, (body0 < body1 ? 1 : -1) * world::ToEigen(point.m_normalWorldOnB)};
     }
+    const auto overlap = std::ranges::lower_bound(overlaps, bodies, {}, &ExactOverlap::bodies);
+    if (overlap == overlaps.end() || overlap->bodies != bodies) {
+      if (deepest.depth >= kLeastFalse * SizeOf(engine, bodies)) others.push_back(bodies);
+      continue;
+    }
+    Found& found = founds[static_cast<std::size_t>(overlap - overlaps.begin())];
+    if (deepest.depth > found.depth) found = deepest;
   }
   NarrowPhaseErrors errors;
+  // A compound may have several manifolds.
+  std::ranges::sort(others);
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  errors.false_ = static_cast<double>(std::ranges::count_if(others, [&](const BodyPair& bodies) {
+    return !std::ranges::binary_search(exact.uncompared, bodies);
+  }));
   for (std::size_t i = 0; i < overlaps.size(); ++i) {
-    const ExactOverlap& exact = overlaps[i];
-    const Found& found = founds[i];
-    const bool is_missed = std::isinf(found.depth);
-    const ContactMaker maker = ContactMakerOf(engine, exact.bodies);
+    const bool is_missed = std::isinf(founds[i].depth);
+    const ContactMaker maker = ContactMakerOf(engine, overlaps[i].bodies);
     errors.missed += is_missed;
     errors.unlisted += is_missed && maker == ContactMaker::kNone;
     errors.bullet += maker == ContactMaker::kBullet;
     errors.bullet_missed += is_missed && maker == ContactMaker::kBullet;
-    if (is_missed) continue;
-    errors.depth_sum += std::fabs(found.depth - exact.depth) / exact.size;
-    if (!exact.has_one_normal) continue;
-    // The sine is accurate for small angles, the cosine for large ones.
-    errors.normal_sum +=
-        std::atan2(found.normal.cross(exact.normal).norm(), found.normal.dot(exact.normal));
-    ++errors.normals;
+    if (!is_missed) AddError(overlaps[i], founds[i], errors);
   }
   return errors;
+}
+
+void JudgeContacts(world::Engine& engine, const ExactContacts& exact,
+                   protocol::Recording& recording, std::uint64_t cycle) {
+  const NarrowPhaseErrors errors = CompareContacts(engine, exact);
+  const auto of_bullet =
+      std::ranges::count(exact.uncompared, ContactMaker::kBullet,
+                         [&](const BodyPair& bodies) { return ContactMakerOf(engine, bodies); });
+  const auto put = [&](schema::IntSeries series, auto count) {
+    recording.Put(series, cycle, static_cast<std::int32_t>(count));
+  };
+  put("exact_contacts", exact.overlaps.size());
+  put("uncompared_contacts", exact.uncompared.size());
+  put("missed_contacts", errors.missed);
+  put("unlisted_contacts", errors.unlisted);
+  put("bullet_contacts", errors.bullet);
+  put("bullet_missed_contacts", errors.bullet_missed);
+  put("bullet_uncompared_contacts", of_bullet);
+  put("false_contacts", errors.false_);
+  const double found = static_cast<double>(exact.overlaps.size()) - errors.missed;
+  if (found > 0) {
+    recording.Put("depth_error", cycle, errors.depth_sum / found);
+    recording.Put("max_depth_error", cycle, errors.depth_max);
+  }
+  if (errors.normals > 0) {
+    recording.Put("normal_error", cycle, errors.normal_sum / errors.normals);
+    recording.Put("max_normal_error", cycle, errors.normal_max);
+  }
 }
 
 }  // namespace cdb::probes

@@ -42,10 +42,13 @@ struct ExactContacts {
   std::vector<ExactOverlap> overlaps;  ///< deeper than kLeastOverlap, in the order of their bodies
   /// Other pairs that may overlap as deeply: those whose depth is not known to a billionth of the
   /// size of the smaller object, and those that were not drawn.
-  std::vector<BodyPair> uncompared;
+  std::vector<BodyPair> uncompared;  ///< in their order
 };
 
-/// Of objects that may collide, and of objects and walls. `pairs`: ExactPairs. If more than `most`
+/// `pairs`, and those of objects and walls that may touch.
+std::vector<BodyPair> WithWalls(const world::Engine& engine, std::vector<BodyPair> pairs);
+
+/// Of the given pairs of objects, or of objects and walls, that may collide. If more than `most`
 /// may overlap, plane walls aside, so many are drawn at random; `draw` selects the draw.
 ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyPair>& pairs,
                             std::uint64_t draw = 0,
@@ -58,13 +61,24 @@ struct NarrowPhaseErrors {
   double bullet = 0;    ///< overlaps of pairs whose contacts Bullet makes, not the detector
   double bullet_missed = 0;
   double depth_sum = 0;   ///< sum of |depth - exact| over the other overlaps, in sizes
+  double depth_max = 0;   ///< the largest of these
   double normal_sum = 0;  ///< sum of the angles between normals, rad, where the normal is unique
+  double normal_max = 0;  ///< the largest of these
   double normals = 0;     ///< number of angles in normal_sum
+  double false_ = 0;      ///< pairs with a contact deeper than kLeastFalse that are no overlap
 };
+
+/// In sizes. A contact as deep, or deeper, of bodies that do not overlap is false.
+inline constexpr double kLeastFalse = 1e-3;
 
 /// Compares each overlap with the deepest point in the manifolds, which hold the contacts of the
 /// last step.
-NarrowPhaseErrors CompareContacts(world::Engine& engine, const std::vector<ExactOverlap>& overlaps);
+NarrowPhaseErrors CompareContacts(world::Engine& engine, const ExactContacts& exact);
+
+/// Stores the comparison in the series of `record pairs` that begin with contacts. `exact`: in the
+/// poses of the last detection.
+void JudgeContacts(world::Engine& engine, const ExactContacts& exact,
+                   protocol::Recording& recording, std::uint64_t cycle);
 
 /// Who made the contacts of a pair in the last step.
 enum class ContactMaker { kNone, kDetector, kBullet };  // kNone: the broad phase did not list it
@@ -91,7 +105,6 @@ class PairReferee {
   void ReadBoxes();
   std::vector<Pair> ListedPairs() const;
   void JudgePairs(std::uint64_t cycle);
-  void JudgeContacts(std::uint64_t cycle);
 
   world::Engine& engine_;
   detection::AdapterBroadPhase* const adapter_;  ///< null if the broad phase is Bullet's own

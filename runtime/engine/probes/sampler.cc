@@ -41,7 +41,7 @@ void Sampler::BeforeStep() {
   if (!(wants_pairs_ || wants_geometry_) || IsComplete() || (steps_ + 1) % cycles_per_sample_ != 0)
     return;
   exact_ = ExactPairs(engine_);
-  if (wants_geometry_) overlaps_ = ExactOverlaps(engine_, exact_).overlaps;
+  if (wants_geometry_) overlaps_ = ExactOverlaps(engine_, WithWalls(engine_, exact_));
 }
 
 void Sampler::AfterStep() {
@@ -168,7 +168,7 @@ void Sampler::TakePairs() {
 
 void Sampler::TakeGeometry() {
   const NarrowPhaseErrors errors = CompareContacts(engine_, overlaps_);
-  Value(protocol::kOverlapsExact) = static_cast<double>(overlaps_.size());
+  Value(protocol::kOverlapsExact) = static_cast<double>(overlaps_.overlaps.size());
   Value(protocol::kOverlapsMissed) = errors.missed;
   Value(protocol::kDepthErrorSum) = errors.depth_sum;
   Value(protocol::kNormalErrorSum) = errors.normal_sum;

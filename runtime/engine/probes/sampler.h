@@ -40,7 +40,7 @@ class Sampler {
   std::uint64_t steps_ = 0;
   std::size_t taken_ = 0;
   std::vector<BodyPair> exact_;  ///< pairs whose exact boxes overlapped in the last detection
-  std::vector<ExactOverlap> overlaps_;  ///< in the last detection
+  ExactContacts overlaps_;       ///< in the last detection
 };
 
 }  // namespace cdb::probes

@@ -13,12 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "compiler/analysis/trace.h"
 #include "library/confinement.h"
 #include "library/detectors/detector.h"
 #include "library/scene_error.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/processor_time.h"
+#include "runtime/engine/worker/replay_pairs.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/protocol/trace_memory.h"
@@ -77,16 +79,6 @@ void CheckPairs(const TracedScene& traced, std::string_view name, std::span<cons
                       name, pair.a, pair.b, bodies - 1));
 }
 
-std::string HashOf(std::vector<Pair> pairs) {
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const Pair& pair : pairs)
-    for (std::uint64_t bits = std::uint64_t{pair.a} << 32 | pair.b, i = 0; i < 8; ++i, bits >>= 8)
-      hash = (hash ^ (bits & 0xff)) * 0x100000001b3;
-  return fmt::format("{:016x}", hash);
-}
-
 /// The cycles of a run on its trace.
 class Replay {
  public:
@@ -96,9 +88,7 @@ class Replay {
         traced_(trace_fd),
         warmup_(run.scene.world.Count("warmup")),
         cycles_(run.scene.world.Count("cycles")) {
-    if (warmup_ + cycles_ > traced_.shape().cycles)
-      throw library::SceneError(fmt::format("the trace has {} cycles, but this run has {}",
-                                            traced_.shape().cycles, warmup_ + cycles_));
+    CheckCycles(traced_.shape(), warmup_ + cycles_);
   }
 
   void Time() {
@@ -185,15 +175,39 @@ class Replay {
   std::vector<Pair> pairs_;
 };
 
+void ReplayBoxes(const plan::Run& run, protocol::Recording& recording, int trace_fd) {
+  if (!run.scene.plugins.empty()) library::Confine();
+  Replay replay(run, recording, trace_fd);
+  replay.Time();
+  replay.Judge();
+}
+
 }  // namespace
+
+std::string HashOf(std::vector<Pair> pairs) {
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const Pair& pair : pairs)
+    for (std::uint64_t bits = std::uint64_t{pair.a} << 32 | pair.b, i = 0; i < 8; ++i, bits >>= 8)
+      hash = (hash ^ (bits & 0xff)) * 0x100000001b3;
+  return fmt::format("{:016x}", hash);
+}
+
+void CheckCycles(const protocol::TraceShape& trace, std::uint64_t cycles) {
+  if (cycles > trace.cycles)
+    throw library::SceneError(
+        fmt::format("the trace has {} cycles, but this run has {}", trace.cycles, cycles));
+}
 
 void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd) {
   probes::BeginHeap();
   try {
-    if (!run.scene.plugins.empty()) library::Confine();
-    Replay replay(run, recording, trace_fd);
-    replay.Time();
-    replay.Judge();
+    if (analysis::IsOnPairs(run.scene)) {
+      ReplayPairs(run, recording, trace_fd);
+    } else {
+      ReplayBoxes(run, recording, trace_fd);
+    }
     recording.header().outcome.store(protocol::WorkerOutcome::kDone, std::memory_order_release);
   } catch (const std::bad_alloc&) {
     ReportFailure(recording, std::string(protocol::kOutOfMemory) + "; a smaller trace needs less");

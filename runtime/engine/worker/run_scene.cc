@@ -16,6 +16,7 @@
 #include "library/layouts/placement.h"
 #include "library/objects/solid_factory.h"
 #include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/probes/narrow_input.h"
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/processor_time.h"
@@ -60,14 +61,17 @@ bool WantsSecondPass(const plan::Scene& scene) {
 }
 
 void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
-               int contacts_fd) {
-  probes::Probes probes(scene, engine, recording, contacts_fd);
+               Streams streams) {
+  probes::Probes probes(scene, engine, recording, streams.contacts_fd);
+  std::optional<probes::NarrowInput> narrow_input;
+  if (streams.narrow_input_fd >= 0) narrow_input.emplace(engine, streams.narrow_input_fd);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
   Stepper stepper(scene, engine);
   for (std::uint64_t i = 0; i < warmup; ++i) stepper.Step();
+  if (narrow_input) narrow_input->Begin();
   probes.Begin();
   const probes::ProcessorTime processor_time;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
@@ -143,7 +147,7 @@ void ReportFailure(protocol::Recording& recording, const std::string& message) {
 }
 
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,
-                                        int contacts_fd, const Kept& kept) {
+                                        Streams streams, const Kept& kept) {
   protocol::RecordingHeader& header = recording.header();
   std::unique_ptr<world::Engine> engine;
   probes::BeginHeap();
@@ -170,7 +174,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
     header.decisions = analysis::DecisionsText(engine->omissions().decisions);
     if (run.scene.role == plan::Role::kMeasured) {
       header.scalars.harness_ns = HarnessNs(run.scene, *engine);
-      RunCycles(run.scene, *engine, recording, contacts_fd);
+      RunCycles(run.scene, *engine, recording, streams);
     } else {
       RunWithoutClock(run.scene, *engine, recording);
       header.cycles_done.store(run.scene.world.Count("cycles"), std::memory_order_release);

@@ -17,6 +17,12 @@ struct Kept {
   std::string why;
 };
 
+/// Files to which a run appends values whose number varies; -1: none.
+struct Streams {
+  int contacts_fd = -1;      ///< of ContactRecords, if the scene records them
+  int narrow_input_fd = -1;  ///< probes::NarrowInput; the scene must not record timing
+};
+
 /// Draws and places the objects, decides the omissions, builds the world, runs the warm-up and
 /// every cycle, and fills `recording`. If the scene requests errors, or both timing and pairs, it
 /// is then run a second time from the start, without a clock, to record them. A reference is run
@@ -29,7 +35,7 @@ struct Kept {
 /// take longer than many cycles, so a worker that exits leaves it to the system. If the run has
 /// plug-ins, the process is confined before their code runs (confinement.h).
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,
-                                        int contacts_fd, const Kept& kept = {});
+                                        Streams streams, const Kept& kept = {});
 
 /// Sets kFailed and the message, truncated to the size of the field.
 void ReportFailure(protocol::Recording& recording, const std::string& message);

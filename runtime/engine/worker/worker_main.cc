@@ -52,10 +52,11 @@ std::string ReadPackedPoses() {
   }
 }
 
+bool IsOpen(int fd) { return fcntl(fd, F_GETFD) >= 0; }
+
 bool HasDescriptors() {
-  for (const int fd : {protocol::kRunFd, protocol::kRecordingFd, protocol::kContactsFd})
-    if (fcntl(fd, F_GETFD) < 0) return false;
-  return true;
+  return IsOpen(protocol::kRunFd) && IsOpen(protocol::kRecordingFd) &&
+         IsOpen(protocol::kContactsFd);
 }
 
 /// Makes the runner start the same run again, with all walls, in a new process.
@@ -65,7 +66,9 @@ void AskToStartAgain(protocol::Recording& recording, const world::OmissionGuardT
 }
 
 void RunScenario(const plan::Run& run, protocol::Recording& recording, const Kept& kept) {
-  auto engine = RunScene(run, recording, protocol::kContactsFd, kept);
+  Streams streams = {.contacts_fd = protocol::kContactsFd};
+  if (IsOpen(protocol::kNarrowInputFd)) streams.narrow_input_fd = protocol::kNarrowInputFd;
+  auto engine = RunScene(run, recording, streams, kept);
   // The C library detects writes beyond a plug-in's memory when that memory is freed.
   if (!run.scene.plugins.empty()) return;
   static_cast<void>(engine.release());  // the system frees it

@@ -70,7 +70,7 @@ class Engine {
 
   /// Null if the scene does not record timing; its cycles then run without a clock.
   const TimedWorld* timed_world() const { return timed_world_; }
-  btDiscreteDynamicsWorld& world() { return *world_; }
+  LeanWorld& world() { return *world_; }
   const layouts::InitialState& initial_state() const { return state_; }
   /// The objects, in the order of the initial state. The getUserIndex of an object is its index
   /// here, that of a wall is the number of objects plus its own index.

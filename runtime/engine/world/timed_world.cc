@@ -104,7 +104,12 @@ void LeanWorld::updateAabbs() {
 }
 
 void LeanWorld::performDiscreteCollisionDetection() {
-  if (!Omits(Component::kDetection)) btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+  if (Omits(Component::kDetection)) return;
+  if (!before_narrow_) return btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+  updateAabbs();
+  computeOverlappingPairs();
+  before_narrow_();
+  getDispatcher()->dispatchAllCollisionPairs(getPairCache(), getDispatchInfo(), getDispatcher());
 }
 
 void LeanWorld::solveConstraints(btContactSolverInfo& info) {

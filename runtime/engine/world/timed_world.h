@@ -19,6 +19,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "runtime/engine/detection/scene_view.h"
 #include "runtime/omissions/omissions.h"
@@ -53,6 +55,8 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   /// From the next step on, boxes are computed by `view`, which must outlive it and contain all
   /// bodies of the world.
   void ComputeBoxesBy(detection::SceneView& view) { view_ = &view; }
+  /// From the next step on, calls `visit` between broad and narrow phase. A TimedWorld does not.
+  void BeforeNarrowPhase(std::function<void()> visit) { before_narrow_ = std::move(visit); }
 
   void updateAabbs() override;
   void performDiscreteCollisionDetection() override;
@@ -81,6 +85,7 @@ class LeanWorld : public btDiscreteDynamicsWorld {
 
   unsigned omitted_ = 0;  ///< bit by component
   detection::SceneView* view_ = nullptr;
+  std::function<void()> before_narrow_;  ///< may be empty
 };
 
 /// True if the body keeps its orientation to the bit while nothing touches it: it does not spin,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/plan/plan.h"
 #include "runtime/protocol/recording.h"
 #include "runtime/results/store.h"
@@ -28,6 +29,7 @@ struct Ending {
   double wall_s = 0;  ///< from start to end of the worker
   results::RunResult result;
   std::unique_ptr<protocol::Recording> recording;
+  plan::Descriptor narrow_input{};  ///< if the launcher records it (TraceOfPairs)
 };
 
 /// Progress of a running worker.

@@ -190,7 +190,7 @@ struct ProcessLauncher::Worker {
   std::string kept;             // components, as requested by the scheduler
   bool is_second_time = false;  // started again at its own request
   std::unique_ptr<protocol::Recording> recording;
-  Descriptor contacts;
+  Descriptor contacts, narrow_input;
   Descriptor errors;  // read end of its standard error; closed at end of file
   TextTail tail;
   double started_s = 0;
@@ -318,6 +318,10 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>
   spawn.Give(text.get(), protocol::kRunFd);
   spawn.Give(worker.recording->fd(), protocol::kRecordingFd);
   spawn.Give(worker.contacts.get(), protocol::kContactsFd);
+  if (records_narrow_input_) {
+    worker.narrow_input = MemoryFile("cdb-narrow-input");
+    spawn.Give(worker.narrow_input.get(), protocol::kNarrowInputFd);
+  }
   const auto poses = PosesFile(scene);
   if (poses) spawn.Give(poses->get(), protocol::kPosesFd);
   if (const auto trace = analysis::TraceOf(scene)) {
@@ -442,6 +446,7 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   ending.result.noise = NoiseOf(*worker.run, ending.result, *worker.recording);
   ending.result.host = machine::HostName();
   ending.recording = std::move(worker.recording);
+  ending.narrow_input = std::move(worker.narrow_input);
   workers_[worker.slot].reset();
   return ending;
 }

@@ -108,6 +108,9 @@ class ProcessLauncher : public Launcher {
   Pulse PulseOf(std::size_t slot) const override;
   void StopAll() override;
 
+  /// Runs that start from now on record the input of their narrow phase (Ending::narrow_input).
+  void RecordNarrowInput() { records_narrow_input_ = true; }
+
  private:
   struct Worker;
   /// -1 if the recording must be made anew, because a process that has ended may have used it.
@@ -126,6 +129,7 @@ class ProcessLauncher : public Launcher {
   WorkerPrograms programs_;
   yaml::RunText text_{""};
   const StopFlag* stop_;
+  bool records_narrow_input_ = false;
   TraceCache traces_;
   const ClaimedProcessors processors_;
   /// For each program that was started; null if it cannot fork workers

@@ -61,6 +61,20 @@ TEST(TracedScene, IsNamedByItsHash) {
   EXPECT_EQ(by_name.runs.at(0).id, by_hash.runs.at(0).id);
 }
 
+TEST(TracedScene, OfPairsTimesANarrowPhaseAndIsNamedByThem) {
+  const plan::Plan plan =
+      TracedPlan("benchmark b { trace \"pairs.trace.h5\"; narrow_phase sweep(own, bullet) }");
+  ASSERT_EQ(plan.runs.size(), 2u);
+  EXPECT_FALSE(analysis::IsOnPairs(plan.runs[0].scene));
+  EXPECT_TRUE(analysis::IsOnPairs(plan.runs[1].scene));
+  EXPECT_EQ(analysis::TraceOf(plan.runs[0].scene)->sha256, std::string(64, 'c'));
+  EXPECT_EQ(analysis::TraceOf(plan.runs[1].scene)->sha256, std::string(64, 'p'));
+  EXPECT_EQ(plan.runs[0].id, TracedPlan("benchmark b { trace \"pairs.trace.h5\" }").runs.at(0).id);
+  EXPECT_EQ(yaml::FromYaml(yaml::ToYaml(plan), "plan").runs, plan.runs);
+  EXPECT_FALSE(
+      analysis::IsOnPairs(TracedPlan("benchmark b { narrow_phase bullet }").runs[0].scene));
+}
+
 TEST(TracedScene, StandsInCases) {
   const plan::Plan plan = TracedPlan(
       "benchmark b { detector sweep(simple, dbvt)\n"

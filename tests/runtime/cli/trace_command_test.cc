@@ -85,6 +85,43 @@ TEST(Trace, OfSeveralPointsIsAFolderAndGoesOnWhereItStopped) {
   EXPECT_EQ(results::ReadTraceFacts(file).sha256, facts.sha256);
 }
 
+TEST(Trace, OfPairsTakesThePlaceOfOneWithoutAndServesBothPhases) {
+  const Program program;
+  program.Write("crowd.cdb", CrowdedScenario(""));
+  program.Write("on.cdb",
+                "benchmark on { trace \"crowd.trace.h5\"; narrow_phase bullet }\n"
+                "benchmark boxes { trace \"crowd.trace.h5\"; detector octree }\n");
+  ASSERT_EQ(program.Run({"trace", "-q", "crowd.cdb"}).status, 0);
+  const auto file = program.folder() / "crowd.trace.h5";
+  const analysis::TraceFacts before = results::ReadTraceFacts(file);
+  const Finished refused = program.Run({"run", "on.cdb", "-b", "on"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.err.find("'crowd.trace.h5' has only boxes"), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("cdb trace FILE --pairs"), std::string::npos) << refused.err;
+  const Finished recorded = program.Run({"trace", "crowd.cdb", "--pairs"});
+  ASSERT_EQ(recorded.status, 0) << recorded.err;
+  EXPECT_NE(recorded.out.find(" pairs; "), std::string::npos) << recorded.out;
+  EXPECT_EQ(results::ReadTraceFacts(file).sha256, before.sha256);
+  for (const bool pairs : {false, true}) {
+    const Finished again = pairs ? program.Run({"trace", "crowd.cdb", "--pairs"})
+                                 : program.Run({"trace", "crowd.cdb"});
+    EXPECT_NE(again.out.find("exists already"), std::string::npos) << again.out;
+  }
+  const Finished check = program.Run({"check", "crowd.trace.h5"});
+  EXPECT_NE(check.out.find(" pairs, run "), std::string::npos) << check.out;
+  const Finished run = program.Run({"run", "-q", "on.cdb"});
+  ASSERT_EQ(run.status, 0) << run.out << run.err;
+  const results::ResultFile narrow(program.folder() / "on.h5");
+  for (const protocol::Phase phase :
+       {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})
+    for (const double ns : narrow.ReadDuration(phase, {{}, 0})) EXPECT_GT(ns, 0);
+  EXPECT_TRUE(narrow.Has("unhandled_pairs"));
+  EXPECT_FALSE(narrow.Has("missed_pairs"));
+  const results::ResultFile boxes(program.folder() / "boxes.h5");
+  EXPECT_FALSE(boxes.Has("contacts"));
+  EXPECT_FALSE(boxes.Has("unhandled_pairs"));
+}
+
 TEST(Trace, WritesOverNothingOfAnother) {
   const Program program;
   program.Write("b.cdb", "benchmark b { cycles 2 }\n");

@@ -71,16 +71,15 @@ struct Recorded {
   bool done() const { return header().outcome.load() == protocol::WorkerOutcome::kDone; }
 };
 
-inline Recorded RunHere(const plan::Scene& scene, int contacts_fd = -1) {
+inline Recorded RunHere(const plan::Scene& scene, worker::Streams streams = {}) {
   plan::Run run;
   run.scene = scene;
   Recorded recorded{protocol::Recording::Create(scene), nullptr};
   try {
-    recorded.engine = worker::RunScene(run, recorded.recording, contacts_fd);
+    recorded.engine = worker::RunScene(run, recorded.recording, streams);
   } catch (const world::OmissionGuardTripped& tripped) {
     recorded.recording.Clear();
-    recorded.engine =
-        worker::RunScene(run, recorded.recording, contacts_fd, {"walls", tripped.what()});
+    recorded.engine = worker::RunScene(run, recorded.recording, streams, {"walls", tripped.what()});
   }
   return recorded;
 }

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "runtime/protocol/series.h"
 #include "runtime/results/hdf5/file.h"
@@ -42,6 +47,44 @@ protocol::TraceMemory MakeTrace(bool is_double) {
   return trace;
 }
 
+/// The pairs of a cycle; the second has none.
+std::vector<protocol::TracePair> PairsOf(std::uint64_t cycle) {
+  if (cycle == 1) return {};
+  return {{0, 1}, {0, 4}, {2, static_cast<std::uint32_t>(3 + cycle / 2)}};
+}
+
+/// Of every body: at its number, turned by a right angle.
+std::vector<double> FramesOf(std::uint64_t cycle) {
+  std::vector<double> frames;
+  for (std::size_t i = 0; i < kBodies; ++i) {
+    const double at = static_cast<double>(i) + static_cast<double>(cycle) / 2;
+    frames.insert(frames.end(), {at, -at, 0.25, 0, 1, 0, -1, 0, 0, 0, 0, 1});
+  }
+  return frames;
+}
+
+/// The same trace with pairs; `change` may spoil those of a cycle.
+protocol::TraceMemory MakePairTrace(
+    bool is_double, const std::function<void(std::uint64_t, std::vector<double>&,
+                                             std::vector<protocol::TracePair>&)>& change = {}) {
+  const std::string run_text = "id: 1\n";
+  const protocol::TraceMemory boxes = MakeTrace(is_double);
+  protocol::TraceShape shape = boxes.shape();
+  shape.pairs = 6;
+  shape.text_bytes = run_text.size();
+  protocol::TraceMemory trace = protocol::TraceMemory::Create(shape);
+  std::ranges::copy(boxes.filters(), trace.filters().begin());
+  trace.SetRun(1 << 2, run_text);
+  for (std::uint64_t cycle = 0; cycle < kCycles; ++cycle) {
+    trace.SetBoxes(cycle, boxes.Boxes(cycle));
+    auto frames = FramesOf(cycle);
+    auto pairs = PairsOf(cycle);
+    if (change) change(cycle, frames, pairs);
+    trace.SetPairs(cycle, frames, pairs);
+  }
+  return trace;
+}
+
 void Write(const protocol::TraceMemory& trace, const std::filesystem::path& file) {
   results::WriteTrace(trace, kOrigin, kObjects,
                       std::vector<double>(kCycles * kObjects * protocol::kPoseSize, 0.5), file);
@@ -72,13 +115,38 @@ TEST_P(TraceFile, ReadsBackToTheBit) {
   }
 }
 
+TEST_P(TraceFile, ReadsPairsBackToTheBit) {
+  const TemporaryFolder folder;
+  const protocol::TraceMemory trace = MakePairTrace(GetParam());
+  Write(trace, folder / "t.h5");
+  const analysis::TraceFacts facts = results::ReadTraceFacts(folder / "t.h5");
+  EXPECT_EQ(facts.sha256, MakeTrace(GetParam()).Sha256()) << "the boxes are the same trace";
+  EXPECT_EQ(facts.pairs_sha256, trace.PairsSha256());
+  EXPECT_NE(facts.pairs_sha256, facts.sha256);
+  EXPECT_EQ(facts.pairs, 6u);
+  EXPECT_FALSE(results::LoadTrace(folder / "t.h5", facts.sha256).shape().HasPairs());
+
+  const protocol::TraceMemory loaded = results::LoadTrace(folder / "t.h5", facts.pairs_sha256);
+  protocol::TraceReader reader(loaded.fd());
+  EXPECT_EQ(reader.shape(), trace.shape());
+  EXPECT_EQ(reader.walls(), 1u << 2);
+  EXPECT_EQ(reader.ReadRunText(), "id: 1\n");
+  for (std::uint64_t cycle : {2, 0, 1}) {
+    EXPECT_TRUE(std::ranges::equal(reader.ReadPairs(cycle), PairsOf(cycle)));
+    EXPECT_TRUE(std::ranges::equal(reader.ReadFrames(cycle), FramesOf(cycle)));
+    EXPECT_EQ(reader.Read(cycle)[1], Side(cycle, 1, GetParam()));
+  }
+  EXPECT_TRUE(results::CheckTrace(folder / "t.h5").has_digest);
+}
+
 TEST_P(TraceFile, DescribesItsVariables) {
   const TemporaryFolder folder;
-  Write(MakeTrace(GetParam()), folder / "t.h5");
+  Write(MakePairTrace(GetParam()), folder / "t.h5");
   const hdf5::File file = hdf5::File::Open(folder / "t.h5");
   EXPECT_EQ(file.Text("Conventions"), "CF-1.8");
-  for (const char* name : {"cycle", "body", "object", "bound", "filter", "pose", "boxes", "filters",
-                           "poses", "scenario_text", "run_text"})
+  for (const char* name :
+       {"cycle", "body", "object", "bound", "filter", "pose", "boxes", "filters", "poses",
+        "scenario_text", "run_text", "frame", "frames", "first_pair", "pair_side", "pair_bodies"})
     EXPECT_NE(file.OpenDataset(name).Text("long_name"), "") << name;
   for (const char* name : {"cycle", "body", "object", "filters"})
     EXPECT_EQ(file.OpenDataset(name).Text("units"), "1") << name;
@@ -107,23 +175,71 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   EXPECT_NE(why("out.h5").find("HDF5, but no trace (cdb-results)"), std::string::npos);
 }
 
+/// Of files with the right hash and seal.
+TEST(TraceFileErrors, PairsThatCannotBeAreRefused) {
+  using Frames = std::vector<double>&;
+  using Pairs = std::vector<protocol::TracePair>&;
+  const std::pair<const char*, std::function<void(Frames, Pairs)>> cases[] = {
+      {"body 1 has no pose", [](Frames frames, Pairs) { frames[13] = NAN; }},
+      {"body 0 has no pose", [](Frames frames, Pairs) { frames[4] = 2; }},
+      {"pair 1 is not two of its bodies",
+       [](Frames, Pairs pairs) {
+         pairs[1] = {0, kBodies};
+       }},
+      {"pair 2 is not two of its bodies",
+       [](Frames, Pairs pairs) {
+         pairs[2] = {3, 3};
+       }},
+      {"pair 0 is not two of its bodies",
+       [](Frames, Pairs pairs) {
+         pairs[0] = {~0u, 1};
+       }},
+      {"pair 1 is not after the one before",
+       [](Frames, Pairs pairs) {
+         pairs[1] = {0, 1};
+       }},
+  };
+  const TemporaryFolder folder;
+  for (const auto& [why, spoil] : cases) {
+    const protocol::TraceMemory trace =
+        MakePairTrace(false, [&](std::uint64_t cycle, Frames frames, Pairs pairs) {
+          if (cycle == 0) spoil(frames, pairs);
+        });
+    Write(trace, folder / "t.h5");
+    const auto said = [&](auto read) -> std::string {
+      try {
+        read();
+      } catch (const files::StoreError& error) {
+        return error.what();
+      }
+      return "nothing wrong";
+    };
+    EXPECT_NE(said([&] { results::LoadTrace(folder / "t.h5", trace.PairsSha256()); }).find(why),
+              std::string::npos)
+        << why;
+    EXPECT_NE(said([&] { results::CheckTrace(folder / "t.h5"); }).find(why), std::string::npos);
+  }
+}
+
 TEST(TraceFileErrors, AnotherTraceAndEveryDamageIsRefused) {
   const TemporaryFolder folder;
-  Write(MakeTrace(false), folder / "t.h5");
+  Write(MakePairTrace(false), folder / "t.h5");
   const analysis::TraceFacts facts = results::ReadTraceFacts(folder / "t.h5");
   EXPECT_THROW(results::LoadTrace(folder / "t.h5", std::string(64, '0')), files::StoreError);
   const std::string whole = ReadFile(folder / "t.h5");
   for (std::size_t cut = 0; cut < whole.size(); cut += kAnySanitizer ? 311 : 61) {
     WriteFile(folder / "cut.h5", whole.substr(0, cut));
-    EXPECT_THROW(results::LoadTrace(folder / "cut.h5", facts.sha256), files::StoreError) << cut;
+    EXPECT_THROW(results::LoadTrace(folder / "cut.h5", facts.pairs_sha256), files::StoreError)
+        << cut;
   }
-  // Damage that does not change a box or a filter is harmless.
+  // Damage that does not change a box, a filter, a pose, a pair or the run is harmless.
   for (std::size_t at = 0; at < whole.size(); at += kAnySanitizer ? 67 : 13) {
     std::string bent = whole;
     bent[at] = static_cast<char>(bent[at] ^ 0x10);
     WriteFile(folder / "bent.h5", bent);
     try {
-      EXPECT_EQ(results::LoadTrace(folder / "bent.h5", facts.sha256).Sha256(), facts.sha256);
+      EXPECT_EQ(results::LoadTrace(folder / "bent.h5", facts.pairs_sha256).PairsSha256(),
+                facts.pairs_sha256);
     } catch (const files::StoreError&) {
     }
   }

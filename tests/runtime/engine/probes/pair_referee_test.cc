@@ -204,9 +204,10 @@ struct FirstStep {
   probes::NarrowPhaseErrors errors;
   FirstStep(world::Engine& engine, std::uint64_t draw = 0,
             std::size_t most = protocol::kMostComparedContacts) {
-    exact = probes::ExactOverlaps(engine, probes::ExactPairs(engine), draw, most);
+    exact = probes::ExactOverlaps(engine, probes::WithWalls(engine, probes::ExactPairs(engine)),
+                                  draw, most);
     engine.Step();
-    errors = probes::CompareContacts(engine, exact.overlaps);
+    errors = probes::CompareContacts(engine, exact);
   }
 };
 
