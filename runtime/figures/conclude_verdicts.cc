@@ -256,7 +256,7 @@ void ConcludeStep(const Model& model, std::vector<Conclusion>& all) {
   Phase largest = Phase::kBroad;
   const auto time_of = [&](Phase phase) { return model.times().Of(point, phase).mean.value; };
   for (const Phase phase : {Phase::kNarrow, Phase::kSolve, Phase::kIntegrate})
-    if (time_of(phase) > time_of(largest)) largest = phase;
+    if (time_of(phase) > time_of(largest) || std::isnan(time_of(largest))) largest = phase;
   const terminal::TimeUnit unit = terminal::TimeUnit::For(step.value);
   all.push_back({"What does a step take?",
                  fmt::format("{}{}. Its largest phase is {}: {}, {:.0f} % of the step.",
