@@ -46,7 +46,8 @@ class LineReader {
             {},
             std::string(defaults_.WordOr("detector")),
             std::string(defaults_.WordOr("narrow_phase")),
-            0};
+            0,
+            false};
   }
 
   /// False if the line is malformed.
@@ -55,6 +56,7 @@ class LineReader {
     if (Follows(line, "    at: ", rest)) return ReadIndices(rest, run.at);
     if (Follows(line, "      detector: ", rest)) run.detector = rest;
     if (Follows(line, "      narrow_phase: ", rest)) run.narrow_phase = rest;
+    if (Follows(line, "      trace: ", rest)) run.is_on_trace = true;
     if (Follows(line, "      - name: ", rest)) run.objects += quantity_;
     if (!Follows(line, "        quantity: ", rest)) return true;
     std::uint64_t objects = 0;

@@ -45,6 +45,7 @@ struct BriefRun {
   std::vector<std::size_t> at;
   std::string detector, narrow_phase;
   std::uint64_t objects = 0;  ///< of all groups
+  bool is_on_trace = false;
 };
 
 /// The runs of `yaml`, a plan written by ToYaml; nullopt for a plan of another version and for any

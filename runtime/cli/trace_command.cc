@@ -161,7 +161,7 @@ void DeclareTrace(options::Subcommand& command) {
 /// finished traces are skipped, except those without pairs if these are to be recorded.
 options::Command TraceCommand() {
   return {.name = "trace",
-          .help = "record the boxes of runs, to time detectors on them later",
+          .help = "record the boxes of runs, or their pairs too, to time detectors on them later",
           .declare = DeclareTrace};
 }
 

@@ -307,7 +307,9 @@ CellDetectors::CellDetectors(const results::ResultFile& file)
   if (axis_) return;
   const auto runs = yaml::FindBriefRuns(file.ReadProvenance("plan_text"));
   if (!runs) return;
-  for (const yaml::BriefRun& run : *runs) by_run_.emplace(run.id, run.detector);
+  for (const yaml::BriefRun& run : *runs)
+    by_run_.emplace(run.id,
+                    run.is_on_trace && run.narrow_phase != "own" ? run.narrow_phase : run.detector);
 }
 
 std::string CellDetectors::Of(const Cell& cell) const {

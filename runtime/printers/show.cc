@@ -49,6 +49,7 @@ Document Brief(const figures::Model& model) {
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
+  AddPairs(model, by.front(), document);
   AddBudget(model, false, document);  // the answer is in the head
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
@@ -65,7 +66,10 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
   // Whoever asks for certain rows does not ask how the file is stored.
   Document document = {SummaryHead(model, asked.empty())};
-  for (const auto& by : ChooseTables(model, asked)) AddPhases(model, by, options.phases, document);
+  for (const auto& by : ChooseTables(model, asked)) {
+    AddPhases(model, by, options.phases, document);
+    AddPairs(model, by, document);
+  }
   AddDetectors(model, asked, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);

@@ -113,6 +113,11 @@ std::vector<std::string> WrongDetectors(const figures::Model& model);
 void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
                const std::vector<protocol::Phase>& phases, Document& document);
 
+/// A table of narrow phases that ran on the pairs of a trace, if there are any: time per pair,
+/// pairs that were not handled, and contacts against exact ones. A row for each value on the axes
+/// `by`.
+void AddPairs(const figures::Model& model, const std::vector<std::size_t>& by, Document& document);
+
 /// Two tables, if the file compares detectors. For detect: mean and worst cycle, pairs, faults and
 /// memory of each detector, in the order of their axis, at each point of the other axes, or of `by`
 /// if that is not empty; axes that make no rows are pooled. If one axis with at least three numbers

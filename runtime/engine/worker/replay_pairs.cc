@@ -139,6 +139,7 @@ class PairWorld {
   std::int64_t Detect(std::uint64_t cycle) {
     Place(cycle);
     TakePairs(cycle);
+    if (clocked_ != nullptr) ForgetContacts();
     btDispatcher& dispatcher = *engine_->world().getDispatcher();
     btOverlappingPairCache& cache = *engine_->world().getPairCache();
     const std::int64_t clean_begin = world::Now();
@@ -154,9 +155,7 @@ class PairWorld {
   /// The pairs of the cycle that the narrow phase does not handle.
   std::size_t CountUnhandled() {
     if (clocked_ == nullptr) return 0;
-    const btOverlappingPairCache& cache = *engine_->world().getPairCache();
-    const std::span pairs(cache.getOverlappingPairArrayPtr(),
-                          static_cast<std::size_t>(cache.getNumOverlappingPairs()));
+    const auto pairs = KeptPairs();
     return pairs.size() - static_cast<std::size_t>(std::ranges::count_if(
                               pairs, detection::AdapterDispatcher::IsDetectors));
   }
@@ -172,6 +171,21 @@ class PairWorld {
   }
 
  private:
+  std::span<btBroadphasePair> KeptPairs() {
+    btOverlappingPairCache& cache = *engine_->world().getPairCache();
+    return {cache.getOverlappingPairArrayPtr(),
+            static_cast<std::size_t>(cache.getNumOverlappingPairs())};
+  }
+
+  /// Bullet would keep contacts of a detector from earlier cycles beside those of this one.
+  void ForgetContacts() {
+    manifolds_.resizeNoInitialize(0);
+    for (const btBroadphasePair& pair : KeptPairs())
+      if (detection::AdapterDispatcher::IsDetectors(pair) && pair.m_algorithm != nullptr)
+        pair.m_algorithm->getAllContactManifolds(manifolds_);
+    for (int i = 0; i < manifolds_.size(); ++i) manifolds_[i]->clearManifold();
+  }
+
   void Place(std::uint64_t cycle) {
     btBroadphaseInterface& broad = *engine_->world().getBroadphase();
     const double* frame = trace_.ReadFrames(cycle).data();
@@ -210,6 +224,7 @@ class PairWorld {
   std::vector<btRigidBody*> bodies_;  ///< in the order of the trace
   std::vector<Pair> last_pairs_, lost_;
   std::vector<btBroadphasePair*> gone_;
+  btManifoldArray manifolds_;
 };
 
 std::int32_t Count(std::size_t count) {
