@@ -41,6 +41,15 @@ void ForRuns(const results::ResultFile& file, Visit visit) {
   }
 }
 
+/// The run was one of a narrow phase on the pairs of a trace.
+bool RanNoBroadPhase(const results::ResultFile& file, const Cell& cell) {
+  const auto has_values = [&](const char* name) {
+    return std::ranges::any_of(Series(file, cell, name), [](double count) { return count >= 0; });
+  };
+  return has_values("unhandled_pairs") ||
+         (has_values("exact_contacts") && !has_values("exact_pairs"));
+}
+
 /// Cycles without a value are -1.
 void AddPairs(const results::ResultFile& file, const Cell& cell, DetectorFindings& findings) {
   const auto exact = Series(file, cell, "exact_pairs"), missed = Series(file, cell, "missed_pairs"),
@@ -210,6 +219,7 @@ std::vector<DetectorFindings> FindingsOf(const results::ResultFile& file) {
   if (const auto axis = DetectorAxis(file))
     for (const auto& value : file.axes()[*axis].values) findings_of(std::get<std::string>(value));
   ForRuns(file, [&](const Cell& cell, const Ending& ending, const std::string&) {
+    if (ending.status == results::Status::kDone && RanNoBroadPhase(file, cell)) return;
     DetectorFindings& findings = findings_of(detectors.Of(cell));
     if (ending.status != results::Status::kDone) {
       ++findings.failed_runs;

@@ -245,7 +245,8 @@ std::vector<protocol::Phase> DocumentedPhases(const figures::Model& model) {
 }
 
 std::vector<std::string> DocumentedCounts(const figures::Model& model) {
-  return Those(model.file(), {"pairs", "manifolds", "contacts", "exact_pairs", "missed_pairs"});
+  return Those(model.file(), {"pairs", "unhandled_pairs", "manifolds", "contacts", "exact_pairs",
+                              "missed_pairs"});
 }
 
 std::vector<std::string> DocumentedMemory(const figures::Model& model) {

@@ -42,11 +42,12 @@ struct Bases {
     protocol::TraceMemory trace = protocol::TraceMemory::Create({3, 4, false, 4, 2});
     trace.SetRun(0, "id");
     const double frame[] = {1, 2, 3, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const std::vector<protocol::TracePair> pairs = {{0, 1}};
     std::vector<double> frames;
     for (int body = 0; body < 3; ++body) frames.insert(frames.end(), frame, std::end(frame));
     for (std::uint64_t cycle = 0; cycle < 4; ++cycle) {
       trace.SetBoxes(cycle, std::vector<double>(3 * protocol::kBoxSize, 1.5));
-      trace.SetPairs(cycle, frames, {{{{0, 1}}}});
+      trace.SetPairs(cycle, frames, pairs);
     }
     results::WriteTrace(trace, {"b", "", std::string(16, '0'), std::string(16, '0'), 0.01, "", ""},
                         0, {}, folder / "trace.h5");

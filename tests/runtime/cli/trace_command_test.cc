@@ -111,12 +111,19 @@ TEST(Trace, OfPairsTakesThePlaceOfOneWithoutAndServesBothPhases) {
   EXPECT_NE(check.out.find(" pairs, run "), std::string::npos) << check.out;
   const Finished run = program.Run({"run", "-q", "on.cdb"});
   ASSERT_EQ(run.status, 0) << run.out << run.err;
+  const Finished show = program.Run({"show", "on.h5"});
+  EXPECT_NE(show.out.find("Its largest phase is narrow: "), std::string::npos) << show.out;
+  EXPECT_NE(show.out.find("ns/pair"), std::string::npos) << show.out;
   const results::ResultFile narrow(program.folder() / "on.h5");
   for (const protocol::Phase phase :
        {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})
     for (const double ns : narrow.ReadDuration(phase, {{}, 0})) EXPECT_GT(ns, 0);
   EXPECT_TRUE(narrow.Has("unhandled_pairs"));
   EXPECT_FALSE(narrow.Has("missed_pairs"));
+  const Finished verified = program.Run({"verify", "on.cdb", "-b", "on"});
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("misses none"), std::string::npos) << verified.out;
+  EXPECT_EQ(verified.out.find("broad"), std::string::npos) << verified.out;
   const results::ResultFile boxes(program.folder() / "boxes.h5");
   EXPECT_FALSE(boxes.Has("contacts"));
   EXPECT_FALSE(boxes.Has("unhandled_pairs"));
