@@ -47,7 +47,7 @@ bool RanNoBroadPhase(const results::ResultFile& file, const Cell& cell) {
     return std::ranges::any_of(Series(file, cell, name), [](double count) { return count >= 0; });
   };
   return has_values("unhandled_pairs") ||
-         (has_values("exact_contacts") && !has_values("exact_pairs"));
+         (has_values("exact_contacts") && !file.Has("exact_pairs"));
 }
 
 /// Cycles without a value are -1.

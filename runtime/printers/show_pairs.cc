@@ -60,8 +60,9 @@ class PairTable {
           "unhandled: pairs that the narrow phase leaves to Bullet; they are not in its time.");
     if (differs_)
       section.notes.push_back(
-          "ns/pair is over different pairs: most detectors leave planes and surfaces, which are "
-          "cheap, to Bullet. With world.wall_shape box, or without walls, all have the same.");
+          "ns/pair is over different pairs, as the narrow phases leave different ones to Bullet. "
+          "With "
+          "world.wall_shape box, or without walls, they leave fewer.");
     if (is_judged_)
       section.notes.push_back(
           "compared: overlaps with an exact answer, of all that may overlap; errors of depth in "

@@ -139,7 +139,7 @@ class PairWorld {
   std::int64_t Detect(std::uint64_t cycle) {
     Place(cycle);
     TakePairs(cycle);
-    if (clocked_ != nullptr) ForgetContacts();
+    if (clocked_ != nullptr) ForgetContacts(/*of_detector=*/true);
     btDispatcher& dispatcher = *engine_->world().getDispatcher();
     btOverlappingPairCache& cache = *engine_->world().getPairCache();
     const std::int64_t clean_begin = world::Now();
@@ -160,13 +160,19 @@ class PairWorld {
                               pairs, detection::AdapterDispatcher::IsDetectors));
   }
 
-  /// The pairs of the cycle, by the indices of the referee.
-  std::vector<probes::BodyPair> BodyPairs() const {
+  /// The pairs of the cycle that the narrow phase handles, by the indices of the referee. Drops the
+  /// contacts of the others, which are not its own.
+  std::vector<probes::BodyPair> TakeHandled() {
     std::vector<probes::BodyPair> all;
-    const auto index = [&](Id id) {
-      return static_cast<std::uint32_t>(bodies_[id]->getUserIndex());
+    const auto index = [](const btBroadphaseProxy* proxy) {
+      return static_cast<std::uint32_t>(
+          static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex());
     };
-    for (const Pair& pair : pairs()) all.emplace_back(index(pair.a), index(pair.b));
+    if (clocked_ != nullptr) ForgetContacts(/*of_detector=*/false);
+    for (const btBroadphasePair& pair : KeptPairs())
+      if (clocked_ == nullptr || detection::AdapterDispatcher::IsDetectors(pair))
+        all.push_back(std::minmax({index(pair.m_pProxy0), index(pair.m_pProxy1)}));
+    std::ranges::sort(all);
     return all;
   }
 
@@ -177,11 +183,13 @@ class PairWorld {
             static_cast<std::size_t>(cache.getNumOverlappingPairs())};
   }
 
-  /// Bullet would keep contacts of a detector from earlier cycles beside those of this one.
-  void ForgetContacts() {
+  /// Drops the contacts of the pairs that the detector handles, or of the others. Bullet would keep
+  /// those of earlier cycles beside those of this one.
+  void ForgetContacts(bool of_detector) {
     manifolds_.resizeNoInitialize(0);
     for (const btBroadphasePair& pair : KeptPairs())
-      if (detection::AdapterDispatcher::IsDetectors(pair) && pair.m_algorithm != nullptr)
+      if (detection::AdapterDispatcher::IsDetectors(pair) == of_detector &&
+          pair.m_algorithm != nullptr)
         pair.m_algorithm->getAllContactManifolds(manifolds_);
     for (int i = 0; i < manifolds_.size(); ++i) manifolds_[i]->clearManifold();
   }
@@ -316,8 +324,8 @@ class PairReplay {
     for (std::uint64_t i = 0; i < warmup_ + cycles_; ++i) {
       world.Detect(i);
       if (i < warmup_) continue;
-      probes::JudgeContacts(world.engine(),
-                            probes::ExactOverlaps(world.engine(), world.BodyPairs(), i, most),
+      const std::vector<probes::BodyPair> handled = world.TakeHandled();
+      probes::JudgeContacts(world.engine(), probes::ExactOverlaps(world.engine(), handled, i, most),
                             recording_, i - warmup_);
     }
   }

@@ -257,6 +257,8 @@ TEST_F(PairTraces, CountWhatANarrowPhaseLeavesToBullet) {
     const auto unhandled = replayed.Ints("unhandled_pairs"), pairs = replayed.Ints("pairs");
     EXPECT_GT(std::accumulate(unhandled.begin(), unhandled.end(), 0), 0) << "of the surface";
     for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_LE(unhandled[i], pairs[i]);
+    for (const std::int32_t count : replayed.Ints("bullet_contacts"))
+      EXPECT_EQ(count, 0) << "contacts of others are not judged";
   }
 }
 
