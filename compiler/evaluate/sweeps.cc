@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 
 #include "compiler/evaluate/dimensions.h"
@@ -139,6 +140,19 @@ std::nullopt_t TooMany(const dsl::Expr& range, double count, Evaluator& evaluato
                          fmt::format("an axis can have at most {}", kMaxAxisValues));
 }
 
+/// The value within a range as one would write it: 0.3, where 3 * 0.1 is 0.30000000000000004, so
+/// that a condition such as `x == 0.3` holds. That is the number of 12 digits, if it is no further
+/// off than rounding errors; 1/3 stays. `scale`: the largest magnitude that was computed with.
+Number WithoutRoundingErrors(const Number& value, double scale) {
+  if (value.is_whole()) return value;
+  const double real = value.AsReal(), tolerance = 8 * scale * 0x1p-53;
+  if (std::fabs(real) <= tolerance) return Number(0.0);
+  const std::string digits = fmt::format("{:.12g}", real);
+  double written = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), written);
+  return std::fabs(written - real) <= tolerance ? Number(written) : value;
+}
+
 /// `bounds`: first, last, count.
 std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
                                Evaluator& evaluator) {
@@ -153,11 +167,14 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
   if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
     return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
   const auto between = [&](Integer i) {
-    if (!log) return first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1);
-    // In decades, so that 1 .. 1000 count 4 gives exactly 10 and 100.
+    if (!log)
+      return WithoutRoundingErrors(
+          first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1),
+          std::max(std::fabs(first.AsReal()), std::fabs(last.AsReal())));
     const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
     const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
-    return Number(std::pow(10.0, low + part * (high - low)));
+    const double value = std::pow(10.0, low + part * (high - low));
+    return WithoutRoundingErrors(Number(value), value * (1 + std::fabs(low) + std::fabs(high)));
   };
   // The ends are exactly as written; between them no error accumulates.
   Numbers numbers = {first};
@@ -180,10 +197,13 @@ std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, cons
                                                                 : "to count down, add: step -1");
   const double count = std::floor(steps + kRounding) + 1;
   if (!(count <= static_cast<double>(kMaxAxisValues))) return TooMany(range, count, evaluator);
+  const double scale = std::max(std::fabs(first.AsReal()), std::fabs(last.AsReal()));
   Numbers numbers;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const bool at_end = std::fabs(static_cast<double>(i) - steps) <= kRounding;
-    numbers.push_back(at_end ? last : first + step * Number::Whole(static_cast<Integer>(i)));
+    numbers.push_back(at_end ? last
+                             : WithoutRoundingErrors(
+                                   first + step * Number::Whole(static_cast<Integer>(i)), scale));
   }
   return numbers;
 }

@@ -1,12 +1,10 @@
-#include "runtime/figures/gate.h"
+#include "runtime/figures/compare.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <utility>
-
-#include "runtime/figures/compare.h"
 
 namespace cdb::figures {
 namespace {
