@@ -190,8 +190,10 @@ inline constexpr int kTraceFd = 6;
 /// For a run without a trace: the poses that its groups take from HDF5 files (layouts::PackPoses);
 /// only if there are any.
 inline constexpr int kPosesFd = kTraceFd;
-/// A file for the input of the narrow phase (AppendNarrowInput); only if it is to be recorded.
+/// With kNarrowInputOption: a file for the input of the narrow phase (AppendNarrowInput).
 inline constexpr int kNarrowInputFd = 7;
+/// The first argument of a worker that records the input of its narrow phase.
+inline constexpr const char* kNarrowInputOption = "--narrow-input";
 /// Option of the worker for a run that must keep components that it could omit: followed by their
 /// names, separated by spaces, and by the reason.
 inline constexpr const char* kKeepOption = "--keep";

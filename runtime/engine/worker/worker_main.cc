@@ -52,11 +52,10 @@ std::string ReadPackedPoses() {
   }
 }
 
-bool IsOpen(int fd) { return fcntl(fd, F_GETFD) >= 0; }
-
 bool HasDescriptors() {
-  return IsOpen(protocol::kRunFd) && IsOpen(protocol::kRecordingFd) &&
-         IsOpen(protocol::kContactsFd);
+  for (const int fd : {protocol::kRunFd, protocol::kRecordingFd, protocol::kContactsFd})
+    if (fcntl(fd, F_GETFD) < 0) return false;
+  return true;
 }
 
 /// Makes the runner start the same run again, with all walls, in a new process.
@@ -65,16 +64,15 @@ void AskToStartAgain(protocol::Recording& recording, const world::OmissionGuardT
   recording.header().outcome.store(protocol::WorkerOutcome::kAgain, std::memory_order_release);
 }
 
-void RunScenario(const plan::Run& run, protocol::Recording& recording, const Kept& kept) {
-  Streams streams = {.contacts_fd = protocol::kContactsFd};
-  if (IsOpen(protocol::kNarrowInputFd)) streams.narrow_input_fd = protocol::kNarrowInputFd;
+void RunScenario(const plan::Run& run, protocol::Recording& recording, Streams streams,
+                 const Kept& kept) {
   auto engine = RunScene(run, recording, streams, kept);
   // The C library detects writes beyond a plug-in's memory when that memory is freed.
   if (!run.scene.plugins.empty()) return;
   static_cast<void>(engine.release());  // the system frees it
 }
 
-void RunWorker(const Kept& kept) {
+void RunWorker(Streams streams, const Kept& kept) {
   const plan::Run run = yaml::RunFromYaml(protocol::ReadAll(protocol::kRunFd), "run");
   protocol::Recording recording = protocol::Recording::Open(protocol::kRecordingFd, run.scene);
   const detection::NotesPluginCalls notes(recording.header().plugin_call);
@@ -91,7 +89,7 @@ void RunWorker(const Kept& kept) {
       if (analysis::TraceOf(run.scene)) {
         ReplayTrace(run, recording, protocol::kTraceFd);
       } else {
-        RunScenario(run, recording, kept);
+        RunScenario(run, recording, streams, kept);
       }
     } catch (const world::OmissionGuardTripped& tripped) {
       AskToStartAgain(recording, tripped);
@@ -102,8 +100,14 @@ void RunWorker(const Kept& kept) {
     recording.header().scalars.peak_rss_bytes = probes::PeakRssBytes();
 }
 
-/// Executes the command given by `arguments`, without the program; returns the exit status.
-int Execute(const std::vector<std::string>& arguments) {
+/// Executes the command given by its arguments, without the program; returns the exit status.
+int Execute(const std::vector<std::string>& given) {
+  std::vector<std::string> arguments = given;
+  Streams streams = {.contacts_fd = protocol::kContactsFd};
+  if (!arguments.empty() && arguments[0] == protocol::kNarrowInputOption) {
+    streams.narrow_input_fd = protocol::kNarrowInputFd;
+    arguments.erase(arguments.begin());
+  }
   const std::string option = arguments.empty() ? "" : arguments[0];
   const bool settles = arguments.size() == 1 && option == kSettleOption;
   const bool keeps = arguments.size() == 3 && option == protocol::kKeepOption;
@@ -121,7 +125,7 @@ int Execute(const std::vector<std::string>& arguments) {
     if (settles) {
       SettleForAnother(yaml::RunFromYaml(protocol::ReadAll(STDIN_FILENO), "run"), STDOUT_FILENO);
     } else {
-      RunWorker(keeps ? Kept{arguments[1], arguments[2]} : Kept{});
+      RunWorker(streams, keeps ? Kept{arguments[1], arguments[2]} : Kept{});
     }
     std::fflush(nullptr);
     _exit(0);  // skips destructors: the system frees everything

@@ -303,7 +303,7 @@ void ProcessLauncher::Launch(Worker& worker, const std::vector<std::string>& arg
   while (!TryToLaunch(worker, arguments)) worker.recording->Clear();
 }
 
-bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>& arguments) {
+bool ProcessLauncher::TryToLaunch(Worker& worker, std::vector<std::string> arguments) {
   const plan::Scene& scene = worker.run->scene;
   worker.contacts = MemoryFile("cdb-contacts");
   const Descriptor text = SealedFile("cdb-run", text_.YamlOf(*worker.run));
@@ -321,6 +321,7 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>
   if (records_narrow_input_) {
     worker.narrow_input = MemoryFile("cdb-narrow-input");
     spawn.Give(worker.narrow_input.get(), protocol::kNarrowInputFd);
+    arguments.insert(arguments.begin(), protocol::kNarrowInputOption);
   }
   const auto poses = PosesFile(scene);
   if (poses) spawn.Give(poses->get(), protocol::kPosesFd);
@@ -336,7 +337,7 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, const std::vector<std::string>
   const bool is_single = scene.world.WordOr("precision") == "single";
   const int cpu = scene.world.Count("threads") > 1 ? -1 : processors_.Of(worker.slot);
   worker.pid = StartProcess(is_single ? programs_.single : programs_.double_, spawn,
-                            {{}, arguments, cpu, MemoryLimitOf(scene)});
+                            {{}, std::move(arguments), cpu, MemoryLimitOf(scene)});
   if (worker.pid < 0) return false;
   worker.pidfd = WatchProcess(worker.pid);
   return true;

@@ -120,7 +120,7 @@ class ProcessLauncher : public Launcher {
   void DrainErrors(Worker& worker);
   /// Creates new descriptors and starts the process. Throws ScheduleError.
   void Launch(Worker& worker, const std::vector<std::string>& arguments);
-  bool TryToLaunch(Worker& worker, const std::vector<std::string>& arguments);
+  bool TryToLaunch(Worker& worker, std::vector<std::string> arguments);
   /// Starts a worker again whose process has ended with that request; at most once.
   bool StartAgain(Worker& worker);
   /// None if it was started again.

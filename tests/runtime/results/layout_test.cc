@@ -22,6 +22,16 @@ plan::Plan PlanWithEverything() {
   return MakePlan({NumberAxis("x", {1, 2})}, 1, {.record = record, .metrics = metrics});
 }
 
+/// Of a narrow phase on recorded pairs, which has series of its own.
+plan::Plan PlanOnPairs() {
+  plan::Plan plan = MakePlan({}, 1, {.record = {"counts"}});
+  for (plan::Run& run : plan.runs) {
+    run.scene.world.Set("trace", schema::Call{"file", {schema::Text{"t.h5"}, schema::Text{"0"}}});
+    run.scene.world.Set("narrow_phase", schema::Word{"bullet"});
+  }
+  return plan;
+}
+
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const results::PlanFacts facts(plan);
@@ -45,7 +55,8 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   const plan::Plan plan = PlanWithEverything();
   const auto errors = analysis::ErrorsOf(plan);
   ASSERT_EQ(errors.size(), schema::Errors().size());
-  const std::set<std::string> used = NamesBesideAxes(plan);
+  std::set<std::string> used = NamesBesideAxes(plan);
+  used.merge(NamesBesideAxes(PlanOnPairs()));
   for (const std::string& name : used)
     EXPECT_TRUE(schema::FindNameClash(name, errors))
         << name << " is in the results and missing in compiler/schema/metrics.cc";
