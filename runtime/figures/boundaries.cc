@@ -90,12 +90,7 @@ std::string ValuesOfOnly(const results::ResultFile& file, const std::vector<std:
       if (any[i].size() > 1 && any[j].size() > 1 && only(i, j) && !text(i).empty() &&
           !text(j).empty())
         return text(i) + " and " + text(j);
-  if (some.size() == 1) return PlaceText(file, axes, *some.begin());
-  std::vector<std::string> each;
-  if (some.size() <= kMostPoints)
-    for (const Point& point : some)
-      each.push_back(fmt::format("({})", PlaceText(file, axes, point)));
-  return JoinWords(each);
+  return some.size() == 1 ? PlaceText(file, axes, *some.begin()) : std::string();
 }
 
 std::string PointsNoun(const results::ResultFile& file, const std::vector<std::size_t>& axes) {
@@ -107,9 +102,12 @@ std::string PointsNoun(const results::ResultFile& file, const std::vector<std::s
 std::string PointsText(const results::ResultFile& file, const std::vector<std::size_t>& axes,
                        const std::set<Point>& some, const std::set<Point>& all) {
   const std::string values = ValuesOfOnly(file, axes, some, all);
-  return values.empty()
-             ? fmt::format("{} of the {} {}", some.size(), all.size(), PointsNoun(file, axes))
-             : values;
+  if (!values.empty()) return values;
+  if (some.size() > kMostPoints)
+    return fmt::format("{} of the {} {}", some.size(), all.size(), PointsNoun(file, axes));
+  std::vector<std::string> each;
+  for (const Point& point : some) each.push_back(fmt::format("({})", PlaceText(file, axes, point)));
+  return JoinWords(each);
 }
 
 namespace {

@@ -34,7 +34,6 @@ class DetectorConclusions {
         comparison_(CompareValues(model, axis, std::nullopt)) {
     for (std::size_t i = 0; i < Axis().values.size(); ++i)
       if (!IsHonest(i)) left_out_.insert(i);
-    unlike_pairs_ = UnlikePairs();
   }
 
   std::vector<Conclusion> Times() {
@@ -47,7 +46,8 @@ class DetectorConclusions {
     AddTimes(protocol::Phase::kStep, "Which detector takes the least time for a step?", "fastest",
              BroadShare() + NotRanked());
     AddTimes(protocol::Phase::kDetect,
-             "Which detector takes the least time for collision detection alone?", "detect", "");
+             "Which detector takes the least time for collision detection alone?", "detect",
+             UnlikePairs());
     AddGrowth(protocol::Phase::kDetect,
               "Which detector grows the least with the number of objects?", "collision detection");
     if (HaveOneNarrowPhase()) {
@@ -93,13 +93,12 @@ class DetectorConclusions {
                          terminal::ShortNumber(most.first), Name(least.second),
                          terminal::ShortNumber(least.first),
                          place.empty() ? place : fmt::format(" at {}", place));
-      const schema::DetectorInfo* info = schema::FindDetector(Name(most.second));
       const std::vector<std::string>& kept = point.values[most.second]->kept;
-      if (info != nullptr && info->source == "Bullet" &&
-          std::ranges::find(kept, "wall_pairs") != kept.end())
+      if (IsOfBullet(Name(most.second)) && !IsOfBullet(Name(least.second)) &&
+          std::ranges::find(kept, "wall_pairs") != kept.end() && SortsPairs(file_))
         text +=
-            " Bullet's own pair every object with every wall; `omit auto, wall_pairs` makes "
-            "the work alike.";
+            " Bullet's own pair every object with every wall; `omit auto, wall_pairs` leaves "
+            "the pairs out that no box reaches.";
     }
     return text;
   }
@@ -128,7 +127,7 @@ class DetectorConclusions {
     const auto figure = [&](const MeasuredPoint& point) {
       return model_.times().Of(point, phase).mean;
     };
-    AddRanking(question, kind, figure, "time", unlike_pairs_ + caveat);
+    AddRanking(question, kind, figure, "time", caveat);
   }
 
   void AddWorstCycle() {
@@ -319,7 +318,6 @@ class DetectorConclusions {
   const std::size_t axis_;
   const Comparison comparison_;
   std::set<std::size_t> left_out_;  ///< detectors that must not win
-  std::string unlike_pairs_;
   std::vector<Conclusion> all_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <string_view>
 
@@ -286,14 +287,19 @@ std::vector<std::string> DetectorNames(const results::ResultFile& file) {
   return names;
 }
 
+}  // namespace
+
+bool IsOfBullet(const std::string& detector) {
+  const schema::DetectorInfo* info = schema::FindDetector(detector);
+  return info != nullptr && info->source == "Bullet";
+}
+
 bool SortsPairs(const results::ResultFile& file) {
   const auto plan = ReadPlan(file);
   return plan && std::ranges::any_of(plan->runs, [](const plan::Run& run) {
            return run.scene.world.WordOr("pair_order") == "sorted";
          });
 }
-
-}  // namespace
 
 std::string SameMotionText(const results::ResultFile& file) {
   const auto axis = DetectorAxis(file);
@@ -337,10 +343,7 @@ std::string SameMotionText(const results::ResultFile& file) {
 std::string SortingText(const results::ResultFile& file) {
   std::vector<std::string> of_bullet;
   const std::vector<std::string> names = DetectorNames(file);
-  for (const std::string& name : names)
-    if (const schema::DetectorInfo* info = schema::FindDetector(name);
-        info != nullptr && info->source == "Bullet")
-      of_bullet.push_back(name);
+  std::ranges::copy_if(names, std::back_inserter(of_bullet), IsOfBullet);
   if (of_bullet.empty() || of_bullet.size() == names.size() || !SortsPairs(file)) return {};
   return fmt::format(
       "Pairs are sorted in the narrow phase of {}, and in the broad phase of the other detectors.",

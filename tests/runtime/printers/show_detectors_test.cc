@@ -278,9 +278,9 @@ TEST(ShowDetectors, NamesTheNarrowPhaseThatMissesContacts) {
 }
 
 TEST(ShowDetectors, SaysThatTheyListDifferentPairs) {
-  const auto answer = [](const std::string& decisions) {
+  const auto answer = [](const std::string& order, const std::string& decisions) {
     return WithFile(
-        RealPlanOf({"timing", "counts"}, {"dbvt", "grid"}),
+        RealPlanOf({"timing", "counts; pair_order " + order}, {"dbvt", "grid"}),
         [&](const plan::Run& run, Made& made) {
           made.Detect({100, 100, 100});
           made.Ints("pairs", run.at[1] == 0 ? std::vector<std::int32_t>{90, 100, 110}
@@ -296,13 +296,15 @@ TEST(ShowDetectors, SaysThatTheyListDifferentPairs) {
   const std::string different =
       " They list different pairs: dbvt 100 and grid 10.0 at quantity 10.";
   const std::string remedy =
-      " Bullet's own pair every object with every wall; `omit auto, wall_pairs` makes the work "
-      "alike.";
-  const std::string with_walls = answer("wall_pairs: kept: omitted only if omit names it\n");
+      " Bullet's own pair every object with every wall; `omit auto, wall_pairs` leaves the "
+      "pairs out that no box reaches.";
+  const std::string kept = "wall_pairs: kept: omitted only if omit names it\n";
+  const std::string with_walls = answer("sorted", kept);
   EXPECT_NE(with_walls.find(different + remedy), std::string::npos) << with_walls;
-  const std::string without = answer("");
-  EXPECT_NE(without.find(different), std::string::npos) << without;
-  EXPECT_EQ(without.find(remedy), std::string::npos) << without;
+  for (const std::string& without : {answer("sorted", ""), answer("listed", kept)}) {
+    EXPECT_NE(without.find(different), std::string::npos) << without;
+    EXPECT_EQ(without.find(remedy), std::string::npos) << without;
+  }
 }
 
 TEST(ShowDetectors, AreOfThePhasesThatAreAsked) {
