@@ -140,8 +140,9 @@ class Boundary {
   enum class Form {
     kWhole,     ///< the whole of each line, and the places that have it
     kLimits,    ///< the limit of each, by the only axis that moves it
-    kCounts,    ///< the whole of each line, and the number of places that have it
+    kMost,      ///< the whole of each line, and the places that have it, but for the rest
     kExtremes,  ///< the least and the greatest limit
+    kCounts,    ///< the whole of each line, and the number of places that have it
     kNoBoundary
   };
   Form form() const { return form_; }
@@ -158,8 +159,7 @@ class Boundary {
 
   std::string Text() const {
     const std::string along = AxisWords(Axis());
-    if (form_ != Form::kWhole && form_ != Form::kCounts)
-      return fmt::format(" Along {}", along) + LimitsText();
+    if (by_line_.size() > words_.most_lines) return fmt::format(" Along {}", along) + LimitsText();
     std::vector<std::string> texts;
     for (const auto& [line, alike] : InGridOrder()) {
       const std::string place =
@@ -201,12 +201,17 @@ class Boundary {
   }
 
   Form FormOf() const {
-    const auto has_values = [&](const auto& of) {
-      return of.second.size() == places_.size() ||
-             !ValuesOfOnly(file_, others_, of.second, places_).empty();
-    };
-    if (by_line_.size() <= words_.most_lines)
-      return std::ranges::all_of(by_line_, has_values) ? Form::kWhole : Form::kCounts;
+    if (by_line_.size() <= words_.most_lines) {
+      std::size_t without = 0, many = 0;
+      for (const auto& [line, places] : by_line_) {
+        if (places.size() == places_.size() ||
+            !ValuesOfOnly(file_, others_, places, places_).empty())
+          continue;
+        ++without;
+        if (places.size() > kMostPoints) ++many;
+      }
+      return without == 0 ? Form::kWhole : many <= 1 ? Form::kMost : Form::kCounts;
+    }
     if (!limits_) return Form::kNoBoundary;
     return moving_.size() == 1 ? Form::kLimits : Form::kExtremes;
   }

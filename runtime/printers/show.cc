@@ -278,7 +278,11 @@ class Head {
       const std::size_t runs = groups_.NotSkipped();
       const std::string checked =
           fmt::format("{}", fmt::join(figures::CheckedQuestions(file_, Judged()), ", "));
-      const std::string by = checked.empty() ? "" : fmt::format(" (checked: {})", checked);
+      const bool is_open = figures::LeavesVitalOpen(file_, Judged());
+      const std::string by = is_open           ? fmt::format(", as far as was checked ({})",
+                                                   checked.empty() ? "nothing" : checked)
+                             : checked.empty() ? ""
+                                               : fmt::format(" (checked: {})", checked);
       return {sound < runs ? fmt::format("Verdict: {} of {} stable{}.", sound, runs, by)
                            : fmt::format("Verdict: {}stable{}.", sound > 1 ? "all " : "", by)};
     }
