@@ -129,14 +129,27 @@ dsl::File ParseItself(const std::string& file) {
                     ignored);
 }
 
-/// The statement of NAME=VALUE.
-std::string StatementOf(const std::string& setting) {
+/// The names of the lets of the file and of the benchmark.
+std::vector<std::string_view> LetsOf(const dsl::File& file, const dsl::Benchmark& benchmark) {
+  std::vector<std::string_view> names;
+  for (const auto& item : file.items)
+    if (const auto* let = std::get_if<dsl::Let>(&item)) names.push_back(let->name.text);
+  for (const dsl::Statement& statement : benchmark.block.statements)
+    if (const auto* let = std::get_if<dsl::Let>(&statement.what)) names.push_back(let->name.text);
+  return names;
+}
+
+/// The statement of NAME=VALUE; NAME is a parameter, or one of the `lets`, or follows `let`.
+std::string StatementOf(const std::string& setting, const std::vector<std::string_view>& lets) {
   const std::size_t equals = setting.find('=');
   if (equals == 0 || equals == setting.npos || equals + 1 == setting.size() ||
       setting.find_first_of("\r\n") != setting.npos)
     throw CommandError(fmt::format(
         "--set takes NAME=VALUE, such as --set objects.quantity=500, not '{}'", setting));
-  return fmt::format("{} {}", setting.substr(0, equals), setting.substr(equals + 1));
+  const std::string name = setting.substr(0, equals), value = setting.substr(equals + 1);
+  if (name.starts_with("let ")) return fmt::format("{} = {}", name, value);
+  return std::ranges::find(lets, name) != lets.end() ? fmt::format("let {} = {}", name, value)
+                                                     : fmt::format("{} {}", name, value);
 }
 
 }  // namespace
@@ -156,7 +169,9 @@ void SetInScenario(const std::string& file, const std::optional<std::string>& be
     has_benchmark = true;
     const std::string title = base->title.empty() ? "" : fmt::format(" \"{}\"", base->title);
     text += fmt::format("benchmark {0} from {0}{1} {{\n", base->name.text, title);
-    for (const std::string& setting : settings) text += fmt::format("  {}\n", StatementOf(setting));
+    const auto lets = LetsOf(tree, *base);
+    for (const std::string& setting : settings)
+      text += fmt::format("  {}\n", StatementOf(setting, lets));
     text += "}\n";
   }
   // A missing benchmark is reported for the file itself.

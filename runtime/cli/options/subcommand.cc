@@ -105,7 +105,7 @@ void Subcommand::Quiet(bool& quiet, const std::string& help) {
 
 void Subcommand::Set(std::vector<std::string>& settings) {
   Repeated("--set", settings,
-           "NAME=VALUE: set this parameter in every benchmark, over its own value "
+           "NAME=VALUE: set this parameter or let in every benchmark, over its own value "
            "(--set 'detector=sweep(sap, dbvt)'); repeat the option for several");
 }
 

@@ -298,6 +298,8 @@ TEST(Run, SetsParametersOverThoseOfTheScenario) {
   EXPECT_EQ(wrong.status, 1);
   EXPECT_NE(wrong.err.find("--set.cdb:3:3: error: "), std::string::npos) << wrong.err;
   EXPECT_NE(wrong.err.find("write objects.quantity"), std::string::npos) << wrong.err;
+  for (const char* let : {"n=2", "let n=2"})
+    EXPECT_EQ(program.Run({"plan", "a.cdb", "-o", "-", "-b", "a", "--set", let}).status, 0) << let;
   EXPECT_EQ(program.Run({"run", "a.cdb", "--set", "quantity"}).status, 2);
   EXPECT_EQ(program.Run({"run", "plan.yaml", "--set", "cycles=2"}).status, 2);
 }
