@@ -72,8 +72,7 @@ TEST(Sweep, TheValuesOfRangesAreAsWritten) {
 
 TEST(Sweep, RangesCrossZeroAtZero) {
   const plan::Plan plan =
-      PlanOf("let x = sweep(-0.3 .. 0.3 step 0.1)
-benchmark b { world.side 10 + x }");
+      PlanOf("let x = sweep(-0.3 .. 0.3 step 0.1)\nbenchmark b { world.side 10 + x }");
   EXPECT_EQ(std::get<double>(plan.axes.at(0).values.at(3)), 0);
 }
 
