@@ -95,7 +95,8 @@ TEST(Plugins, AreTracedToo) {
 
 TEST(Plugins, MayListEitherBodyOfAPairFirst) {
   const Program program;
-  program.Write("b.cdb", ContactCluster(Use("faulty"), "detector sweep(sound, backwards)"));
+  program.Write("b.cdb", ContactCluster(Use("faulty"),
+                                        "detector sweep(sound, backwards); record counts, pairs"));
   ASSERT_EQ(program.Run({"trace", "b.cdb", "-q", "-o", "t"}).status, 0);
   program.Write("on.cdb", Use("faulty") +
                               "benchmark on { trace \"t/b_detector-sound.trace.h5\"\n"
