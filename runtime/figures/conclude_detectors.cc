@@ -70,18 +70,29 @@ class DetectorConclusions {
   }
 
   void AddTimes() {
+    const bool has_world = HasWorld();
     for (const auto& [phase, question, kind] :
          {std::tuple(protocol::Phase::kStep, "Which detector takes the least time for a step?",
                      "fastest"),
           std::tuple(protocol::Phase::kDetect,
                      "Which detector takes the least time for collision detection alone?",
                      "detect")}) {
+      if (phase == protocol::Phase::kDetect && !has_world) continue;  // the step is nothing else
       const auto figure = [&, phase = phase](const MeasuredPoint& point) {
         return model_.times().Of(point, phase).mean;
       };
       AddRanking(question, kind, figure, "time",
-                 phase == protocol::Phase::kStep ? BroadShare() + NotRanked() : "");
+                 phase == protocol::Phase::kStep
+                     ? (has_world ? BroadShare() : "") + NotRanked() + NotChecked()
+                     : "");
     }
+  }
+
+  /// False if every run was on a trace, in which a step is only detection.
+  bool HasWorld() const {
+    return std::ranges::any_of(model_.TimedPhases(), [](protocol::Phase phase) {
+      return phase == protocol::Phase::kSolve || phase == protocol::Phase::kIntegrate;
+    });
   }
 
   void AddWorstCycle() {
@@ -196,6 +207,19 @@ class DetectorConclusions {
           text += fmt::format(" {} is not ranked: it missed {} of {} pairs.", of.detector,
                               of.missed, of.exact);
     return text;
+  }
+
+  /// Names the plug-ins whose pairs were not compared with exact ones.
+  std::string NotChecked() const {
+    std::vector<std::string> names;
+    for (const DetectorFindings& of : model_.findings())
+      if (of.runs == 0 && of.unwatched_runs > 0 && schema::FindDetector(of.detector) == nullptr)
+        names.push_back(of.detector);
+    if (names.empty()) return {};
+    return fmt::format(
+        " The pairs of {} were not compared with exact ones: `record pairs` says whether {} any.",
+        names.size() == 1 ? names[0] + ", a plug-in," : JoinWords(names) + ", plug-ins,",
+        names.size() == 1 ? "it misses" : "they miss");
   }
 
   void AddPairs() {

@@ -137,7 +137,7 @@ void ConcludeFloor(const Model& model, const schema::ErrorInfo& error, const Err
   all.push_back(
       {fmt::format("Is the reference good enough for {}?", error.name),
        fmt::format("Not for {} of {} configurations: their errors are below the floor of {}{}, by "
-                   "which the reference changes with its time step and with a perturbed start. A "
+                   "which the reference changes with twice its time step and a displaced start. A "
                    "shorter accuracy.reference.timestep lowers the floor, unless the motion is "
                    "chaotic.",
                    below, sound, terminal::ShortNumber(floor),

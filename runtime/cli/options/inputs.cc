@@ -38,13 +38,17 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
                                             fmt::format("there are {}", fmt::join(names, ", ")))));
 }
 
-/// The name of each lint, once. Empty if there are none.
+/// The name of each lint, once, with the line of the first. Empty if there are none.
 std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
-  std::vector<std::string_view> names;
-  for (const dsl::Diagnostic& diagnostic : diagnostics.all())
-    if (lints::IsLint(*diagnostic.kind) &&
-        std::ranges::find(names, diagnostic.kind->id) == names.end())
-      names.push_back(diagnostic.kind->id);
+  std::vector<std::string> names;
+  std::set<std::string_view> named;
+  for (const dsl::Diagnostic& diagnostic : diagnostics.all()) {
+    if (!lints::IsLint(*diagnostic.kind) || !named.insert(diagnostic.kind->id).second) continue;
+    const text::Span& span = diagnostic.span;
+    names.push_back(span.source == nullptr ? std::string(diagnostic.kind->id)
+                                           : fmt::format("{} (line {})", diagnostic.kind->id,
+                                                         span.source->PositionAt(span.begin).line));
+  }
   if (names.empty()) return {};
   return fmt::format(
       "{}: Bullet may not simulate this accurately: {}; `cdb check {}` explains why\n", file,
@@ -201,6 +205,11 @@ std::string FindScenarioFile(const std::string& file) {
   if (file.ends_with(".h5"))
     throw CommandError(
         fmt::format("'{}' is a results file, not a scenario; `cdb show {}` shows it", file, file));
+  if (file.ends_with(".so"))
+    throw CommandError(
+        fmt::format("'{0}' is a shared library, not a scenario; each needs its own option: "
+                    "--plugin {0}",
+                    file));
   std::error_code error;
   if (fs::exists(file, error)) return file;
   const fs::path library = ScenarioLibrary();
@@ -367,7 +376,10 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
     if (!(*parameter).HasWord(word, plugins))
       throw CommandError(
           fmt::format("--{} {}: {}", parameter.name(), word,
-                      Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", ")))));
+                      Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", "))) +
+                          (parameter.get()->TakesDetectors() && plugins.empty()
+                               ? "; your own detector needs --plugin FILE.so"
+                               : "")));
     if (!seen.insert(word).second)
       throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
   }

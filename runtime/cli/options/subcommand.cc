@@ -112,7 +112,7 @@ void Subcommand::Set(std::vector<std::string>& settings) {
 void Subcommand::Plugins(std::vector<std::string>& plugins) {
   command_
       .add_option("--plugin", plugins,
-                  "shared library with your own detectors; repeat the option for several libraries")
+                  "shared library with your own detectors; each needs its own --plugin")
       ->allow_extra_args(false);
 }
 
