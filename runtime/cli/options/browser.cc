@@ -119,7 +119,8 @@ std::string FragmentOf(const FigureChoices& choices) {
   std::string_view view = choices.view;
   if (view.starts_with('#')) view.remove_prefix(1);
   const auto is_of_address = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("-_.~%=&:+!*'()").find(c) != view.npos;
+    return std::isalnum(c) != 0 ||
+           std::string_view("-_.~%=&:+!*'()").find(c) != std::string_view::npos;
   };
   if (!std::ranges::all_of(view, is_of_address))
     throw CommandError(fmt::format(
