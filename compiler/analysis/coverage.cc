@@ -134,19 +134,22 @@ bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }
 
 constexpr QuestionInfo kQuestions[] = {
     {Question::kEnergy, "energy",
-     "the total energy does not rise, and is kept until something touches", Always, WhyNotEnergy},
+     "the total energy does not rise, and is kept until something touches", true, Always,
+     WhyNotEnergy},
     {Question::kLosses, "losses",
-     "no energy is lost beyond the work of friction and of inelastic bounces", Always,
+     "no energy is lost beyond the work of friction and of inelastic bounces", false, Always,
      WhyNotLosses},
-    {Question::kRest, "rest", "objects that stand stay where they are", RestArises, WhyNotAtRest},
+    {Question::kRest, "rest", "objects that stand stay where they are", true, RestArises,
+     WhyNotAtRest},
     {Question::kPassing, "passing",
-     "objects do not pass through others, or leave the walls, and are not pressed in", Always,
+     "objects do not pass through others, or leave the walls, and are not pressed in", true, Always,
      AlwaysChecked},
     {Question::kEdges, "edges",
-     "contacts at the edges between coplanar faces have the normals of these faces", EdgesArise,
-     WhyNotEdges},
-    {Question::kJoints, "joints", "joints do not open, bend or stretch", HasLinks, AlwaysChecked},
-    {Question::kSleep, "sleep", "objects that fall asleep are held", MaySleep, WhyNotSleep},
+     "contacts at the edges between coplanar faces have the normals of these faces", false,
+     EdgesArise, WhyNotEdges},
+    {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
+     AlwaysChecked},
+    {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},
 };
 
 const QuestionInfo& InfoOf(Question question) {

@@ -29,6 +29,8 @@ struct QuestionInfo {
   Question question;
   std::string_view name;  ///< `losses`
   std::string_view doc;   ///< in one line
+  /// A bad answer is worse than `drifting`: while it is open, no run is called sound.
+  bool is_vital;
   /// True if the question arises in this scene.
   bool (*arises)(const plan::Scene& scene);
   /// The reason why it is not checked; nullopt if it is.

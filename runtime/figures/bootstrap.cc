@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
 #include <unsupported/Eigen/SpecialFunctions>
 #include <utility>
 
@@ -278,6 +279,47 @@ ChangeVerdict JudgeChange(const TestedChange& change, double adjusted_p, double 
   if (adjusted_p <= kSignificance)
     return change.ratio > 1 ? ChangeVerdict::kSlower : ChangeVerdict::kFaster;
   return change.Bound() <= margin ? ChangeVerdict::kSame : ChangeVerdict::kCannotTell;
+}
+
+// Fits of powers.
+
+namespace {
+
+/// Sums of squares of logarithms about their means.
+struct Squares {
+  double xx = 0, xy = 0, yy = 0, freedom = -1;  ///< one degree of freedom is that of the power
+
+  void Add(const PowerGroup& group) {
+    std::vector<double> xs, ys;
+    for (const auto& [x, y] : group) {
+      if (!(x > 0) || !(y > 0)) return;
+      xs.push_back(std::log(x));
+      ys.push_back(std::log(y));
+    }
+    constexpr std::size_t kLeastValues = 3;
+    if (std::set<double>(xs.begin(), xs.end()).size() < kLeastValues) return;
+    const double middle_x = Mean(xs), middle_y = Mean(ys);
+    for (std::size_t i = 0; i < xs.size(); ++i) {
+      const double x = xs[i] - middle_x, y = ys[i] - middle_y;
+      xx += x * x;
+      xy += x * y;
+      yy += y * y;
+    }
+    freedom += static_cast<double>(xs.size() - 1);
+  }
+};
+
+}  // namespace
+
+PowerFit FitPower(const std::vector<PowerGroup>& groups) {
+  Squares sum;
+  for (const PowerGroup& group : groups) sum.Add(group);
+  if (!(sum.xx > 0)) return {};
+  const double p = sum.xy / sum.xx;
+  const double residual = std::fmax(sum.yy - p * sum.xy, 0);
+  const double half =
+      ExceededWith(kSignificance / 2, sum.freedom) * std::sqrt(residual / sum.freedom / sum.xx);
+  return {p, {p - half, p + half}};
 }
 
 }  // namespace cdb::figures

@@ -38,6 +38,7 @@
 #include <numeric>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace cdb::figures {
@@ -200,5 +201,16 @@ enum class ChangeVerdict {
 };
 /// `margin`: the largest distance from 1 of an interval that still counts as the same.
 ChangeVerdict JudgeChange(const TestedChange& change, double adjusted_p, double margin);
+
+/// y ~ x^p, by least squares over the logarithms.
+struct PowerFit {
+  double p = kNone;
+  Interval interval = {kNone, kNone};  ///< of 95 %, by Student's t over the residuals
+};
+/// Pairs of x and y that share a factor.
+using PowerGroup = std::vector<std::pair<double, double>>;
+/// One power for all groups, with a factor for each. Groups with fewer than three different x, or
+/// with a value that is not positive, are left out; NaN if none is left.
+PowerFit FitPower(const std::vector<PowerGroup>& groups);
 
 }  // namespace cdb::figures

@@ -44,7 +44,11 @@ class DetectorConclusions {
            "Unknown: no cell has a sound run of every detector with the same omissions.", "fastest",
            Certainty::kUnknown});
     AddTimes();
-    AddGrowth();
+    AddGrowth(protocol::Phase::kDetect,
+              "Which detector grows the least with the number of objects?", "collision detection");
+    if (HaveOneNarrowPhase())
+      AddGrowth(protocol::Phase::kBroad,
+                "Which broad phase grows the least with the number of objects?", "the broad phase");
     return std::move(all_);
   }
 
@@ -69,6 +73,15 @@ class DetectorConclusions {
     });
   }
 
+  /// True if the ranked detectors are broad phases, whose pairs Bullet's narrow phase handles.
+  bool HaveOneNarrowPhase() const {
+    for (std::size_t i = 0; i < Axis().values.size(); ++i) {
+      const schema::DetectorInfo* info = schema::FindDetector(Name(i));
+      if (!left_out_.contains(i) && (info == nullptr || info->HasPhase("narrow"))) return false;
+    }
+    return true;
+  }
+
   void AddTimes() {
     const bool has_world = HasWorld();
     for (const auto& [phase, question, kind] :
@@ -76,8 +89,11 @@ class DetectorConclusions {
                      "fastest"),
           std::tuple(protocol::Phase::kDetect,
                      "Which detector takes the least time for collision detection alone?",
-                     "detect")}) {
+                     "detect"),
+          std::tuple(protocol::Phase::kBroad,
+                     "Which detector takes the least time for the broad phase alone?", "broad")}) {
       if (phase == protocol::Phase::kDetect && !has_world) continue;  // the step is nothing else
+      if (phase == protocol::Phase::kBroad && (!has_world || !HaveOneNarrowPhase())) continue;
       const auto figure = [&, phase = phase](const MeasuredPoint& point) {
         return model_.times().Of(point, phase).mean;
       };
@@ -242,27 +258,49 @@ class DetectorConclusions {
     }
   }
 
-  void AddGrowth() {
-    const auto growth = GrowthByRow(model_, {axis_});
+  void AddGrowth(protocol::Phase phase, const char* question, const char* of_what) {
+    const auto growth = GrowthByRow(model_, {axis_}, phase);
     if (!growth || !growth->is_matched) return;
-    std::vector<std::pair<double, std::size_t>> exponents;
-    double least = kNone, most = kNone;
-    for (const auto& [row, exponent] : growth->exponents) {
-      if (std::isnan(exponent.p) || left_out_.contains(row[0])) continue;
-      exponents.emplace_back(exponent.p, row[0]);
-      least = exponent.least;
-      most = exponent.most;
+    using Grown = std::pair<const DetectorGrowth::Exponent*, std::size_t>;
+    std::vector<Grown> all;
+    for (const auto& [row, exponent] : growth->exponents)
+      if (!std::isnan(exponent.fit.p) && !left_out_.contains(row[0]))
+        all.emplace_back(&exponent, row[0]);
+    if (all.size() < 2) return;
+    std::ranges::sort(all, {}, [](const Grown& of) { return of.first->fit.p; });
+    const auto& [least, name] = all[0];
+    std::vector<std::string> rest, ties;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      rest.push_back(fmt::format("{} n^{:.2f}", Name(all[i].second), all[i].first->fit.p));
+      if (!GrowsMore(*all[i].first, *least)) ties.push_back(Name(all[i].second));
     }
-    if (exponents.size() < 2) return;
-    std::ranges::sort(exponents);
-    std::vector<std::string> rest;
-    for (std::size_t i = 1; i < exponents.size(); ++i)
-      rest.push_back(fmt::format("{} n^{:.2f}", Name(exponents[i].second), exponents[i].first));
-    Add({"Which detector grows the least with the number of objects?",
-         fmt::format("{}: its time for collision detection grows as n^{:.2f} from {:.0f} to {:.0f} "
-                     "objects; {}. The exponents are fitted, without an interval.",
-                     Name(exponents[0].second), exponents[0].first, least, most, JoinWords(rest)),
-         "growth", Certainty::kUnknown});
+    const Interval& interval = least->fit.interval;
+    Add({question,
+         fmt::format("{}: its time for {} grows as n^{:.2f} (95 % interval of the fit {:.2f} .. "
+                     "{:.2f}) from {:.0f} to {:.0f} objects; {}.{}",
+                     Name(name), of_what, least->fit.p, interval.low, interval.high, least->least,
+                     least->most, JoinWords(rest),
+                     ties.empty() ? ""
+                                  : fmt::format(" The growth of {} cannot be told from it.",
+                                                JoinWords(ties))),
+         "growth",
+         !ties.empty()                                                  ? Certainty::kTie
+         : model_.times().bootstrap().kind() == IntervalKind::kInterval ? Certainty::kClear
+                                                                        : Certainty::kUnknown});
+  }
+
+  /// Whether the ratio of the times surely grows with the number of objects: what bends both curves
+  /// does not count.
+  static bool GrowsMore(const DetectorGrowth::Exponent& more,
+                        const DetectorGrowth::Exponent& less) {
+    if (more.curves.size() != less.curves.size()) return false;
+    std::vector<PowerGroup> ratios = more.curves;
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+      if (ratios[i].size() != less.curves[i].size()) return false;
+      for (std::size_t j = 0; j < ratios[i].size(); ++j)
+        ratios[i][j].second /= less.curves[i][j].second;
+    }
+    return FitPower(ratios).interval.low > 0;
   }
 
   const Model& model_;

@@ -46,24 +46,29 @@ class VerdictConclusion {
     const std::size_t stable = CountOf(counts, "stable"), unknown = CountOf(counts, "unknown");
     if (all == unknown) return std::nullopt;
     const char* question = "Is the simulation sound?";
-    if (all == 1)
-      return Conclusion{
-          question,
-          stable == 1 ? "Yes: it is stable." + OpenText()
-                      : fmt::format("No: the verdict is {}{}.", counts.begin()->first, BadText()),
-          "stability", stable == 1 ? Certainty::kClear : Certainty::kFault};
-    if (stable == all)
+    if (all == 1 && stable == 0)
       return Conclusion{question,
-                        fmt::format("Yes: all {} configurations are stable.", all) + OpenText(),
-                        "stability", Certainty::kClear};
+                        fmt::format("No: the verdict is {}{}.", counts.begin()->first, BadText()),
+                        "stability", Certainty::kFault};
+    const bool is_open = LeavesVitalOpen(file_, sound_);
+    if (stable == all) {
+      const std::string where =
+          all == 1 ? std::string() : fmt::format(" in any of {} configurations", all);
+      const std::string answer =
+          is_open    ? fmt::format("Nothing wrong was found{}, as far as was checked.", where)
+          : all == 1 ? "Yes: it is stable."
+                     : fmt::format("Yes: all {} configurations are stable.", all);
+      return Conclusion{question, answer + OpenText(), "stability",
+                        is_open ? Certainty::kUnknown : Certainty::kClear};
+    }
     std::vector<std::string> others;
     for (const auto& [word, count] : counts)
       if (word != "stable") others.push_back(fmt::format("{} {}", count, word));
-    return Conclusion{
-        "Where does the simulation stop being sound?",
-        fmt::format("{} of {} configurations are stable ({}).", stable, all, JoinWords(others)) +
-            BoundaryText(file_, verdicts_, {.good = "stable"}) + OpenText(),
-        "stability", Certainty::kFault};
+    return Conclusion{"Where does the simulation stop being sound?",
+                      fmt::format("{} of {} configurations are stable{} ({}).", stable, all,
+                                  is_open ? ", as far as was checked" : "", JoinWords(others)) +
+                          BoundaryText(file_, verdicts_, {.good = "stable"}) + OpenText(),
+                      "stability", Certainty::kFault};
   }
 
  private:
@@ -221,13 +226,14 @@ void AddGrowthOfAll(const Model& model, std::vector<Conclusion>& all) {
   const auto growth = GrowthByRow(model, {});
   if (!growth || !growth->is_matched || growth->exponents.empty()) return;
   const DetectorGrowth::Exponent& exponent = growth->exponents.begin()->second;
-  if (std::isnan(exponent.p)) return;
-  all.push_back({"How does collision detection grow with the number of objects?",
-                 fmt::format("As n^{:.2f} from {:.0f} to {:.0f} objects{}. The exponent is fitted, "
-                             "without an interval.",
-                             exponent.p, exponent.least, exponent.most,
-                             growth->is_mean ? ", the mean over all other axes" : ""),
-                 "growth", Certainty::kUnknown});
+  if (std::isnan(exponent.fit.p)) return;
+  all.push_back(
+      {"How does collision detection grow with the number of objects?",
+       fmt::format("As n^{:.2f} (95 % interval of the fit {:.2f} .. {:.2f}) from {:.0f} "
+                   "to {:.0f} objects{}.",
+                   exponent.fit.p, exponent.fit.interval.low, exponent.fit.interval.high,
+                   exponent.least, exponent.most, growth->is_mean ? ", over all other axes" : ""),
+       "growth", Certainty::kUnknown});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string_view>
 
+#include "compiler/analysis/coverage.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {
@@ -82,6 +83,14 @@ std::string OpenQuestionsText(const results::ResultFile& file, const std::vector
     text += fmt::format("{}{} ({}){}", text.empty() ? "" : "; ", open.question, open.why, where);
   }
   return text.empty() ? text : fmt::format("Not checked: {}.", text);
+}
+
+bool LeavesVitalOpen(const results::ResultFile& file, const std::vector<Cell>& cells) {
+  return std::ranges::any_of(OpenQuestions(file, cells), [](const OpenQuestion& open) {
+    const auto all = analysis::Questions();
+    const auto info = std::ranges::find(all, open.question, &analysis::QuestionInfo::name);
+    return info == all.end() || info->is_vital;
+  });
 }
 
 double MovingObjectsOf(const results::ResultFile& file, const Cell& cell) {

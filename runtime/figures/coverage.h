@@ -29,6 +29,9 @@ std::vector<OpenQuestion> OpenQuestions(const results::ResultFile& file,
 /// runs.`; empty if no question is open.
 std::string OpenQuestionsText(const results::ResultFile& file, const std::vector<Cell>& cells);
 
+/// True if a run may not be called sound, as a vital question is open (QuestionInfo::is_vital).
+bool LeavesVitalOpen(const results::ResultFile& file, const std::vector<Cell>& cells);
+
 /// The number of objects of a run that can move; NaN if the file does not say.
 double MovingObjectsOf(const results::ResultFile& file, const Cell& cell);
 /// `439 of 2000 objects`; empty if the verdict concerns none.

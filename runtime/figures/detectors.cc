@@ -169,7 +169,7 @@ std::optional<std::size_t> CountAxis(const results::ResultFile& file,
   return found;
 }
 
-/// Times of detect at points that differ only in the number of objects.
+/// Times of a phase at points that differ only in the number of objects.
 struct TimesAtPoint {
   Point row;
   std::map<double, std::vector<double>> by_count;
@@ -177,15 +177,14 @@ struct TimesAtPoint {
 
 std::map<Point, TimesAtPoint> TimesByCount(const Model& model,
                                            const std::map<Point, double>& objects,
-                                           const DetectorGrowth& growth) {
+                                           const DetectorGrowth& growth, protocol::Phase phase) {
   std::map<Point, TimesAtPoint> found;
   for (const MeasuredPoint& point : model.points()) {
     const auto count = objects.find(point.at);
     if (count == objects.end() || !point.IsSound()) continue;
     TimesAtPoint& at = found[Without(point.at, growth.axis)];
     at.row = Project(point.at, growth.rows);
-    at.by_count[count->second].push_back(
-        model.times().Of(point, protocol::Phase::kDetect).mean.value);
+    at.by_count[count->second].push_back(model.times().Of(point, phase).mean.value);
   }
   return found;
 }
@@ -293,52 +292,30 @@ DetectorCosts CostsOf(const Model& model, const Row& row) {
   return costs;
 }
 
-std::optional<DetectorGrowth> GrowthByRow(const Model& model,
-                                          const std::vector<std::size_t>& rows) {
+std::optional<DetectorGrowth> GrowthByRow(const Model& model, const std::vector<std::size_t>& rows,
+                                          protocol::Phase phase) {
   const std::map<Point, double> objects = ObjectCounts(model.file());
   const auto axis = CountAxis(model.file(), objects);
   if (!axis) return std::nullopt;
   DetectorGrowth growth = {*axis, rows, {}};
   std::erase(growth.rows, *axis);
-  auto found = TimesByCount(model, objects, growth);
+  auto found = TimesByCount(model, objects, growth, phase);
   MatchCounts(found, growth);
-  std::map<Point, std::vector<double>> exponents;
   for (const auto& [point, at] : found) {
-    std::vector<std::pair<double, double>> fitted;
-    for (const auto& [count, values] : at.by_count) fitted.emplace_back(count, Median(values));
-    auto& of_row = exponents[at.row];
-    if (const double p = GrowthExponent(fitted); !std::isnan(p)) of_row.push_back(p);
-    auto& row = growth.exponents.try_emplace(at.row, kNone, kNone, kNone).first->second;
-    row.least = std::fmin(row.least, fitted.front().first);
-    row.most = std::fmax(row.most, fitted.back().first);
+    PowerGroup curve;
+    for (const auto& [count, values] : at.by_count) curve.emplace_back(count, Median(values));
+    DetectorGrowth::Exponent& row = growth.exponents[at.row];
+    row.least = std::fmin(row.least, curve.front().first);
+    row.most = std::fmax(row.most, curve.back().first);
+    row.curves.push_back(std::move(curve));
   }
-  for (const auto& [row, of_row] : exponents) growth.exponents[row].p = Mean(of_row);
-  growth.is_mean = found.size() > exponents.size();
+  for (auto& [row, exponent] : growth.exponents) exponent.fit = FitPower(exponent.curves);
+  growth.is_mean = found.size() > growth.exponents.size();
   for (const MeasuredPoint& point : model.points())
     for (const std::string& name : point.unlike)
       if (point.IsSound() && std::ranges::find(growth.unlike, name) == growth.unlike.end())
         growth.unlike.push_back(name);
   return growth;
-}
-
-double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
-  std::vector<double> xs;
-  std::vector<double> ys;
-  for (const auto& [x, y] : points) {
-    if (!(x > 0) || !(y > 0)) return kNone;
-    xs.push_back(std::log(x));
-    ys.push_back(std::log(y));
-  }
-  if (std::set<double>(xs.begin(), xs.end()).size() < kLeastPoints) return kNone;
-  const double middle_x = Mean(xs);
-  const double middle_y = Mean(ys);
-  double across = 0;
-  double along = 0;
-  for (std::size_t i = 0; i < xs.size(); ++i) {
-    across += (xs[i] - middle_x) * (ys[i] - middle_y);
-    along += (xs[i] - middle_x) * (xs[i] - middle_x);
-  }
-  return across / along;
 }
 
 std::optional<HarnessCost> HarnessCostOf(const Model& model) {

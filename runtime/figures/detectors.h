@@ -73,16 +73,17 @@ struct DetectorCosts {
 };
 DetectorCosts CostsOf(const Model& model, const Row& row);
 
-/// p of detect ~ objects^p, by least squares over the logarithms of means.
+/// p of time ~ objects^p, by least squares over the logarithms of means.
 struct DetectorGrowth {
   std::size_t axis;               ///< the axis that changes the number of objects
   std::vector<std::size_t> rows;  ///< the axes of the rows, without that one
   struct Exponent {
-    double p;            ///< the mean of the exponents pooled in the row
-    double least, most;  ///< range of the numbers of objects in the fit
+    PowerFit fit;                        ///< of all curves that the row pools
+    std::vector<PowerGroup> curves;      ///< numbers of objects and times
+    double least = kNone, most = kNone;  ///< range of the numbers of objects in the fit
   };
   std::map<Point, Exponent> exponents;   ///< by row
-  bool is_mean = false;                  ///< some row pools several exponents
+  bool is_mean = false;                  ///< some row pools several curves
   bool is_matched = true;                ///< all rows are fitted over the same numbers of objects
   std::size_t dropped = 0;               ///< numbers of objects that some row lacks
   std::vector<std::string> unlike = {};  ///< components that some points omitted and others kept
@@ -90,11 +91,8 @@ struct DetectorGrowth {
 /// Fitted over the sound points at each value of the axes other than the one that changes the
 /// number of objects, and over the numbers of objects that all rows have, if there are at least
 /// three. Nullopt if no axis with at least three numbers changes it, or several do.
-std::optional<DetectorGrowth> GrowthByRow(const Model& model, const std::vector<std::size_t>& rows);
-
-/// The slope of log y over log x by least squares; NaN if there are fewer than three different x,
-/// or if a value is not positive.
-double GrowthExponent(const std::vector<std::pair<double, double>>& points);
+std::optional<DetectorGrowth> GrowthByRow(const Model& model, const std::vector<std::size_t>& rows,
+                                          protocol::Phase phase = protocol::Phase::kDetect);
 
 /// The overhead of calling a detector in a cycle, in relation to the fastest detector.
 struct HarnessCost {

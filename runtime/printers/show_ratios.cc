@@ -256,7 +256,7 @@ void AddGrowth(const Model& model, const std::vector<std::size_t>& rows, Documen
   if (!growth->is_matched) table.AddColumn("objects", true);
   for (const auto& [point, exponent] : growth->exponents) {
     std::vector<std::string> texts = Coordinates(model.file(), growth->rows, point);
-    texts.push_back(ExponentText(exponent.p));
+    texts.push_back(ExponentText(exponent.fit.p));
     if (!growth->is_matched) texts.push_back(ObjectsText(exponent));
     table.rows.push_back(std::move(texts));
   }
