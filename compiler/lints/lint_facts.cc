@@ -254,9 +254,11 @@ double SceneFacts::FastestComponent(const GroupFacts& objects) const {
   double fastest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     double along = g > 0 ? gained * acceleration[axis] / g : 0;
-    // What slides down a slope of the whole scene does not fall through its floor.
-    if (axis == 1 && has_walls && pull && pull->y() < 0)
-      along = std::min(along, std::sqrt(2 * acceleration.y() * HeightAboveFloor(objects)));
+    // On the floor of a tilted scene, objects slide to a wall, but do not fall.
+    if (has_walls && !rests && !objects.linked && pull && pull->y() < 0) {
+      const double way = axis == 1 ? HeightAboveFloor(objects) : side;
+      along = std::min(acceleration[axis] * Time(), std::sqrt(2 * acceleration[axis] * way));
+    }
     fastest = std::max(fastest, std::hypot(objects.velocity[axis], along));
   }
   return fastest;
