@@ -30,6 +30,8 @@ std::vector<std::size_t> AscendingValues(const plan::Axis& axis) {
 
 /// Limit of the parts of a list of values: `60, 240 .. 480 and 960` has three.
 constexpr std::size_t kMostParts = 4;
+/// Limit of points that are named one by one.
+constexpr std::size_t kMostPoints = 3;
 /// Neighbouring numbers from which on they are a range.
 constexpr std::size_t kLeastForRange = 3;
 
@@ -88,7 +90,6 @@ std::string ValuesOfOnly(const results::ResultFile& file, const std::vector<std:
       if (any[i].size() > 1 && any[j].size() > 1 && only(i, j) && !text(i).empty() &&
           !text(j).empty())
         return text(i) + " and " + text(j);
-  // Few points on several axes.
   return some.size() == 1 ? PlaceText(file, axes, *some.begin()) : std::string();
 }
 
@@ -101,9 +102,12 @@ std::string PointsNoun(const results::ResultFile& file, const std::vector<std::s
 std::string PointsText(const results::ResultFile& file, const std::vector<std::size_t>& axes,
                        const std::set<Point>& some, const std::set<Point>& all) {
   const std::string values = ValuesOfOnly(file, axes, some, all);
-  return values.empty()
-             ? fmt::format("{} of the {} {}", some.size(), all.size(), PointsNoun(file, axes))
-             : values;
+  if (!values.empty()) return values;
+  if (some.size() > kMostPoints)
+    return fmt::format("{} of the {} {}", some.size(), all.size(), PointsNoun(file, axes));
+  std::vector<std::string> each;
+  for (const Point& point : some) each.push_back(fmt::format("({})", PlaceText(file, axes, point)));
+  return JoinWords(each);
 }
 
 namespace {

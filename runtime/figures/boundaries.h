@@ -20,8 +20,8 @@ std::string ValuesOfOnly(const results::ResultFile& file, const std::vector<std:
                          const std::set<Point>& some, const std::set<Point>& all);
 /// `values of mu`, `combinations of mu and iterations`: points on several axes, as a noun.
 std::string PointsNoun(const results::ResultFile& file, const std::vector<std::size_t>& axes);
-/// The same points by their values, or else by their number: `3 of the 26 combinations of mu and
-/// iterations`.
+/// The same points by their values, or else one by one if they are few, or by their number: `3 of
+/// the 26 combinations of mu and iterations`.
 std::string PointsText(const results::ResultFile& file, const std::vector<std::size_t>& axes,
                        const std::set<Point>& some, const std::set<Point>& all);
 

@@ -43,12 +43,22 @@ class DetectorConclusions {
       Add({"Which detector is the fastest?",
            "Unknown: no cell has a sound run of every detector with the same omissions.", "fastest",
            Certainty::kUnknown});
-    AddTimes();
+    const bool has_world = HasWorld();
+    AddTimes(protocol::Phase::kStep, "Which detector takes the least time for a step?", "fastest",
+             (has_world ? BroadShare() : "") + NotRanked() + NotChecked());
+    if (has_world)  // otherwise the step is nothing else
+      AddTimes(protocol::Phase::kDetect,
+               "Which detector takes the least time for collision detection alone?", "detect",
+               UnlikePairs());
     AddGrowth(protocol::Phase::kDetect,
               "Which detector grows the least with the number of objects?", "collision detection");
-    if (HaveOneNarrowPhase())
+    if (has_world && HaveOneNarrowPhase()) {
+      AddTimes(protocol::Phase::kBroad,
+               "Which detector takes the least time for the broad phase alone?", "broad",
+               Sorting());
       AddGrowth(protocol::Phase::kBroad,
                 "Which broad phase grows the least with the number of objects?", "the broad phase");
+    }
     return std::move(all_);
   }
 
@@ -62,6 +72,38 @@ class DetectorConclusions {
  private:
   const plan::Axis& Axis() const { return file_.axes()[axis_]; }
   std::string Name(std::size_t value) const { return terminal::CoordinateText(Axis(), value); }
+  /// Where the ranked detectors list the most different numbers of pairs, if these differ by a
+  /// twentieth or more; with a remedy.
+  std::string UnlikePairs() const {
+    if (!file_.Has("pairs")) return {};
+    constexpr double kLikePairs = 1.05;
+    double largest = kLikePairs;
+    std::string text;
+    for (const ComparedPoint& point : comparison_.points) {
+      std::vector<std::pair<double, std::size_t>> counts;
+      for (std::size_t i = 0; i < point.values.size(); ++i)
+        if (point.values[i] != nullptr && point.values[i]->IsSound() && !left_out_.contains(i))
+          if (const double count = model_.CountOf(*point.values[i], "pairs"); count >= 0)
+            counts.emplace_back(count, i);
+      if (counts.size() < 2) continue;
+      const auto [least, most] = std::ranges::minmax(counts);
+      const double ratio = most.first / std::fmax(least.first, 1);
+      if (ratio <= largest) continue;
+      largest = ratio;
+      const std::string place = PlaceText(file_, OtherAxes(file_, axis_), point.at);
+      text = fmt::format(" They list different pairs: {} {} and {} {}{}.", Name(most.second),
+                         terminal::ShortNumber(most.first), Name(least.second),
+                         terminal::ShortNumber(least.first),
+                         place.empty() ? place : fmt::format(" at {}", place));
+      const std::vector<std::string>& kept = point.values[most.second]->kept;
+      if (IsOfBullet(Name(most.second)) && !IsOfBullet(Name(least.second)) &&
+          std::ranges::find(kept, "wall_pairs") != kept.end() && SortsPairs(file_))
+        text +=
+            " Bullet's own pair every object with every wall; `omit auto, wall_pairs` leaves "
+            "the pairs out that no box reaches.";
+    }
+    return text;
+  }
   void Add(Conclusion conclusion) { all_.push_back(std::move(conclusion)); }
 
   /// True if the detector does the work that is timed: it finds pairs, and misses none.
@@ -82,26 +124,12 @@ class DetectorConclusions {
     return true;
   }
 
-  void AddTimes() {
-    const bool has_world = HasWorld();
-    for (const auto& [phase, question, kind] :
-         {std::tuple(protocol::Phase::kStep, "Which detector takes the least time for a step?",
-                     "fastest"),
-          std::tuple(protocol::Phase::kDetect,
-                     "Which detector takes the least time for collision detection alone?",
-                     "detect"),
-          std::tuple(protocol::Phase::kBroad,
-                     "Which detector takes the least time for the broad phase alone?", "broad")}) {
-      if (phase == protocol::Phase::kDetect && !has_world) continue;  // the step is nothing else
-      if (phase == protocol::Phase::kBroad && (!has_world || !HaveOneNarrowPhase())) continue;
-      const auto figure = [&, phase = phase](const MeasuredPoint& point) {
-        return model_.times().Of(point, phase).mean;
-      };
-      AddRanking(question, kind, figure, "time",
-                 phase == protocol::Phase::kStep
-                     ? (has_world ? BroadShare() : "") + NotRanked() + NotChecked()
-                     : "");
-    }
+  void AddTimes(protocol::Phase phase, const char* question, const char* kind,
+                const std::string& caveat) {
+    const auto figure = [&](const MeasuredPoint& point) {
+      return model_.times().Of(point, phase).mean;
+    };
+    AddRanking(question, kind, figure, "time", caveat);
   }
 
   /// False if every run was on a trace, in which a step is only detection.
@@ -177,8 +205,7 @@ class DetectorConclusions {
                               ? fmt::format("{} of {}", ranking.cells, ranking.of)
                               : fmt::format("{}", ranking.cells),
                           ranking.cells < ranking.of ? " (those that all detectors have)" : "");
-    if (model_.times().bootstrap().size() == 1)
-      text += " One repeat: there is no interval; `repeats 5` gives one.";
+    if (model_.times().bootstrap().size() == 1) text += OneRepeatNote();
     const std::size_t count = ranking.exceptions.size();
     if (count == 0) return text;
     std::vector<std::string> places;
@@ -212,6 +239,11 @@ class DetectorConclusions {
     const std::string low = text(least), high = text(most);
     return fmt::format(" The broad phase is {}{} % of a step.", low == high ? "" : low + " to ",
                        high);
+  }
+
+  std::string Sorting() const {
+    const std::string text = SortingText(file_);
+    return text.empty() ? text : " " + text;
   }
 
   /// Names the detectors that were not ranked because they did not do the work.

@@ -24,6 +24,8 @@ namespace {
 constexpr std::size_t kMaxScenes = 3;
 /// Limit of configurations that are named individually.
 constexpr std::size_t kMaxNamed = 3;
+/// Smaller errors are of no interest, in any unit.
+constexpr double kRounding = 1e-9;
 
 class ErrorConclusions {
  public:
@@ -47,7 +49,8 @@ class ErrorConclusions {
     all.push_back({fmt::format("Which configuration has the least error of {} within real time{}?",
                                error_.name, In(scene)),
                    (in_time.empty() ? "None runs in real time. Without that limit, " : "") +
-                       accurate + Fastest(sound) + Front(sound) + LeftOut(unsound, rows),
+                       accurate + Fastest(sound) + Front(sound, !unsound.empty()) +
+                       LeftOut(unsound, rows),
                    "error", certainty});
   }
 
@@ -106,26 +109,28 @@ class ErrorConclusions {
                 : fmt::format(" The speeds of {} others cannot be told from it.", ties.size()));
   }
 
-  std::string Front(const std::vector<const ErrorRow*>& rows) const {
+  std::string Front(const std::vector<const ErrorRow*>& rows, bool has_others) const {
+    const char* which = has_others ? "sound " : "";
     const auto count = static_cast<std::size_t>(
         std::ranges::count_if(rows, [](const ErrorRow* row) { return row->on_front; }));
     if (count == rows.size())
-      return fmt::format(" All {} configurations are on the front: accuracy costs time throughout.",
-                         count);
+      return fmt::format(
+          " All {} {}configurations are on the front: accuracy costs time throughout.", count,
+          which);
     if (count == 1)
       return " It is also the most accurate: no other configuration is worth its time.";
     return fmt::format(
-        " {} of {} configurations are on the front: each of the others is no more accurate than a "
-        "faster one.",
-        count, rows.size());
+        " {} of {} {}configurations are on the front: each of the others is no more accurate than "
+        "a faster one.",
+        count, rows.size(), which);
   }
 
-  /// ` 7 others are left out, as they are not sound: contact bullet.`
+  /// ` 7 are not sound, and left out (contact bullet).`
   std::string LeftOut(const std::set<Point>& unsound, const std::set<Point>& rows) const {
     if (unsound.empty()) return {};
     const std::string values = ValuesOfOnly(model_.file(), figures_.rows, unsound, rows);
-    return fmt::format(" {} other{} left out, not being sound{}.", unsound.size(),
-                       unsound.size() == 1 ? " is" : "s are",
+    return fmt::format(" {} {} not sound, and left out{}.", unsound.size(),
+                       unsound.size() == 1 ? "is" : "are",
                        values.empty() ? values : fmt::format(" ({})", values));
   }
 
@@ -156,7 +161,6 @@ void ConcludeFloor(const Model& model, const schema::ErrorInfo& error, const Err
       below.insert(at);
       floor = std::fmax(floor, row.floor);
     }
-  constexpr double kRounding = 1e-9;  // of no interest, in any unit
   if (below.empty() || floor < kRounding) return;
   const std::string where =
       below.size() == sound.size() ? std::string() : ValuesOfOnly(model.file(), axes, below, sound);
@@ -220,7 +224,7 @@ class Order {
   struct Step {
     double timestep, error, floor;
     std::string place, unsound;
-    bool IsBelowFloor() const { return error < floor || !(error > 0); }
+    bool IsBelowFloor() const { return error < std::fmax(floor, kRounding); }
     bool Counts() const { return unsound.empty() && !IsBelowFloor(); }
   };
   enum class Answer { kYes, kNo, kTooFewSound, kBelowFloor, kScattered };
@@ -259,7 +263,8 @@ class Order {
     for (std::size_t i = 0; i < of.steps.size(); ++i)
       for (std::size_t j = i + 1; j < of.steps.size(); ++j) {
         const Step &longer = of.steps[i], &shorter = of.steps[j];
-        const double rise = (shorter.error - shorter.floor) / (longer.error + longer.floor);
+        const double rise =
+            (shorter.error - shorter.floor) / (longer.error + longer.floor + kRounding);
         if (!(rise > 1 + kNoticeableRise)) continue;
         if (longer.Counts() && shorter.Counts()) is_monotonic = false;
         if (rise <= most) continue;
@@ -373,7 +378,7 @@ class Order {
       named.push_back(rises[i].second);
     if (rises.size() > kMaxNamed)
       named.push_back(fmt::format("in {} other cases", rises.size() - kMaxNamed));
-    return fmt::format(" It rises {}.", JoinWords(named));
+    return fmt::format(" The error rises {}.", JoinWords(named));
   }
 
   /// Whether the time step changes along an axis.

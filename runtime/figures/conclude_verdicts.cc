@@ -58,7 +58,7 @@ class VerdictConclusion {
           is_open    ? fmt::format("Nothing wrong was found{}, as far as was checked.", where)
           : all == 1 ? "Yes: it is stable."
                      : fmt::format("Yes: all {} configurations are stable.", all);
-      return Conclusion{question, answer + OpenText(), "stability",
+      return Conclusion{question, answer + Remarks(), "stability",
                         is_open ? Certainty::kUnknown : Certainty::kClear};
     }
     std::vector<std::string> others;
@@ -67,15 +67,18 @@ class VerdictConclusion {
     return Conclusion{"Where does the simulation stop being sound?",
                       fmt::format("{} of {} configurations are stable{} ({}).", stable, all,
                                   is_open ? ", as far as was checked" : "", JoinWords(others)) +
-                          BoundaryText(file_, verdicts_, {.good = "stable"}) + OpenText(),
+                          BoundaryText(file_, verdicts_, {.good = "stable"}) + Remarks(),
                       "stability", Certainty::kFault};
   }
 
  private:
-  /// ` Not checked: …`, of the runs that are called stable.
-  std::string OpenText() const {
-    const std::string text = OpenQuestionsText(file_, sound_);
-    return text.empty() ? text : " " + text;
+  /// How the motion depends on the detector; and ` Not checked: …`, of the runs that are called
+  /// stable.
+  std::string Remarks() const {
+    std::string all;
+    for (const std::string& text : {SameMotionText(file_), OpenQuestionsText(file_, sound_)})
+      if (!text.empty()) all += " " + text;
+    return all;
   }
 
   /// ` (3 of 2000 objects)`, if there is one point.
@@ -111,7 +114,8 @@ std::string_view CertaintyName(Certainty certainty) {
 namespace {
 
 /// The kinds of conclusions about times, other than `budget`, which regards noise itself.
-constexpr std::string_view kOfTimes[] = {"fastest", "detect", "scaling", "worst_cycle", "error"};
+constexpr std::string_view kOfTimes[] = {"fastest", "detect",      "broad", "scaling",
+                                         "growth",  "worst_cycle", "error"};
 
 /// Conclusions about times are not clear if the machine was noisy in half of the runs or more. The
 /// repeats of all configurations take turns, so disturbances bias a ratio less than a time.
@@ -161,19 +165,25 @@ std::string CellsNote(std::size_t cells, std::size_t of) {
                     : fmt::format(", the geometric mean over {} cells", cells);
 }
 
+/// The times of a step with a value of the axis over those with the first, where both are sound.
+std::vector<Estimate> RatiosToFirst(const Comparison& comparison, std::size_t value) {
+  std::vector<Estimate> ratios;
+  for (const ComparedPoint& point : comparison.points) {
+    const MeasuredPoint *from = point.values[0], *to = point.values[value];
+    if (from == nullptr || to == nullptr || !from->IsSound() || !to->IsSound()) continue;
+    if (auto ratio = comparison.RatioAt(point, value, Phase::kStep))
+      ratios.push_back(*std::move(ratio));
+  }
+  return ratios;
+}
+
 /// Compares the first and the last value of an axis of numbers.
 void AddScaling(const Model& model, std::size_t axis, std::vector<Conclusion>& all) {
   const plan::Axis& along = model.axis(axis);
   const Comparison comparison = CompareValues(model, axis, 0);
   if (comparison.is_void) return;
-  std::vector<Estimate> ratios;
   const std::size_t last = along.values.size() - 1;
-  for (const ComparedPoint& point : comparison.points) {
-    const MeasuredPoint *from = point.values[0], *to = point.values[last];
-    if (from == nullptr || to == nullptr || !from->IsSound() || !to->IsSound()) continue;
-    if (auto ratio = comparison.RatioAt(point, last, Phase::kStep))
-      ratios.push_back(*std::move(ratio));
-  }
+  const std::vector<Estimate> ratios = RatiosToFirst(comparison, last);
   if (ratios.empty()) return;
   const Estimate ratio = GeometricMeanOf(ratios);
   const Certainty certainty =
@@ -188,6 +198,23 @@ void AddScaling(const Model& model, std::size_t axis, std::vector<Conclusion>& a
                                    CellsNote(ratios.size(), comparison.points.size()));
   if (certainty == Certainty::kTie)
     answer += " The interval includes 1: this may be no difference.";
+  // The ends say nothing about a value between them.
+  constexpr double kBeyond = 1.25;
+  std::string between;
+  double farthest = kBeyond;
+  for (std::size_t value = 1; value < last; ++value) {
+    const std::vector<Estimate> here = RatiosToFirst(comparison, value);
+    if (here.size() != ratios.size()) continue;
+    const double middle = GeometricMeanOf(here).value;
+    const double beyond =
+        std::fmax(middle / std::fmax(1, ratio.value), std::fmin(1, ratio.value) / middle);
+    if (!(beyond > farthest)) continue;
+    farthest = beyond;
+    between = fmt::format(" Between them lies an extreme: {} times with {}.",
+                          terminal::ShortNumber(middle), at(value));
+  }
+  answer += between;
+  if (model.times().bootstrap().size() == 1) answer += OneRepeatNote();
   const Interval interval = model.times().IntervalOf(ratio);
   all.push_back(
       {fmt::format("How does the time of a step change with {}?", AxisWords(along)),
@@ -217,6 +244,7 @@ void AddFastestValue(const Model& model, std::size_t axis, std::vector<Conclusio
   if (ranking->others.size() > 1) answer += fmt::format(", and {}", against(last));
   answer += CellsNote(ranking->cells, ranking->of) + ".";
   if (next.certainty == Certainty::kTie) answer += " The first two cannot be told apart.";
+  if (model.times().bootstrap().size() == 1) answer += OneRepeatNote();
   all.push_back({fmt::format("Which {} has the shortest step?", AxisWords(along)),
                  std::move(answer), "scaling", ranking->certainty()});
 }

@@ -34,6 +34,11 @@ struct Conclusion {
 
 class Model;
 
+/// A sentence for answers on times of a single repeat.
+inline std::string OneRepeatNote() {
+  return " One repeat: there is no interval; `repeats 5` gives one.";
+}
+
 /// The first conclusion answers the main question of the sweep. Empty if nothing was measured.
 /// Throws StoreError.
 std::vector<Conclusion> Conclusions(const Model& model);

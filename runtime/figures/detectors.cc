@@ -1,7 +1,10 @@
 #include "runtime/figures/detectors.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <string_view>
 
@@ -274,12 +277,84 @@ std::vector<ContactFindings> ContactFindingsOf(const results::ResultFile& file) 
   return all;
 }
 
-DetectorCosts CostsOf(const Model& model, const Row& row) {
+namespace {
+
+std::vector<std::string> DetectorNames(const results::ResultFile& file) {
+  std::vector<std::string> names;
+  if (const auto axis = DetectorAxis(file))
+    for (const auto& value : file.axes()[*axis].values)
+      names.push_back(std::get<std::string>(value));
+  return names;
+}
+
+}  // namespace
+
+bool IsOfBullet(const std::string& detector) {
+  const schema::DetectorInfo* info = schema::FindDetector(detector);
+  return info != nullptr && info->source == "Bullet";
+}
+
+bool SortsPairs(const results::ResultFile& file) {
+  const auto plan = ReadPlan(file);
+  return plan && std::ranges::any_of(plan->runs, [](const plan::Run& run) {
+           return run.scene.world.WordOr("pair_order") == "sorted";
+         });
+}
+
+std::string SameMotionText(const results::ResultFile& file) {
+  const auto axis = DetectorAxis(file);
+  if (!axis || !file.Has("state_hash")) return {};
+  const std::vector<std::string> names = DetectorNames(file);
+  struct Motions {
+    std::set<std::size_t> detectors;
+    std::set<std::string> hashes;
+    std::set<protocol::Verdict> verdicts;
+  };
+  std::map<Point, Motions> by_place;
+  for (const Cell& cell : AllCells(file)) {
+    const schema::DetectorInfo* info = schema::FindDetector(names[cell.at[*axis]]);
+    if (info != nullptr && info->family == "none") continue;
+    const Ending ending = EndingOf(file, cell);
+    const std::string hash = file.ReadText("state_hash", cell);
+    if (ending.status != results::Status::kDone || hash.empty() ||
+        ending.judgement.verdict == protocol::Verdict::kUnknown)
+      continue;
+    Motions& motions = by_place[Without(cell.at, *axis)];
+    motions.detectors.insert(cell.at[*axis]);
+    motions.hashes.insert(hash);
+    motions.verdicts.insert(ending.judgement.verdict);
+  }
+  std::erase_if(by_place, [](const auto& of) { return of.second.detectors.size() < 2; });
+  if (by_place.empty()) return {};
+  const auto count = [&](auto differs) { return std::ranges::count_if(by_place, differs); };
+  const auto motions = count([](const auto& of) { return of.second.hashes.size() > 1; });
+  const auto verdicts = count([](const auto& of) { return of.second.verdicts.size() > 1; });
+  if (motions == 0) return "All detectors moved every object alike, to the last bit.";
+  const std::string where =
+      by_place.size() == 1 ? "" : fmt::format(" at {} of {} points", motions, by_place.size());
+  const std::string judged = verdicts == 0 ? ""
+                             : by_place.size() == 1
+                                 ? ", and so do the verdicts"
+                                 : fmt::format(", and the verdict at {}", verdicts);
+  return fmt::format("The motion differs between detectors{}{}{}.", where, judged,
+                     SortsPairs(file) ? "" : "; `pair_order sorted` keeps it alike");
+}
+
+std::string SortingText(const results::ResultFile& file) {
+  std::vector<std::string> of_bullet;
+  const std::vector<std::string> names = DetectorNames(file);
+  std::ranges::copy_if(names, std::back_inserter(of_bullet), IsOfBullet);
+  if (of_bullet.empty() || of_bullet.size() == names.size() || !SortsPairs(file)) return {};
+  return fmt::format(
+      "Pairs are sorted in the narrow phase of {}, and in the broad phase of the other detectors.",
+      JoinWords(of_bullet));
+}
+
+DetectorCosts CostsOf(const Model& model, const Row& row, protocol::Phase phase) {
   const results::ResultFile& file = model.file();
-  DetectorCosts costs = {.mean = model.TimeOf(row, protocol::Phase::kDetect)};
+  DetectorCosts costs = {.mean = model.TimeOf(row, phase)};
   for (const MeasuredPoint* point : row.points) {
-    costs.worst =
-        std::fmax(costs.worst, Largest(model.times().Of(*point, protocol::Phase::kDetect).cycles));
+    costs.worst = std::fmax(costs.worst, Largest(model.times().Of(*point, phase).cycles));
     if (!file.Has("exact_pairs")) continue;
     for (const Cell& cell : point->cells) {
       costs.missed = AddCounts(costs.missed, file.ReadSeries("missed_pairs", cell));

@@ -64,14 +64,24 @@ std::vector<ContactFindings> ContactFindingsOf(const results::ResultFile& file);
 
 /// Over all points of a row.
 struct DetectorCosts {
-  Estimate mean;         ///< of detect
-  double worst = kNone;  ///< cycle of detect
+  Estimate mean;         ///< of a cycle
+  double worst = kNone;  ///< cycle
   double pairs = kNone;  ///< mean
   double missed = kNone,
          phantom = kNone;                 ///< sums; NaN if pairs were not checked in any cycle
   double peak_rss = kNone, heap = kNone;  ///< maxima
 };
-DetectorCosts CostsOf(const Model& model, const Row& row);
+DetectorCosts CostsOf(const Model& model, const Row& row, protocol::Phase phase);
+
+/// A sentence on whether the motion of each scene is the same with every detector, to the last bit.
+/// Empty without detectors to compare, or where nothing was judged to move.
+std::string SameMotionText(const results::ResultFile& file);
+/// One of the four of Bullet, which do not use the interface of detectors.
+bool IsOfBullet(const std::string& detector);
+/// True if some run has `pair_order sorted`.
+bool SortsPairs(const results::ResultFile& file);
+/// A sentence on the phases in which the compared detectors sort their pairs, if these differ.
+std::string SortingText(const results::ResultFile& file);
 
 /// p of time ~ objects^p, by least squares over the logarithms of means.
 struct DetectorGrowth {

@@ -315,8 +315,11 @@ struct VerifiedPhase {
 class Verified {
  public:
   explicit Verified(const results::ResultFile& file) : file_(file) {
-    for (const figures::DetectorFindings& of : figures::FindingsOf(file))
-      if (of.AllRuns() > 0) phases_.push_back(BroadPhase(of));
+    for (const figures::DetectorFindings& of : figures::FindingsOf(file)) {
+      if (of.AllRuns() == 0) continue;
+      phases_.push_back(BroadPhase(of));
+      if (of.failed_runs == 0 && of.runs > 0) exact_.insert(of.exact);
+    }
     std::ranges::stable_sort(phases_, {}, &VerifiedPhase::fault);
     std::vector<VerifiedPhase> narrow;
     for (const figures::ContactFindings& of : figures::ContactFindingsOf(file)) {
@@ -351,6 +354,11 @@ class Verified {
           "bullet: for detectors that only find pairs, Bullet makes the contacts. The contacts "
           "that "
           "it misses do not count against a detector.");
+    if (exact_.size() > 1)
+      below.lines.emplace_back(
+          "The numbers of pairs differ: each detector is judged by the boxes that it was given. "
+          "Those of planes are infinite for Bullet's own, unless wall_pairs is omitted, and "
+          "half-spaces for the others, and other motion makes other pairs (cdb doc detectors).");
     if (uncompared_ > 0)
       below.lines.push_back(fmt::format(
           "Not compared: {} possible overlaps, whose exact depth is not proven or which were not "
@@ -436,6 +444,7 @@ class Verified {
 
   const results::ResultFile& file_;
   std::vector<VerifiedPhase> phases_;
+  std::set<std::uint64_t> exact_;  ///< the numbers of exact pairs of the detectors
   std::uint64_t uncompared_ = 0;
 };
 

@@ -77,7 +77,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
     AddPhases(model, by, options.phases, document);
     AddPairs(model, by, document);
   }
-  AddDetectors(model, asked, document);
+  AddDetectors(model, asked, options.phases, document);
   AddRatios(model, options.baseline, options.phases, document);
   AddOtherFaults(model, document);
   AddBudget(model, true, document);
@@ -162,9 +162,11 @@ class Head {
     if (has_padding) Add(lines, Padding());
     Add(lines, Cautions());
     Add(lines, HarnessNote(model_));
+    Add(lines, figures::SortingText(file_));
     Add(lines, LeftOut());
     Add(lines, Models());
     Add(lines, Verdicts());
+    Add(lines, figures::SameMotionText(file_));
     Add(lines, figures::OpenQuestionsText(file_, Judged()));
     Add(lines, figures::SleepNote(file_, measured_));
     Add(lines, Errors());
@@ -222,8 +224,12 @@ class Head {
   std::string Grid() const {
     const std::string grid = terminal::GridText(file_.axes(), file_.repeats());
     const std::size_t cells = groups_.NotSkipped();
-    std::string text = fmt::format("{} {}{}, {} cycles", cells, cells == 1 ? "run" : "runs",
-                                   grid.empty() ? "" : " (" + grid + ")", file_.cycles());
+    std::uint64_t least = file_.cycles();
+    for (const Cell& cell : groups_.good) least = std::min(least, file_.ReadCycleCount(cell));
+    std::string text =
+        fmt::format("{} {}{}, {}{} cycles", cells, cells == 1 ? "run" : "runs",
+                    grid.empty() ? "" : " (" + grid + ")",
+                    least < file_.cycles() ? fmt::format("{} to ", least) : "", file_.cycles());
     if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
     return text;
   }
@@ -240,18 +246,13 @@ class Head {
   /// The tensor is as long as the longest run; cycles beyond the end of shorter ones have no
   /// values.
   std::string Padding() const {
-    std::uint64_t least = file_.cycles(), all = 0;
-    for (const Cell& cell : groups_.good) {
-      const std::uint64_t cycles = file_.ReadCycleCount(cell);
-      least = std::min(least, cycles);
-      all += cycles;
-    }
+    std::uint64_t all = 0;
+    for (const Cell& cell : groups_.good) all += file_.ReadCycleCount(cell);
     const double room = static_cast<double>(groups_.good.size() * file_.cycles());
     const double share = room > 0 ? 1 - static_cast<double>(all) / room : 0;
     if (share < kNoticeablePadding) return {};
-    return fmt::format(
-        "The runs have {} to {} cycles: {:.0f} % of the arrays over cycles in the file is padding.",
-        least, file_.cycles(), 100 * share);
+    return fmt::format("{:.0f} % of the arrays over cycles in the file is padding of shorter runs.",
+                       100 * share);
   }
 
   /// The command that shows the errors, if the file has any.

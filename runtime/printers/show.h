@@ -118,13 +118,14 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
 /// `by`.
 void AddPairs(const figures::Model& model, const std::vector<std::size_t>& by, Document& document);
 
-/// Two tables, if the file compares detectors. For detect: mean and worst cycle, pairs, faults and
+/// Two tables for each of `phases` (detect if that is empty), if the file compares detectors: mean
+/// and worst cycle, pairs, faults and
 /// memory of each detector, in the order of their axis, at each point of the other axes, or of `by`
 /// if that is not empty; axes that make no rows are pooled. If one axis with at least three numbers
-/// changes the number of objects: p of detect ~ objects^p, by least squares over the logarithms of
+/// changes the number of objects: p of time ~ objects^p, by least squares over the logarithms of
 /// means. Last, other faults of detectors than missed pairs.
 void AddDetectors(const figures::Model& model, const std::vector<std::size_t>& by,
-                  Document& document);
+                  const std::vector<protocol::Phase>& phases, Document& document);
 void AddOtherFaults(const figures::Model& model, Document& document);
 
 /// Times of `phases` (detect and step if that is empty) over those of the baseline (by default the

@@ -185,12 +185,12 @@ terminal::TimeUnit UnitOf(const std::vector<DetectorCosts>& costs) {
   return terminal::TimeUnit::For(figures::Median(std::move(means)));
 }
 
-Section CostsOf(const Model& model, const std::vector<std::size_t>& by) {
+Section CostsOf(const Model& model, const std::vector<std::size_t>& by, protocol::Phase phase) {
   const results::ResultFile& file = model.file();
   const figures::CycleTimes& times = model.times();
   const figures::Rows rows = figures::MatchRows(model.points(), by);
   std::vector<DetectorCosts> costs;
-  for (const figures::Row& row : rows.rows) costs.push_back(figures::CostsOf(model, row));
+  for (const figures::Row& row : rows.rows) costs.push_back(figures::CostsOf(model, row, phase));
   const terminal::TimeUnit unit = UnitOf(costs);
   const bool has_pairs = file.Has("pairs"), has_exact = file.Has("exact_pairs"),
              has_heap = file.Has("heap");
@@ -218,9 +218,10 @@ Section CostsOf(const Model& model, const std::vector<std::size_t>& by) {
     if (has_heap) texts.push_back(terminal::ShortNumber(row.heap / 1e6));
     table.AddRow(rows.rows[i], texts);
   }
-  Section section = {.title = fmt::format("Detectors: a cycle's detect, {}", unit.name),
-                     .table = table.Take(),
-                     .notes = {times.StatisticAndIntervalNote(rows.pools)}};
+  Section section = {
+      .title = fmt::format("Detectors: a cycle's {}, {}", figures::PhaseName(phase), unit.name),
+      .table = table.Take(),
+      .notes = {times.StatisticAndIntervalNote(rows.pools)}};
   for (std::string& note : rows.MatchNotes()) section.notes.push_back(std::move(note));
   return section;
 }
@@ -232,7 +233,8 @@ std::string ObjectsText(const DetectorGrowth::Exponent& exponent) {
 
 /// Notes to read before the exponents of two rows are compared.
 std::vector<std::string> GrowthNotes(const DetectorGrowth& growth) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = {
+      "The interval is that of the fit: it is wide where the times follow no power."};
   if (!growth.is_matched)
     notes.emplace_back("The rows have different numbers of objects: do not compare them.");
   if (growth.dropped > 0)
@@ -246,35 +248,43 @@ std::vector<std::string> GrowthNotes(const DetectorGrowth& growth) {
   return notes;
 }
 
-void AddGrowth(const Model& model, const std::vector<std::size_t>& rows, Document& document) {
-  const auto growth = figures::GrowthByRow(model, rows);
+void AddGrowth(const Model& model, const std::vector<std::size_t>& rows, protocol::Phase phase,
+               Document& document) {
+  const auto growth = figures::GrowthByRow(model, rows, phase);
   if (!growth || growth->exponents.empty()) return;
   Table table;
   AddAxes(model.file(), growth->rows, table);
   table.keys = 1;
   table.AddColumn("p", true);
+  table.AddColumn("95 % interval", true);
   if (!growth->is_matched) table.AddColumn("objects", true);
   for (const auto& [point, exponent] : growth->exponents) {
     std::vector<std::string> texts = Coordinates(model.file(), growth->rows, point);
     texts.push_back(ExponentText(exponent.fit.p));
+    const auto& [low, high] = exponent.fit.interval;
+    texts.push_back(std::isnan(low) ? "-" : ExponentText(low) + " .. " + ExponentText(high));
     if (!growth->is_matched) texts.push_back(ObjectsText(exponent));
     table.rows.push_back(std::move(texts));
   }
-  document.push_back({.title = fmt::format("Growth over {}: p of detect ~ objects^p{}",
-                                           model.axis(growth->axis).name,
-                                           growth->is_mean ? ", the mean over all else" : ""),
-                      .table = std::move(table),
-                      .notes = GrowthNotes(*growth)});
+  document.push_back(
+      {.title = fmt::format("Growth over {}: p of {} ~ objects^p{}", model.axis(growth->axis).name,
+                            figures::PhaseName(phase), growth->is_mean ? ", over all else" : ""),
+       .table = std::move(table),
+       .notes = GrowthNotes(*growth)});
 }
 
 }  // namespace
 
-void AddDetectors(const Model& model, const std::vector<std::size_t>& by, Document& document) {
+void AddDetectors(const Model& model, const std::vector<std::size_t>& by,
+                  const std::vector<protocol::Phase>& phases, Document& document) {
   const auto axis = model.ComparedDetectors();
   if (!axis) return;
   const std::vector<std::size_t> rows = RowsOf(model, *axis, by);
-  document.push_back(CostsOf(model, rows));
-  AddGrowth(model, rows, document);
+  for (const protocol::Phase phase :
+       phases.empty() ? std::vector{protocol::Phase::kDetect} : phases) {
+    document.push_back(CostsOf(model, rows, phase));
+    AddGrowth(model, rows, phase, document);
+  }
 }
 
 void AddOtherFaults(const Model& model, Document& document) {

@@ -48,13 +48,18 @@ std::string WhyAllWallPairs(const plan::Scene& scene, Bodies objects) {
 }
 
 void HalfSpaceShape::SetBox(const Box& box) {
-  // Bullet has no infinity: this is the side of its planes' boxes.
-  const auto side = [](double x) {
+  // Bullet has no infinity: this is the side of its planes' boxes. Around every box it adds the
+  // threshold, which is taken off before, rounded outwards.
+  const auto side = [](double x, btScalar outwards) {
     constexpr auto kFar = static_cast<double>(BT_LARGE_FLOAT);
-    return static_cast<btScalar>(std::clamp(x, -kFar, kFar));
+    if (std::fabs(x) >= kFar) return std::copysign(BT_LARGE_FLOAT, static_cast<btScalar>(x));
+    const auto inner =
+        static_cast<btScalar>(x) - std::copysign(gContactBreakingThreshold, outwards);
+    return std::nextafter(inner, outwards);
   };
-  lower_ = {side(box.lower.x), side(box.lower.y), side(box.lower.z)};
-  upper_ = {side(box.upper.x), side(box.upper.y), side(box.upper.z)};
+  const btScalar down = -BT_LARGE_FLOAT, up = BT_LARGE_FLOAT;
+  lower_ = {side(box.lower.x, down), side(box.lower.y, down), side(box.lower.z, down)};
+  upper_ = {side(box.upper.x, up), side(box.upper.y, up), side(box.upper.z, up)};
 }
 
 void HalfSpaceShape::getAabb(const btTransform& /*pose*/, btVector3& lower,

@@ -21,7 +21,8 @@ using Bodies = std::span<const std::unique_ptr<btRigidBody>>;
 /// that there are.
 std::string WhyAllWallPairs(const plan::Scene& scene, Bodies objects);
 
-/// A plane with a box of our own in place of Bullet's infinite one.
+/// A plane with a box of our own in place of Bullet's infinite one, such that the box in a broad
+/// phase, around which Bullet adds gContactBreakingThreshold, is the one that is set.
 class HalfSpaceShape final : public btStaticPlaneShape {
  public:
   using btStaticPlaneShape::btStaticPlaneShape;

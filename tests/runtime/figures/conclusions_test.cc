@@ -81,7 +81,7 @@ TEST(Conclusions, BeginWithWhatTheSweepAsks) {
       text += std::string(of.kind) + " ";
     return text;
   };
-  EXPECT_EQ(kinds(DetectorPlan(5)), "fastest detect stability scaling worst_cycle ");
+  EXPECT_EQ(kinds(DetectorPlan(5)), "fastest detect broad stability scaling worst_cycle ");
   plan::Plan with_errors =
       MakePlan({TextAxis("detector", {"simple", "dbvt", "sap"}), NumberAxis("quantity", {10, 20})},
                5, {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
@@ -263,7 +263,8 @@ TEST(Conclusions, RankOverTheCellsThatAllHave) {
             std::string::npos);
   const Conclusion sound = FindConclusion(all, "stability");
   EXPECT_EQ(sound.answer,
-            "8 of 9 configurations are stable (1 frozen). Along the number of objects, simple and "
+            "8 of 9 configurations are stable, as far as was checked (1 frozen). Along the number "
+            "of objects, simple and "
             "sap: stable everywhere; dbvt: stable up to 20, frozen from 40." +
                 kNothingChecked);
 }
@@ -311,12 +312,118 @@ TEST(Conclusions, StateTheBoundaryOfSoundSimulation) {
         return std::log10(ratio) <= static_cast<double>((hz + n) / 2);
       }),
       "Along ratio: stable up to 1 in the worst case, up to 100 in the best; it depends on hz "
-      "and iterations.");
+      "and iterations. One case at a time: `cdb show FILE --select hz=480 --select "
+      "iterations=10`.");
   // There is none.
   EXPECT_EQ(BoundaryOf([](double ratio, std::size_t hz, std::size_t n) {
               return (static_cast<std::size_t>(std::log10(ratio)) + hz + n) % 3 != 0;
-            }).substr(0, 33),
-            "Along hz there is no boundary: so");
+            }).substr(0, 34),
+            "Along hz there is no boundary: 8 o");
+}
+
+TEST(Conclusions, NameTheCasesOfEachLine) {
+  EXPECT_EQ(BoundaryOf([](double ratio, std::size_t hz, std::size_t n) {
+              return hz == 4 && n == 1 && ratio < 500;
+            }),
+            "Along hz, 5 of the 8 combinations of ratio and iterations: penetrating everywhere; "
+            "ratio 1 .. 100 and iterations 10: penetrating up to 240, stable from 480.");
+  EXPECT_EQ(BoundaryOf([](double ratio, std::size_t hz, std::size_t n) {
+              return n == 1 && (ratio < 2 ? hz > 0 : ratio < 20 ? hz > 1 : hz > 2);
+            }),
+            "Along hz: stable nowhere in the worst case, from 60 on in the best (4 of the 8 "
+            "combinations of ratio and iterations are stable nowhere); it depends on ratio and "
+            "iterations. One case at a time: `cdb show FILE --select ratio=1000 --select "
+            "iterations=10`.");
+}
+
+TEST(Conclusions, NameTheValueThatExplainsTheVerdicts) {
+  const plan::Plan plan =
+      MakePlan({NumberAxis("hz", {30, 60, 120}), TextAxis("contact", {"bullet", "faithful"})}, 1,
+               {.cycles = kMadeUpCycles, .record = {"timing"}});
+  const auto all = ConclusionsOf(plan, [](const plan::Run& run) {
+    return MadeUp{.verdict =
+                      run.at[1] == 0 ? protocol::Verdict::kDrifting : protocol::Verdict::kStable};
+  });
+  const std::string answer = FindConclusion(all, "stability").answer;
+  EXPECT_NE(answer.find("(3 drifting). That is: drifting with contact bullet and stable with "
+                        "contact faithful."),
+            answer.npos)
+      << answer;
+}
+
+/// The conclusion on the order of a sweep over `friction` and three or more time steps.
+Conclusion OrderOf(const std::vector<std::vector<double>>& errors,
+                   const std::function<bool(std::size_t friction, std::size_t step)>& is_sound) {
+  std::vector<double> frictions(errors.size()), rates(errors[0].size());
+  for (std::size_t i = 0; i < frictions.size(); ++i) frictions[i] = 0.1 * static_cast<double>(i);
+  for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = 60.0 * std::pow(2, i);
+  const plan::Plan plan =
+      MakePlan({NumberAxis("friction", frictions), NumberAxis("hz", rates)}, 1,
+               {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+  return FindConclusion(ConclusionsOf(plan,
+                                      [&](const plan::Run& run) {
+                                        return MadeUp{
+                                            .verdict = is_sound(run.at[0], run.at[1])
+                                                           ? protocol::Verdict::kStable
+                                                           : protocol::Verdict::kDrifting,
+                                            .errors = {{"position", errors[run.at[0]][run.at[1]]},
+                                                       {"timestep", 1 / rates[run.at[1]]}}};
+                                      }),
+                        "order");
+}
+
+constexpr auto kAllSound = [](std::size_t, std::size_t) { return true; };
+
+TEST(ErrorOrder, IsJudgedInEachCase) {
+  const Conclusion falls = OrderOf({{0.4, 0.1, 0.025}, {0.04, 0.02, 0.01}}, kAllSound);
+  EXPECT_EQ(
+      falls.answer,
+      "Yes: as the time step to the power 1.00 to 2.00 (95 % intervals within 1.00 .. 2.00).");
+  EXPECT_EQ(falls.certainty, Certainty::kClear);
+  const Conclusion one = OrderOf({{0.4, 0.1, 0.025}, {0.02, 0.02, 0.04}}, kAllSound);
+  EXPECT_TRUE(one.answer.starts_with(
+      "Yes for 1 of 2 values of friction (friction 0): as the time step to the power 2.00 (95 % "
+      "interval 2.00 .. 2.00). No for 1 of 2 values of friction (friction 0.1): as the time step "
+      "to the power -0.50 (95 % interval -4.17 .. 3.17). Where it does not fall, "))
+      << one.answer;
+  EXPECT_TRUE(one.answer.ends_with(
+      " The error rises from 0.0200 at hz 60 to 0.0400 at hz 240 with friction 0.1."))
+      << one.answer;
+  EXPECT_EQ(one.certainty, Certainty::kUnknown);
+}
+
+TEST(ErrorOrder, HidesNoUnsoundTimeStep) {
+  const Conclusion rises =
+      OrderOf({{0.4, 0.1, 0.025}, {0.4, 0.02, 0.2}},
+              [](std::size_t friction, std::size_t step) { return friction == 0 || step < 2; });
+  EXPECT_EQ(
+      rises.answer,
+      "Yes for 1 of 2 values of friction (friction 0): as the time step to the power 2.00 "
+      "(95 % interval 2.00 .. 2.00). Not judged for 1 of 2 values of friction (friction 0.1): "
+      "fewer than three time steps are sound. The error rises from 0.0200 at hz 120 to 0.200 "
+      "at hz 240 (drifting) with friction 0.1.");
+  EXPECT_EQ(rises.certainty, Certainty::kUnknown);
+  const Conclusion left_out =
+      OrderOf({{0.8, 0.4, 0.2, 0.1}}, [](std::size_t, std::size_t step) { return step > 0; });
+  EXPECT_EQ(left_out.answer,
+            "Yes: as the time step to the power 1.00 (95 % interval 1.00 .. 1.00). 1 unsound time "
+            "step is left out of the fits.");
+  EXPECT_EQ(OrderOf({{0.4, 0.1}}, kAllSound).answer, "");  // not swept enough to ask
+}
+
+TEST(ErrorOrder, IsNotClearWithoutMonotony) {
+  // The order is certain, and one step is not.
+  const Conclusion wavy = OrderOf({{1, 0.5, 0.25, 0.126, 0.135, 0.03, 0.015}}, kAllSound);
+  EXPECT_TRUE(wavy.answer.starts_with("Yes: as the time step to the power 0.97 (")) << wavy.answer;
+  EXPECT_TRUE(
+      wavy.answer.ends_with(" The error rises from 0.126 at hz 480 to 0.135 at hz 960 with "
+                            "friction 0."))
+      << wavy.answer;
+  EXPECT_EQ(wavy.certainty, Certainty::kUnknown);
+  const Conclusion scattered = OrderOf({{0.4, 0.04, 0.3}}, kAllSound);
+  EXPECT_TRUE(scattered.answer.starts_with("No: ") ||
+              scattered.answer.starts_with("Not judged: the errors scatter."))
+      << scattered.answer;
 }
 
 TEST(Conclusions, StateBoundariesByValueNotByOrder) {
@@ -344,6 +451,36 @@ TEST(Conclusions, SayThatNothingIsStableOnce) {
   });
   const std::string answer = FindConclusion(all, "stability").answer;
   EXPECT_NE(answer.find(" Along hz: stable nowhere."), answer.npos) << answer;
+}
+
+TEST(Conclusions, SayWhetherDetectorsMoveObjectsAlike) {
+  const auto answer = [](const std::function<std::string(const plan::Run&)>& state,
+                         std::size_t drifting) {
+    return FindConclusion(ConclusionsOf(DetectorPlan(1),
+                                        [&](const plan::Run& run) {
+                                          MadeUp made{.state = state(run)};
+                                          if (run.at[0] == 2 && run.at[1] < drifting)
+                                            made.verdict = protocol::Verdict::kDrifting;
+                                          return made;
+                                        }),
+                          "stability")
+        .answer;
+  };
+  const std::string alike =
+      answer([](const plan::Run& run) { return std::to_string(run.at[1]); }, 0);
+  EXPECT_NE(alike.find(" All detectors moved every object alike, to the last bit."), alike.npos)
+      << alike;
+  const auto by_detector = [](const plan::Run& run) {
+    return std::to_string(run.at[1] < 2 ? run.at[0] : 7);
+  };
+  const std::string differing = answer(by_detector, 0);
+  EXPECT_NE(differing.find(" The motion differs between detectors at 2 of 3 points; `pair_order "
+                           "sorted` keeps it alike."),
+            differing.npos)
+      << differing;
+  const std::string verdicts = answer(by_detector, 1);
+  EXPECT_NE(verdicts.find(" at 2 of 3 points, and the verdict at 1; `pair_order"), verdicts.npos)
+      << verdicts;
 }
 
 TEST(Conclusions, CompareMemory) {
@@ -399,7 +536,8 @@ TEST(Conclusions, TellWhatAStepTakesWithoutAxes) {
   EXPECT_EQ(FindConclusion(all, "fastest").answer,
             "2.50 us (95 % interval 2.50 .. 2.50). Its largest phase is broad: 2.50 us, 100 % of "
             "the step.");
-  EXPECT_EQ(FindConclusion(all, "stability").answer, "Yes: it is stable." + kNothingChecked);
+  EXPECT_EQ(FindConclusion(all, "stability").answer,
+            "Nothing wrong was found, as far as was checked." + kNothingChecked);
 }
 
 TEST(Conclusions, AreOfNoTimeWhereEveryRunIsVoid) {

@@ -44,7 +44,15 @@ TEST(OpenQuestions, AreNamedWithTheirReasons) {
   const Answers driven = AnswersOf("objects { quantity 2; mass kinematic }", {});
   EXPECT_EQ(driven.open, "Not checked: energy, losses (group objects is kinematic).");
   EXPECT_EQ(driven.conclusion,
-            "Yes: it is stable. Not checked: energy, losses (group objects is kinematic).");
+            "Nothing wrong was found, as far as was checked. Not checked: energy, losses (group "
+            "objects is kinematic).");
+  // Losses alone have the mildest verdict.
+  EXPECT_EQ(AnswersOf("objects { quantity 2; linear_damping 0.1 }", {}).conclusion,
+            "Yes: it is stable. Not checked: losses (group objects has damping).");
+  EXPECT_EQ(
+      AnswersOf("objects { quantity 2; mass kinematic; friction sweep(0, 1) }", {}).conclusion,
+      "Nothing wrong was found in any of 2 configurations, as far as was checked. Not checked: "
+      "energy, losses (group objects is kinematic).");
   EXPECT_EQ(
       AnswersOf("objects { quantity 2; linear_damping sweep(0, 0.1); rolling_friction 0.5 }", {})
           .open,

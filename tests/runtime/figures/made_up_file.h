@@ -30,6 +30,7 @@ struct MadeUp {
   double moving_objects = NAN, mean_asleep = NAN;
   std::uint64_t cycles = 4;  ///< that were executed; all of them, unless the run failed
   machine::Noise noise = machine::Noise::kUnknown;
+  std::string state = {};  ///< the hash of the last state
 };
 using MakeUp = std::function<MadeUp(const plan::Run&)>;
 
@@ -55,6 +56,7 @@ inline void WriteMadeUp(const plan::Plan& plan, const plan::Run& run, const Made
   fake.result.scalars.moving_objects = made.moving_objects;
   fake.result.scalars.mean_asleep = made.mean_asleep;
   fake.result.noise.noise = made.noise;
+  fake.result.state_hash = made.state;
   fake.result.message = made.status == results::Status::kDone ? "" : "made up";
   fake.result.omitted = made.omitted;
   fake.result.decisions = made.decisions;

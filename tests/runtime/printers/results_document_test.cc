@@ -164,10 +164,11 @@ TEST(ResultsDocument, HasTheWorstVerdictOfTheRepeatsThatRan) {
   EXPECT_EQ(points["verdict"],
             json({"stable", "tunnelled", "tunnelled", "stable", "tunnelled", "tunnelled"}));
   EXPECT_EQ(points["first_bad_cycle"], json({nullptr, 1, 1, nullptr, 1, 1}));
-  EXPECT_EQ(StabilityIn(document),
-            "2 of 6 configurations are stable (4 tunnelled). Along the number of "
-            "objects: stable up to 10, tunnelled from 20." +
-                kNothingChecked);
+  EXPECT_EQ(
+      StabilityIn(document),
+      "2 of 6 configurations are stable, as far as was checked (4 tunnelled). Along the number "
+      "of objects: stable up to 10, tunnelled from 20." +
+          kNothingChecked);
 }
 
 TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
@@ -177,8 +178,8 @@ TEST(ResultsDocument, JudgesTheSimulationByThePointsThatRan) {
   EXPECT_EQ(document["points"]["verdict"], json({"stable", "tunnelled", "stable", "tunnelled"}));
   EXPECT_EQ(
       StabilityIn(document),
-      "2 of 4 configurations are stable (2 tunnelled). Along the number of objects: stable up "
-      "to 10, tunnelled from 40." +
+      "2 of 4 configurations are stable, as far as was checked (2 tunnelled). Along the number of "
+      "objects: stable up to 10, tunnelled from 40." +
           kNothingChecked);
 }
 

@@ -13,6 +13,8 @@
 
 #include "compiler/schema/catalogue.h"
 #include "compiler/yaml/plan_yaml.h"
+#include "runtime/figures/conclusions.h"
+#include "runtime/figures/model.h"
 #include "runtime/printers/show.h"
 #include "tests/runtime/results/store_fixture.h"
 #include "tests/support/program.h"
@@ -252,11 +254,11 @@ TEST(ShowDetectors, SetsTheWorstCycleBesideTheMeanAndFitsGrowth) {
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nGrowth over quantity: p of detect ~ objects^p\n"
-                      "  detector     p\n"
-                      "  --------------\n"
-                      "  sap       1.00\n"
-                      "  dbvt      2.00\n"
-                      "  simple    0.00\n"),
+                      "  detector     p  95 % interval\n"
+                      "  -----------------------------\n"
+                      "  sap       1.00   1.00 .. 1.00\n"
+                      "  dbvt      2.00   2.00 .. 2.00\n"
+                      "  simple    0.00   0.00 .. 0.00\n"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("\nPairs listed that do not overlap: dbvt 9 beside 90.\n"), std::string::npos)
@@ -273,6 +275,50 @@ TEST(ShowDetectors, NamesTheNarrowPhaseThatMissesContacts) {
   EXPECT_NE(text.find("\nOverlaps without a contact: bullet 6 of 126 compared.\n"),
             std::string::npos)
       << text;
+}
+
+TEST(ShowDetectors, SaysThatTheyListDifferentPairs) {
+  const auto answer = [](const std::string& order, const std::string& decisions) {
+    return WithFile(
+        RealPlanOf({"timing", "counts; pair_order " + order}, {"dbvt", "grid"}),
+        [&](const plan::Run& run, Made& made) {
+          made.Detect({100, 100, 100});
+          made.Ints("pairs", run.at[1] == 0 ? std::vector<std::int32_t>{90, 100, 110}
+                                            : std::vector<std::int32_t>{7, 10, 13});
+          made.result().decisions = decisions;
+        },
+        [](const results::ResultFile& file) {
+          for (const figures::Conclusion& of : figures::Conclusions(figures::Model(file)))
+            if (of.kind == "detect") return of.answer;
+          return std::string();
+        });
+  };
+  const std::string different =
+      " They list different pairs: dbvt 100 and grid 10.0 at quantity 10.";
+  const std::string remedy =
+      " Bullet's own pair every object with every wall; `omit auto, wall_pairs` leaves the "
+      "pairs out that no box reaches.";
+  const std::string kept = "wall_pairs: kept: omitted only if omit names it\n";
+  const std::string with_walls = answer("sorted", kept);
+  EXPECT_NE(with_walls.find(different + remedy), std::string::npos) << with_walls;
+  for (const std::string& without : {answer("sorted", ""), answer("listed", kept)}) {
+    EXPECT_NE(without.find(different), std::string::npos) << without;
+    EXPECT_EQ(without.find(remedy), std::string::npos) << without;
+  }
+}
+
+TEST(ShowDetectors, AreOfThePhasesThatAreAsked) {
+  const std::string text = WithFile(
+      RealPlanOf({"timing"}, {"dbvt", "grid"}),
+      [&](const plan::Run&, Made& made) {
+        made.Detect({100, 100, 100});
+      },
+      [](const results::ResultFile& file) {
+        return printers::Show(file, {.phases = {protocol::Phase::kBroad}}).text;
+      });
+  EXPECT_NE(text.find("\nDetectors: a cycle's broad, "), std::string::npos) << text;
+  EXPECT_NE(text.find(": p of broad ~ objects^p\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("detect,"), std::string::npos) << text;
 }
 
 TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {

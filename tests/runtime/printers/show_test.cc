@@ -145,8 +145,8 @@ TEST(Show, NamesThePaddingOfRunsOfDifferentLength) {
     return printers::Show(results::ResultFile(folder / "out.h5")).text;
   };
   const std::string half = shown(16);
-  EXPECT_NE(half.find("\n  The runs have 16 to 100 cycles: 42 % of the arrays over cycles in the "
-                      "file is padding.\n"),
+  EXPECT_NE(half.find("\n  2 runs (2 values of hz), 16 to 100 cycles\n  42 % of the arrays over "
+                      "cycles in the file is padding of shorter runs.\n"),
             std::string::npos)
       << half;
   EXPECT_EQ(shown(98).find("padding"), std::string::npos);

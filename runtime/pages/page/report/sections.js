@@ -23,7 +23,7 @@ export function sweepText(doc) {
       : cycles.length > 1
         ? `, ${count(Math.min(...cycles))} to ${count(Math.max(...cycles))} cycles`
         : '';
-  return `${plural(runs.all ?? doc.count, 'run')}${parts.length ? `: ${parts.join(' × ')}` : ''}${length}`;
+  return `${plural((runs.all ?? doc.count) - (runs.skipped ?? 0), 'run')}${parts.length ? `: ${parts.join(' × ')}` : ''}${length}`;
 }
 
 function outcomes(doc) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
@@ -167,6 +168,25 @@ TEST(OmitWallPairs, LeavesThePairsThatReachTheHalfSpace) {
     SetWorld(scene, "omit", schema::WordList{"none"});
     EXPECT_EQ(pairs(scene), 300) << detector;
   }
+}
+
+TEST(OmitWallPairs, GivesBulletsOwnTheHalfSpacesOfTheOthers) {
+  const plan::Scene scene = Omitting(Large(0), "simple");
+  const layouts::InitialState state = layouts::MakeInitialState(scene);
+  world::Engine engine(scene, state, omissions::DecideOmissions(scene, state));
+  engine.Step();
+  const auto box_of = [&](std::size_t wall) {
+    btVector3 lower, upper;
+    engine.world().getBroadphase()->getAabb(engine.walls()[wall]->getBroadphaseHandle(), lower,
+                                            upper);
+    return std::pair(lower, upper);
+  };
+  const double right = detection::HalfSpaceBox(*engine.walls()[0], engine.objects()).upper.x;
+  const double bottom = detection::HalfSpaceBox(*engine.walls()[3], engine.objects()).lower.y;
+  EXPECT_GE(static_cast<double>(box_of(0).second.x()), right);
+  EXPECT_NEAR(static_cast<double>(box_of(0).second.x()), right, 1e-4);
+  EXPECT_LE(static_cast<double>(box_of(3).first.y()), bottom);
+  EXPECT_NEAR(static_cast<double>(box_of(3).first.y()), bottom, 1e-4);
 }
 
 TEST(OmitWallPairs, IsRefusedForObjectsInPieces) {
