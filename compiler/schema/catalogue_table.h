@@ -61,6 +61,7 @@ inline constexpr DetectorInfo kDetectorTable[] = {
     {.name = "sweep", .doc = "sweep and prune along one axis; tests eight boxes at once", .source = "cdb", .phases = "broad", .family = "sweep and prune", .limits = "if bodies fill a plane or a space, its time grows faster than their number N, as more of them overlap along the axis: as N^1.5 or N^1.67"},
     {.name = "octree", .doc = "a loose octree, rebuilt every cycle", .source = "cdb", .phases = "broad", .family = "octrees"},
     {.name = "kd_tree", .doc = "a k-d tree of boxes, rebuilt every cycle", .source = "cdb", .phases = "broad", .family = "k-d trees"},
+    {.name = "batch", .doc = "closed forms, separating axes, GJK and an expanding polytope; a whole manifold in each cycle", .source = "cdb", .phases = "narrow", .family = "SAT, GJK", .limits = "balls, round capsules, boxes, hulls, compounds and planes; Bullet handles the others"},
     {.name = "fcl_dyntree", .doc = "a dynamic tree of boxes (DynamicAABBTreeCollisionManager)", .source = "FCL", .phases = "broad", .family = "AABB trees", .limits = "slows down over time: its tree is refitted, but rarely rebalanced", .part = "fcl"},
     {.name = "fcl_dyntree_array", .doc = "a dynamic tree of boxes in an array", .source = "FCL", .phases = "broad", .family = "AABB trees", .limits = "slows down over time: its tree is refitted, but rarely rebalanced", .part = "fcl"},
     {.name = "fcl_ssap", .doc = "sorted every cycle, swept along the best axis (SSaPCollisionManager)", .source = "FCL", .phases = "broad", .family = "sweep and prune", .part = "fcl"},

@@ -1,0 +1,224 @@
+// The depth of two overlapping cores, by a polytope inside their Minkowski difference that grows at
+// its face nearest to the origin until that face is on the surface: van den Bergen, Proximity
+// queries and penetration depth computation on 3D game objects, 2001. For polytopes the result is
+// exact.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "library/detectors/narrow/couple.h"
+
+namespace cdb::narrow {
+namespace {
+
+constexpr int kMostVertices = 256, kMostFaces = 1024;
+
+struct Face3 {
+  int vertex[3];
+  int neighbour[3];  ///< across the side from vertex i to the next,
+  int side[3];       ///< which is this side of the neighbour
+  Vec3 normal;       ///< unit, outwards; zero if the face has no area
+  double distance;   ///< of its plane from the origin; infinite if it has no area
+  bool is_alive;
+};
+
+class Polytope {
+ public:
+  explicit Polytope(const Couple& couple) : couple_(couple) {}
+
+  /// Begins with a tetrahedron of the simplex and other vertices. False if the difference is flat.
+  bool Begin(const DifferenceVertex* simplex, int count) {
+    std::copy_n(simplex, count, vertices_.begin());
+    vertex_count_ = 1;
+    // The vertices of the simplex come first; those that add nothing are replaced.
+    for (int i = 1; i < count; ++i) {
+      vertices_[vertex_count_] = simplex[i];
+      if (Adds(simplex[i].at)) ++vertex_count_;
+    }
+    if (vertex_count_ == 1)
+      AddFarthest({1, 0, 0}) || AddFarthest({0, 1, 0}) || AddFarthest({0, 0, 1});
+    if (vertex_count_ == 2) {
+      const Vec3 across = Across();
+      AddFarthest(across) || AddFarthest(Cross(across, At(1) - At(0)));
+    }
+    if (vertex_count_ == 3) AddFarthest(Across());
+    if (vertex_count_ < 4) return false;
+    if (Dot(Across(), At(3) - At(0)) > 0) std::swap(vertices_[0], vertices_[1]);
+    constexpr int kSides[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+    for (const auto& side : kSides) AddFace(side[0], side[1], side[2]);
+    Link(0, 0, 1, 2), Link(0, 1, 3, 2), Link(0, 2, 2, 0);
+    Link(1, 0, 2, 2), Link(1, 1, 3, 0), Link(2, 1, 3, 1);
+    return true;
+  }
+
+  /// The face nearest to the origin.
+  int NearestFace() const {
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < face_count_; ++i)
+      if (faces_[i].is_alive && faces_[i].distance < least) {
+        least = faces_[i].distance;
+        best = i;
+      }
+    return best;
+  }
+
+  /// Grows at the face to include a vertex beyond it. False if there is no room, or if rounding
+  /// hides the outline of what is seen from the vertex.
+  bool Grow(int face, const DifferenceVertex& vertex) {
+    if (vertex_count_ == kMostVertices) return false;
+    apex_ = vertex_count_++;
+    vertices_[apex_] = vertex;
+    first_new_ = face_count_;
+    faces_[face].is_alive = false;
+    for (int side = 0; side < 3; ++side)
+      if (!Visit(faces_[face].neighbour[side], faces_[face].side[side])) return false;
+    if (face_count_ - first_new_ < 3) return false;
+    return LinkNew(face_count_ - 1, first_new_);
+  }
+
+  /// A direction across the vertices, of which there are fewer than four.
+  Vec3 Across() const {
+    if (vertex_count_ == 1) return {0, 1, 0};
+    if (vertex_count_ == 2) return UnitAcross(At(1) - At(0));
+    return Cross(At(1) - At(0), At(2) - At(0));
+  }
+  const Face3& face(int i) const { return faces_[i]; }
+
+  /// The points of the cores in the middle of the face: the sum of its corners by the weights of
+  /// the origin's projection.
+  void Nearest(int i, Vec3& on_a, Vec3& on_b) const {
+    const Face3& face = faces_[i];
+    const DifferenceVertex* corner[3];
+    for (int k = 0; k < 3; ++k) corner[k] = &vertices_[face.vertex[k]];
+    double weight[3], sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &next = corner[(k + 1) % 3]->at, &last = corner[(k + 2) % 3]->at;
+      const Vec3 foot = face.distance * face.normal;
+      weight[k] = std::max(0.0, Dot(face.normal, Cross(next - foot, last - foot)));
+      sum += weight[k];
+    }
+    on_a = on_b = {};
+    for (int k = 0; k < 3; ++k) {
+      const double part = sum > 0 ? weight[k] / sum : 1.0 / 3;
+      on_a = on_a + part * corner[k]->on_a;
+      on_b = on_b + part * corner[k]->on_b;
+    }
+  }
+
+ private:
+  const Vec3& At(int i) const { return vertices_[i].at; }
+  /// m: a height below this is no height.
+  double Thin() const { return 1e3 * couple_.rounding; }
+  double HeightAbove(int from, int to, const Vec3& at) const {
+    const Vec3 along = At(to) - At(from);
+    return Norm(Cross(along, at - At(from))) / Norm(along);
+  }
+  /// Whether the point is not in the point, line or plane of the vertices.
+  bool Adds(const Vec3& at) const {
+    if (vertex_count_ == 1) return Norm(at - At(0)) > Thin();
+    if (vertex_count_ == 2) return HeightAbove(0, 1, at) > Thin();
+    return std::abs(Dot(Normalized(Across()), at - At(0))) > Thin();
+  }
+  /// Adds the farthest vertex in a direction or its opposite, if it is a new one.
+  bool AddFarthest(const Vec3& direction) {
+    for (const Vec3& way : {direction, -direction}) {
+      vertices_[vertex_count_] = couple_.Support(way);
+      if (!Adds(At(vertex_count_))) continue;
+      ++vertex_count_;
+      return true;
+    }
+    return false;
+  }
+
+  int AddFace(int a, int b, int c) {
+    if (face_count_ == kMostFaces) return -1;
+    Face3& face = faces_[face_count_];
+    face = {.vertex = {a, b, c},
+            .neighbour = {},
+            .side = {},
+            .normal = {},
+            .distance = std::numeric_limits<double>::infinity(),
+            .is_alive = true};
+    const Vec3 across = Cross(At(b) - At(a), At(c) - At(a));
+    const double area = Norm(across);
+    const double longest = std::max(
+        {SquaredNorm(At(b) - At(a)), SquaredNorm(At(c) - At(b)), SquaredNorm(At(a) - At(c))});
+    if (area > 1e-13 * longest && area > 0) {
+      face.normal = 1 / area * across;
+      face.distance = Dot(face.normal, At(a));
+    }
+    return face_count_++;
+  }
+
+  void Link(int one, int side, int other, int other_side) {
+    faces_[one].neighbour[side] = other;
+    faces_[one].side[side] = other_side;
+    faces_[other].neighbour[other_side] = one;
+    faces_[other].side[other_side] = side;
+  }
+  /// Two faces at the apex, one after the other around the outline. Side 0 is in the outline.
+  bool LinkNew(int one, int next) {
+    if (faces_[one].vertex[1] != faces_[next].vertex[0]) return false;
+    Link(one, 1, next, 2);
+    return true;
+  }
+
+  /// Removes the face, which was reached over `side`, and those around it if the apex sees it;
+  /// otherwise the side is part of the outline, and gets a new face.
+  bool Visit(int index, int side) {
+    Face3& face = faces_[index];
+    if (!face.is_alive) return true;
+    const int from = face.vertex[side], to = face.vertex[(side + 1) % 3];
+    const bool has_area = face.distance < std::numeric_limits<double>::infinity();
+    const bool is_seen =
+        !has_area || Dot(face.normal, At(apex_)) - face.distance > couple_.rounding;
+    if (!is_seen && !IsInLine(from, to)) {
+      const int made = AddFace(to, from, apex_);
+      if (made < 0) return false;
+      Link(made, 0, index, side);
+      return made == first_new_ || LinkNew(made - 1, made);
+    }
+    face.is_alive = false;
+    for (int k = 1; k < 3; ++k) {
+      const int next = (side + k) % 3;
+      if (!Visit(face.neighbour[next], face.side[next])) return false;
+    }
+    return true;
+  }
+  /// The apex is on the line through two vertices.
+  bool IsInLine(int from, int to) const { return HeightAbove(from, to, At(apex_)) <= Thin(); }
+
+  const Couple& couple_;
+  std::array<DifferenceVertex, kMostVertices> vertices_;
+  std::array<Face3, kMostFaces> faces_;
+  int vertex_count_ = 0, face_count_ = 0, apex_ = 0, first_new_ = 0;
+};
+
+}  // namespace
+
+Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count) {
+  Polytope polytope(couple);
+  if (!polytope.Begin(simplex, count)) {
+    const Vec3 normal = Normalized(polytope.Across());
+    return {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
+  }
+  Separation best{{0, 1, 0}, -std::numeric_limits<double>::infinity(), {}, {}};
+  for (;;) {
+    const int nearest = polytope.NearestFace();
+    if (nearest < 0) break;
+    const Face3 face = polytope.face(nearest);
+    const DifferenceVertex vertex = couple.Support(face.normal);
+    const double extent = Dot(vertex.at, face.normal);
+    const bool is_surface = extent - face.distance <= 4 * couple.rounding;
+    if (-extent > best.gap || (is_surface && -extent > best.gap - 4 * couple.rounding)) {
+      best.normal = -face.normal;
+      best.gap = -extent;
+      polytope.Nearest(nearest, best.on_a, best.on_b);
+    }
+    if (is_surface || !polytope.Grow(nearest, vertex)) break;
+  }
+  return best;
+}
+
+}  // namespace cdb::narrow
