@@ -12,7 +12,7 @@ namespace {
 // of b.
 constexpr int kAxes = 15;
 /// Edges whose angle has a sine with a smaller square count as parallel.
-constexpr double kParallel = 1e-12;
+constexpr double kParallel = 1e-16;
 
 /// The numbers of a vector.
 inline const double* Of(const Vec3& v) { return &v.x; }
@@ -108,14 +108,19 @@ class Test {
     return Cross(unit, (&couple_.turn.x)[j]);
   }
 
+  /// The sizes of b along the axis are computed rather than read from the table: in single precision
+  /// its axes are not quite orthogonal, which matters where edges are nearly parallel.
   void OfferEdges(int i, int j, Best& best) const {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     const double square = turn_[i1][j] * turn_[i1][j] + turn_[i2][j] * turn_[i2][j];
     if (square < kParallel) return;
     const double *half_a = Of(half_a_), *half_b = Of(half_b_), *place = Of(couple_.place);
-    const double gap = std::abs(place[i2] * turn_[i1][j] - place[i1] * turn_[i2][j]) -
-                       half_a[i1] * size_[i2][j] - half_a[i2] * size_[i1][j] -
-                       half_b[j1] * size_[i][j2] - half_b[j2] * size_[i][j1];
+    const auto along = [&](double first, double second) {
+      return std::abs(second * turn_[i1][j] - first * turn_[i2][j]);
+    };
+    const double gap = along(place[i1], place[i2]) - half_a[i1] * size_[i2][j] -
+                       half_a[i2] * size_[i1][j] - half_b[j1] * along(turn_[i1][j1], turn_[i2][j1]) -
+                       half_b[j2] * along(turn_[i1][j2], turn_[i2][j2]);
     best.Offer(6 + 3 * i + j, gap / std::sqrt(square));
   }
 

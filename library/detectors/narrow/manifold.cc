@@ -13,9 +13,6 @@ namespace {
 
 /// Least cosine of a face and the normal at which the face is seen from the front.
 constexpr double kFacing = 0.05;
-/// Largest sine of the angle between a capsule's axis and the tangent plane at which it lies on
-/// the other rather than stands.
-constexpr double kLying = 0.2;
 /// Corners of faces of which all are considered; of larger faces, every n-th.
 constexpr std::size_t kMostCorners = 64;
 
@@ -23,7 +20,7 @@ struct Corner {
   double x, y;
 };
 
-/// The feature of a core that faces the other, seen along the normal: a point, a segment or a
+/// The feature of a piece that faces the other, seen along the normal: a point, a segment or a
 /// polygon, counter-clockwise; and its height along the normal, which is linear.
 struct Feature {
   std::array<Corner, kMostCorners> corners;
@@ -38,26 +35,30 @@ struct Plane {
   Corner Of(const Vec3& at) const { return {Dot(u, at), Dot(v, at)}; }
 };
 
-/// Of a core at a pose in the frame of a, that faces along `sign` times the normal.
+/// Of a capsule that lies along the plane: the line on its surface that is nearest to it.
+void LieDown(const Piece& piece, const Rotation& turn, const Vec3& place, const Plane& plane,
+             double sign, Feature& feature) {
+  const Vec3 way = sign * plane.normal;
+  const double tilt = Dot(turn.y, way);
+  if (std::abs(tilt) > kLying) return;
+  const Vec3 middle = place + piece.radius * Normalized(way - tilt * turn.y);
+  const Vec3 low = middle - piece.half.y * turn.y, high = middle + piece.half.y * turn.y;
+  const Corner &from = feature.corners[0] = plane.Of(low),
+               &to = feature.corners[1] = plane.Of(high);
+  feature.count = 2;
+  const Corner along = {to.x - from.x, to.y - from.y};
+  const double rise = Dot(plane.normal, high - low) / (along.x * along.x + along.y * along.y);
+  feature.slope_x = rise * along.x;
+  feature.slope_y = rise * along.y;
+  feature.height = Dot(plane.normal, low) - feature.slope_x * from.x - feature.slope_y * from.y;
+}
+
+/// Of a piece at a pose in the frame of a, that faces along `sign` times the normal.
 void FindFeature(const Piece& piece, const Rotation& turn, const Vec3& place, const Plane& plane,
                  double sign, Feature& feature) {
   const Vec3 local = Inverse(turn, sign * plane.normal);
   feature.count = 0;
-  if (piece.kind == Kind::kCapsule) {
-    if (std::abs(local.y) > kLying) return;
-    const Vec3 low = turn * piece.Vertex(0) + place, high = turn * piece.Vertex(1) + place;
-    feature.corners[0] = plane.Of(low);
-    feature.corners[1] = plane.Of(high);
-    feature.count = 2;
-    const Corner along = {feature.corners[1].x - feature.corners[0].x,
-                          feature.corners[1].y - feature.corners[0].y};
-    const double rise = Dot(plane.normal, high - low) / (along.x * along.x + along.y * along.y);
-    feature.slope_x = rise * along.x;
-    feature.slope_y = rise * along.y;
-    feature.height = Dot(plane.normal, low) - feature.slope_x * feature.corners[0].x -
-                     feature.slope_y * feature.corners[0].y;
-    return;
-  }
+  if (piece.kind == Kind::kCapsule) return LieDown(piece, turn, place, plane, sign, feature);
   if (piece.faces.empty()) return;
   const FlatFace& face = FacingFace(piece, local);
   if (Dot(face.normal, local) < kFacing) return;
@@ -151,7 +152,7 @@ void Manifold::Reduce(double slop) {
   // The deepest of all is one of the four.
   Point* kept = &*std::ranges::min_element(all.first(kMostPoints), {}, &Point::gap);
   const Point& least = *std::ranges::min_element(all, {}, &Point::gap);
-  if (least.gap < kept->gap - slop) *kept = least;
+  if (least.gap < kept->gap - 1e-6 * slop) *kept = least;
 }
 
 const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
@@ -176,7 +177,6 @@ const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
 bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifold& manifold) {
   const Piece &a = couple.a, &b = couple.b;
   const Vec3& normal = separation.normal;
-  const double radii = a.radius + b.radius;
   Plane plane{.u = UnitAcross(normal), .v = {}, .normal = normal};
   plane.v = Cross(normal, plane.u);
   Feature of_a, of_b;
@@ -189,21 +189,30 @@ bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifol
         of_a.count == 2 ? Clip(of_a, of_b, outline) : Clip(of_b, of_a, outline);
     for (std::size_t i = 0; i < count; ++i) {
       const Corner& at = outline[i];
-      const double height = of_b.HeightAt(at), gap = of_a.HeightAt(at) - height - radii;
+      const double height = of_b.HeightAt(at), gap = of_a.HeightAt(at) - height;
       least = std::min(least, gap);
       if (gap > kNear) continue;
-      manifold.Add(at.x * plane.u + at.y * plane.v + (height + b.radius) * normal, normal, gap);
+      manifold.Add(at.x * plane.u + at.y * plane.v + height * normal, normal, gap);
     }
   }
   // Rounding tilts features by no more than this.
   const double tolerance = 1e-9 * std::min(a.bound, b.bound) + 1e3 * couple.rounding;
-  return least <= separation.gap - radii + tolerance;
+  return least <= separation.gap - a.radius - b.radius + tolerance;
 }
 
 void AddNearest(const Couple& couple, const Separation& separation, Manifold& manifold) {
   const Piece &a = couple.a, &b = couple.b;
-  manifold.Add(separation.on_b + b.radius * separation.normal, separation.normal,
-               separation.gap - a.radius - b.radius);
+  const Vec3& normal = separation.normal;
+  const Vec3 on_b = separation.on_b + b.radius * normal;
+  const double gap = separation.gap - a.radius - b.radius;
+  // The end of a capsule that lies is beside the end of its line.
+  const double beside = 1.5 * kLying * (a.radius + b.radius);
+  for (Point& point : manifold.points())
+    if (SquaredNorm(point.on_b - on_b) < beside * beside) {
+      point = {on_b, normal, gap};
+      return;
+    }
+  manifold.Add(on_b, normal, gap);
 }
 
 }  // namespace cdb::narrow

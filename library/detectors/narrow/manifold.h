@@ -19,6 +19,10 @@ struct Point {
 /// At most so many points are kept, as Bullet does.
 inline constexpr std::size_t kMostPoints = 4;
 
+/// Largest sine of the angle between a capsule's axis and the tangent plane at which it lies on the
+/// other body rather than stands.
+inline constexpr double kLying = 0.1;
+
 /// The points of a pair of pieces, and the memory to find them.
 class Manifold {
  public:

@@ -9,7 +9,7 @@ namespace cdb::narrow {
 namespace {
 
 /// Vertices this close to the plane of a face are in it, in sizes of the piece.
-constexpr double kFlat = 1e-7;
+constexpr double kFlat = 1e-9;
 constexpr std::uint32_t kPad = 4;  // numbers that a register may hold
 
 bool IsSame(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }

@@ -8,6 +8,9 @@
 namespace cdb::narrow {
 namespace {
 
+/// In sizes: the direction of a shorter vector is that of rounding errors.
+constexpr double kRounding = 1e-13;
+
 /// A segment about a middle.
 struct Segment {
   Vec3 middle, along;  ///< along: unit
@@ -18,13 +21,14 @@ struct Segment {
   }
 };
 
-/// Adds the point of two balls around core points that are `between` apart, from b to a.
+/// Adds the point of two balls around core points that are `between` apart, from b to a; if that is
+/// no more than `rounding`, along `if_none`.
 void AddRound(const Vec3& between, const Vec3& core_b, double radius_a, double radius_b,
-              const Vec3& if_none, Manifold& manifold) {
+              double rounding, const Vec3& if_none, Manifold& manifold) {
   const double radii = radius_a + radius_b, square = SquaredNorm(between);
   if (square > (radii + kNear) * (radii + kNear)) return;
   const double distance = std::sqrt(square);
-  const Vec3 normal = distance > 1e-150 ? 1 / distance * between : if_none;
+  const Vec3 normal = distance > rounding ? 1 / distance * between : if_none;
   manifold.Add(core_b + radius_b * normal, normal, distance - radii);
 }
 
@@ -41,7 +45,7 @@ void AddEnds(const Segment& a, const Segment& b, double radius_a, double radius_
   for (const double s : {from, to}) {
     const Vec3 on_a = a.At(s), on_b = b.At(b.Nearest(on_a)), between = on_a - on_b;
     if (Dot(between, normal) < 0.9 * Norm(between)) continue;  // on different sides
-    AddRound(between, on_b, radius_a, radius_b, normal, manifold);
+    AddRound(between, on_b, radius_a, radius_b, 0, normal, manifold);
   }
 }
 
@@ -53,13 +57,14 @@ Segment AxisOf(const Placed& capsule, const Vec3& middle) {
 
 void BallBall(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Vec3 at_b = b.pose.position - a.pose.position;
-  AddRound(-at_b, at_b, a.piece.radius, b.piece.radius, {0, 1, 0}, manifold);
+  AddRound(-at_b, at_b, a.piece.radius, b.piece.radius, 1e-150, {0, 1, 0}, manifold);
 }
 
 void BallCapsule(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Segment axis = AxisOf(b, b.pose.position - a.pose.position);
   const Vec3 nearest = axis.At(axis.Nearest({0, 0, 0}));
-  AddRound(-nearest, nearest, a.piece.radius, b.piece.radius, UnitAcross(axis.along), manifold);
+  AddRound(-nearest, nearest, a.piece.radius, b.piece.radius, kRounding * b.piece.bound,
+           UnitAcross(axis.along), manifold);
 }
 
 void CapsuleCapsule(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
@@ -78,10 +83,16 @@ void CapsuleCapsule(const Placed& a, const Placed& b, Hint&, Manifold& manifold)
   const double distance = Norm(between);
   if (distance > radii + kNear) return;
   Vec3 normal = square_sine > 1e-24 ? Normalized(across) : UnitAcross(one.along);
-  if (Dot(normal, at_b) > 0) normal = -normal;
-  // Of crossing axes, the way out is across both.
-  const double rounding = 1e-13 * far;
-  if (distance > rounding) normal = 1 / distance * between;
+  if (Dot(normal, distance > 0 ? between : -at_b) < 0) normal = -normal;
+  // Of crossing axes, the way out is across both, which a short distance does not tell; from an end
+  // of one, it is across the other.
+  const bool is_inside = std::abs(s) < one.half, is_other_inside = std::abs(t) < other.half;
+  if (distance > kRounding * far && !(is_inside && is_other_inside && square_sine > 1e-12)) {
+    Vec3 way = between;
+    if (is_inside) way = way - Dot(way, one.along) * one.along;
+    if (is_other_inside) way = way - Dot(way, other.along) * other.along;
+    normal = Normalized(way);
+  }
   const std::size_t before = manifold.points().size();
   if (square_sine < kParallel * kParallel && distance > 0.1 * radii)
     AddEnds(one, other, a.piece.radius, b.piece.radius, normal, manifold);
@@ -131,6 +142,17 @@ struct PlaneSide {
   }
 };
 
+/// The lower end, and the surface beside the upper one if the capsule lies.
+void AddCapsuleOnPlane(const PlaneSide& side, Manifold& manifold) {
+  const Vec3 low = {0, std::copysign(side.a.piece.half.y, -side.local.y), 0};
+  side.Add(low, manifold);
+  if (std::abs(side.local.y) > kLying) return;
+  const Vec3 away = Normalized({side.local.x, 0, side.local.z});
+  const Vec3 high = -low - side.a.piece.radius * away;
+  const double gap = side.HeightOf(high);
+  if (gap <= kNear) manifold.Add(AxesOf(side.a.pose) * high - gap * side.normal, side.normal, gap);
+}
+
 void AddFaceOnPlane(const PlaneSide& side, Manifold& manifold) {
   const Piece& piece = side.a.piece;
   const std::uint32_t deepest = FarthestVertex(piece, -side.local);
@@ -153,10 +175,10 @@ void AnyPlane(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const double reach = piece.bound + Norm(piece.centre) + kNear;
   if (height > reach) return;
   const PlaneSide side = {a, normal, Inverse(AxesOf(a.pose), normal), height};
-  if (piece.faces.empty())
-    for (std::uint32_t i = 0; i < piece.count; ++i) side.Add(piece.Vertex(i), manifold);
-  else
-    AddFaceOnPlane(side, manifold);
+  if (piece.kind == Kind::kBall) return side.Add({0, 0, 0}, manifold);
+  if (piece.kind == Kind::kCapsule) return AddCapsuleOnPlane(side, manifold);
+  AddFaceOnPlane(side, manifold);
+  manifold.Reduce(1e-3 * piece.bound);
 }
 
 }  // namespace cdb::narrow
