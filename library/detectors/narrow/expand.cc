@@ -11,6 +11,8 @@
 namespace cdb::narrow {
 namespace {
 
+/// Least cosine of the normals of triangles in one plane.
+constexpr double kSamePlane = 1 - 1e-10;
 constexpr int kMostVertices = 256, kMostFaces = 1024;
 
 struct Face3 {
@@ -85,24 +87,28 @@ class Polytope {
   }
   const Face3& face(int i) const { return faces_[i]; }
 
-  /// The points of the cores in the middle of the face: the sum of its corners by the weights of
-  /// the origin's projection.
+  /// The points of the cores where the plane of the face is nearest to the origin: of the triangles
+  /// in that plane, one contains it.
   void Nearest(int i, Vec3& on_a, Vec3& on_b) const {
-    const Face3& face = faces_[i];
-    const DifferenceVertex* corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = &vertices_[face.vertex[k]];
-    double weight[3], sum = 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 &next = corner[(k + 1) % 3]->at, &last = corner[(k + 2) % 3]->at;
-      const Vec3 foot = face.distance * face.normal;
-      weight[k] = std::max(0.0, Dot(face.normal, Cross(next - foot, last - foot)));
-      sum += weight[k];
+    const Vec3 foot = faces_[i].distance * faces_[i].normal;
+    double most = -std::numeric_limits<double>::infinity(), weight[3] = {};
+    int best = i;
+    for (int k = 0; k < face_count_; ++k) {
+      if (!faces_[k].is_alive || !(faces_[k].distance <= faces_[i].distance + Thin()) ||
+          Dot(faces_[k].normal, faces_[i].normal) < kSamePlane)
+        continue;
+      double of_face[3];
+      const double inside = WeightsOf(faces_[k], foot, of_face);
+      if (inside <= most) continue;
+      most = inside;
+      best = k;
+      std::copy_n(of_face, 3, weight);
     }
     on_a = on_b = {};
     for (int k = 0; k < 3; ++k) {
-      const double part = sum > 0 ? weight[k] / sum : 1.0 / 3;
-      on_a = on_a + part * corner[k]->on_a;
-      on_b = on_b + part * corner[k]->on_b;
+      const DifferenceVertex& corner = vertices_[faces_[best].vertex[k]];
+      on_a = on_a + weight[k] * corner.on_a;
+      on_b = on_b + weight[k] * corner.on_b;
     }
   }
 
@@ -129,6 +135,23 @@ class Polytope {
       return true;
     }
     return false;
+  }
+
+  /// The weights of the corners whose sum is the point, none of them negative. Returns the least
+  /// before that.
+  double WeightsOf(const Face3& face, const Vec3& foot, double* weight) const {
+    double least = std::numeric_limits<double>::infinity(), sum = 0, area = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 next = At(face.vertex[(k + 1) % 3]) - foot,
+                 last = At(face.vertex[(k + 2) % 3]) - foot;
+      weight[k] = Dot(face.normal, Cross(next, last));
+      area += weight[k];
+      least = std::min(least, weight[k]);
+      weight[k] = std::max(0.0, weight[k]);
+      sum += weight[k];
+    }
+    for (int k = 0; k < 3; ++k) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
+    return area > 0 ? least / area : -std::numeric_limits<double>::infinity();
   }
 
   int AddFace(int a, int b, int c) {

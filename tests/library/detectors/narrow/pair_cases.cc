@@ -117,10 +117,10 @@ ExactContact ExactOf(const PairCase& pair) {
     const Vector3d normal = pair.pose_b.orientation * Vector3d::UnitY();
     const auto found = exact::DistanceOf(pair.a, pair.pose_a,
                                          {normal, normal.dot(pair.pose_b.position)});
-    return {found.gap, normal};
+    return {found.gap, normal, true};
   }
   const auto found = exact::DistanceOf(pair.a, pair.pose_a, pair.b, pair.pose_b);
-  return {found.gap, found.normal};
+  return {found.gap, found.normal, found.IsTight(SizeOf(pair))};
 }
 
 double GapAlong(const PairCase& pair, const Vector3d& normal) {
@@ -260,7 +260,7 @@ class PairJudge {
     faults_.worst_excess = std::max(faults_.worst_excess, excess);
     const double angle = std::atan2(normal.cross(exact_.normal).norm(), normal.dot(exact_.normal));
     // A normal with no more overlap is as good, such as any of balls with one centre.
-    if (angle > 1e-6 && (excess < 1e-9 || !HasOneNormal())) return;
+    if (angle > 1e-6 && (excess < 1e-7 || !HasOneNormal())) return;
     ++faults_.normals;
     faults_.mean_normal += angle;
     faults_.worst_normal = std::max(faults_.worst_normal, angle);
@@ -305,7 +305,7 @@ Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,
   std::vector<Contact> contacts;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = bodies.pairs()[i];
-    if (!detector.Handles(scene, pair.a, pair.b)) continue;
+    if (!exact[i].is_tight || !detector.Handles(scene, pair.a, pair.b)) continue;
     contacts.clear();
     detector.FindContacts(scene, {&pair, 1}, contacts);
     PairJudge judge(pairs[i], exact[i], static_cast<int>(i), faults);

@@ -29,6 +29,7 @@ struct PairCase {
 struct ExactContact {
   double gap;
   Eigen::Vector3d normal;
+  bool is_tight;  ///< known to a billionth of the smaller body
 };
 ExactContact ExactOf(const PairCase& pair);
 /// The gap along a normal (unit, from b to a).
