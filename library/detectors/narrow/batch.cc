@@ -1,26 +1,11 @@
 #include "library/detectors/narrow/batch.h"
 
 #include <algorithm>
-#include <tuple>
 #include <vector>
 
 #include "library/detectors/narrow/kernels.h"
 
 namespace cdb::narrow {
-
-Kernel* KernelOf(Kind a, Kind b) {
-  // In the order of Kind; the second kind is at least the first.
-  static constexpr Kernel* kTable[kKinds][kKinds] = {
-      {BallBall, BallCapsule, BallBox, Polytopes, AnyPlane},
-      {nullptr, CapsuleCapsule, Polytopes, Polytopes, AnyPlane},
-      {nullptr, nullptr, BoxBox, Polytopes, AnyPlane},
-      {nullptr, nullptr, nullptr, Polytopes, AnyPlane},
-      {nullptr, nullptr, nullptr, nullptr, nullptr},
-  };
-  if (a == Kind::kOther || b == Kind::kOther) return nullptr;
-  return kTable[static_cast<int>(a)][static_cast<int>(b)];
-}
-
 namespace {
 
 /// Hints by pair of pieces. Pairs mostly come in the order of the last cycle, so that the hint of
@@ -58,6 +43,44 @@ class Hints {
   std::size_t cursor_ = 0;
 };
 
+/// How a pair of kinds is done.
+struct Row {
+  Kernel* kernel = nullptr;
+  bool is_swapped = false;  ///< the second body comes first
+  bool has_hint = false;
+};
+
+/// By the kinds of both bodies, in the order of Kind.
+class Table {
+ public:
+  constexpr Table() {
+    const auto set = [&](Kind a, Kind b, Kernel* kernel, bool has_hint) {
+      At(a, b) = {kernel, false, has_hint};
+      if (a != b) At(b, a) = {kernel, true, has_hint};
+    };
+    set(Kind::kBall, Kind::kBall, BallBall, false);
+    set(Kind::kBall, Kind::kCapsule, BallCapsule, false);
+    set(Kind::kCapsule, Kind::kCapsule, CapsuleCapsule, false);
+    set(Kind::kBall, Kind::kBox, BallBox, false);
+    set(Kind::kBox, Kind::kBox, BoxBox, true);
+    for (const Kind kind : {Kind::kBall, Kind::kCapsule, Kind::kBox, Kind::kHull}) {
+      set(kind, Kind::kHull, Polytopes, true);
+      set(kind, Kind::kPlane, AnyPlane, false);
+    }
+    set(Kind::kCapsule, Kind::kBox, Polytopes, true);
+  }
+  constexpr const Row& Of(Kind a, Kind b) const {
+    return rows_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  }
+
+ private:
+  constexpr Row& At(Kind a, Kind b) {
+    return rows_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  }
+  Row rows_[kKinds][kKinds] = {};
+};
+constexpr Table kTable;
+
 class Batch final : public Detector {
  public:
   void Prepare(const Scene& scene) override {
@@ -66,30 +89,27 @@ class Batch final : public Detector {
   }
 
   bool Handles(const Scene& scene, Id a, Id b) const override {
-    if (scene.shapes.empty()) return false;
-    const auto [first, second] = std::minmax(pieces_.KindOf(a), pieces_.KindOf(b));
-    return KernelOf(first, second) != nullptr;
+    return !scene.shapes.empty() &&
+           kTable.Of(pieces_.Of(a).kind, pieces_.Of(b).kind).kernel != nullptr;
   }
 
   void FindContacts(const Scene& scene, std::span<const Pair> pairs,
                     std::vector<Contact>& contacts) override {
     hints_.BeginCycle();
     for (const Pair& pair : pairs) {
-      const bool is_swapped = pieces_.KindOf(pair.b) < pieces_.KindOf(pair.a);
-      const Id a = is_swapped ? pair.b : pair.a, b = is_swapped ? pair.a : pair.b;
-      Kernel* const kernel = KernelOf(pieces_.KindOf(a), pieces_.KindOf(b));
-      const std::span<const Piece> of_a = pieces_.Of(a), of_b = pieces_.Of(b);
+      const Row& row = kTable.Of(pieces_.Of(pair.a).kind, pieces_.Of(pair.b).kind);
+      const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
+      const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
-      for (std::uint32_t i = 0; i < of_a.size(); ++i) {
-        for (std::uint32_t j = 0; j < of_b.size(); ++j) {
-          const Placed one = {of_a[i], pose_a}, other = {of_b[j], pose_b};
-          if (of_a.size() * of_b.size() > 1 && AreFar(one, other)) continue;
+      for (std::uint32_t i = 0; i < of_a.count; ++i)
+        for (std::uint32_t j = 0; j < of_b.count; ++j) {
+          const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
+          if (of_a.count * of_b.count > 1 && AreFar(one, other)) continue;
           manifold_.Clear();
-          kernel(one, other, hints_.Of(pair, i, j), manifold_);
+          row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
           for (const Point& point : manifold_.points())
-            contacts.push_back(ContactOf(pair, pose_a.position, point, is_swapped));
+            contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
-      }
     }
   }
 
@@ -115,6 +135,7 @@ class Batch final : public Detector {
 
   Pieces pieces_;
   Hints hints_;
+  Hint no_hint_;
   Manifold manifold_;
 };
 

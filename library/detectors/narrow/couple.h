@@ -66,8 +66,8 @@ struct Couple {
     const Rotation axes = AxesOf(pose_a);
     turn = {Inverse(axes, pose_b.x), Inverse(axes, pose_b.y), Inverse(axes, pose_b.z)};
     place = Inverse(axes, pose_b.position - pose_a.position);
-    const double farthest = Norm(place) + a.bound + b.bound + Norm(a.centre) + Norm(b.centre);
-    rounding = 2e-15 * farthest;
+    rounding =
+        2e-15 * (std::abs(place.x) + std::abs(place.y) + std::abs(place.z) + a.reach + b.reach);
   }
 
   Vec3 ToA(const Vec3& of_b) const { return turn * of_b + place; }

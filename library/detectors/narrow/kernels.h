@@ -31,9 +31,6 @@ Kernel BoxBox;
 /// Boxes, hulls, and balls and capsules with either: GJK and an expanding polytope.
 Kernel Polytopes;
 
-/// Null if there is none. The kind of `a` is at most that of `b`.
-Kernel* KernelOf(Kind a, Kind b);
-
 /// From the frame of a into world axes.
 void TurnIntoWorld(const Pose& pose_a, Manifold& manifold);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <span>
 
 namespace cdb::narrow {
 namespace {
@@ -44,6 +44,7 @@ void SetBound(Piece& piece) {
   for (std::uint32_t i = 0; i < piece.count; ++i)
     piece.bound = std::max(piece.bound, Norm(piece.Vertex(i) - piece.centre));
   piece.bound += piece.radius;
+  piece.reach = Norm(piece.centre) + piece.bound;
 }
 
 Piece MakeBall(double radius) {
@@ -203,7 +204,6 @@ std::vector<Piece> PiecesOf(const Shape& shape) {
 void Pieces::Prepare(const Scene& scene) {
   forms_.clear();
   of_body_.clear();
-  kind_.clear();
   for (const Shape& shape : scene.shapes) {
     // Scenes have few shapes, or only different ones, so the most recent ones are tried first.
     constexpr std::ptrdiff_t kTried = 64;
@@ -214,8 +214,9 @@ void Pieces::Prepare(const Scene& scene) {
     if (is_new)
       forms_.push_back({shape, std::make_unique<const std::vector<Piece>>(PiecesOf(shape))});
     const Form& form = is_new ? forms_.back() : *last;
-    of_body_.push_back(form.pieces.get());
-    kind_.push_back(form.pieces->empty() ? Kind::kOther : form.pieces->front().kind);
+    const std::vector<Piece>& pieces = *form.pieces;
+    of_body_.push_back({pieces.data(), static_cast<std::uint32_t>(pieces.size()),
+                        pieces.empty() ? Kind::kOther : pieces.front().kind});
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "library/detectors/narrow/vectors.h"
@@ -13,9 +12,9 @@ namespace cdb::narrow {
 /// m: bodies within this distance get a contact (detector.h).
 inline constexpr double kNear = 0.02;
 
-/// In the order of the table of kernels.
+/// kOther is not handled.
 enum class Kind : std::uint8_t { kBall, kCapsule, kBox, kHull, kPlane, kOther };
-inline constexpr int kKinds = 5;  ///< that are handled
+inline constexpr int kKinds = 6;
 
 /// A flat face: its corners are in order, counter-clockwise from outside.
 struct FlatFace {
@@ -34,6 +33,7 @@ struct Piece {
   Vec3 normal = {};  ///< of a plane
   Vec3 centre = {};  ///< of the ball around it
   double bound = 0;  ///< the radius of that ball; infinite for a plane
+  double reach = 0;  ///< the radius of a ball about the origin around it
   /// Of the core, as columns x, y, z of `padded` numbers, of which the last repeat the first. A
   /// vertex of a box has bit 0, 1, 2 set if it is on the upper side along x, y, z.
   std::uint32_t count = 0, padded = 0;
@@ -46,15 +46,18 @@ struct Piece {
   }
 };
 
+/// The pieces of a body.
+struct BodyPieces {
+  const Piece* first = nullptr;
+  std::uint32_t count = 0;
+  Kind kind = Kind::kOther;  ///< of the pieces; kOther if there are none
+};
+
 /// The pieces of every body; equal shapes share them. Threads: any, after Prepare.
 class Pieces {
  public:
   void Prepare(const Scene& scene);
-  /// Empty if the shape is not handled.
-  std::span<const Piece> Of(Id body) const { return *of_body_[body]; }
-  /// kOther if the shape is not handled; the kind of the pieces of a compound is kHull.
-  Kind KindOf(Id body) const { return kind_[body]; }
-  std::size_t size() const { return of_body_.size(); }
+  const BodyPieces& Of(Id body) const { return of_body_[body]; }
 
  private:
   struct Form {
@@ -62,8 +65,7 @@ class Pieces {
     std::unique_ptr<const std::vector<Piece>> pieces;
   };
   std::vector<Form> forms_;
-  std::vector<const std::vector<Piece>*> of_body_;
-  std::vector<Kind> kind_;
+  std::vector<BodyPieces> of_body_;
 };
 
 }  // namespace cdb::narrow

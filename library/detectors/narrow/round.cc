@@ -172,8 +172,7 @@ void AnyPlane(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Piece& piece = a.piece;
   const Vec3 normal = AxesOf(b.pose) * b.piece.normal;
   const double height = Dot(normal, a.pose.position - b.pose.position);
-  const double reach = piece.bound + Norm(piece.centre) + kNear;
-  if (height > reach) return;
+  if (height > piece.reach + kNear) return;
   const PlaneSide side = {a, normal, Inverse(AxesOf(a.pose), normal), height};
   if (piece.kind == Kind::kBall) return side.Add({0, 0, 0}, manifold);
   if (piece.kind == Kind::kCapsule) return AddCapsuleOnPlane(side, manifold);

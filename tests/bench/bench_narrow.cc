@@ -1,0 +1,285 @@
+// Narrow phases on pairs of two bodies of about 1 m: ns per pair, apart by 0.02 m, and overlapping
+// by 0.01 and 0.10 m. All in one process, in turn, cycle by cycle; medians, and the spread from the
+// first to the third quartile. With coherence, the bodies turn by about a thousandth of a radian a
+// cycle, as they do while they touch; without, each cycle has other pairs.
+//
+// `bullet` is the algorithm that Bullet has for the pair, kept from cycle to cycle, with its
+// manifolds; the others are called through the interface of detectors.
+//
+// Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED LIBRARIES]
+// -t: only these types, e.g. box-box. -i: instructions in place of time (tests/bench/instructions.h).
+#include <btBulletCollisionCommon.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "library/detectors/bullet/vectors.h"
+#include "library/detectors/narrow/batch.h"
+#include "library/detectors/plugin.h"
+#include "library/layouts/initial_state.h"
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/shapes.h"
+#include "tests/bench/instructions.h"
+#include "tests/bench/median.h"
+#include "tests/library/detectors/narrow/pair_cases.h"
+#include "tests/library/objects/random_solids.h"
+
+namespace cdb::bench {
+namespace {
+
+using tests::PairCase;
+
+double Now() {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
+}
+
+/// Bullet's algorithms, one for each pair.
+class Bullet final : public Detector {
+ public:
+  explicit Bullet(const std::vector<PairCase>& cases) {
+    dispatcher_.setDispatcherFlags(btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
+    bodies_.resize(2 * cases.size());
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      bodies_[2 * i].setCollisionShape(shapes_.Get(cases[i].a, layouts::kBulletMargin));
+      btCollisionShape* other = &plane_;
+      if (!cases[i].is_plane) other = shapes_.Get(cases[i].b, layouts::kBulletMargin);
+      bodies_[2 * i + 1].setCollisionShape(other);
+    }
+    algorithms_.resize(cases.size());
+  }
+  ~Bullet() override {
+    for (btCollisionAlgorithm* algorithm : algorithms_) {
+      if (algorithm == nullptr) continue;
+      algorithm->~btCollisionAlgorithm();
+      dispatcher_.freeCollisionAlgorithm(algorithm);
+    }
+  }
+  /// Puts the bodies where they are, which is no part of the narrow phase.
+  void Place(const Scene& scene) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      const Pose& pose = scene.poses[i];
+      const auto at = [](double x) { return static_cast<btScalar>(x); };
+      bodies_[i].setWorldTransform(btTransform(
+          btMatrix3x3(at(pose.x.x), at(pose.y.x), at(pose.z.x), at(pose.x.y), at(pose.y.y),
+                      at(pose.z.y), at(pose.x.z), at(pose.y.z), at(pose.z.z)),
+          bullet::ToBullet(pose.position)));
+    }
+  }
+  void FindContacts(const Scene&, std::span<const Pair> pairs, std::vector<Contact>& contacts) override {
+    const btDispatcherInfo info;
+    for (const Pair& pair : pairs) {
+      const btCollisionObject &a = bodies_[pair.a], &b = bodies_[pair.b];
+      const btCollisionObjectWrapper of_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1),
+          of_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1);
+      btCollisionAlgorithm*& algorithm = algorithms_[pair.a / 2];
+      if (algorithm == nullptr)
+        algorithm = dispatcher_.findAlgorithm(&of_a, &of_b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+      btManifoldResult result(&of_a, &of_b);
+      algorithm->processCollision(&of_a, &of_b, info, &result);
+      if (!copies_) continue;
+      btManifoldArray manifolds;
+      algorithm->getAllContactManifolds(manifolds);
+      for (int m = 0; m < manifolds.size(); ++m)
+        for (int k = 0; k < manifolds[m]->getNumContacts(); ++k) {
+          const btManifoldPoint& point = manifolds[m]->getContactPoint(k);
+          const double sign = manifolds[m]->getBody0() == &a ? 1 : -1;
+          Contact contact = {pair.a, pair.b, bullet::ToVec3(point.m_positionWorldOnA), bullet::ToVec3(point.m_positionWorldOnB),
+                             bullet::ToVec3(point.m_normalWorldOnB), static_cast<double>(point.getDistance())};
+          if (sign < 0) {
+            std::swap(contact.on_a, contact.on_b);
+            contact.normal = {-contact.normal.x, -contact.normal.y, -contact.normal.z};
+          }
+          contacts.push_back(contact);
+        }
+    }
+  }
+  bool copies_ = false;  ///< into the list of contacts
+
+ private:
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btStaticPlaneShape plane_{btVector3(0, 1, 0), 0};
+  world::ShapePool shapes_;
+  std::vector<btCollisionObject> bodies_;
+  std::vector<btCollisionAlgorithm*> algorithms_;
+};
+
+struct Row {
+  const char* name;
+  tests::Type a, b;
+  std::size_t vertices = 0;  ///< of hulls
+};
+constexpr Row kRows[] = {
+    {"ball-ball", tests::Type::kBall, tests::Type::kBall},
+    {"ball-capsule", tests::Type::kBall, tests::Type::kCapsule},
+    {"capsule-capsule", tests::Type::kCapsule, tests::Type::kCapsule},
+    {"ball-box", tests::Type::kBall, tests::Type::kBox},
+    {"capsule-box", tests::Type::kCapsule, tests::Type::kBox},
+    {"box-box", tests::Type::kBox, tests::Type::kBox},
+    {"box-plane", tests::Type::kBox, tests::Type::kPlane},
+    {"ball-hull16", tests::Type::kBall, tests::Type::kHull, 16},
+    {"box-hull16", tests::Type::kBox, tests::Type::kHull, 16},
+    {"hull16-hull16", tests::Type::kHull, tests::Type::kHull, 16},
+    {"hull32-hull32", tests::Type::kHull, tests::Type::kHull, 32},
+};
+constexpr double kGaps[] = {0.022, -0.01, -0.10};
+
+std::vector<PairCase> MakeCases(const Row& row, double gap, std::size_t count) {
+  distributions::Stream stream(3);
+  std::vector<PairCase> cases;
+  const auto make = [&](tests::Type type) {
+    return type == tests::Type::kHull ? tests::RoundHull(row.vertices, 1)
+                                      : tests::RandomBody(stream, type, 1, false);
+  };
+  while (cases.size() < count) {
+    PairCase pair{make(row.a), make(row.b), {}, {}, row.b == tests::Type::kPlane};
+    pair.pose_a = {10 * tests::RandomDirection(stream), stream.Turn()};
+    pair.pose_b = {pair.pose_a.position + 1.5 * tests::RandomDirection(stream), stream.Turn()};
+    for (int i = 0; i < 4; ++i) tests::MoveToGap(pair, gap);
+    cases.push_back(std::move(pair));
+  }
+  return cases;
+}
+
+/// A competitor and its times.
+struct Competitor {
+  std::string name;
+  std::unique_ptr<Detector> detector;
+  Bullet* bullet = nullptr;
+  std::vector<Contact> contacts = {};
+  std::vector<double> coherent = {}, cold = {};
+  double points = 0;
+};
+
+class Library {
+ public:
+  explicit Library(std::string folder) : folder_(std::move(folder)) {}
+  std::unique_ptr<Detector> Make(const char* part, const char* name) const {
+    const std::string file = fmt::format("{}/cdb-detectors-{}.so", folder_, part);
+    if (access(file.c_str(), R_OK) != 0) return nullptr;
+    return std::unique_ptr<Detector>(
+        detectors::FindEntry(detectors::LoadPlugin(file), name)->make({}));
+  }
+
+ private:
+  std::string folder_;
+};
+
+std::vector<Competitor> MakeCompetitors(const std::vector<PairCase>& cases, const Library& library) {
+  std::vector<Competitor> all;
+  auto bullet = std::make_unique<Bullet>(cases);
+  Bullet* const place = bullet.get();
+  all.push_back({.name = "bullet", .detector = std::move(bullet), .bullet = place});
+  all.push_back({.name = "batch", .detector = std::unique_ptr<Detector>(narrow::MakeBatch({}))});
+  for (const auto& [part, name] : {std::pair{"ccd", "ccd_mpr"}, std::pair{"ccd", "ccd_gjk"}, std::pair{"fcl", "fcl_gjk"}})
+    if (auto detector = library.Make(part, name))
+      all.push_back({.name = name, .detector = std::move(detector)});
+  return all;
+}
+
+double Quantile(std::vector<double> values, double part) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+/// Turns the bodies a little, to and fro.
+std::vector<Pose> Turned(std::span<const Pose> poses, int cycle) {
+  std::vector<Pose> turned(poses.begin(), poses.end());
+  const double angle = 1e-3 * std::sin(cycle), cosine = std::cos(angle), sine = std::sin(angle);
+  for (std::size_t i = 0; i < turned.size(); i += 2) {
+    Pose& pose = turned[i];
+    const Vec3 x = pose.x, y = pose.y;
+    pose.x = {cosine * x.x + sine * y.x, cosine * x.y + sine * y.y, cosine * x.z + sine * y.z};
+    pose.y = {cosine * y.x - sine * x.x, cosine * y.y - sine * x.y, cosine * y.z - sine * x.z};
+  }
+  return turned;
+}
+
+double TimeOf(Competitor& competitor, const Scene& scene, std::span<const Pair> pairs) {
+  competitor.contacts.clear();
+  const double begin = Now();
+  competitor.detector->FindContacts(scene, pairs, competitor.contacts);
+  return (Now() - begin) / static_cast<double>(pairs.size());
+}
+
+struct Settings {
+  std::size_t pairs = 256;
+  int cycles = 60;
+  std::string only;
+  bool counts = false;
+};
+
+void RunRow(const Row& row, double gap, const Settings& settings, const Library& library) {
+  const std::vector<PairCase> cases = MakeCases(row, gap, 2 * settings.pairs);
+  const tests::PairScene bodies(cases);
+  Scene scene = bodies.View();
+  const std::span all = bodies.pairs();
+  // Of the two halves one is used in all cycles; for cold ones, they take turns.
+  const auto first = all.first(settings.pairs), second = all.subspan(settings.pairs);
+  std::vector<Competitor> competitors = MakeCompetitors(cases, library);
+  for (Competitor& competitor : competitors) competitor.detector->Prepare(scene);
+  std::erase_if(competitors, [&](const Competitor& one) {
+    return one.bullet == nullptr && !one.detector->Handles(scene, 0, 1);
+  });
+  InstructionCounter counter;
+  if (settings.counts) counter.Begin();
+  for (int cycle = 0; cycle < settings.cycles; ++cycle) {
+    const std::vector<Pose> poses = Turned(bodies.View().poses, cycle);
+    scene.poses = poses;
+    for (std::size_t k = 0; k < competitors.size(); ++k) {
+      Competitor& one = competitors[(k + static_cast<std::size_t>(cycle)) % competitors.size()];
+      if (one.bullet != nullptr) one.bullet->Place(scene);
+      if (cycle > 1 && settings.counts) counter.Start();
+      const double time = TimeOf(one, scene, first);
+      if (cycle > 1 && settings.counts) {
+        counter.Stop();
+        one.coherent.push_back(counter.Take() / static_cast<double>(first.size()));
+      } else if (cycle > 1) {
+        one.coherent.push_back(time);
+      }
+      one.points = static_cast<double>(one.contacts.size()) / static_cast<double>(first.size());
+      if (cycle <= 1) continue;
+      if (cycle % 2 == 0) TimeOf(one, scene, second);  // forgets the first
+      one.cold.push_back(one.bullet != nullptr ? time : TimeOf(one, scene, cycle % 2 == 0 ? first : second));
+    }
+  }
+  for (const Competitor& one : competitors)
+    fmt::print("{:<16} {:>6.2f}  {:<8} {:>8.1f} ({:>7.1f} .. {:>7.1f}) {:>8.1f}  {:>5.2f}\n", row.name,
+               gap, one.name, Median(one.coherent), Quantile(one.coherent, 0.25),
+               Quantile(one.coherent, 0.75), Median(one.cold), one.points);
+}
+
+int Main(int argc, char** argv) {
+  Settings settings;
+  std::string folder = "build/detectors";
+  for (int option; (option = getopt(argc, argv, "n:c:t:d:i")) != -1;) {
+    if (option == 'n') settings.pairs = std::strtoul(optarg, nullptr, 10);
+    if (option == 'c') settings.cycles = std::atoi(optarg);
+    if (option == 't') settings.only = optarg;
+    if (option == 'd') folder = optarg;
+    if (option == 'i') settings.counts = true;
+    if (option == '?') return 2;
+  }
+  fmt::print("{} pairs; {} a pair, medians (quartiles); points a pair\n", settings.pairs, settings.counts ? "instructions" : "ns");
+  fmt::print("{:<16} {:>6}  {:<8} {:>8} {:>20} {:>8}  {:>5}\n", "types", "gap, m", "by", "coherent", "", "cold", "points");
+  const Library library(folder);
+  for (const Row& row : kRows) {
+    if (!settings.only.empty() && settings.only != row.name) continue;
+    for (const double gap : kGaps) RunRow(row, gap, settings, library);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace cdb::bench
+
+int main(int argc, char** argv) { return cdb::bench::Main(argc, argv); }
