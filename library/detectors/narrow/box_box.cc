@@ -1,163 +1,190 @@
-// Two boxes. Their shortest separating translation is along the normal of a face or across two
-// edges: Gottschalk, Lin & Manocha, OBBTree, 1996. The points are those of the facing faces.
+// Two boxes. Of the faces that face each other one is the reference, and the other is clipped at its
+// sides: Gregorius, The separating axis test between convex polyhedra, GDC 2013.
 #include <algorithm>
 #include <cmath>
 
+#include "library/detectors/narrow/box_axes.h"
 #include "library/detectors/narrow/kernels.h"
 
 namespace cdb::narrow {
 namespace {
 
-// The axes: 0 to 2 of the faces of a, 3 to 5 of those of b, 6 + 3 i + j across edges i of a and j
-// of b.
-constexpr int kAxes = 15;
-/// Edges whose angle has a sine with a smaller square count as parallel.
-constexpr double kParallel = 1e-16;
+/// Least cosine of faces and the normal of two edges at which the faces lie on each other.
+constexpr double kFlat = 0.98;
 
-/// The numbers of a vector.
-inline const double* Of(const Vec3& v) { return &v.x; }
+/// A corner of the incident face, in the axes of the reference face: along its sides, and above the
+/// centre of its box.
+struct Corner {
+  double at[3];
+};
 
-/// Whether the boxes are too far apart along an axis.
-bool AreApart(const Placed& a, const Placed& b, int axis) {
-  const Rotation of_a = AxesOf(a.pose), of_b = AxesOf(b.pose);
-  const Vec3* columns[] = {&of_a.x, &of_b.x};
-  const Vec3 way = axis < 3   ? columns[0][axis]
-                   : axis < 6 ? columns[1][axis - 3]
-                              : Cross(columns[0][(axis - 6) / 3], columns[1][(axis - 6) % 3]);
-  const double gap = std::abs(Dot(way, b.pose.position - a.pose.position)) -
-                     Extent(a.piece, Inverse(of_a, way)) - Extent(b.piece, Inverse(of_b, way));
-  const double square = axis < 6 ? 1 : SquaredNorm(way);
-  return gap > 0 && gap * gap > kNear * kNear * square * (1 + 1e-6);
+/// The part of the polygon with |at[side]| at most `half`. Returns the number of its corners.
+template <int side>
+std::size_t ClipAtSides(Corner* corners, std::size_t count, double half) {
+  Corner clipped[10];
+  for (const double sign : {1.0, -1.0}) {
+    std::size_t made = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Corner &here = corners[i], &next = corners[i + 1 == count ? 0 : i + 1];
+      const double out_here = sign * here.at[side] - half, out_next = sign * next.at[side] - half;
+      if (out_here <= 0) clipped[made++] = here;
+      if ((out_here < 0 && out_next > 0) || (out_here > 0 && out_next < 0)) {
+        const double part = out_here / (out_here - out_next);
+        Corner& corner = clipped[made++];
+        for (int k = 0; k < 3; ++k) corner.at[k] = here.at[k] + part * (next.at[k] - here.at[k]);
+        corner.at[side] = sign * half;
+      }
+    }
+    std::copy_n(clipped, made, corners);
+    count = made;
+  }
+  return count;
 }
 
-/// The axis along which the boxes overlap the least or are the farthest apart.
-struct Best {
-  int axis = -1;
-  double gap = -kernels::kInfinity;
-  void Offer(int of, double other) {
-    if (other > gap) gap = other, axis = of;
-  }
+/// The face of the one box whose normal separates them best, and the other box.
+struct Reference {
+  const Placed &of, &incident;
+  bool is_a;
+  int axis;
+  double sign;  ///< of the axis that points to the other box
+
+  Vec3 Outwards() const { return sign * AxesIn(of.pose)[axis]; }
+  Vec3 Normal() const { return is_a ? -Outwards() : Outwards(); }
 };
 
-class Test {
- public:
-  explicit Test(const Couple& couple)
-      : couple_(couple), half_a_(couple.a.half), half_b_(couple.b.half) {
-    const Vec3* columns = &couple.turn.x;
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) {
-        turn_[i][j] = Of(columns[j])[i];
-        size_[i][j] = std::abs(turn_[i][j]);
-      }
+/// The corners of the face of the incident box that faces the reference, clipped.
+std::size_t IncidentCorners(const BoxAxes& axes, const Reference& reference, Corner* corners) {
+  const int across[] = {(reference.axis + 1) % 3, (reference.axis + 2) % 3, reference.axis};
+  const auto turn = [&](int of_reference, int of_incident) {
+    return reference.is_a ? axes.Turn(of_reference, of_incident)
+                          : axes.Turn(of_incident, of_reference);
+  };
+  int facing = 0;
+  for (int m = 1; m < 3; ++m)
+    if (std::abs(turn(reference.axis, m)) > std::abs(turn(reference.axis, facing))) facing = m;
+  const double* half = Of(reference.incident.piece.half);
+  const double side =
+      half[facing] * (reference.sign * turn(reference.axis, facing) > 0 ? -1.0 : 1.0);
+  const int m1 = (facing + 1) % 3, m2 = (facing + 2) % 3;
+  double first[3], second[3], middle[3];
+  for (int k = 0; k < 3; ++k) {
+    const double sign = k == 2 ? reference.sign : 1;
+    const double place = reference.is_a ? axes.InA(across[k]) : -axes.InB(across[k]);
+    middle[k] = sign * (place + side * turn(across[k], facing));
+    first[k] = sign * half[m1] * turn(across[k], m1);
+    second[k] = sign * half[m2] * turn(across[k], m2);
   }
-
-  /// Stops at the first axis along which they are farther apart than kNear.
-  Best FindBest() const {
-    Best best;
-    const double *half_a = Of(half_a_), *half_b = Of(half_b_), *place = Of(couple_.place);
-    for (int i = 0; i < 3; ++i)
-      best.Offer(i, std::abs(place[i]) - half_a[i] - size_[i][0] * half_b[0] -
-                        size_[i][1] * half_b[1] - size_[i][2] * half_b[2]);
-    if (best.gap > kNear) return best;
-    for (int j = 0; j < 3; ++j)
-      best.Offer(3 + j, std::abs(Dot((&couple_.turn.x)[j], couple_.place)) - half_b[j] -
-                            size_[0][j] * half_a[0] - size_[1][j] * half_a[1] -
-                            size_[2][j] * half_a[2]);
-    if (best.gap > kNear) return best;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) OfferEdges(i, j, best);
-    return best;
+  for (int k = 0; k < 3; ++k) {
+    corners[0].at[k] = middle[k] + first[k] + second[k];
+    corners[1].at[k] = middle[k] - first[k] + second[k];
+    corners[2].at[k] = middle[k] - first[k] - second[k];
+    corners[3].at[k] = middle[k] + first[k] - second[k];
   }
+  const double* sides = Of(reference.of.piece.half);
+  const auto reaches = [&](int k) {
+    return std::abs(middle[k]) + std::abs(first[k]) + std::abs(second[k]) > sides[across[k]];
+  };
+  std::size_t count = 4;
+  if (reaches(0)) count = ClipAtSides<0>(corners, count, sides[across[0]]);
+  if (reaches(1)) count = ClipAtSides<1>(corners, count, sides[across[1]]);
+  return count;
+}
 
-  /// The unit axis in the frame of a, from b to a.
-  Vec3 NormalOf(int axis) const {
-    Vec3 way = {0, 0, 0};
-    if (axis < 3)
-      (&way.x)[axis] = 1;
-    else if (axis < 6)
-      way = (&couple_.turn.x)[axis - 3];
-    else
-      way = Normalized(Across((axis - 6) / 3, (axis - 6) % 3));
-    return Dot(way, couple_.place) > 0 ? -way : way;
+/// Adds the points of a face. Returns the least gap.
+double AddFacePoints(const BoxAxes& axes, const Reference& reference, Manifold& manifold) {
+  Corner corners[12];
+  const std::size_t count = IncidentCorners(axes, reference, corners);
+  const Vec3* of = AxesIn(reference.of.pose);
+  const Vec3 &u = of[(reference.axis + 1) % 3], &v = of[(reference.axis + 2) % 3];
+  const Vec3 outwards = reference.Outwards(), normal = reference.Normal();
+  const double half = Of(reference.of.piece.half)[reference.axis];
+  double least = kernels::kInfinity;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [x, y, z] = corners[i].at;
+    const double gap = z - half;
+    least = std::min(least, gap);
+    if (gap > kNear) continue;
+    // On the incident box, or below it on the reference, whichever is b.
+    const Vec3 flat = x * u + y * v;
+    manifold.Add(reference.is_a ? flat + z * outwards : axes.between() + flat + half * outwards,
+                 normal, gap);
   }
+  return least;
+}
 
-  /// The nearest points of the two edges that face each other; false if they are beyond the ends.
-  bool EdgePoints(int i, int j, Separation& separation) const {
-    const Vec3 in_b = Inverse(couple_.turn, separation.normal);
-    Vec3 on_a, corner_b;
-    for (int k = 0; k < 3; ++k) {
-      (&on_a.x)[k] = k == i ? 0 : std::copysign(Of(half_a_)[k], -Of(separation.normal)[k]);
-      (&corner_b.x)[k] = k == j ? 0 : std::copysign(Of(half_b_)[k], Of(in_b)[k]);
-    }
-    const Vec3 on_b = couple_.ToA(corner_b), along_b = (&couple_.turn.x)[j], between = on_b - on_a;
-    // Along edge i of a, s; along edge j of b, t.
-    const double cosine = turn_[i][j], d = Of(between)[i], e = Dot(along_b, between);
-    const double s = (d - cosine * e) / (1 - cosine * cosine), t = cosine * s - e;
-    separation.on_a = on_a;
-    (&separation.on_a.x)[i] = std::clamp(s, -Of(half_a_)[i], Of(half_a_)[i]);
-    const double held = std::clamp(t, -Of(half_b_)[j], Of(half_b_)[j]);
-    separation.on_b = on_b + held * along_b;
-    const double slop = 1e-9 * couple_.a.bound;
-    return std::abs(s) <= Of(half_a_)[i] + slop && std::abs(t) <= Of(half_b_)[j] + slop;
+/// The nearest points of two edges, relative to a's position; false if they are beyond the ends.
+bool FindEdgePoint(const BoxAxes& axes, const Placed& a, const Placed& b, int i, int j,
+                   const Vec3& normal, Vec3& on_b) {
+  const Vec3 *of_a = AxesIn(a.pose), *of_b = AxesIn(b.pose);
+  const double *half_a = Of(a.piece.half), *half_b = Of(b.piece.half);
+  Vec3 edge_a = {0, 0, 0}, edge_b = axes.between();
+  for (int k = 0; k < 3; ++k) {
+    if (k != i) edge_a = edge_a + std::copysign(half_a[k], -Dot(of_a[k], normal)) * of_a[k];
+    if (k != j) edge_b = edge_b + std::copysign(half_b[k], Dot(of_b[k], normal)) * of_b[k];
   }
+  // The sine by the cross product, as the cosine of nearly parallel edges does not tell.
+  const Vec3 between = edge_b - edge_a;
+  const double square_sine = SquaredNorm(Cross(of_a[i], of_b[j])), cosine = axes.Turn(i, j);
+  const double d = Dot(of_a[i], between), e = Dot(of_b[j], between);
+  const double s = (d - cosine * e) / square_sine, t = (cosine * d - e) / square_sine;
+  on_b = edge_b + std::clamp(t, -half_b[j], half_b[j]) * of_b[j];
+  const double slop = 1e-9 * a.piece.bound;
+  return std::abs(s) <= half_a[i] + slop && std::abs(t) <= half_b[j] + slop;
+}
 
- private:
-  Vec3 Across(int i, int j) const {
-    Vec3 unit = {0, 0, 0};
-    (&unit.x)[i] = 1;
-    return Cross(unit, (&couple_.turn.x)[j]);
+bool AreFlat(const Placed& a, const Placed& b, const Vec3& normal) {
+  double most_a = 0, most_b = 0;
+  for (int k = 0; k < 3; ++k) {
+    most_a = std::max(most_a, std::abs(Dot(AxesIn(a.pose)[k], normal)));
+    most_b = std::max(most_b, std::abs(Dot(AxesIn(b.pose)[k], normal)));
   }
+  return std::min(most_a, most_b) > kFlat;
+}
 
-  /// The sizes of b along the axis are computed rather than read from the table: in single precision
-  /// its axes are not quite orthogonal, which matters where edges are nearly parallel.
-  void OfferEdges(int i, int j, Best& best) const {
-    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-    const double square = turn_[i1][j] * turn_[i1][j] + turn_[i2][j] * turn_[i2][j];
-    if (square < kParallel) return;
-    const double *half_a = Of(half_a_), *half_b = Of(half_b_), *place = Of(couple_.place);
-    const auto along = [&](double first, double second) {
-      return std::abs(second * turn_[i1][j] - first * turn_[i2][j]);
-    };
-    const double gap = along(place[i1], place[i2]) - half_a[i1] * size_[i2][j] -
-                       half_a[i2] * size_[i1][j] - half_b[j1] * along(turn_[i1][j1], turn_[i2][j1]) -
-                       half_b[j2] * along(turn_[i1][j2], turn_[i2][j2]);
-    best.Offer(6 + 3 * i + j, gap / std::sqrt(square));
+/// Adds the points along any normal, in general; if there are none at the gap, as the features of
+/// boxes that are apart face each other side by side, those along the exact one.
+void AddInGeneral(const Placed& a, const Placed& b, const Vec3& normal, double gap,
+                  Manifold& manifold) {
+  const Couple couple(a.piece, a.pose, b.piece, b.pose);
+  Separation separation{Inverse(AxesOf(a.pose), normal), gap, {}, {}};
+  if (!AddFacingPoints(couple, separation, manifold)) {
+    manifold.Clear();
+    separation = Separate(couple, separation.normal, kNear);
+    if (separation.gap > kNear) return;
+    if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
   }
-
-  const Couple& couple_;
-  const Vec3 half_a_, half_b_;
-  double turn_[3][3], size_[3][3];  ///< products of axis i of a with axis j of b, and their sizes
-};
-
-/// Adds the points of boxes that are farther apart than along each of the axes, as none of their
-/// features face each other.
-void AddSideBySide(const Couple& couple, const Vec3& axis, Manifold& manifold) {
-  manifold.Clear();
-  const Separation separation = Separate(couple, axis, kNear);
-  if (separation.gap > kNear) return;
-  if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
+  TurnIntoWorld(a.pose, manifold);
 }
 
 }  // namespace
 
 void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   if (hint.box_axis >= 0 && AreApart(a, b, hint.box_axis)) return;
-  const Couple couple(a.piece, a.pose, b.piece, b.pose);
-  const Test test(couple);
-  const Best best = test.FindBest();
+  const BoxAxes axes(a, b);
+  const Best best = axes.FindBest();
   hint.box_axis = best.axis;
   if (best.gap > kNear) return;
-  Separation separation{test.NormalOf(best.axis), best.gap, {}, {}};
-  if (!AddFacingPoints(couple, separation, manifold)) {
-    const bool has_edges =
-        best.axis >= 6 && test.EdgePoints((best.axis - 6) / 3, (best.axis - 6) % 3, separation);
-    if (has_edges)
-      AddNearest(couple, separation, manifold);
+  const double tolerance = 1e-9 * std::min(a.piece.bound, b.piece.bound);
+  if (best.axis < 6) {
+    const bool is_a = best.axis < 3;
+    const int axis = best.axis % 3;
+    const double way = is_a ? axes.InA(axis) : -axes.InB(axis);
+    const Reference reference = {is_a ? a : b, is_a ? b : a, is_a, axis, way > 0 ? 1.0 : -1.0};
+    if (!(AddFacePoints(axes, reference, manifold) <= best.gap + tolerance)) {
+      manifold.Clear();
+      AddInGeneral(a, b, reference.Normal(), best.gap, manifold);
+    }
+  } else {
+    const Vec3 normal = axes.NormalOfEdges((best.axis - 6) / 3, (best.axis - 6) % 3);
+    Vec3 on_b;
+    const bool has_point =
+        FindEdgePoint(axes, a, b, (best.axis - 6) / 3, (best.axis - 6) % 3, normal, on_b);
+    if (!has_point || AreFlat(a, b, normal))
+      AddInGeneral(a, b, normal, best.gap, manifold);
     else
-      AddSideBySide(couple, separation.normal, manifold);
+      manifold.Add(on_b, normal, best.gap);
   }
   manifold.Reduce(1e-3 * std::min(a.piece.bound, b.piece.bound));
-  TurnIntoWorld(a.pose, manifold);
 }
 
 }  // namespace cdb::narrow

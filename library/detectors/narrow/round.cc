@@ -55,8 +55,12 @@ Segment AxisOf(const Placed& capsule, const Vec3& middle) {
 
 }  // namespace
 
+// Balls get no contact before they touch, as in Bullet: it would take most of the speed of a bounce
+// from them, and as they touch at one point, it would hold nothing.
 void BallBall(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Vec3 at_b = b.pose.position - a.pose.position;
+  const double radii = a.piece.radius + b.piece.radius;
+  if (SquaredNorm(at_b) > radii * radii) return;
   AddRound(-at_b, at_b, a.piece.radius, b.piece.radius, 1e-150, {0, 1, 0}, manifold);
 }
 
