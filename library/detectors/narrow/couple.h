@@ -1,26 +1,52 @@
 // Two convex pieces, and the Minkowski difference of their cores.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "library/detectors/kernels/simd.h"
 #include "library/detectors/narrow/pieces.h"
 
 namespace cdb::narrow {
 namespace {  // simd.h needs internal linkage
 
+/// Writes the products of `direction` with the vertices from `first` on, at most `kBlock` of them.
+/// Returns the greatest.
+constexpr std::uint32_t kBlock = 64;
+[[gnu::always_inline]] inline double ProductsOf(const Piece& piece, const Vec3& direction,
+                                                std::uint32_t first, double* products) {
+  using kernels::Doubles;
+  const double *x = piece.columns.data(), *y = x + piece.padded, *z = y + piece.padded;
+  const Doubles dx = Doubles{} + direction.x, dy = Doubles{} + direction.y,
+                dz = Doubles{} + direction.z;
+  Doubles most = Doubles{} - kernels::kInfinity;
+  const std::uint32_t end = std::min(piece.padded, first + kBlock);
+  for (std::uint32_t i = first; i < end; i += kernels::kDoubles) {
+    const Doubles along = kernels::Load<Doubles>(x + i) * dx + kernels::Load<Doubles>(y + i) * dy +
+                          kernels::Load<Doubles>(z + i) * dz;
+    kernels::Store(along, products + (i - first));
+    most = along > most ? along : most;
+  }
+  double extent = most[0];
+  for (std::size_t k = 1; k < kernels::kDoubles; ++k) extent = std::max(extent, most[k]);
+  return extent;
+}
+
 /// The index of the vertex that is farthest along `direction`; the first of several.
 inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
   if (piece.kind == Kind::kBox)
     return (direction.x > 0 ? 1u : 0u) | (direction.y > 0 ? 2u : 0u) | (direction.z > 0 ? 4u : 0u);
   if (piece.count <= 2) return piece.count == 2 && direction.y > 0 ? 1 : 0;
-  const double *x = piece.columns.data(), *y = x + piece.padded, *z = y + piece.padded;
   std::uint32_t best = 0;
   double most = -kernels::kInfinity;
-  for (std::uint32_t i = 0; i < piece.count; ++i) {
-    const double along = x[i] * direction.x + y[i] * direction.y + z[i] * direction.z;
-    if (along > most) {
-      most = along;
-      best = i;
-    }
+  for (std::uint32_t first = 0; first < piece.padded; first += kBlock) {
+    double products[kBlock];
+    const double extent = ProductsOf(piece, direction, first, products);
+    if (!(extent > most)) continue;
+    most = extent;
+    best = 0;
+    while (products[best] != extent) ++best;
+    best += first;
   }
   return best;
 }
@@ -31,18 +57,9 @@ inline double Extent(const Piece& piece, const Vec3& direction) {
     return std::abs(direction.x) * piece.half.x + std::abs(direction.y) * piece.half.y +
            std::abs(direction.z) * piece.half.z;
   if (piece.count <= 2) return std::abs(direction.y) * piece.half.y;
-  using kernels::Doubles;
-  const double *x = piece.columns.data(), *y = x + piece.padded, *z = y + piece.padded;
-  const Doubles dx = Doubles{} + direction.x, dy = Doubles{} + direction.y,
-                dz = Doubles{} + direction.z;
-  Doubles most = Doubles{} - kernels::kInfinity;
-  for (std::uint32_t i = 0; i < piece.padded; i += kernels::kDoubles) {
-    const Doubles along = kernels::Load<Doubles>(x + i) * dx + kernels::Load<Doubles>(y + i) * dy +
-                          kernels::Load<Doubles>(z + i) * dz;
-    most = along > most ? along : most;
-  }
-  double extent = most[0];
-  for (std::size_t k = 1; k < kernels::kDoubles; ++k) extent = std::max(extent, most[k]);
+  double extent = -kernels::kInfinity, products[kBlock];
+  for (std::uint32_t first = 0; first < piece.padded; first += kBlock)
+    extent = std::max(extent, ProductsOf(piece, direction, first, products));
   return extent;
 }
 

@@ -4,7 +4,9 @@
 // exact.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "library/detectors/narrow/couple.h"
 
@@ -19,9 +21,8 @@ struct Face3 {
   int vertex[3];
   int neighbour[3];  ///< across the side from vertex i to the next,
   int side[3];       ///< which is this side of the neighbour
-  Vec3 normal;       ///< unit, outwards; zero if the face has no area
-  double distance;   ///< of its plane from the origin; infinite if it has no area
-  bool is_alive;
+  Vec3 normal;       ///< unit, outwards, if it has an area
+  bool is_alive, has_area;
 };
 
 class Polytope {
@@ -53,15 +54,12 @@ class Polytope {
     return true;
   }
 
-  /// The face nearest to the origin.
+  /// The face nearest to the origin; -1 if none has an area.
   int NearestFace() const {
-    int best = -1;
     double least = std::numeric_limits<double>::infinity();
+    int best = -1;
     for (int i = 0; i < face_count_; ++i)
-      if (faces_[i].is_alive && faces_[i].distance < least) {
-        least = faces_[i].distance;
-        best = i;
-      }
+      if (distances_[i] < least) least = distances_[i], best = i;
     return best;
   }
 
@@ -71,12 +69,16 @@ class Polytope {
     if (vertex_count_ == kMostVertices) return false;
     apex_ = vertex_count_++;
     vertices_[apex_] = vertex;
-    first_new_ = face_count_;
-    faces_[face].is_alive = false;
+    first_new_ = last_new_ = -1;
+    new_count_ = 0;
+    const Face3 start = faces_[face];
+    Remove(face);
     for (int side = 0; side < 3; ++side)
-      if (!Visit(faces_[face].neighbour[side], faces_[face].side[side])) return false;
-    if (face_count_ - first_new_ < 3) return false;
-    return LinkNew(face_count_ - 1, first_new_);
+      if (!Visit(start.neighbour[side], start.side[side])) return false;
+    // Their places may be taken once nothing refers to them.
+    std::copy_n(removed_.begin(), removed_count_, free_.begin() + free_count_);
+    free_count_ += std::exchange(removed_count_, 0);
+    return new_count_ >= 3 && LinkNew(last_new_, first_new_);
   }
 
   /// A direction across the vertices, of which there are fewer than four.
@@ -85,16 +87,17 @@ class Polytope {
     if (vertex_count_ == 2) return UnitAcross(At(1) - At(0));
     return Cross(At(1) - At(0), At(2) - At(0));
   }
-  const Face3& face(int i) const { return faces_[i]; }
+  const Vec3& NormalOf(int face) const { return faces_[face].normal; }
+  double DistanceOf(int face) const { return distances_[face]; }
 
   /// The points of the cores where the plane of the face is nearest to the origin: of the triangles
   /// in that plane, one contains it.
   void Nearest(int i, Vec3& on_a, Vec3& on_b) const {
-    const Vec3 foot = faces_[i].distance * faces_[i].normal;
+    const Vec3 foot = distances_[i] * faces_[i].normal;
     double most = -std::numeric_limits<double>::infinity(), weight[3] = {};
     int best = i;
     for (int k = 0; k < face_count_; ++k) {
-      if (!faces_[k].is_alive || !(faces_[k].distance <= faces_[i].distance + Thin()) ||
+      if (!(distances_[k] <= distances_[i] + Thin()) ||
           Dot(faces_[k].normal, faces_[i].normal) < kSamePlane)
         continue;
       double of_face[3];
@@ -154,24 +157,25 @@ class Polytope {
     return area > 0 ? least / area : -std::numeric_limits<double>::infinity();
   }
 
+  /// In the place of a removed one, if there is any. -1 if there is no room.
   int AddFace(int a, int b, int c) {
-    if (face_count_ == kMostFaces) return -1;
-    Face3& face = faces_[face_count_];
-    face = {.vertex = {a, b, c},
-            .neighbour = {},
-            .side = {},
-            .normal = {},
-            .distance = std::numeric_limits<double>::infinity(),
-            .is_alive = true};
-    const Vec3 across = Cross(At(b) - At(a), At(c) - At(a));
-    const double area = Norm(across);
-    const double longest = std::max(
-        {SquaredNorm(At(b) - At(a)), SquaredNorm(At(c) - At(b)), SquaredNorm(At(a) - At(c))});
-    if (area > 1e-13 * longest && area > 0) {
-      face.normal = 1 / area * across;
-      face.distance = Dot(face.normal, At(a));
-    }
-    return face_count_++;
+    if (free_count_ == 0 && face_count_ == kMostFaces) return -1;
+    const int index = free_count_ > 0 ? free_[--free_count_] : face_count_++;
+    Face3& face = faces_[index];
+    face.vertex[0] = a, face.vertex[1] = b, face.vertex[2] = c;
+    face.is_alive = true;
+    const Vec3 ab = At(b) - At(a), ac = At(c) - At(a), across = Cross(ab, ac);
+    const double area = SquaredNorm(across), longest = std::max(SquaredNorm(ab), SquaredNorm(ac));
+    face.has_area = area > 1e-26 * longest * longest && area > 0;
+    if (face.has_area) face.normal = 1 / std::sqrt(area) * across;
+    distances_[index] =
+        face.has_area ? Dot(face.normal, At(a)) : std::numeric_limits<double>::infinity();
+    return index;
+  }
+  void Remove(int index) {
+    faces_[index].is_alive = false;
+    distances_[index] = std::numeric_limits<double>::infinity();
+    removed_[removed_count_++] = index;
   }
 
   void Link(int one, int side, int other, int other_side) {
@@ -190,19 +194,22 @@ class Polytope {
   /// Removes the face, which was reached over `side`, and those around it if the apex sees it;
   /// otherwise the side is part of the outline, and gets a new face.
   bool Visit(int index, int side) {
-    Face3& face = faces_[index];
+    const Face3& face = faces_[index];
     if (!face.is_alive) return true;
     const int from = face.vertex[side], to = face.vertex[(side + 1) % 3];
-    const bool has_area = face.distance < std::numeric_limits<double>::infinity();
-    const bool is_seen =
-        !has_area || Dot(face.normal, At(apex_)) - face.distance > couple_.rounding;
+    const bool is_seen = !face.has_area ||
+                         Dot(face.normal, At(apex_)) - distances_[index] > couple_.rounding;
     if (!is_seen && !IsInLine(from, to)) {
       const int made = AddFace(to, from, apex_);
       if (made < 0) return false;
       Link(made, 0, index, side);
-      return made == first_new_ || LinkNew(made - 1, made);
+      const int last = last_new_;
+      last_new_ = made;
+      if (new_count_++ > 0) return LinkNew(last, made);
+      first_new_ = made;
+      return true;
     }
-    face.is_alive = false;
+    Remove(index);
     for (int k = 1; k < 3; ++k) {
       const int next = (side + k) % 3;
       if (!Visit(face.neighbour[next], face.side[next])) return false;
@@ -210,12 +217,18 @@ class Polytope {
     return true;
   }
   /// The apex is on the line through two vertices.
-  bool IsInLine(int from, int to) const { return HeightAbove(from, to, At(apex_)) <= Thin(); }
+  bool IsInLine(int from, int to) const {
+    const Vec3 along = At(to) - At(from), across = Cross(along, At(apex_) - At(from));
+    return SquaredNorm(across) <= Thin() * Thin() * SquaredNorm(along);
+  }
 
   const Couple& couple_;
   std::array<DifferenceVertex, kMostVertices> vertices_;
   std::array<Face3, kMostFaces> faces_;
-  int vertex_count_ = 0, face_count_ = 0, apex_ = 0, first_new_ = 0;
+  std::array<double, kMostFaces> distances_;  ///< of their planes; infinite if one is none
+  std::array<int, kMostFaces> free_, removed_;
+  int vertex_count_ = 0, face_count_ = 0, free_count_ = 0, removed_count_ = 0;
+  int apex_ = 0, first_new_ = 0, last_new_ = 0, new_count_ = 0;
 };
 
 }  // namespace
@@ -230,12 +243,12 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
   for (;;) {
     const int nearest = polytope.NearestFace();
     if (nearest < 0) break;
-    const Face3 face = polytope.face(nearest);
-    const DifferenceVertex vertex = couple.Support(face.normal);
-    const double extent = Dot(vertex.at, face.normal);
-    const bool is_surface = extent - face.distance <= 4 * couple.rounding;
+    const Vec3 normal = polytope.NormalOf(nearest);
+    const DifferenceVertex vertex = couple.Support(normal);
+    const double extent = Dot(vertex.at, normal);
+    const bool is_surface = extent - polytope.DistanceOf(nearest) <= 4 * couple.rounding;
     if (-extent > best.gap || (is_surface && -extent > best.gap - 4 * couple.rounding)) {
-      best.normal = -face.normal;
+      best.normal = -normal;
       best.gap = -extent;
       polytope.Nearest(nearest, best.on_a, best.on_b);
     }

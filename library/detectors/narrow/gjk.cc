@@ -10,109 +10,105 @@
 namespace cdb::narrow {
 namespace {
 
-/// Up to four vertices of the difference, and the point of their hull that is nearest to the
-/// origin: the sum of the vertices by weight.
+/// Up to three vertices of a simplex, by index, and the weights of those in its point that is
+/// nearest to the origin.
+struct Part {
+  int vertex[3] = {};
+  double weight[3] = {};
+  int count = 0;  ///< 0: the origin is inside
+};
+
 struct Simplex {
   DifferenceVertex vertex[4];
   double weight[4];
   int count = 0;
 
-  Vec3 Nearest() const {
+  const Vec3& At(int i) const { return vertex[i].at; }
+  Vec3 PointOf(const Part& part) const {
     Vec3 sum = {};
-    for (int i = 0; i < count; ++i) sum = sum + weight[i] * vertex[i].at;
+    for (int i = 0; i < part.count; ++i) sum = sum + part.weight[i] * vertex[part.vertex[i]].at;
     return sum;
   }
-  void Keep(std::initializer_list<int> kept, std::initializer_list<double> weights) {
-    DifferenceVertex copy[3];
-    int at = 0;
-    for (const int i : kept) copy[at++] = vertex[i];
-    std::copy_n(copy, at, vertex);
-    std::copy(weights.begin(), weights.end(), weight);
-    count = at;
+  void Keep(const Part& part) {
+    DifferenceVertex kept[3];
+    for (int i = 0; i < part.count; ++i) kept[i] = vertex[part.vertex[i]];
+    std::copy_n(kept, part.count, vertex);
+    std::copy_n(part.weight, part.count, weight);
+    count = part.count;
   }
 };
 
-void ReduceSegment(Simplex& simplex) {
-  const Vec3 &a = simplex.vertex[0].at, &b = simplex.vertex[1].at, along = b - a;
+Part NearestOfSegment(const Simplex& simplex) {
+  const Vec3 &a = simplex.At(0), along = simplex.At(1) - a;
   const double t = -Dot(a, along), square = SquaredNorm(along);
-  if (t <= 0 || !(square > 0)) return simplex.Keep({0}, {1});
-  if (t >= square) return simplex.Keep({1}, {1});
-  simplex.Keep({0, 1}, {1 - t / square, t / square});
+  if (t <= 0 || !(square > 0)) return {{0}, {1}, 1};
+  if (t >= square) return {{1}, {1}, 1};
+  return {{0, 1}, {1 - t / square, t / square}, 2};
 }
 
-void ReduceTriangle(Simplex& simplex) {
-  const Vec3 &a = simplex.vertex[0].at, &b = simplex.vertex[1].at, &c = simplex.vertex[2].at;
+Part NearestOfTriangle(const Simplex& simplex, int i, int j, int k) {
+  const Vec3 &a = simplex.At(i), &b = simplex.At(j), &c = simplex.At(k);
   const Vec3 ab = b - a, ac = c - a;
   const double d1 = -Dot(ab, a), d2 = -Dot(ac, a);
-  if (d1 <= 0 && d2 <= 0) return simplex.Keep({0}, {1});
+  if (d1 <= 0 && d2 <= 0) return {{i}, {1}, 1};
   const double d3 = -Dot(ab, b), d4 = -Dot(ac, b);
-  if (d3 >= 0 && d4 <= d3) return simplex.Keep({1}, {1});
+  if (d3 >= 0 && d4 <= d3) return {{j}, {1}, 1};
   const double d5 = -Dot(ab, c), d6 = -Dot(ac, c);
-  if (d6 >= 0 && d5 <= d6) return simplex.Keep({2}, {1});
+  if (d6 >= 0 && d5 <= d6) return {{k}, {1}, 1};
   // The areas of the triangles that the origin's projection forms with the sides.
   const Vec3 across = Cross(ab, ac);
   const double of_c = Dot(across, Cross(a, b)), of_a = Dot(across, Cross(b, c)),
                of_b = Dot(across, Cross(c, a));
   if (of_c <= 0 && d1 >= 0 && d3 <= 0) {
     const double t = d1 / (d1 - d3);
-    return simplex.Keep({0, 1}, {1 - t, t});
+    return {{i, j}, {1 - t, t}, 2};
   }
   if (of_b <= 0 && d2 >= 0 && d6 <= 0) {
     const double t = d2 / (d2 - d6);
-    return simplex.Keep({0, 2}, {1 - t, t});
+    return {{i, k}, {1 - t, t}, 2};
   }
   if (of_a <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
     const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return simplex.Keep({1, 2}, {1 - t, t});
+    return {{j, k}, {1 - t, t}, 2};
   }
   const double sum = of_a + of_b + of_c;
-  simplex.Keep({0, 1, 2}, {of_a / sum, of_b / sum, of_c / sum});
+  return {{i, j, k}, {of_a / sum, of_b / sum, of_c / sum}, 3};
 }
 
-/// False if the origin is inside.
-bool ReduceTetrahedron(Simplex& simplex) {
-  constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
-  Simplex best;
+Part NearestOfTetrahedron(const Simplex& simplex) {
+  constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 1, 3, 2}, {1, 2, 3, 0}};
+  Part best;
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& face : kFaces) {
-    const Vec3 &a = simplex.vertex[face[0]].at, &b = simplex.vertex[face[1]].at,
-               &c = simplex.vertex[face[2]].at, &other = simplex.vertex[face[3]].at;
-    const Vec3 across = Cross(b - a, c - a);
-    const double of_origin = -Dot(across, a), of_other = Dot(across, other - a);
+  for (const auto& [i, j, k, other] : kFaces) {
+    const Vec3& a = simplex.At(i);
+    const Vec3 across = Cross(simplex.At(j) - a, simplex.At(k) - a);
+    const double of_origin = -Dot(across, a), of_other = Dot(across, simplex.At(other) - a);
     if (of_origin * of_other > 0) continue;  // on the inner side
-    Simplex reduced = simplex;
-    reduced.Keep({face[0], face[1], face[2]}, {});
-    ReduceTriangle(reduced);
-    const double square = SquaredNorm(reduced.Nearest());
+    const Part part = NearestOfTriangle(simplex, i, j, k);
+    const double square = SquaredNorm(simplex.PointOf(part));
     if (square >= least) continue;
     least = square;
-    best = reduced;
+    best = part;
   }
-  if (least == std::numeric_limits<double>::infinity()) return false;
-  simplex = best;
-  return true;
+  return best;
 }
 
-/// False if the origin is inside.
-bool Reduce(Simplex& simplex) {
+Part NearestOf(const Simplex& simplex) {
   switch (simplex.count) {
     case 1:
-      simplex.weight[0] = 1;
-      return true;
+      return {{0}, {1}, 1};
     case 2:
-      ReduceSegment(simplex);
-      return true;
+      return NearestOfSegment(simplex);
     case 3:
-      ReduceTriangle(simplex);
-      return true;
+      return NearestOfTriangle(simplex, 0, 1, 2);
     default:
-      return ReduceTetrahedron(simplex);
+      return NearestOfTetrahedron(simplex);
   }
 }
 
 bool Holds(const Simplex& simplex, const Vec3& at) {
   for (int i = 0; i < simplex.count; ++i) {
-    const Vec3& vertex = simplex.vertex[i].at;
+    const Vec3& vertex = simplex.At(i);
     if (vertex.x == at.x && vertex.y == at.y && vertex.z == at.z) return true;
   }
   return false;
@@ -152,15 +148,17 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
     // No vertex is closer to the origin along the way: the nearest point is the nearest of all.
     if (simplex.count > 0 && (length - along <= couple.rounding || Holds(simplex, vertex.at)))
       return Apart(couple, simplex, nearest);
-    const Simplex last = simplex;
     simplex.vertex[simplex.count++] = vertex;
-    const Simplex grown = simplex;
-    if (!Reduce(simplex)) return Expand(couple, grown.vertex, grown.count);
-    const Vec3 next = simplex.Nearest();
+    const Part part = NearestOf(simplex);
+    const Vec3 next = simplex.PointOf(part);
     const double next_square = SquaredNorm(next);
-    if (next_square <= 1e6 * couple.rounding * couple.rounding)
-      return Expand(couple, grown.vertex, grown.count);
-    if (!(next_square < square)) return Apart(couple, last, nearest);  // by rounding
+    if (part.count == 0 || next_square <= 1e6 * couple.rounding * couple.rounding)
+      return Expand(couple, simplex.vertex, simplex.count);
+    if (!(next_square < square)) {  // by rounding
+      --simplex.count;
+      return Apart(couple, simplex, nearest);
+    }
+    simplex.Keep(part);
     square = next_square;
     nearest = next;
   }
