@@ -10,17 +10,18 @@
 namespace cdb::narrow {
 namespace {  // simd.h needs internal linkage
 
-/// Writes the products of `direction` with the vertices from `first` on, at most `kBlock` of them.
+/// Writes the products of `direction` with at most `kBlock` vectors in columns, from `first` on.
 /// Returns the greatest.
 constexpr std::uint32_t kBlock = 64;
-[[gnu::always_inline]] inline double ProductsOf(const Piece& piece, const Vec3& direction,
-                                                std::uint32_t first, double* products) {
+[[gnu::always_inline]] inline double ProductsOf(const double* columns, std::uint32_t padded,
+                                                const Vec3& direction, std::uint32_t first,
+                                                double* products) {
   using kernels::Doubles;
-  const double *x = piece.columns.data(), *y = x + piece.padded, *z = y + piece.padded;
+  const double *x = columns, *y = x + padded, *z = y + padded;
   const Doubles dx = Doubles{} + direction.x, dy = Doubles{} + direction.y,
                 dz = Doubles{} + direction.z;
   Doubles most = Doubles{} - kernels::kInfinity;
-  const std::uint32_t end = std::min(piece.padded, first + kBlock);
+  const std::uint32_t end = std::min(padded, first + kBlock);
   for (std::uint32_t i = first; i < end; i += kernels::kDoubles) {
     const Doubles along = kernels::Load<Doubles>(x + i) * dx + kernels::Load<Doubles>(y + i) * dy +
                           kernels::Load<Doubles>(z + i) * dz;
@@ -32,16 +33,14 @@ constexpr std::uint32_t kBlock = 64;
   return extent;
 }
 
-/// The index of the vertex that is farthest along `direction`; the first of several.
-inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
-  if (piece.kind == Kind::kBox)
-    return (direction.x > 0 ? 1u : 0u) | (direction.y > 0 ? 2u : 0u) | (direction.z > 0 ? 4u : 0u);
-  if (piece.count <= 2) return piece.count == 2 && direction.y > 0 ? 1 : 0;
+/// The index of the vector in columns that is farthest along `direction`; the first of several.
+inline std::uint32_t FarthestOf(const double* columns, std::uint32_t padded,
+                                const Vec3& direction) {
   std::uint32_t best = 0;
   double most = -kernels::kInfinity;
-  for (std::uint32_t first = 0; first < piece.padded; first += kBlock) {
+  for (std::uint32_t first = 0; first < padded; first += kBlock) {
     double products[kBlock];
-    const double extent = ProductsOf(piece, direction, first, products);
+    const double extent = ProductsOf(columns, padded, direction, first, products);
     if (!(extent > most)) continue;
     most = extent;
     best = 0;
@@ -49,6 +48,14 @@ inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
     best += first;
   }
   return best;
+}
+
+/// The index of the vertex that is farthest along `direction`; the first of several.
+inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
+  if (piece.kind == Kind::kBox)
+    return (direction.x > 0 ? 1u : 0u) | (direction.y > 0 ? 2u : 0u) | (direction.z > 0 ? 4u : 0u);
+  if (piece.count <= 2) return piece.count == 2 && direction.y > 0 ? 1 : 0;
+  return FarthestOf(piece.columns.data(), piece.padded, direction);
 }
 
 /// How far the core extends along `direction`.
@@ -59,7 +66,7 @@ inline double Extent(const Piece& piece, const Vec3& direction) {
   if (piece.count <= 2) return std::abs(direction.y) * piece.half.y;
   double extent = -kernels::kInfinity, products[kBlock];
   for (std::uint32_t first = 0; first < piece.padded; first += kBlock)
-    extent = std::max(extent, ProductsOf(piece, direction, first, products));
+    extent = std::max(extent, ProductsOf(piece.columns.data(), piece.padded, direction, first, products));
   return extent;
 }
 

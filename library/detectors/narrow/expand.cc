@@ -247,12 +247,12 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
     const DifferenceVertex vertex = couple.Support(normal);
     const double extent = Dot(vertex.at, normal);
     const bool is_surface = extent - polytope.DistanceOf(nearest) <= 4 * couple.rounding;
-    if (-extent > best.gap || (is_surface && -extent > best.gap - 4 * couple.rounding)) {
-      best.normal = -normal;
-      best.gap = -extent;
+    if (-extent > best.gap || is_surface) best = {-normal, -extent, vertex.on_a, vertex.on_b};
+    if (is_surface) {
       polytope.Nearest(nearest, best.on_a, best.on_b);
+      break;
     }
-    if (is_surface || !polytope.Grow(nearest, vertex)) break;
+    if (!polytope.Grow(nearest, vertex)) break;
   }
   return best;
 }

@@ -162,16 +162,7 @@ const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
     if (std::abs(along[2]) > std::abs(along[axis])) axis = 2;
     return piece.faces[2 * axis + (along[axis] > 0 ? 1 : 0)];
   }
-  const FlatFace* best = &piece.faces[0];
-  double most = -2;
-  for (const FlatFace& face : piece.faces) {
-    const double along = Dot(face.normal, direction);
-    if (along > most) {
-      most = along;
-      best = &face;
-    }
-  }
-  return *best;
+  return piece.faces[FarthestOf(piece.face_columns.data(), piece.padded_faces, direction)];
 }
 
 bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifold& manifold) {

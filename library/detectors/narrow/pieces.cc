@@ -20,16 +20,23 @@ bool IsSame(const Shape& a, const Shape& b) {
          a.hulls.size() == b.hulls.size();
 }
 
+/// The vectors as columns. Returns their length.
+std::uint32_t SetColumns(std::span<const Vec3> vectors, std::vector<double>& columns) {
+  const auto count = static_cast<std::uint32_t>(vectors.size());
+  const std::uint32_t padded = (count + kPad - 1) / kPad * kPad;
+  columns.resize(std::size_t{3} * padded);
+  for (std::uint32_t i = 0; i < padded; ++i) {
+    const Vec3& vector = vectors[i < count ? i : 0];
+    columns[i] = vector.x;
+    columns[padded + i] = vector.y;
+    columns[2 * padded + i] = vector.z;
+  }
+  return padded;
+}
+
 void SetVertices(std::span<const Vec3> vertices, Piece& piece) {
   piece.count = static_cast<std::uint32_t>(vertices.size());
-  piece.padded = (piece.count + kPad - 1) / kPad * kPad;
-  piece.columns.resize(std::size_t{3} * piece.padded);
-  for (std::uint32_t i = 0; i < piece.padded; ++i) {
-    const Vec3& vertex = vertices[i < piece.count ? i : 0];
-    piece.columns[i] = vertex.x;
-    piece.columns[piece.padded + i] = vertex.y;
-    piece.columns[2 * piece.padded + i] = vertex.z;
-  }
+  piece.padded = SetColumns(vertices, piece.columns);
 }
 
 /// The middle of the vertices' box, and the ball about it.
@@ -164,6 +171,9 @@ Piece MakeHull(const Hull& hull) {
     };
     if (std::ranges::none_of(piece.faces, is_in)) AddFace(Normalized(across), piece);
   }
+  std::vector<Vec3> normals;
+  for (const FlatFace& face : piece.faces) normals.push_back(face.normal);
+  piece.padded_faces = SetColumns(normals, piece.face_columns);
   return piece;
 }
 
@@ -183,10 +193,11 @@ std::vector<Piece> PiecesOf(const Shape& shape) {
       break;
     case ShapeKind::kHull:
     case ShapeKind::kCompound:
-      for (const Hull& hull : shape.hulls)
+      for (const Hull& hull : shape.hulls) {
         if (hull.vertices.size() >= 4) pieces.push_back(MakeHull(hull));
-      // Otherwise a part of it would be missed.
-      if (pieces.size() < shape.hulls.size()) pieces.clear();
+        // Without a flat hull, a part of the shape would be missed.
+        if (pieces.empty() || pieces.back().faces.size() < 4) return {};
+      }
       break;
     case ShapeKind::kPlane:
       pieces.push_back(MakePlane(shape.normal));

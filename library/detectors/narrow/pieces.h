@@ -40,6 +40,9 @@ struct Piece {
   std::vector<double> columns = {};
   std::vector<FlatFace> faces = {};          ///< of boxes and hulls
   std::vector<std::uint32_t> corners = {};  ///< of all faces: vertices
+  /// The normals of all faces of a hull, as the columns of the vertices.
+  std::uint32_t padded_faces = 0;
+  std::vector<double> face_columns = {};
 
   Vec3 Vertex(std::uint32_t i) const {
     return {columns[i], columns[padded + i], columns[2 * padded + i]};
