@@ -6,8 +6,9 @@
 // `bullet` is the algorithm that Bullet has for the pair, kept from cycle to cycle, with its
 // manifolds; the others are called through the interface of detectors.
 //
-// Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED LIBRARIES]
-// -t: only these types, e.g. box-box. -i: instructions in place of time (tests/bench/instructions.h).
+// Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED
+// LIBRARIES] -t: only these types, e.g. box-box. -i: instructions in place of time
+// (tests/bench/instructions.h).
 #include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -46,7 +47,8 @@ double Now() {
 class Bullet final : public Detector {
  public:
   explicit Bullet(const std::vector<PairCase>& cases) {
-    dispatcher_.setDispatcherFlags(btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
+    dispatcher_.setDispatcherFlags(
+        btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
     bodies_.resize(2 * cases.size());
     for (std::size_t i = 0; i < cases.size(); ++i) {
       bodies_[2 * i].setCollisionShape(shapes_.Get(cases[i].a, layouts::kBulletMargin));
@@ -74,35 +76,21 @@ class Bullet final : public Detector {
           bullet::ToBullet(pose.position)));
     }
   }
-  void FindContacts(const Scene&, std::span<const Pair> pairs, std::vector<Contact>& contacts) override {
+  void FindContacts(const Scene&, std::span<const Pair> pairs,
+                    std::vector<Contact>& /*contacts*/) override {
     const btDispatcherInfo info;
     for (const Pair& pair : pairs) {
       const btCollisionObject &a = bodies_[pair.a], &b = bodies_[pair.b];
-      const btCollisionObjectWrapper of_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(), -1, -1),
+      const btCollisionObjectWrapper of_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(),
+                                          -1, -1),
           of_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1);
       btCollisionAlgorithm*& algorithm = algorithms_[pair.a / 2];
       if (algorithm == nullptr)
         algorithm = dispatcher_.findAlgorithm(&of_a, &of_b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
       btManifoldResult result(&of_a, &of_b);
       algorithm->processCollision(&of_a, &of_b, info, &result);
-      if (!copies_) continue;
-      btManifoldArray manifolds;
-      algorithm->getAllContactManifolds(manifolds);
-      for (int m = 0; m < manifolds.size(); ++m)
-        for (int k = 0; k < manifolds[m]->getNumContacts(); ++k) {
-          const btManifoldPoint& point = manifolds[m]->getContactPoint(k);
-          const double sign = manifolds[m]->getBody0() == &a ? 1 : -1;
-          Contact contact = {pair.a, pair.b, bullet::ToVec3(point.m_positionWorldOnA), bullet::ToVec3(point.m_positionWorldOnB),
-                             bullet::ToVec3(point.m_normalWorldOnB), static_cast<double>(point.getDistance())};
-          if (sign < 0) {
-            std::swap(contact.on_a, contact.on_b);
-            contact.normal = {-contact.normal.x, -contact.normal.y, -contact.normal.z};
-          }
-          contacts.push_back(contact);
-        }
     }
   }
-  bool copies_ = false;  ///< into the list of contacts
 
  private:
   btDefaultCollisionConfiguration configuration_;
@@ -153,11 +141,10 @@ std::vector<PairCase> MakeCases(const Row& row, double gap, std::size_t count) {
 /// A competitor and its times.
 struct Competitor {
   std::string name;
-  std::unique_ptr<Detector> detector;
+  std::unique_ptr<Detector> detector, forgetful = nullptr;  ///< the second sees other pairs between
   Bullet* bullet = nullptr;
   std::vector<Contact> contacts = {};
   std::vector<double> coherent = {}, cold = {};
-  double points = 0;
 };
 
 class Library {
@@ -174,13 +161,17 @@ class Library {
   std::string folder_;
 };
 
-std::vector<Competitor> MakeCompetitors(const std::vector<PairCase>& cases, const Library& library) {
+std::vector<Competitor> MakeCompetitors(const std::vector<PairCase>& cases,
+                                        const Library& library) {
   std::vector<Competitor> all;
   auto bullet = std::make_unique<Bullet>(cases);
   Bullet* const place = bullet.get();
   all.push_back({.name = "bullet", .detector = std::move(bullet), .bullet = place});
-  all.push_back({.name = "batch", .detector = std::unique_ptr<Detector>(narrow::MakeBatch({}))});
-  for (const auto& [part, name] : {std::pair{"ccd", "ccd_mpr"}, std::pair{"ccd", "ccd_gjk"}, std::pair{"fcl", "fcl_gjk"}})
+  all.push_back({.name = "batch",
+                 .detector = std::unique_ptr<Detector>(narrow::MakeBatch({})),
+                 .forgetful = std::unique_ptr<Detector>(narrow::MakeBatch({}))});
+  for (const auto& [part, name] :
+       {std::pair{"ccd", "ccd_mpr"}, std::pair{"ccd", "ccd_gjk"}, std::pair{"fcl", "fcl_gjk"}})
     if (auto detector = library.Make(part, name))
       all.push_back({.name = name, .detector = std::move(detector)});
   return all;
@@ -226,7 +217,10 @@ void RunRow(const Row& row, double gap, const Settings& settings, const Library&
   // Of the two halves one is used in all cycles; for cold ones, they take turns.
   const auto first = all.first(settings.pairs), second = all.subspan(settings.pairs);
   std::vector<Competitor> competitors = MakeCompetitors(cases, library);
-  for (Competitor& competitor : competitors) competitor.detector->Prepare(scene);
+  for (Competitor& competitor : competitors) {
+    competitor.detector->Prepare(scene);
+    if (competitor.forgetful != nullptr) competitor.forgetful->Prepare(scene);
+  }
   std::erase_if(competitors, [&](const Competitor& one) {
     return one.bullet == nullptr && !one.detector->Handles(scene, 0, 1);
   });
@@ -246,16 +240,19 @@ void RunRow(const Row& row, double gap, const Settings& settings, const Library&
       } else if (cycle > 1) {
         one.coherent.push_back(time);
       }
-      one.points = static_cast<double>(one.contacts.size()) / static_cast<double>(first.size());
       if (cycle <= 1) continue;
-      if (cycle % 2 == 0) TimeOf(one, scene, second);  // forgets the first
-      one.cold.push_back(one.bullet != nullptr ? time : TimeOf(one, scene, cycle % 2 == 0 ? first : second));
+      if (one.forgetful == nullptr) continue;
+      std::swap(one.detector, one.forgetful);
+      TimeOf(one, scene, second);
+      one.cold.push_back(TimeOf(one, scene, first));
+      std::swap(one.detector, one.forgetful);
     }
   }
   for (const Competitor& one : competitors)
-    fmt::print("{:<16} {:>6.2f}  {:<8} {:>8.1f} ({:>7.1f} .. {:>7.1f}) {:>8.1f}  {:>5.2f}\n", row.name,
-               gap, one.name, Median(one.coherent), Quantile(one.coherent, 0.25),
-               Quantile(one.coherent, 0.75), Median(one.cold), one.points);
+    fmt::print("{:<16} {:>6.2f}  {:<8} {:>8.1f} ({:>7.1f} .. {:>7.1f}) {:>8}\n", row.name, gap,
+               one.name, Median(one.coherent), Quantile(one.coherent, 0.25),
+               Quantile(one.coherent, 0.75),
+               one.cold.empty() ? "-" : fmt::format("{:.1f}", Median(one.cold)));
 }
 
 int Main(int argc, char** argv) {
@@ -269,8 +266,10 @@ int Main(int argc, char** argv) {
     if (option == 'i') settings.counts = true;
     if (option == '?') return 2;
   }
-  fmt::print("{} pairs; {} a pair, medians (quartiles); points a pair\n", settings.pairs, settings.counts ? "instructions" : "ns");
-  fmt::print("{:<16} {:>6}  {:<8} {:>8} {:>20} {:>8}  {:>5}\n", "types", "gap, m", "by", "coherent", "", "cold", "points");
+  fmt::print("{} pairs; {} a pair, medians (quartiles)\n", settings.pairs,
+             settings.counts ? "instructions" : "ns");
+  fmt::print("{:<16} {:>6}  {:<8} {:>8} {:>20} {:>8}\n", "types", "gap, m", "by", "coherent", "",
+             "cold");
   const Library library(folder);
   for (const Row& row : kRows) {
     if (!settings.only.empty() && settings.only != row.name) continue;

@@ -41,10 +41,14 @@ consteval Row Of(std::string_view name) {
 }
 
 constexpr Row kRows[] = {
-    Of<MakeAuto>("auto"),      Of<MakeSkin>("skin"),
-    Of<MakeGrid>("grid"),      Of<MakeHierarchicalGrid>("hierarchical_grid"),
-    Of<MakeSweep>("sweep"),    Of("octree", MakeOctree),
-    Of("kd_tree", MakeKdTree), Of("batch", narrow::MakeBatch),
+    Of<MakeAuto>("auto"),
+    Of<MakeSkin>("skin"),
+    Of<MakeGrid>("grid"),
+    Of<MakeHierarchicalGrid>("hierarchical_grid"),
+    Of<MakeSweep>("sweep"),
+    Of("octree", MakeOctree),
+    Of("kd_tree", MakeKdTree),
+    Of("batch", narrow::MakeBatch),
     Of("null", [](const Options&) -> Detector* { return new Null; }),
 };
 static_assert(std::ranges::count_if(schema::kDetectorTable, &schema::DetectorInfo::IsOwn) ==

@@ -116,18 +116,25 @@ class BoxAxes {
   double turn_[3][4], in_a_[3], in_b_[4];
 };
 
+/// Half of a box's size along a direction, times the length of that.
+inline double HalfSize(const Placed& box, const Vec3& direction) {
+  const Vec3 *axes = AxesIn(box.pose), &half = box.piece.half;
+  return half.x * std::abs(Dot(axes[0], direction)) + half.y * std::abs(Dot(axes[1], direction)) +
+         half.z * std::abs(Dot(axes[2], direction));
+}
+
 /// Whether the boxes are too far apart along an axis of an earlier cycle.
 inline bool AreApart(const Placed& a, const Placed& b, int axis) {
-  const Vec3 *of_a = AxesIn(a.pose), *of_b = AxesIn(b.pose);
-  const Vec3 way = axis < 3   ? of_a[axis]
-                   : axis < 6 ? of_b[axis - 3]
-                              : Cross(of_a[(axis - 6) / 3], of_b[(axis - 6) % 3]);
-  double gap = std::abs(Dot(way, b.pose.position - a.pose.position));
-  for (int i = 0; i < 3; ++i)
-    gap -= Of(a.piece.half)[i] * std::abs(Dot(of_a[i], way)) +
-           Of(b.piece.half)[i] * std::abs(Dot(of_b[i], way));
-  const double square = axis < 6 ? 1 : SquaredNorm(way);
-  return gap > 0 && gap * gap > kNear * kNear * square * (1 + 1e-6);
+  const Vec3 between = b.pose.position - a.pose.position;
+  if (axis < 6) {
+    const Placed &of = axis < 3 ? a : b, &other = axis < 3 ? b : a;
+    const Vec3& way = AxesIn(of.pose)[axis % 3];
+    return std::abs(Dot(way, between)) - Of(of.piece.half)[axis % 3] - HalfSize(other, way) >
+           kNear * (1 + 1e-6);
+  }
+  const Vec3 way = Cross(AxesIn(a.pose)[(axis - 6) / 3], AxesIn(b.pose)[(axis - 6) % 3]);
+  const double gap = std::abs(Dot(way, between)) - HalfSize(a, way) - HalfSize(b, way);
+  return gap > 0 && gap * gap > kNear * kNear * SquaredNorm(way) * (1 + 1e-6);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Two boxes. Of the faces that face each other one is the reference, and the other is clipped at its
-// sides: Gregorius, The separating axis test between convex polyhedra, GDC 2013.
+// Two boxes. Of the faces that face each other one is the reference, and the other is clipped at
+// its sides: Gregorius, The separating axis test between convex polyhedra, GDC 2013.
 #include <algorithm>
 #include <cmath>
 
@@ -143,13 +143,14 @@ bool AreFlat(const Placed& a, const Placed& b, const Vec3& normal) {
 
 /// Adds the points along any normal, in general; if there are none at the gap, as the features of
 /// boxes that are apart face each other side by side, those along the exact one.
-void AddInGeneral(const Placed& a, const Placed& b, const Vec3& normal, double gap,
+void AddInGeneral(const Placed& a, const Placed& b, const Vec3& normal, double gap, Hint& hint,
                   Manifold& manifold) {
   const Couple couple(a.piece, a.pose, b.piece, b.pose);
   Separation separation{Inverse(AxesOf(a.pose), normal), gap, {}, {}};
   if (!AddFacingPoints(couple, separation, manifold)) {
     manifold.Clear();
     separation = Separate(couple, separation.normal, kNear);
+    hint.Set(separation.normal);
     if (separation.gap > kNear) return;
     if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
   }
@@ -160,9 +161,10 @@ void AddInGeneral(const Placed& a, const Placed& b, const Vec3& normal, double g
 
 void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   if (hint.box_axis >= 0 && AreApart(a, b, hint.box_axis)) return;
+  if (AreApartAlong(a, b, hint, kNear)) return;
   const BoxAxes axes(a, b);
   const Best best = axes.FindBest();
-  hint.box_axis = best.axis;
+  hint = {.box_axis = best.axis};
   if (best.gap > kNear) return;
   const double tolerance = 1e-9 * std::min(a.piece.bound, b.piece.bound);
   if (best.axis < 6) {
@@ -172,7 +174,7 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
     const Reference reference = {is_a ? a : b, is_a ? b : a, is_a, axis, way > 0 ? 1.0 : -1.0};
     if (!(AddFacePoints(axes, reference, manifold) <= best.gap + tolerance)) {
       manifold.Clear();
-      AddInGeneral(a, b, reference.Normal(), best.gap, manifold);
+      AddInGeneral(a, b, reference.Normal(), best.gap, hint, manifold);
     }
   } else {
     const Vec3 normal = axes.NormalOfEdges((best.axis - 6) / 3, (best.axis - 6) % 3);
@@ -180,7 +182,7 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
     const bool has_point =
         FindEdgePoint(axes, a, b, (best.axis - 6) / 3, (best.axis - 6) % 3, normal, on_b);
     if (!has_point || AreFlat(a, b, normal))
-      AddInGeneral(a, b, normal, best.gap, manifold);
+      AddInGeneral(a, b, normal, best.gap, hint, manifold);
     else
       manifold.Add(on_b, normal, best.gap);
   }

@@ -10,6 +10,16 @@
 namespace cdb::narrow {
 namespace {  // simd.h needs internal linkage
 
+inline kernels::Doubles Greatest(kernels::Doubles a, kernels::Doubles b) {
+#if defined(__AVX2__)
+  return _mm256_max_pd(a, b);
+#elif defined(__SSE2__)
+  return _mm_max_pd(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+
 /// Writes the products of `direction` with at most `kBlock` vectors in columns, from `first` on.
 /// Returns the greatest.
 constexpr std::uint32_t kBlock = 64;
@@ -26,7 +36,7 @@ constexpr std::uint32_t kBlock = 64;
     const Doubles along = kernels::Load<Doubles>(x + i) * dx + kernels::Load<Doubles>(y + i) * dy +
                           kernels::Load<Doubles>(z + i) * dz;
     kernels::Store(along, products + (i - first));
-    most = along > most ? along : most;
+    most = Greatest(along, most);
   }
   double extent = most[0];
   for (std::size_t k = 1; k < kernels::kDoubles; ++k) extent = std::max(extent, most[k]);
@@ -66,7 +76,8 @@ inline double Extent(const Piece& piece, const Vec3& direction) {
   if (piece.count <= 2) return std::abs(direction.y) * piece.half.y;
   double extent = -kernels::kInfinity, products[kBlock];
   for (std::uint32_t first = 0; first < piece.padded; first += kBlock)
-    extent = std::max(extent, ProductsOf(piece.columns.data(), piece.padded, direction, first, products));
+    extent = std::max(extent,
+                      ProductsOf(piece.columns.data(), piece.padded, direction, first, products));
   return extent;
 }
 
@@ -109,9 +120,9 @@ struct Couple {
 
 /// The shortest translation that separates two cores, or their distance.
 struct Separation {
-  Vec3 normal;        ///< unit, from b to a
-  double gap;         ///< along the normal; negative if they overlap
-  Vec3 on_a, on_b;    ///< the points nearest to each other, or deepest in the other
+  Vec3 normal;      ///< unit, from b to a
+  double gap;       ///< along the normal; negative if they overlap
+  Vec3 on_a, on_b;  ///< the points nearest to each other, or deepest in the other
 };
 
 /// The distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), or their

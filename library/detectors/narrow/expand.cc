@@ -197,8 +197,8 @@ class Polytope {
     const Face3& face = faces_[index];
     if (!face.is_alive) return true;
     const int from = face.vertex[side], to = face.vertex[(side + 1) % 3];
-    const bool is_seen = !face.has_area ||
-                         Dot(face.normal, At(apex_)) - distances_[index] > couple_.rounding;
+    const bool is_seen =
+        !face.has_area || Dot(face.normal, At(apex_)) - distances_[index] > couple_.rounding;
     if (!is_seen && !IsInLine(from, to)) {
       const int made = AddFace(to, from, apex_);
       if (made < 0) return false;

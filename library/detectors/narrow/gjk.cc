@@ -119,8 +119,7 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
   // Of a face, the normal does not suffer from a short distance.
   if (simplex.count == 3) {
     const Vec3& a = simplex.vertex[0].at;
-    const Vec3 across =
-        Normalized(Cross(simplex.vertex[1].at - a, simplex.vertex[2].at - a));
+    const Vec3 across = Normalized(Cross(simplex.vertex[1].at - a, simplex.vertex[2].at - a));
     const Vec3 normal = Dot(across, nearest) < 0 ? -across : across;
     if (couple.Gap(normal) >= couple.Gap(found.normal)) found.normal = normal;
   }

@@ -10,8 +10,15 @@ namespace cdb::narrow {
 /// What a kernel keeps of a pair of pieces from one cycle to the next: an axis along which they
 /// were apart. It saves time and changes no result.
 struct Hint {
-  float axis[3] = {0, 0, 0};    ///< in the frame of a, from b to a; zero: none
-  std::int32_t box_axis = -1;  ///< of two boxes: its number in box_box.cc; -1: none
+  /// Of two boxes, its number in box_axes.h; -1: none.
+  std::int32_t box_axis = -1;
+  float axis[3] = {0, 0, 0};  ///< otherwise, in the frame of a, from b to a; zero: none
+
+  void Set(const Vec3& of) {
+    axis[0] = static_cast<float>(of.x);
+    axis[1] = static_cast<float>(of.y);
+    axis[2] = static_cast<float>(of.z);
+  }
 };
 
 /// A piece and the pose of its body.
@@ -30,6 +37,9 @@ Kernel BallBall, BallCapsule, CapsuleCapsule, BallBox, AnyPlane;
 Kernel BoxBox;
 /// Boxes, hulls, and balls and capsules with either: GJK and an expanding polytope.
 Kernel Polytopes;
+
+/// Whether cores are farther apart than `reach` along the axis of the hint, if it has one.
+bool AreApartAlong(const Placed& a, const Placed& b, const Hint& hint, double reach);
 
 /// From the frame of a into world axes.
 void TurnIntoWorld(const Pose& pose_a, Manifold& manifold);

@@ -42,9 +42,8 @@ struct Lanes {
 }
 [[gnu::always_inline]] inline Lanes Abs(const Lanes& a) {
   using Bits = kernels::Mask<Doubles>;
-  return Lanes::Each([&](std::size_t k) {
-    return Doubles(Bits(a.part[k]) & (Bits{} + 0x7fffffffffffffff));
-  });
+  return Lanes::Each(
+      [&](std::size_t k) { return Doubles(Bits(a.part[k]) & (Bits{} + 0x7fffffffffffffff)); });
 }
 /// The lanes 1, 2, 0, 3.
 [[gnu::always_inline]] inline Lanes Next(const Lanes& a) {

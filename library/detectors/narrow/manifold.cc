@@ -146,7 +146,7 @@ void Manifold::Reduce(double slop) {
   take(3, [&](const Point& point) {  // the area that it adds to the triangle
     const Vec3& at = point.on_b;
     return std::max({-sign * area(first, second, at), -sign * area(second, third, at),
-                             -sign * area(third, first, at)});
+                     -sign * area(third, first, at)});
   });
   size_ = kMostPoints;
   // The deepest of all is one of the four.

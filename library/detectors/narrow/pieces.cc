@@ -69,9 +69,7 @@ Piece MakeCapsule(double radius, double straight) {
 }
 
 Piece MakePlane(const Vec3& normal) {
-  return {.kind = Kind::kPlane,
-          .normal = normal,
-          .bound = std::numeric_limits<double>::infinity()};
+  return {.kind = Kind::kPlane, .normal = normal, .bound = std::numeric_limits<double>::infinity()};
 }
 
 Piece MakeBox(const Vec3& half) {
@@ -218,9 +216,9 @@ void Pieces::Prepare(const Scene& scene) {
   for (const Shape& shape : scene.shapes) {
     // Scenes have few shapes, or only different ones, so the most recent ones are tried first.
     constexpr std::ptrdiff_t kTried = 64;
-    const auto last = std::find_if(forms_.rbegin(),
-                                   forms_.rbegin() + std::min(kTried, std::ssize(forms_)),
-                                   [&](const Form& form) { return IsSame(form.shape, shape); });
+    const auto last =
+        std::find_if(forms_.rbegin(), forms_.rbegin() + std::min(kTried, std::ssize(forms_)),
+                     [&](const Form& form) { return IsSame(form.shape, shape); });
     const bool is_new = last == forms_.rbegin() + std::min(kTried, std::ssize(forms_));
     if (is_new)
       forms_.push_back({shape, std::make_unique<const std::vector<Piece>>(PiecesOf(shape))});

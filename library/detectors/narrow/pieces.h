@@ -18,8 +18,8 @@ inline constexpr int kKinds = 6;
 
 /// A flat face: its corners are in order, counter-clockwise from outside.
 struct FlatFace {
-  Vec3 normal;    ///< unit, outwards
-  double offset;  ///< the greatest normal . x of the piece
+  Vec3 normal;                 ///< unit, outwards
+  double offset;               ///< the greatest normal . x of the piece
   std::uint32_t first, count;  ///< of its corners, in Piece::corners
 };
 
@@ -38,7 +38,7 @@ struct Piece {
   /// vertex of a box has bit 0, 1, 2 set if it is on the upper side along x, y, z.
   std::uint32_t count = 0, padded = 0;
   std::vector<double> columns = {};
-  std::vector<FlatFace> faces = {};          ///< of boxes and hulls
+  std::vector<FlatFace> faces = {};         ///< of boxes and hulls
   std::vector<std::uint32_t> corners = {};  ///< of all faces: vertices
   /// The normals of all faces of a hull, as the columns of the vertices.
   std::uint32_t padded_faces = 0;

@@ -4,10 +4,8 @@
 #include "library/detectors/narrow/kernels.h"
 
 namespace cdb::narrow {
-namespace {
 
-/// Whether the pieces are too far apart along the axis at which they were in the last cycle.
-bool AreApart(const Placed& a, const Placed& b, const Hint& hint, double reach) {
+bool AreApartAlong(const Placed& a, const Placed& b, const Hint& hint, double reach) {
   const Vec3 local = {hint.axis[0], hint.axis[1], hint.axis[2]};
   const double square = SquaredNorm(local);
   if (square == 0) return false;
@@ -16,8 +14,6 @@ bool AreApart(const Placed& a, const Placed& b, const Hint& hint, double reach) 
                      Extent(b.piece, Inverse(AxesOf(b.pose), axis));
   return gap > 0 && gap * gap > reach * reach * square * (1 + 1e-6);  // a float is no unit vector
 }
-
-}  // namespace
 
 void TurnIntoWorld(const Pose& pose_a, Manifold& manifold) {
   const Rotation axes = AxesOf(pose_a);
@@ -29,14 +25,12 @@ void TurnIntoWorld(const Pose& pose_a, Manifold& manifold) {
 
 void Polytopes(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   const double reach = kNear + a.piece.radius + b.piece.radius;
-  if (AreApart(a, b, hint, reach)) return;
+  if (AreApartAlong(a, b, hint, reach)) return;
   const Couple couple(a.piece, a.pose, b.piece, b.pose);
   Vec3 axis = a.piece.centre - couple.ToA(b.piece.centre);
   if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
   const Separation separation = Separate(couple, axis, reach);
-  hint.axis[0] = static_cast<float>(separation.normal.x);
-  hint.axis[1] = static_cast<float>(separation.normal.y);
-  hint.axis[2] = static_cast<float>(separation.normal.z);
+  hint.Set(separation.normal);
   if (separation.gap > reach) return;
   if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
   manifold.Reduce(1e-3 * std::min(a.piece.bound, b.piece.bound));

@@ -34,7 +34,9 @@ inline Vec3 Normalized(const Vec3& a) {
 struct Rotation {
   Vec3 x, y, z;
 };
-inline Vec3 operator*(const Rotation& r, const Vec3& v) { return v.x * r.x + v.y * r.y + v.z * r.z; }
+inline Vec3 operator*(const Rotation& r, const Vec3& v) {
+  return v.x * r.x + v.y * r.y + v.z * r.z;
+}
 /// The product of the transposed rotation.
 inline Vec3 Inverse(const Rotation& r, const Vec3& v) {
   return {Dot(r.x, v), Dot(r.y, v), Dot(r.z, v)};

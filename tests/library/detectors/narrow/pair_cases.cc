@@ -73,7 +73,9 @@ Eigen::Quaterniond RandomTurn(distributions::Stream& stream, const Eigen::Quater
   if (draw < 0.6) return stream.Turn();
   if (draw < 0.7) return beside;
   const int axis = static_cast<int>(stream.Uniform() * 3);
-  const double angle = draw < 0.8 ? M_PI / 2 : draw < 0.9 ? M_PI / 4 : stream.LogUniform(1e-9, 1e-2);
+  const double angle = draw < 0.8   ? M_PI / 2
+                       : draw < 0.9 ? M_PI / 4
+                                    : stream.LogUniform(1e-9, 1e-2);
   return (beside * Eigen::AngleAxisd(angle, Vector3d::Unit(axis))).normalized();
 }
 
@@ -115,8 +117,8 @@ Solid RoundHull(std::size_t vertices, double size) {
 ExactContact ExactOf(const PairCase& pair) {
   if (pair.is_plane) {
     const Vector3d normal = pair.pose_b.orientation * Vector3d::UnitY();
-    const auto found = exact::DistanceOf(pair.a, pair.pose_a,
-                                         {normal, normal.dot(pair.pose_b.position)});
+    const auto found =
+        exact::DistanceOf(pair.a, pair.pose_a, {normal, normal.dot(pair.pose_b.position)});
     return {found.gap, normal, true};
   }
   const auto found = exact::DistanceOf(pair.a, pair.pose_a, pair.b, pair.pose_b);

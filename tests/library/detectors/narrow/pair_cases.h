@@ -15,7 +15,7 @@
 namespace cdb::tests {
 
 enum class Type { kBall, kCapsule, kBox, kTetrahedron, kHull, kCompound, kPlane };
-inline constexpr const char* kTypeNames[] = {"ball",       "capsule", "box",  "tetrahedron",
+inline constexpr const char* kTypeNames[] = {"ball", "capsule",  "box",  "tetrahedron",
                                              "hull", "compound", "plane"};
 inline const char* NameOf(Type type) { return kTypeNames[static_cast<int>(type)]; }
 

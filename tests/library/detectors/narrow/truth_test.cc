@@ -46,10 +46,13 @@ TEST_P(NarrowTruth, HoldsForRandomPairs) {
   EXPECT_LE(faults.worst_normal, 1e-4);
   EXPECT_LE(faults.worst_surface, 1e-6);
   if (testing::Test::HasFailure()) {
-    const auto& worst = faults.worst_pair >= 0 ? pairs[static_cast<std::size_t>(faults.worst_pair)] : pairs[0];
-    fmt::print("{} {}: {} compared, overlaps {}, near {}; worst pair {}: sides {} {} {}, {} {} {}\n", NameOf(GetParam().a), NameOf(GetParam().b), faults.pairs, faults.overlaps,
-               faults.near, faults.worst_pair, worst.a.sides.x(), worst.a.sides.y(),
-               worst.a.sides.z(), worst.b.sides.x(), worst.b.sides.y(), worst.b.sides.z());
+    const auto& worst =
+        faults.worst_pair >= 0 ? pairs[static_cast<std::size_t>(faults.worst_pair)] : pairs[0];
+    fmt::print(
+        "{} {}: {} compared, overlaps {}, near {}; worst pair {}: sides {} {} {}, {} {} {}\n",
+        NameOf(GetParam().a), NameOf(GetParam().b), faults.pairs, faults.overlaps, faults.near,
+        faults.worst_pair, worst.a.sides.x(), worst.a.sides.y(), worst.a.sides.z(),
+        worst.b.sides.x(), worst.b.sides.y(), worst.b.sides.z());
   }
 }
 
