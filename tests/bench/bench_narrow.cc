@@ -9,7 +9,6 @@
 // Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED
 // LIBRARIES] -t: only these types, e.g. box-box. -i: instructions in place of time
 // (tests/bench/instructions.h).
-#include <btBulletCollisionCommon.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,12 +20,9 @@
 #include <string>
 #include <vector>
 
-#include "library/detectors/bullet/vectors.h"
 #include "library/detectors/narrow/batch.h"
 #include "library/detectors/plugin.h"
-#include "library/layouts/initial_state.h"
-#include "runtime/engine/world/conversions.h"
-#include "runtime/engine/world/shapes.h"
+#include "tests/bench/bullet_pairs.h"
 #include "tests/bench/instructions.h"
 #include "tests/bench/median.h"
 #include "tests/library/detectors/narrow/pair_cases.h"
@@ -42,64 +38,6 @@ double Now() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
 }
-
-/// Bullet's algorithms, one for each pair.
-class Bullet final : public Detector {
- public:
-  explicit Bullet(const std::vector<PairCase>& cases) {
-    dispatcher_.setDispatcherFlags(
-        btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-    bodies_.resize(2 * cases.size());
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      bodies_[2 * i].setCollisionShape(shapes_.Get(cases[i].a, layouts::kBulletMargin));
-      btCollisionShape* other = &plane_;
-      if (!cases[i].is_plane) other = shapes_.Get(cases[i].b, layouts::kBulletMargin);
-      bodies_[2 * i + 1].setCollisionShape(other);
-    }
-    algorithms_.resize(cases.size());
-  }
-  ~Bullet() override {
-    for (btCollisionAlgorithm* algorithm : algorithms_) {
-      if (algorithm == nullptr) continue;
-      algorithm->~btCollisionAlgorithm();
-      dispatcher_.freeCollisionAlgorithm(algorithm);
-    }
-  }
-  /// Puts the bodies where they are, which is no part of the narrow phase.
-  void Place(const Scene& scene) {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      const Pose& pose = scene.poses[i];
-      const auto at = [](double x) { return static_cast<btScalar>(x); };
-      bodies_[i].setWorldTransform(btTransform(
-          btMatrix3x3(at(pose.x.x), at(pose.y.x), at(pose.z.x), at(pose.x.y), at(pose.y.y),
-                      at(pose.z.y), at(pose.x.z), at(pose.y.z), at(pose.z.z)),
-          bullet::ToBullet(pose.position)));
-    }
-  }
-  void FindContacts(const Scene&, std::span<const Pair> pairs,
-                    std::vector<Contact>& /*contacts*/) override {
-    const btDispatcherInfo info;
-    for (const Pair& pair : pairs) {
-      const btCollisionObject &a = bodies_[pair.a], &b = bodies_[pair.b];
-      const btCollisionObjectWrapper of_a(nullptr, a.getCollisionShape(), &a, a.getWorldTransform(),
-                                          -1, -1),
-          of_b(nullptr, b.getCollisionShape(), &b, b.getWorldTransform(), -1, -1);
-      btCollisionAlgorithm*& algorithm = algorithms_[pair.a / 2];
-      if (algorithm == nullptr)
-        algorithm = dispatcher_.findAlgorithm(&of_a, &of_b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
-      btManifoldResult result(&of_a, &of_b);
-      algorithm->processCollision(&of_a, &of_b, info, &result);
-    }
-  }
-
- private:
-  btDefaultCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
-  btStaticPlaneShape plane_{btVector3(0, 1, 0), 0};
-  world::ShapePool shapes_;
-  std::vector<btCollisionObject> bodies_;
-  std::vector<btCollisionAlgorithm*> algorithms_;
-};
 
 struct Row {
   const char* name;
@@ -142,7 +80,7 @@ std::vector<PairCase> MakeCases(const Row& row, double gap, std::size_t count) {
 struct Competitor {
   std::string name;
   std::unique_ptr<Detector> detector, forgetful = nullptr;  ///< the second sees other pairs between
-  Bullet* bullet = nullptr;
+  BulletPairs* bullet = nullptr;
   std::vector<Contact> contacts = {};
   std::vector<double> coherent = {}, cold = {};
 };
@@ -161,11 +99,11 @@ class Library {
   std::string folder_;
 };
 
-std::vector<Competitor> MakeCompetitors(const std::vector<PairCase>& cases,
+std::vector<Competitor> MakeCompetitors(const std::vector<PairCase>& cases, bool copies,
                                         const Library& library) {
   std::vector<Competitor> all;
-  auto bullet = std::make_unique<Bullet>(cases);
-  Bullet* const place = bullet.get();
+  auto bullet = std::make_unique<BulletPairs>(cases, copies);
+  BulletPairs* const place = bullet.get();
   all.push_back({.name = "bullet", .detector = std::move(bullet), .bullet = place});
   all.push_back({.name = "batch",
                  .detector = std::unique_ptr<Detector>(narrow::MakeBatch({})),
@@ -216,7 +154,7 @@ void RunRow(const Row& row, double gap, const Settings& settings, const Library&
   const std::span all = bodies.pairs();
   // Of the two halves one is used in all cycles; for cold ones, they take turns.
   const auto first = all.first(settings.pairs), second = all.subspan(settings.pairs);
-  std::vector<Competitor> competitors = MakeCompetitors(cases, library);
+  std::vector<Competitor> competitors = MakeCompetitors(cases, false, library);
   for (Competitor& competitor : competitors) {
     competitor.detector->Prepare(scene);
     if (competitor.forgetful != nullptr) competitor.forgetful->Prepare(scene);
@@ -255,16 +193,49 @@ void RunRow(const Row& row, double gap, const Settings& settings, const Library&
                one.cold.empty() ? "-" : fmt::format("{:.1f}", Median(one.cold)));
 }
 
+void PrintErrors(tests::Type a, tests::Type b, int count, const Library& library) {
+  distributions::Stream stream(5);
+  std::vector<PairCase> cases;
+  std::vector<tests::ExactContact> exact;
+  for (int i = 0; i < count; ++i) {
+    cases.push_back(tests::RandomPair(stream, a, b));
+    exact.push_back(tests::ExactOf(cases.back()));
+  }
+  for (Competitor& one : MakeCompetitors(cases, true, library)) {
+    const tests::Faults faults = tests::Judge(*one.detector, cases, exact);
+    if (faults.pairs == 0) continue;
+    fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>6} {:>7}  {:>7.1e} {:>7.1e}  {:>7.1e} {:>7.1e}\n",
+               fmt::format("{}-{}", NameOf(a), NameOf(b)), one.name, faults.overlaps, faults.missed,
+               faults.near, faults.missed_near, faults.phantom, faults.mean_depth,
+               faults.worst_depth, faults.mean_normal, faults.worst_normal);
+  }
+}
+
+void PrintAllErrors(int count, const Library& library) {
+  fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>6} {:>7}  {:>15}  {:>15}\n", "types", "by",
+             "overlap", "missed", "near", "missed", "phantom", "depth, mean max", "normal, rad");
+  using enum tests::Type;
+  constexpr tests::Type kTypes[] = {kBall, kCapsule, kBox, kTetrahedron, kHull, kCompound, kPlane};
+  for (const tests::Type* a = std::begin(kTypes); *a != kPlane; ++a)
+    for (const tests::Type* b = a; b != std::end(kTypes); ++b) PrintErrors(*a, *b, count, library);
+}
+
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder = "build/detectors";
-  for (int option; (option = getopt(argc, argv, "n:c:t:d:i")) != -1;) {
+  int errors = 0;
+  for (int option; (option = getopt(argc, argv, "n:c:t:d:e:i")) != -1;) {
     if (option == 'n') settings.pairs = std::strtoul(optarg, nullptr, 10);
     if (option == 'c') settings.cycles = std::atoi(optarg);
     if (option == 't') settings.only = optarg;
     if (option == 'd') folder = optarg;
     if (option == 'i') settings.counts = true;
+    if (option == 'e') errors = std::atoi(optarg);
     if (option == '?') return 2;
+  }
+  if (errors > 0) {
+    PrintAllErrors(errors, Library(folder));
+    return 0;
   }
   fmt::print("{} pairs; {} a pair, medians (quartiles)\n", settings.pairs,
              settings.counts ? "instructions" : "ns");
