@@ -355,16 +355,11 @@ class Expander {
     const auto* number = std::get_if<schema::Number>(&*frame);
     if (number == nullptr) return true;
     grid_.head.frame_s = number->AsReal();
-    const auto span = configurations_[0]->SpanOf({"", schema::WorldParameter("frame").get()},
-                                                 benchmark_.benchmark->name.span);
-    if (configurations_[0]->IsSet({"", schema::WorldParameter("trace").get()})) {
-      diagnostics_.Report(scenario::kContradiction, span,
-                          "a trace has no time step, and so no steps of a frame", "remove it");
-      return false;
-    }
     if (!grid_.head.budget_s)
-      diagnostics_.Report(scenario::kNoEffect, span, "'frame' has no effect without a budget",
-                          "set budget, or remove it");
+      diagnostics_.Report(scenario::kNoEffect,
+                          configurations_[0]->SpanOf({"", schema::WorldParameter("frame").get()},
+                                                     benchmark_.benchmark->name.span),
+                          "'frame' has no effect without a budget", "set budget, or remove it");
     return true;
   }
 

@@ -165,7 +165,7 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   return reference;
 }
 
-plan::Scene PerturbedOf(const plan::Scene& reference) {
+plan::Scene TwinOf(const plan::Scene& reference) {
   const double interval = reference.world.Real("accuracy.interval");
   const double timestep = reference.world.Real("timestep");
   const std::uint64_t cycles = reference.world.Count("cycles");
@@ -173,22 +173,22 @@ plan::Scene PerturbedOf(const plan::Scene& reference) {
                                std::uint64_t its_cycles) -> std::optional<plan::Scene> {
     plan::Scene scene = reference;
     if (!WholeSteps(interval, other) || !Stretch(scene, timestep, other)) return std::nullopt;
-    scene.role = plan::Role::kPerturbed;
+    scene.role = plan::Role::kTwin;
     scene.seeds.emplace("nudge", plan::StreamSeed(scene.world.Count("seed"), "nudge"));
     scene.world.Set("timestep", other);
     scene.world.Set("cycles", its_cycles);
     scene.world.Set("record", schema::WordList{});
     return scene;
   };
-  auto perturbed = of_timestep(2 * timestep, cycles / 2);
-  if (!perturbed) perturbed = of_timestep(timestep / 2, 2 * cycles);
-  CDB_CHECK(perturbed);
-  return *std::move(perturbed);
+  auto twin = of_timestep(2 * timestep, cycles / 2);
+  if (!twin) twin = of_timestep(timestep / 2, 2 * cycles);
+  CDB_CHECK(twin);
+  return *std::move(twin);
 }
 
 void AddReferences(plan::Plan& plan) {
   plan.references.clear();
-  std::unordered_map<std::string, std::string> perturbed_runs;  // by the reference's id
+  std::unordered_map<std::string, std::string> twins;  // by the reference's id
   const auto add = [&plan](plan::Scene scene) {
     plan::Run run;
     run.id = plan::RunId(scene, 0);
@@ -198,16 +198,16 @@ void AddReferences(plan::Plan& plan) {
   };
   for (plan::Run& run : plan.runs) {
     run.reference.clear();
-    run.perturbed.clear();
+    run.twin.clear();
     if (!NeedsReference(run.scene)) continue;
     const plan::Scene scene = ReferenceOf(run.scene);
     run.reference = plan::RunId(scene, 0);
-    const auto [perturbed, is_new] = perturbed_runs.try_emplace(run.reference);
+    const auto [twin, is_new] = twins.try_emplace(run.reference);
     if (is_new) {
       add(scene);
-      perturbed->second = add(PerturbedOf(scene));
+      twin->second = add(TwinOf(scene));
     }
-    run.perturbed = perturbed->second;
+    run.twin = twin->second;
   }
 }
 

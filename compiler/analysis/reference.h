@@ -45,12 +45,12 @@ bool NeedsReference(const plan::Scene& scene);
 /// that differ only in replaced settings share one reference.
 plan::Scene ReferenceOf(const plan::Scene& scene);
 
-/// The reference run with twice its time step, and from a perturbed start: every object with mass
-/// is moved by kPerturbation of its size. If twice the time step divides neither the interval nor
+/// The reference run with twice its time step, and from a displaced start: every object with mass
+/// is moved by kDisplacement of its size. If twice the time step divides neither the interval nor
 /// the schedules, it is half. The distance between the two shows how far and how long the reference
 /// can be trusted: of a method of first order, it is the error of the reference.
-plan::Scene PerturbedOf(const plan::Scene& reference);
-inline constexpr double kPerturbation = 1e-9;
+plan::Scene TwinOf(const plan::Scene& reference);
+inline constexpr double kDisplacement = 1e-9;
 
 /// Fills `references` of the plan, and enters their ids in its runs.
 void AddReferences(plan::Plan& plan);

@@ -223,9 +223,13 @@ void ReportUnusedLets(const dsl::Block& block, const grid::Grid& grid,
     if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
       ReportUnusedLets(group->block, grid, diagnostics);
     } else if (const auto* let = std::get_if<dsl::Let>(&statement.what)) {
-      const std::string& name = let->value->axis ? let->value->axis->text : let->name.text;
+      const dsl::Zip* zip = let->value->zip.get();
+      const auto& axis = zip != nullptr ? zip->axis : let->value->axis;
+      const std::string& name = axis             ? axis->text
+                                : zip != nullptr ? zip->names[0].text
+                                                 : let->name.text;
       const bool is_axis = std::ranges::any_of(
-          grid.head.axes, [&](const plan::Axis& axis) { return axis.name == name; });
+          grid.head.axes, [&](const plan::Axis& made) { return made.name == name; });
       if (!is_axis) ReportUnusedSweep(*let, diagnostics);
     }
   }

@@ -155,12 +155,15 @@ class Converter {
       return fmt::format("{0:}{3}{1:}{3}{2:}", vector->x(), vector->y(), vector->z(), separator);
     };
     if (parameter_.TakesCall("at")) return fmt::format("write at({})", joined(", "));
-    if (!(vector->minCoeff() > 0)) return {};
-    if (parameter_.type == schema::ParameterType::kRatio)
+    const bool may_be_sides = vector->minCoeff() > 0;
+    if (may_be_sides && parameter_.type == schema::ParameterType::kRatio)
       return fmt::format("write {}", joined(" : "));
-    if (schema::GroupParameter("size").get() == &parameter_)
+    if (may_be_sides && schema::GroupParameter("size").get() == &parameter_)
       return fmt::format("write size {}; aspect 1 : {} : {}", vector->x(),
                          vector->y() / vector->x(), vector->z() / vector->x());
+    if (parameter_.type == schema::ParameterType::kReal ||
+        parameter_.type == schema::ParameterType::kCount)
+      return fmt::format("one number: {}", parameter_.doc);
     return {};
   }
 
@@ -239,9 +242,14 @@ class Converter {
     std::string_view near = dsl::DidYouMean(text, words);
     if (std::ranges::find(words, schema::WordFor(text)) != words.end())
       near = schema::WordFor(text);
+    std::string help = near.empty() ? fmt::format("it takes {}", parameter_.Takes(plugins_))
+                                    : fmt::format("did you mean '{}'?", near);
+    if (parameter_.TakesDetectors() && plugins_.empty())
+      help +=
+          fmt::format("{}our own detector needs --plugin FILE.so, or `use detector \"FILE.so\"`",
+                      near.empty() ? "; y" : " Y");
     return Error(scenario::kUnknownName, fmt::format("'{}' cannot be '{}'", parameter_.name, text),
-                 near.empty() ? fmt::format("it takes {}", parameter_.Takes(plugins_))
-                              : fmt::format("did you mean '{}'?", near));
+                 std::move(help));
   }
 
   /// True if the detector has the required phase and is available.

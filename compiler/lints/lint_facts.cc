@@ -221,7 +221,10 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
 
 double SceneFacts::FallHeight(const GroupFacts& objects) const {
   const bool is_straight = pull && pull->x() == 0 && pull->z() == 0 && pull->y() < 0;
-  if (!is_straight) return side;
+  return is_straight ? HeightAboveFloor(objects) : side;
+}
+
+double SceneFacts::HeightAboveFloor(const GroupFacts& objects) const {
   if (!objects.places.empty()) {
     double highest = -side / 2;
     for (const Vector3d& place : objects.places) highest = std::max(highest, place.y());
@@ -249,9 +252,15 @@ double SceneFacts::FastestSpeed(const GroupFacts& objects) const {
 double SceneFacts::FastestComponent(const GroupFacts& objects) const {
   const double gained = FallSpeed(objects);
   double fastest = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    fastest = std::max(
-        fastest, std::hypot(objects.velocity[axis], g > 0 ? gained * acceleration[axis] / g : 0));
+  for (int axis = 0; axis < 3; ++axis) {
+    double along = g > 0 ? gained * acceleration[axis] / g : 0;
+    // On the floor of a tilted scene, objects slide to a wall, but do not fall.
+    if (has_walls && !rests && !objects.linked && pull && pull->y() < 0) {
+      const double way = axis == 1 ? HeightAboveFloor(objects) : side;
+      along = std::min(acceleration[axis] * Time(), std::sqrt(2 * acceleration[axis] * way));
+    }
+    fastest = std::max(fastest, std::hypot(objects.velocity[axis], along));
+  }
   return fastest;
 }
 

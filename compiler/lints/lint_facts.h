@@ -98,9 +98,10 @@ struct SceneFacts {
     return g > 0 && has_ground && objects.may_touch;
   }
 
-  /// Upper bounds: of the height that objects fall between walls, of the speed gained by the fall,
-  /// of the speed, and of its largest component.
+  /// Upper bounds: of the height that objects fall between walls, of that along y, of the speed
+  /// gained by the fall, of the speed, and of its largest component.
   double FallHeight(const GroupFacts& objects) const;
+  double HeightAboveFloor(const GroupFacts& objects) const;
   double FallSpeed(const GroupFacts& objects) const;
   double FastestSpeed(const GroupFacts& objects) const;
   double FastestComponent(const GroupFacts& objects) const;

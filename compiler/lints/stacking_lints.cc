@@ -14,7 +14,8 @@ namespace {
 using Eigen::Vector3d;
 
 // Measured.
-constexpr double kTallStack = 0.025, kMassRatio = 12, kNarrowFoot = 30, kOverlap = 0.3;
+constexpr double kTallStack = 0.025, kLeaningStack = 0.02, kMassRatio = 12, kNarrowFoot = 30,
+                 kOverlap = 0.3;
 constexpr double kShortRun = 35, kCreep = 0.25;
 /// m/s; boxes at rest creep by up to this in single precision, with any time step, acceleration
 /// and number of iterations. Measured.
@@ -67,6 +68,13 @@ std::optional<Estimate> TallStack(const SceneFacts& scene, const GroupFacts& obj
   const double n = objects.tower;
   const double value =
       n * n * scene.g * scene.timestep * scene.timestep / (objects.least_side * scene.iterations);
+  // Pulled aside, a stack of cubes creeps whatever its iterations; wider boxes may hold.
+  const double aside = scene.pull ? std::hypot(scene.pull->x(), scene.pull->z()) / scene.g : 0;
+  const double leaning = kTallStack / kLeaningStack * n * n * aside * scene.timestep *
+                         std::sqrt(scene.g / objects.least_side);
+  const bool open = true;
+  if (scene.rests && leaning > value)
+    return Estimate{leaning, kTallStack, ShorterStep(scene, leaning, kTallStack), open};
   return Estimate{value, kTallStack, ShorterStepSquared(scene, value, kTallStack)};
 }
 

@@ -37,7 +37,7 @@ struct Group {
 
 /// The purpose of a run. Only measured runs are on the grid; the others provide the ground truth
 /// (compiler/analysis/reference.h).
-enum class Role { kMeasured, kReference, kPerturbed };
+enum class Role { kMeasured, kReference, kTwin };
 
 /// In plans: `measured`, `reference`, `twin`.
 std::string_view RoleName(Role role);
@@ -91,7 +91,7 @@ struct Run {
   Scene scene;
   /// Ids of the plan's references that it is compared with; empty where there are none, and in a
   /// run that was read by itself.
-  std::string reference, perturbed;
+  std::string reference, twin;
   bool operator==(const Run&) const = default;
 };
 
@@ -123,7 +123,7 @@ struct Plan {
   std::optional<double> frame_s;                  ///< that the steps within the budget make up
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
-  /// Reference runs and their perturbed runs, each once; they follow from `runs` (AddReferences).
+  /// Reference runs and their twins, each once; they follow from `runs` (AddReferences).
   std::vector<Run> references;
   /// If not null, `runs` are some of its runs, and `skipped` is empty.
   std::shared_ptr<const WholePlan> whole;

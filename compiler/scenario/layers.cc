@@ -238,7 +238,11 @@ void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
         kUnknownName, kind.span,
         fmt::format("no block{} is called '{}'", outermost ? "" : " of '" + where + "'", kind.text),
         near.empty()
-            ? fmt::format("there {} {}", kinds.size() == 1 ? "is" : "are", fmt::join(kinds, ", "))
+            ? fmt::format("there {} {}{}", kinds.size() == 1 ? "is" : "are", fmt::join(kinds, ", "),
+                          outermost ? fmt::format("; a group of objects with this name is "
+                                                  "objects {} {{ … }}",
+                                                  kind.text)
+                                    : "")
             : fmt::format("did you mean '{}'?", near));
   }
 }

@@ -206,7 +206,7 @@ struct ParameterTable {
     {.name = "frame", .type = kReal, .domain = kPositive, .unit = "s", .first_default = "none", .words = "none",
      .doc = "the time that all steps of a budget make up, if it is not for one step: with `budget 4 ms; frame 1/60 s`, a step of 1/120 s may take 2 ms",
      .also = "frame_time frame_duration display_rate",
-     .concern = Concern::kReport, .ignored_by = kPile | kReference},
+     .concern = Concern::kReport, .ignored_by = kPile | kReference | kTrace},
     {.name = "timeout", .type = kReal, .domain = kPositive, .unit = "s", .first_default = "none", .words = "none",
      .doc = "wall-clock time after which a run is ended and marked",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference},

@@ -350,7 +350,7 @@ std::string TextOf(plan::Scene pile, DerivedScenes ignored) {
       if (parameter.grouped && IsIgnored(parameter, ignored))
         pile.seeds.erase(group.name + "." + std::string(parameter.name));
   }
-  // Of a perturbed run, whose objects are moved after the pile has settled.
+  // Of a twin, whose objects are moved after the pile has settled.
   pile.seeds.erase("nudge");
   plan::Run run;
   run.scene = std::move(pile);

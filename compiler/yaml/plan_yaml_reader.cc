@@ -361,7 +361,7 @@ class PlanReader : public ValueReader {
   }
 
   plan::Role ReadRole(const YAML::Node& node) const {
-    for (const plan::Role role : {plan::Role::kReference, plan::Role::kPerturbed})
+    for (const plan::Role role : {plan::Role::kReference, plan::Role::kTwin})
       if (Text(node) == plan::RoleName(role)) return role;
     Fail(node.Mark(), fmt::format("a run has no role `{}`", Text(node)));
   }

@@ -102,7 +102,7 @@ struct Scene {
   }
 };
 
-/// Two bodies, a < b.
+/// Two bodies, a < b, except that a broad phase may list them either way.
 struct Pair {
   Id a, b;
   bool operator==(const Pair&) const = default;
@@ -111,7 +111,7 @@ struct Pair {
 
 /// A point at which two bodies touch or overlap.
 struct Contact {
-  Id a, b;          ///< a < b
+  Id a, b;          ///< a < b, as in the pair that was asked for
   Vec3 on_a, on_b;  ///< on the surface of each, in the world
   Vec3 normal;      ///< unit, from b to a
   double distance;  ///< negative if they overlap
@@ -136,8 +136,8 @@ class Detector {
   /// Called once, before the first cycle and outside all timing of cycles.
   virtual void Prepare(const Scene&) {}
 
-  /// Every cycle: lists each pair whose boxes overlap, a < b, once, in any order. `pairs` is empty
-  /// on entry. Pairs that Scene::MayCollide refuses may be listed; they are dropped.
+  /// Every cycle: lists each pair whose boxes overlap, once, in any order and with either body
+  /// first. `pairs` is empty on entry. Pairs that Scene::MayCollide refuses are dropped.
   virtual void FindPairs(const Scene&, std::vector<Pair>& /*pairs*/) {}
 
   /// The same for callers that keep the pairs from cycle to cycle, such as Bullet's pair cache; for

@@ -172,12 +172,12 @@ InitialState MakeInitialState(const plan::Scene& scene) {
   return state;
 }
 
-void Perturb(const plan::Scene& scene, InitialState& state) {
+void Displace(const plan::Scene& scene, InitialState& state) {
   distributions::Stream stream(scene.seeds.at("nudge"));
   for (ObjectState& object : state.objects) {
     const Eigen::Vector3d direction = stream.Turn() * Eigen::Vector3d::UnitX();
     if (object.IsFixed()) continue;
-    object.pose.position += analysis::kPerturbation * object.solid.sides.maxCoeff() * direction;
+    object.pose.position += analysis::kDisplacement * object.solid.sides.maxCoeff() * direction;
   }
 }
 

@@ -94,10 +94,10 @@ objects::Pose PoseAt(const ObjectState& object, double time);
 /// the vector by its length, rad. The last bit depends on std::sin and std::cos.
 Eigen::Quaterniond TurnAbout(const Eigen::Vector3d& rotation_vector);
 
-// The perturbation of the initial state for the perturbed run of a reference.
+// The displacement of the initial state for the twin of a reference.
 
-/// Moves every object with mass by kPerturbation (compiler/analysis/reference.h) of its largest
+/// Moves every object with mass by kDisplacement (compiler/analysis/reference.h) of its largest
 /// side, each in a separate direction drawn from the scene's stream `nudge`.
-void Perturb(const plan::Scene& scene, InitialState& state);
+void Displace(const plan::Scene& scene, InitialState& state);
 
 }  // namespace cdb::layouts

@@ -116,8 +116,10 @@ std::string PlanTable(const plan::Plan& plan, std::uint64_t runs, double skipped
                                  skipped > 0 ? fmt::format(", {:.0f} skipped", skipped) : "");
   if (!plan.references.empty())
     text += fmt::format(
-        "  compared with {} reference runs, half of which check the others: cdb doc accuracy\n",
-        plan.references.size());
+        "  compared with {}, checked by a twin with another time step: cdb doc accuracy\n",
+        plan.references.size() == 2
+            ? "a reference run"
+            : fmt::format("{} reference runs, each", plan.references.size() / 2));
   terminal::Table table;
   table.AddColumn("run", false);
   for (const plan::Axis& axis : plan.axes) table.AddColumn(axis.name, !axis.IsText());

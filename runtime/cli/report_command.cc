@@ -23,6 +23,7 @@ struct ReportArguments {
   bool only_sound = false;
   bool opens = false;
   std::string figures;  ///< folder of SVG files; empty: none
+  options::FigureChoices choices;
 };
 
 std::string PageName(const ReportArguments& arguments) {
@@ -33,7 +34,7 @@ std::string PageName(const ReportArguments& arguments) {
 /// Writes each figure of the page to a file of its own.
 void WriteFigures(const ReportArguments& arguments) {
   const std::filesystem::path folder = arguments.figures;
-  const auto figures = options::DrawFigures(PageName(arguments));
+  const auto figures = options::DrawFigures(PageName(arguments), arguments.choices);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   files::RequireFolder(folder, "for the figures");
@@ -63,6 +64,11 @@ void DeclareReport(options::Subcommand& command) {
   command.Flag("--open", arguments->opens, "open the page in a browser: $BROWSER, else xdg-open");
   command.Optional("--svg", arguments->figures,
                    "write the figures of the page to this folder, as SVG drawn by Chromium");
+  command.Optional(
+      "--size", arguments->choices.size,
+      "with --svg: screen (default), or column or page of print, 8.5 and 17.5 cm wide");
+  command.Optional("--view", arguments->choices.view,
+                   "with --svg: what the address of the page has after #: quantity=time:broad");
   command.Action([arguments] {
     for (std::string& file : arguments->files) file = plans::FindResult(file);
     return WriteReport(*arguments);

@@ -22,6 +22,8 @@
 #include "runtime/cli/plans/result_names.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
+#include "runtime/figures/points.h"
+#include "runtime/protocol/verdict.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"
 #include "runtime/terminal/console.h"
@@ -42,6 +44,7 @@ struct RunArguments {
   std::string shard;                  ///< `K/N`, or empty
   std::string only;                   ///< the id of one run, or empty
   std::vector<std::string> retry;     ///< retry runs with these endings
+  std::string require;                ///< the worst verdict that is good enough, or empty
   std::vector<std::string> plugins;   ///< shared libraries with detectors
   std::vector<std::string> settings;  ///< NAME=VALUE, over those of the scenario
   bool fresh = false;
@@ -142,8 +145,8 @@ options::ExitStatus RunPlan(const plans::SizedPlan& plan, const fs::path& out,
   if (end.summary.signal != 0) return runner.StoppedStatus();
   if (end.is_merged) return plans::ShowResult(out, is_quiet);
   if (!is_quiet)
-    terminal::Print(fmt::format("{}\nwhen every shard is done: cdb merge -o {} {}\n",
-                                schedule::Describe(end.summary), out.string(),
+    terminal::Print(fmt::format("{}: {}\nwhen every shard is done: cdb merge -o {} {}\n",
+                                plan.plan.benchmark, schedule::Describe(end.summary), out.string(),
                                 end.folder.string()));
   return end.summary.HasBadRuns() ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
 }
@@ -195,6 +198,53 @@ void PrintDryRun(const plans::SizedPlan& sized, const fs::path& out, const RunAr
                                 terminal::ShellWord(arguments.file)));
 }
 
+/// The verdict of --require: nullopt if it is not given.
+std::optional<protocol::Verdict> RequiredVerdict(const RunArguments& arguments,
+                                                 const std::vector<plans::SizedPlan>& plans) {
+  if (arguments.require.empty()) return std::nullopt;
+  if (!arguments.shard.empty() || arguments.is_dry)
+    throw options::CommandError(
+        "--require judges complete results; remove --shard and --dry-run, and repeat the command "
+        "with --require after the merge");
+  for (const plans::SizedPlan& sized : plans)
+    if (!sized.plan.Records("stability"))
+      throw options::CommandError(
+          fmt::format("--require {}: '{}' does not record stability, and so has no verdicts; "
+                      "nothing was started",
+                      arguments.require, sized.plan.benchmark));
+  std::vector<std::string_view> words;
+  for (const protocol::VerdictInfo& info : protocol::Verdicts()) {
+    if (info.verdict == protocol::Verdict::kUnknown || HasVoidTimings(info.verdict)) continue;
+    if (info.name == arguments.require) return info.verdict;
+    words.push_back(info.name);
+  }
+  throw options::CommandError(
+      fmt::format("--require {}: {}", arguments.require,
+                  options::Suggestion(arguments.require, words,
+                                      fmt::format("it takes {}", fmt::join(words, ", ")))));
+}
+
+/// Says how many runs are worse than `required`: exit status 3 if there are any.
+options::ExitStatus Require(protocol::Verdict required, const fs::path& out) {
+  const results::ResultFile file(out, results::ProofOf::kStructure);
+  const figures::CellGroups groups = figures::GroupCells(file);
+  std::size_t worse = groups.bad.size();
+  std::string names;
+  const auto add = [&names](std::size_t count, std::string_view what) {
+    if (count > 0) names += fmt::format("{}{} {}", names.empty() ? "" : ", ", count, what);
+  };
+  for (const auto& [verdict, runs] : groups.verdicts)
+    if (verdict > required || verdict == protocol::Verdict::kUnknown) {
+      worse += runs.size();
+      add(runs.size(), protocol::VerdictName(verdict));
+    }
+  add(groups.bad.size(), "failed or void");
+  if (worse == 0) return options::ExitStatus::kGood;
+  terminal::Say(fmt::format("{}: {} of {} runs fail `--require {}`: {}\n", out.string(), worse,
+                            groups.NotSkipped(), protocol::VerdictName(required), names));
+  return options::ExitStatus::kFailedRuns;
+}
+
 /// Runs that execute side by side slow each other down, which falsifies their times.
 void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
@@ -237,6 +287,7 @@ options::ExitStatus Run(const RunArguments& arguments) {
   }
   if (plans.empty()) return options::ExitStatus::kScenarioError;
   CheckJobs(arguments, plans);
+  const std::optional<protocol::Verdict> required = RequiredVerdict(arguments, plans);
   if (until)
     for (const plans::SizedPlan& sized : plans) plans::CheckUntil(sized.plan);
   std::vector<fs::path> outs;
@@ -267,6 +318,7 @@ options::ExitStatus Run(const RunArguments& arguments) {
     const options::ExitStatus one = RunPlan(plans[i], outs[i], runner, arguments.quiet);
     if (runner.is_stopped()) return one;
     status = std::max(status, one);
+    if (required) status = std::max(status, Require(*required, outs[i]));
   }
   return status;
 }
@@ -291,6 +343,9 @@ void DeclareRun(options::Subcommand& command) {
   command.Optional("--until", arguments->until,
                    "P%: stop repeating, after 5 repeats or more, once the 95 % interval of every "
                    "mean step is within P % of it; `repeats` is the upper limit");
+  command.Optional(
+      "--require", arguments->require,
+      "exit status 3 also if a run has a worse verdict than this: stable, drifting, …");
   command.Flag("--dry-run", arguments->is_dry,
                "print the runs that would be executed, and what becomes of finished ones; write "
                "nothing");

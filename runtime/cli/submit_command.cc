@@ -133,7 +133,7 @@ std::vector<std::uint64_t> FindMissing(const Target& target, std::uint64_t tasks
     if (std::ranges::any_of(shards[i], [&](const plan::Run* run) {
           return (kept == nullptr || !kept->Has(run->id, run->at, run->rep)) &&
                  (missing_runs.contains(run->id) || missing_runs.contains(run->reference) ||
-                  missing_runs.contains(run->perturbed));
+                  missing_runs.contains(run->twin));
         }))
       missing.push_back(i + 1);
   return missing;

@@ -115,6 +115,23 @@ class Tracer {
   process::ProcessLauncher launcher_;
 };
 
+/// The statements by which a file in this folder runs detectors on the traces: along the numbers
+/// that were swept, if there is one axis of them.
+std::string StatementsFor(const plan::Plan& plan, const std::vector<fs::path>& files) {
+  const auto text_of = [](const fs::path& file) { return fmt::format("\"{}\"", file.string()); };
+  std::string traces;
+  for (const fs::path& file : files)
+    traces += fmt::format("{}{}", traces.empty() ? "" : ", ", text_of(file));
+  if (plan.axes.size() != 1 || plan.axes[0].IsText())
+    return fmt::format("  trace sweep({})\n", traces);
+  std::string numbers;
+  for (std::size_t i = 0; i < plan.runs.size(); ++i)
+    numbers += fmt::format("{}{}", i == 0 ? "" : ", ",
+                           std::get<double>(plan.axes[0].values[plan.runs[i].at[0]]));
+  return fmt::format("  let {0}, recorded = zip(sweep({1}), sweep({2}))\n  trace recorded\n",
+                     plan.axes[0].name, numbers, traces);
+}
+
 options::ExitStatus TracePlans(const TraceArguments& arguments) {
   auto plans = options::LoadPlans(
       arguments.file, arguments.benchmark,
@@ -132,6 +149,8 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
       status = std::max(status, tracer.Trace(plan.runs[i], files[i]));
       if (stop.requested()) return options::StoppedBy(stop.signal());
     }
+    if (!arguments.quiet && files.size() > 1)
+      terminal::Print("To run detectors on them, in a benchmark:\n" + StatementsFor(plan, files));
   }
   return status;
 }

@@ -73,8 +73,8 @@ void DeclareVerify(options::Subcommand& command) {
   command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
   command.Benchmark(arguments->benchmark);
   command.List("--detector", arguments->detectors,
-               "these detectors instead of those of the file; all: every detector that can handle "
-               "the scene");
+               "these detectors instead of those of the file, which must exist too; all: every "
+               "detector that can handle the scene");
   command.Cycles(arguments->cycles, "number of cycles, instead of that of the file");
   command.Out(arguments->out, "folder for BENCHMARK.verify.h5 (default: the current one)");
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");

@@ -52,8 +52,10 @@ void CheckSelections(const std::vector<std::unique_ptr<ComparedFile>>& files,
   for (const std::string& word : selections)
     if (const std::string axis = ParseSelection(word).axis;
         std::ranges::find(names, axis) == names.end())
-      throw files::StoreError(fmt::format("--select: there is no axis '{}'; there are {}", axis,
-                                          fmt::join(names, ", ")));
+      throw files::StoreError(
+          fmt::format("--select: there is no axis '{}'{}", axis,
+                      names.empty() ? std::string(": the files have none, only one point")
+                                    : fmt::format("; there are {}", fmt::join(names, ", "))));
 }
 
 class Matcher {

@@ -28,12 +28,13 @@ enum class Finding {
   kMemory,
   kStability,  ///< verdicts
   kAccuracy,   ///< errors, missed pairs and contacts
+  kPairs,      ///< other pairs of the same detector and motion, not compared with exact ones
   kPhysics,    ///< another last state, or repeats with different ones
   kMissing,    ///< a benchmark or a point
   kScenes,     ///< other scenes; not compared unless allowed
   kUnsure,     ///< times whose noise is too large, or that were not compared
 };
-inline constexpr std::size_t kFindingCount = 8;
+inline constexpr std::size_t kFindingCount = 9;
 
 struct FindingInfo {
   Finding finding;
@@ -78,6 +79,9 @@ struct ComparedFile {
                const std::vector<std::string>& selections = {});
   ComparedFile(const ComparedFile&) = delete;
   ComparedFile& operator=(const ComparedFile&) = delete;
+
+  /// Whether every run is on a trace.
+  bool IsOnTraces() const;
 
   const std::string name;
   const results::ResultFile file;
@@ -260,6 +264,14 @@ struct FileComparison {
   StateComparison states;
   std::vector<FactComparison> facts;
   TimeComparison times;
+
+  /// Whether the pairs of both files were compared with exact ones.
+  bool HasExactPairs() const;
+  /// Whether the files have different detectors or narrow phases at matched points.
+  bool HasOtherDetectors() const;
+  /// Matched points at which the same motion has other pairs: in the last cycle of a trace, or
+  /// their number.
+  std::vector<std::size_t> OtherPairs() const;
 };
 /// The two files cannot be compared, because they have other scenes or points.
 struct UnlikeScenes : files::StoreError {

@@ -224,12 +224,38 @@ bool FactComparison::IsWorse(double margin) const {
   });
 }
 
+bool ComparedFile::IsOnTraces() const {
+  return plan && std::ranges::all_of(plan->runs, [](const plan::Run& run) {
+           return analysis::TraceOf(run.scene).has_value();
+         });
+}
+
+bool FileComparison::HasExactPairs() const {
+  return std::ranges::any_of(facts,
+                             [](const FactComparison& fact) { return fact.kind == Kind::kPairs; });
+}
+
+bool FileComparison::HasOtherDetectors() const {
+  return std::ranges::any_of(setup.parameters, [](const SetupDifference& difference) {
+    return difference.name == "detector" || difference.name == "narrow_phase";
+  });
+}
+
+std::vector<std::size_t> FileComparison::OtherPairs() const {
+  std::set<std::size_t> points;
+  if (states.of_pairs) points.insert(states.other.begin(), states.other.end());
+  const std::set<std::size_t> moved(states.other.begin(), states.other.end());
+  for (const FactComparison& fact : facts)
+    if (fact.kind == Kind::kCount && fact.name == "pairs")
+      for (const FactChange& change : fact.changes)
+        if (states.of_pairs || !moved.contains(change.point)) points.insert(change.point);
+  return {points.begin(), points.end()};
+}
+
 StateComparison CompareStates(const ComparedFile& a, const ComparedFile& b,
                               const PointMatch& match) {
   StateComparison states;
-  states.of_pairs = a.plan && std::ranges::all_of(a.plan->runs, [](const plan::Run& run) {
-                      return analysis::TraceOf(run.scene).has_value();
-                    });
+  states.of_pairs = a.IsOnTraces();
   const bool has_both = a.file.Has("state_hash") && b.file.Has("state_hash");
   for (std::size_t i = 0; i < match.points.size(); ++i) {
     const auto of_a = has_both ? StatesAt(a.file, match.points[i].a) : std::set<std::string>();
@@ -274,6 +300,11 @@ CycleTimes TimesOf(const ComparedFile& of, const ComparedFile& other) {
   return CycleTimes(of.file, CycleStatistic::kMean, FastestOf(of, other));
 }
 
+/// On traces, a step is detection alone, and tests of its parts would be of the same numbers.
+std::vector<Phase> PhasesOf(const ComparedFile& of) {
+  return of.IsOnTraces() ? std::vector{Phase::kStep} : AllPhases();
+}
+
 class TimeComparer {
  public:
   TimeComparer(const ComparedFile& a, const ComparedFile& b, const PointMatch& match,
@@ -284,7 +315,7 @@ class TimeComparer {
         times_a_(TimesOf(a, b)),
         times_b_(TimesOf(b, a)),
         test_(times_a_.bootstrap(), times_b_.bootstrap()),
-        phases_(phase ? std::vector{*phase} : AllPhases()) {
+        phases_(phase ? std::vector{*phase} : PhasesOf(a)) {
     made_.has_intervals = test_.HasIntervals();
     made_.common_phase = phase.value_or(Phase::kStep);
   }

@@ -43,14 +43,16 @@ class DetectorConclusions {
       Add({"Which detector is the fastest?",
            "Unknown: no cell has a sound run of every detector with the same omissions.", "fastest",
            Certainty::kUnknown});
+    const bool has_world = HasWorld();
     AddTimes(protocol::Phase::kStep, "Which detector takes the least time for a step?", "fastest",
-             BroadShare() + NotRanked());
-    AddTimes(protocol::Phase::kDetect,
-             "Which detector takes the least time for collision detection alone?", "detect",
-             UnlikePairs());
+             (has_world ? BroadShare() : "") + NotRanked() + NotChecked());
+    if (has_world)  // otherwise the step is nothing else
+      AddTimes(protocol::Phase::kDetect,
+               "Which detector takes the least time for collision detection alone?", "detect",
+               UnlikePairs());
     AddGrowth(protocol::Phase::kDetect,
               "Which detector grows the least with the number of objects?", "collision detection");
-    if (HaveOneNarrowPhase()) {
+    if (has_world && HaveOneNarrowPhase()) {
       AddTimes(protocol::Phase::kBroad,
                "Which detector takes the least time for the broad phase alone?", "broad",
                Sorting());
@@ -128,6 +130,13 @@ class DetectorConclusions {
       return model_.times().Of(point, phase).mean;
     };
     AddRanking(question, kind, figure, "time", caveat);
+  }
+
+  /// False if every run was on a trace, in which a step is only detection.
+  bool HasWorld() const {
+    return std::ranges::any_of(model_.TimedPhases(), [](protocol::Phase phase) {
+      return phase == protocol::Phase::kSolve || phase == protocol::Phase::kIntegrate;
+    });
   }
 
   void AddWorstCycle() {
@@ -246,6 +255,19 @@ class DetectorConclusions {
           text += fmt::format(" {} is not ranked: it missed {} of {} pairs.", of.detector,
                               of.missed, of.exact);
     return text;
+  }
+
+  /// Names the plug-ins whose pairs were not compared with exact ones.
+  std::string NotChecked() const {
+    std::vector<std::string> names;
+    for (const DetectorFindings& of : model_.findings())
+      if (of.runs == 0 && of.unwatched_runs > 0 && schema::FindDetector(of.detector) == nullptr)
+        names.push_back(of.detector);
+    if (names.empty()) return {};
+    return fmt::format(
+        " The pairs of {} were not compared with exact ones: `record pairs` says whether {} any.",
+        names.size() == 1 ? names[0] + ", a plug-in," : JoinWords(names) + ", plug-ins,",
+        names.size() == 1 ? "it misses" : "they miss");
   }
 
   void AddPairs() {

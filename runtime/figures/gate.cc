@@ -15,6 +15,7 @@ constexpr std::array<FindingInfo, kFindingCount> kFindings = {{
     {.finding = Finding::kMemory, .word = "memory", .text = "more memory", .fails = true, .has_limit = true},
     {.finding = Finding::kStability, .word = "stability", .text = "less stable", .fails = true, .has_limit = false},
     {.finding = Finding::kAccuracy, .word = "accuracy", .text = "less accurate", .fails = true, .has_limit = true},
+    {.finding = Finding::kPairs, .word = "pairs", .text = "other pairs", .fails = true, .has_limit = false},
     {.finding = Finding::kPhysics, .word = "physics", .text = "other physics", .fails = false, .has_limit = false},
     {.finding = Finding::kMissing, .word = "missing", .text = "missing", .fails = true, .has_limit = false},
     {.finding = Finding::kScenes, .word = "scenes", .text = "other scenes", .fails = true, .has_limit = false},
@@ -31,9 +32,7 @@ class Finder {
   std::vector<Found> Find() {
     AddTimes();
     AddFacts();
-    for (const auto* points : {&of_.states.other, &of_.states.unsettled})
-      for (const std::size_t point : *points)
-        Add(Finding::kPhysics, of_.match.points.size() > 1 ? PlaceOf(point) : "last state");
+    AddStates();
     for (const std::string& place : of_.match.only_a) Add(Finding::kMissing, place);
     for (const SetupDifference& difference : of_.setup.scenes)
       Add(Finding::kScenes, difference.name);
@@ -47,6 +46,18 @@ class Finder {
     return of_.match.points[point].PlaceText(of_.match.axes);
   }
   void Add(Finding finding, std::string what) { found_[finding].push_back(std::move(what)); }
+
+  void AddStates() {
+    const auto add = [&](Finding finding, const std::vector<std::size_t>& points,
+                         const char* of_one) {
+      for (const std::size_t point : points)
+        Add(finding, of_.match.points.size() > 1 ? PlaceOf(point) : of_one);
+    };
+    if (!of_.states.of_pairs) add(Finding::kPhysics, of_.states.other, "last state");
+    add(Finding::kPhysics, of_.states.unsettled, "last state");
+    if (!of_.HasExactPairs() && !of_.HasOtherDetectors())
+      add(Finding::kPairs, of_.OtherPairs(), "pairs");
+  }
 
   void AddTimes() {
     const double limit = options_.gate.LimitOf(Finding::kSlower),

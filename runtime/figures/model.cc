@@ -82,8 +82,23 @@ std::optional<std::size_t> Model::ComparedDetectors() const {
   return detector_axis_;
 }
 
+std::vector<protocol::Phase> Model::TimedPhases() const {
+  std::vector<protocol::Phase> phases = AllPhases();
+  std::erase_if(phases, [this](protocol::Phase phase) {
+    return std::ranges::none_of(points_, [&](const MeasuredPoint& point) {
+      return std::isfinite(times_.Of(point, phase).mean.value);
+    });
+  });
+  return phases;
+}
+
 double Model::CountOf(const MeasuredPoint& point, const std::string& series) const {
   return Mean(file_.ReadSeries(series, point.cells[0]));
+}
+
+double Model::NsPerPairOf(const MeasuredPoint& point) const {
+  const double handled = CountOf(point, "pairs") - CountOf(point, "unhandled_pairs");
+  return handled > 0 ? TimeOf(point, protocol::Phase::kNarrow).value / handled : kNone;
 }
 
 double Model::MemoryOf(const MeasuredPoint& point, const std::string& name) const {

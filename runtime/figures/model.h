@@ -71,6 +71,10 @@ class Model {
   const Model& slow() const;
 
   bool HasTimes() const { return file_.Has("duration"); }
+  /// Whether narrow phases ran on the pairs of a trace, and were timed.
+  bool HasNarrowTraces() const { return HasTimes() && file_.Has("unhandled_pairs"); }
+  /// The phases that have a time at some point, in order: on a trace, a few.
+  std::vector<protocol::Phase> TimedPhases() const;
   const std::optional<std::size_t>& detector_axis() const { return detector_axis_; }
   /// The axes whose values are different scenes.
   const std::vector<std::size_t>& scene_axes() const;
@@ -83,6 +87,8 @@ class Model {
   }
   /// The mean of a series over the cycles.
   double CountOf(const MeasuredPoint& point, const std::string& series) const;
+  /// Of a narrow phase on a trace: its time per pair that it handles.
+  double NsPerPairOf(const MeasuredPoint& point) const;
   /// `peak_rss` or `heap`: the largest of the repeats.
   double MemoryOf(const MeasuredPoint& point, const std::string& name) const;
   /// `position`, `position_floor`, `horizon`.

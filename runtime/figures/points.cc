@@ -160,9 +160,9 @@ std::size_t FindAxis(const results::ResultFile& file, const std::string& name) {
     if (file.axes()[i].name == name) return i;
     names += (i == 0 ? "" : ", ") + file.axes()[i].name;
   }
-  throw files::StoreError(names.empty()
-                              ? fmt::format("there is no axis '{}': this file has none", name)
-                              : fmt::format("there is no axis '{}'; there are {}", name, names));
+  throw files::StoreError(
+      names.empty() ? fmt::format("there is no axis '{}': this file has none, only one point", name)
+                    : fmt::format("there is no axis '{}'; there are {}", name, names));
 }
 
 std::vector<std::size_t> AllAxes(const results::ResultFile& file) {

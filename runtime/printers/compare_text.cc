@@ -29,6 +29,7 @@ class ResultText {
   std::vector<std::string> ChangedFacts() const {
     std::vector<std::string> lines;
     if (!of_.states.other.empty() || !of_.states.unsettled.empty()) AddStates(lines);
+    AddPairs(lines);
     for (const figures::FactComparison& fact : of_.facts) AddFact(lines, fact);
     return lines;
   }
@@ -37,6 +38,7 @@ class ResultText {
     std::vector<std::string> lines;
     AddTimes(lines);
     AddStates(lines);
+    AddPairs(lines);
     for (const figures::FactComparison& fact : of_.facts) AddFact(lines, fact);
     AddUnchanged(lines);
     for (std::string& line : GateLines(of_, options_)) lines.push_back(std::move(line));
@@ -221,6 +223,31 @@ class ResultText {
     if (!unsettled.empty())
       lines.push_back(fmt::format("NOT REPEATABLE: repeats in one file end in different states{}",
                                   is_one ? "" : ": " + PlacesText(unsettled)));
+  }
+
+  /// Other numbers of pairs of the same motion, and whether any pairs were compared with exact
+  /// ones.
+  void AddPairs(std::vector<std::string>& lines) const {
+    const std::vector<std::size_t> points = of_.OtherPairs();
+    if (points.empty()) return;
+    const auto pairs = std::ranges::find(of_.facts, "pairs", &figures::FactComparison::name);
+    if (pairs != of_.facts.end()) {
+      const auto most = std::ranges::find_if(pairs->changes, [&](const auto& change) {
+        return std::ranges::count(points, change.point) > 0;
+      });
+      if (most != pairs->changes.end())
+        lines.push_back(fmt::format(
+            "OTHER NUMBERS OF PAIRS{}: {}",
+            of_.match.points.size() > 1
+                ? fmt::format(" at {} of {}, the most: {}", points.size(),
+                              Counted(pairs->points, "point"), PlaceOf(of_, most->point))
+                : "",
+            ChangeText(*most)));
+    }
+    if (!of_.HasExactPairs())
+      lines.push_back(
+          "Pairs not compared with exact ones, so a missed pair would not be found: both files "
+          "need `record pairs`");
   }
 
   static const char* HeadOf(figures::FactComparison::Kind kind, figures::Direction direction) {

@@ -187,6 +187,9 @@ class PointColumns {
     for (const std::string& series : DocumentedCounts(model_))
       all["counts"][series] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.CountOf(point, series); });
+    if (model_.HasNarrowTraces())
+      all["ns_per_pair"] =
+          MeasuredColumn([&](const MeasuredPoint& point) { return model_.NsPerPairOf(point); });
     for (const std::string& name : DocumentedMemory(model_))
       all["memory"][name] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.MemoryOf(point, name); });

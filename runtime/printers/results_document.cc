@@ -127,6 +127,9 @@ class PointTable {
       if (file_.Has(series))
         AddNumber(series,
                   [&](const MeasuredPoint& point) { return model_.CountOf(point, series); });
+    if (model_.HasNarrowTraces())
+      AddNumber("ns_per_pair",
+                [&](const MeasuredPoint& point) { return model_.NsPerPairOf(point); });
     if (file_.Has("peak_rss"))
       AddNumber("peak_rss_bytes",
                 [&](const MeasuredPoint& point) { return model_.MemoryOf(point, "peak_rss"); });

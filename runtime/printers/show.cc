@@ -30,8 +30,15 @@ std::vector<std::vector<std::size_t>> ChooseTables(const figures::Model& model,
   if (!asked.empty()) return {asked};
   const std::vector<std::size_t> all = figures::AllAxes(model.file());
   if (model.points().size() <= kMaxRows) return {all};
+  // A mean over detectors says little: each of them has its rows.
+  const auto detectors = model.ComparedDetectors();
   std::vector<std::vector<std::size_t>> tables;
-  for (const std::size_t axis : all) tables.push_back({axis});
+  if (detectors) tables.push_back({*detectors});
+  for (const std::size_t axis : all)
+    if (!detectors)
+      tables.push_back({axis});
+    else if (axis != *detectors)
+      tables.push_back({axis, *detectors});
   return tables;
 }
 

@@ -30,7 +30,8 @@ class PhaseTables {
               const std::vector<Phase>& phases)
       : model_(model),
         times_(model.times()),
-        phases_(phases.empty() ? figures::AllPhases() : phases),
+        phases_(!phases.empty() || !model.HasTimes() ? phases : model.TimedPhases()),
+        has_all_(phases.empty()),
         rows_(figures::MatchRows(model.points(), by)),
         has_times_(model.HasTimes()),
         has_intervals_(has_times_ && times_.HasIntervals()),
@@ -48,9 +49,9 @@ class PhaseTables {
     for (std::string& note : rows_.MatchNotes()) document.back().notes.push_back(std::move(note));
     if (const double rest = LargestRest(); rest > kNoticeableRest)
       document.back().notes.push_back(
-          fmt::format("Up to {:.0f} % of a step is in none of detect, solve and integrate: work of "
-                      "the engine in "
-                      "between, such as finding contacts ahead of fast objects with ccd.",
+          fmt::format("Up to {:.0f} % of a step is in none of detect, solve and integrate: "
+                      "predicting the motion, islands and sleep, and with `ccd on` the contacts "
+                      "ahead of fast objects; on a noisy machine also pauses in between.",
                       100 * rest));
     if (!has_times_) return;
     document.push_back(
@@ -76,7 +77,7 @@ class PhaseTables {
   /// The largest part of a step, of all rows, that is in no other column; 0 if not all are shown.
   double LargestRest() const {
     double largest = 0;
-    if (!has_times_ || phases_.size() < figures::AllPhases().size()) return largest;
+    if (!has_times_ || !has_all_) return largest;
     for (const Row& row : rows_.rows) {
       const auto time_of = [&](Phase phase) { return model_.TimeOf(row, phase).value; };
       const double step = time_of(Phase::kStep);
@@ -147,6 +148,7 @@ class PhaseTables {
   const figures::Model& model_;
   figures::CycleTimes& times_;
   const std::vector<Phase> phases_;
+  const bool has_all_;  ///< shows every phase that has a time
   const figures::Rows rows_;
   const bool has_times_, has_intervals_;
   const terminal::TimeUnit unit_;

@@ -343,7 +343,7 @@ class ErrorSummary {
     if (has_below_floor)
       document.push_back({.title =
                               "An error below its floor is not significant: the reference changes "
-                              "by as much with its time step and with a perturbed start."});
+                              "by as much with twice its time step and a displaced start."});
     return document;
   }
 

@@ -372,7 +372,7 @@ void AddErrors(const plan::Plan& plan, PlanFacts& facts) {
     needs_truth = needs_truth || error->needs_truth;
     if (error->needs_truth)
       add(name + "_floor", error->unit,
-          "the same between the reference and its perturbed run: a smaller error is not "
+          "the same between the reference and its twin: a smaller error is not "
           "significant");
     facts.error_series.push_back({error->series, "", protocol::SeriesType::kFloat64,
                                   protocol::SeriesShape::kSample, error->unit, error->doc});

@@ -1,5 +1,8 @@
 // Semantics of the language: axes, lets, cases, bases, skips, files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 #include "compiler/plan/input_file.h"
 #include "compiler/plan/plan.h"
@@ -44,12 +47,33 @@ TEST(Sweep, RangesHitTheirEnd) {
   EXPECT_EQ(Axes(PlanOf("benchmark b { cycles sweep(1 .. 2, 10) }")), "cycles: 1 2 10");
 }
 
-TEST(Sweep, EveryValueOfALongRangeIsTheNearestDouble) {
-  const plan::Plan plan = PlanOf("benchmark b { objects.mass sweep(0.1 .. 100 step 0.1) }");
-  ASSERT_EQ(plan.axes[0].values.size(), 1000u);
-  EXPECT_EQ(std::get<double>(plan.axes[0].values.back()), 100.0);
-  for (std::size_t i = 0; i + 1 < 1000; ++i)
-    EXPECT_EQ(std::get<double>(plan.axes[0].values[i]), 0.1 + 0.1 * static_cast<double>(i));
+TEST(Sweep, TheValuesOfRangesAreAsWritten) {
+  const auto values = [](const std::string& range) {
+    const plan::Plan plan = PlanOf("benchmark b { objects.mass sweep(" + range + ") }");
+    std::vector<double> numbers;
+    for (const auto& value : plan.axes.at(0).values) numbers.push_back(std::get<double>(value));
+    return numbers;
+  };
+  const auto long_range = values("0.1 .. 100 step 0.1");
+  ASSERT_EQ(long_range.size(), 1000u);
+  for (std::size_t i = 0; i < 1000; ++i)
+    EXPECT_EQ(long_range[i], std::stod(fmt::format("{}.{}", (i + 1) / 10, (i + 1) % 10)));
+  EXPECT_EQ(values("60 .. 3840 count 7 log"),
+            (std::vector<double>{60, 120, 240, 480, 960, 1920, 3840}));
+  EXPECT_EQ(
+      values("1e-6 .. 1e6 count 13 log"),
+      (std::vector<double>{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1, 10, 100, 1e3, 1e4, 1e5, 1e6}));
+  EXPECT_EQ(values("0.1 .. 0.7 count 7"), (std::vector<double>{.1, .2, .3, .4, .5, .6, .7}));
+  EXPECT_EQ(values("0.7 .. 0.1 step -0.1"), (std::vector<double>{.7, .6, .5, .4, .3, .2, .1}));
+  // What is not a short decimal stays as computed.
+  EXPECT_EQ(values("1 .. 2 count 4"), (std::vector<double>{1, 1 + 1. / 3, 1 + 2. / 3, 2}));
+  EXPECT_EQ(values("pi / 2 .. 2 * pi step pi / 2")[1], std::numbers::pi);
+}
+
+TEST(Sweep, RangesCrossZeroAtZero) {
+  const plan::Plan plan =
+      PlanOf("let x = sweep(-0.3 .. 0.3 step 0.1)\nbenchmark b { world.side 10 + x }");
+  EXPECT_EQ(std::get<double>(plan.axes.at(0).values.at(3)), 0);
 }
 
 TEST(Sweep, TheFirstWrittenVariesSlowest) {

@@ -91,6 +91,13 @@ struct Naps : Sound {
     usleep(2000);
   }
 };
+/// The higher body first.
+struct Backwards : Sound {
+  void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
+    Sound::FindPairs(scene, pairs);
+    for (Pair& pair : pairs) pair = {pair.b, pair.a};
+  }
+};
 struct UnknownBody : Sound {
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
     pairs.push_back({0, static_cast<Id>(scene.size)});
@@ -148,6 +155,7 @@ constexpr DetectorEntry kEntries[] = {
     {"segfaults", "", kBroad, 0, Make<Segfaults>},
     {"hangs", "", kBroad, 0, Make<Hangs>},
     {"naps", "", kBroad, 0, Make<Naps>},
+    {"backwards", "", kBroad, 0, Make<Backwards>},
     {"unknown_body", "", kBroad, 0, Make<UnknownBody>},
     {"same_body", "", kBroad, 0, Make<SameBody>},
     {"throws_in_find_contacts", "", kNarrow, 0, Make<ThrowsInFindContacts>},

@@ -93,6 +93,24 @@ TEST(Plugins, AreTracedToo) {
   EXPECT_TRUE(Has(traced.out, "20 cycles")) << traced.out;
 }
 
+TEST(Plugins, MayListEitherBodyOfAPairFirst) {
+  const Program program;
+  program.Write("b.cdb", ContactCluster(Use("faulty"),
+                                        "detector sweep(sound, backwards); record counts, pairs"));
+  ASSERT_EQ(program.Run({"trace", "b.cdb", "-q", "-o", "t"}).status, 0);
+  program.Write("on.cdb", Use("faulty") +
+                              "benchmark on { trace \"t/b_detector-sound.trace.h5\"\n"
+                              "record timing, counts, pairs; detector sweep(sound, backwards) }\n");
+  for (const char* name : {"b", "on"}) {
+    const Finished run = program.Run({"run", fmt::format("{}.cdb", name)});
+    EXPECT_EQ(run.status, 0) << run.out << run.err;
+    const results::ResultFile file(program.folder() / fmt::format("{}.h5", name));
+    EXPECT_EQ(file.ReadText("state_hash", {{0}, 0}), file.ReadText("state_hash", {{1}, 0}));
+    for (const char* series : {"pairs", "exact_pairs", "missed_pairs", "duplicate_pairs"})
+      EXPECT_EQ(file.ReadSeries(series, {{0}, 0}), file.ReadSeries(series, {{1}, 0})) << series;
+  }
+}
+
 TEST(Plugins, ThatMissContactsAreFoundOnPairs) {
   const Program program;
   program.Write("b.cdb", ContactCluster("", "acceleration 0"));

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "library/detectors/catalogue_entry.h"
+#include "library/detectors/narrow/batch.h"
 
 namespace cdb::builtin {
 
@@ -40,10 +41,15 @@ consteval Row Of(std::string_view name) {
 }
 
 constexpr Row kRows[] = {
-    Of<MakeAuto>("auto"),      Of<MakeSkin>("skin"),
-    Of<MakeGrid>("grid"),      Of<MakeHierarchicalGrid>("hierarchical_grid"),
-    Of<MakeSweep>("sweep"),    Of("octree", MakeOctree),
-    Of("kd_tree", MakeKdTree), Of("null", [](const Options&) -> Detector* { return new Null; }),
+    Of<MakeAuto>("auto"),
+    Of<MakeSkin>("skin"),
+    Of<MakeGrid>("grid"),
+    Of<MakeHierarchicalGrid>("hierarchical_grid"),
+    Of<MakeSweep>("sweep"),
+    Of("octree", MakeOctree),
+    Of("kd_tree", MakeKdTree),
+    Of("batch", narrow::MakeBatch),
+    Of("null", [](const Options&) -> Detector* { return new Null; }),
 };
 static_assert(std::ranges::count_if(schema::kDetectorTable, &schema::DetectorInfo::IsOwn) ==
                   std::ssize(kRows),

@@ -110,7 +110,27 @@ bool IsFigureName(std::string_view name) {
          });
 }
 
-/// The text of the element that a page whose address ends in `#figures` consists of.
+/// What follows `#` in the address of a page that shall draw its figures.
+std::string FragmentOf(const FigureChoices& choices) {
+  constexpr std::string_view kSizes[] = {"screen", "column", "page"};
+  if (std::ranges::find(kSizes, choices.size) == std::end(kSizes))
+    throw CommandError(fmt::format("--size cannot be '{}'; it is one of {}", choices.size,
+                                   fmt::join(kSizes, ", ")));
+  std::string_view view = choices.view;
+  if (view.starts_with('#')) view.remove_prefix(1);
+  const auto is_of_address = [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("-_.~%=&:+!*'()").find(c) != std::string_view::npos;
+  };
+  if (!std::ranges::all_of(view, is_of_address))
+    throw CommandError(fmt::format(
+        "--view takes what the address of the page has after #, such as quantity=time:broad, not "
+        "'{}'",
+        choices.view));
+  return fmt::format("#figures&size={}&{}", choices.size, view);
+}
+
+/// The text of the element that a page with such an address consists of.
 std::string_view FiguresIn(std::string_view html) {
   constexpr std::string_view kStart = "<pre id=\"figures\">";
   const std::size_t start = html.rfind(kStart);
@@ -145,7 +165,9 @@ std::string OpenInBrowser(const fs::path& page) {
   return {};
 }
 
-std::vector<std::pair<std::string, std::string>> DrawFigures(const fs::path& page) {
+std::vector<std::pair<std::string, std::string>> DrawFigures(const fs::path& page,
+                                                             const FigureChoices& choices) {
+  const std::string fragment = FragmentOf(choices);
   const std::string browser = RequireDrawing();
   const BrowserProfile profile;
   std::vector<std::string> words = {browser,
@@ -156,7 +178,7 @@ std::vector<std::pair<std::string, std::string>> DrawFigures(const fs::path& pag
                                     "--user-data-dir=" + profile.path().string(),
                                     "--virtual-time-budget=60000",
                                     "--dump-dom",
-                                    AddressOf(page) + "#figures"};
+                                    AddressOf(page) + fragment};
   // Chromium refuses to confine itself as root.
   if (geteuid() == 0) words.insert(words.begin() + 1, "--no-sandbox");
   const auto end = cluster::RunProgram(words, "");

@@ -17,9 +17,16 @@ std::string AddressOf(const std::filesystem::path& page);
 /// if there is none.
 std::string OpenInBrowser(const std::filesystem::path& page);
 
-/// The figures of a report, as drawn on opening it: the name of a file, and SVG. Scripts draw them,
-/// and need the fonts and the layout of a browser. Throws CommandError, with the remedy, if PATH
-/// has no browser of the family of Chromium, or it fails.
-std::vector<std::pair<std::string, std::string>> DrawFigures(const std::filesystem::path& page);
+/// How the figures of a report are drawn.
+struct FigureChoices {
+  std::string size = "screen";  ///< or `column` or `page`, of print
+  std::string view;             ///< what the address of the page has after #; empty: on opening it
+};
+
+/// The figures of a report: the name of a file, and SVG. Scripts draw them, and need the fonts and
+/// the layout of a browser. Throws CommandError, with the remedy, if a choice is unknown, PATH has
+/// no browser of the family of Chromium, or it fails.
+std::vector<std::pair<std::string, std::string>> DrawFigures(const std::filesystem::path& page,
+                                                             const FigureChoices& choices);
 
 }  // namespace cdb::options

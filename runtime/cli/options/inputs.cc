@@ -38,13 +38,17 @@ void CheckBenchmarkName(const std::string& name, const std::vector<std::string>&
                                             fmt::format("there are {}", fmt::join(names, ", ")))));
 }
 
-/// The name of each lint, once. Empty if there are none.
+/// The name of each lint, once, with the line of the first. Empty if there are none.
 std::string LintsInOneLine(const dsl::Diagnostics& diagnostics, const std::string& file) {
-  std::vector<std::string_view> names;
-  for (const dsl::Diagnostic& diagnostic : diagnostics.all())
-    if (lints::IsLint(*diagnostic.kind) &&
-        std::ranges::find(names, diagnostic.kind->id) == names.end())
-      names.push_back(diagnostic.kind->id);
+  std::vector<std::string> names;
+  std::set<std::string_view> named;
+  for (const dsl::Diagnostic& diagnostic : diagnostics.all()) {
+    if (!lints::IsLint(*diagnostic.kind) || !named.insert(diagnostic.kind->id).second) continue;
+    const text::Span& span = diagnostic.span;
+    names.push_back(span.source == nullptr ? std::string(diagnostic.kind->id)
+                                           : fmt::format("{} (line {})", diagnostic.kind->id,
+                                                         span.source->PositionAt(span.begin).line));
+  }
   if (names.empty()) return {};
   return fmt::format(
       "{}: Bullet may not simulate this accurately: {}; `cdb check {}` explains why\n", file,
@@ -129,14 +133,27 @@ dsl::File ParseItself(const std::string& file) {
                     ignored);
 }
 
-/// The statement of NAME=VALUE.
-std::string StatementOf(const std::string& setting) {
+/// The names of the lets of the file and of the benchmark.
+std::vector<std::string_view> LetsOf(const dsl::File& file, const dsl::Benchmark& benchmark) {
+  std::vector<std::string_view> names;
+  for (const auto& item : file.items)
+    if (const auto* let = std::get_if<dsl::Let>(&item)) names.push_back(let->name.text);
+  for (const dsl::Statement& statement : benchmark.block.statements)
+    if (const auto* let = std::get_if<dsl::Let>(&statement.what)) names.push_back(let->name.text);
+  return names;
+}
+
+/// The statement of NAME=VALUE; NAME is a parameter, or one of the `lets`, or follows `let`.
+std::string StatementOf(const std::string& setting, const std::vector<std::string_view>& lets) {
   const std::size_t equals = setting.find('=');
   if (equals == 0 || equals == setting.npos || equals + 1 == setting.size() ||
       setting.find_first_of("\r\n") != setting.npos)
     throw CommandError(fmt::format(
         "--set takes NAME=VALUE, such as --set objects.quantity=500, not '{}'", setting));
-  return fmt::format("{} {}", setting.substr(0, equals), setting.substr(equals + 1));
+  const std::string name = setting.substr(0, equals), value = setting.substr(equals + 1);
+  if (name.starts_with("let ")) return fmt::format("{} = {}", name, value);
+  return std::ranges::find(lets, name) != lets.end() ? fmt::format("let {} = {}", name, value)
+                                                     : fmt::format("{} {}", name, value);
 }
 
 }  // namespace
@@ -156,7 +173,9 @@ void SetInScenario(const std::string& file, const std::optional<std::string>& be
     has_benchmark = true;
     const std::string title = base->title.empty() ? "" : fmt::format(" \"{}\"", base->title);
     text += fmt::format("benchmark {0} from {0}{1} {{\n", base->name.text, title);
-    for (const std::string& setting : settings) text += fmt::format("  {}\n", StatementOf(setting));
+    const auto lets = LetsOf(tree, *base);
+    for (const std::string& setting : settings)
+      text += fmt::format("  {}\n", StatementOf(setting, lets));
     text += "}\n";
   }
   // A missing benchmark is reported for the file itself.
@@ -186,6 +205,11 @@ std::string FindScenarioFile(const std::string& file) {
   if (file.ends_with(".h5"))
     throw CommandError(
         fmt::format("'{}' is a results file, not a scenario; `cdb show {}` shows it", file, file));
+  if (file.ends_with(".so"))
+    throw CommandError(
+        fmt::format("'{0}' is a shared library, not a scenario; each needs its own option: "
+                    "--plugin {0}",
+                    file));
   std::error_code error;
   if (fs::exists(file, error)) return file;
   const fs::path library = ScenarioLibrary();
@@ -352,7 +376,10 @@ void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>
     if (!(*parameter).HasWord(word, plugins))
       throw CommandError(
           fmt::format("--{} {}: {}", parameter.name(), word,
-                      Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", ")))));
+                      Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", "))) +
+                          (parameter.get()->TakesDetectors() && plugins.empty()
+                               ? "; your own detector needs --plugin FILE.so"
+                               : "")));
     if (!seen.insert(word).second)
       throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
   }

@@ -105,14 +105,14 @@ void Subcommand::Quiet(bool& quiet, const std::string& help) {
 
 void Subcommand::Set(std::vector<std::string>& settings) {
   Repeated("--set", settings,
-           "NAME=VALUE: set this parameter in every benchmark, over its own value "
+           "NAME=VALUE: set this parameter or let in every benchmark, over its own value "
            "(--set 'detector=sweep(sap, dbvt)'); repeat the option for several");
 }
 
 void Subcommand::Plugins(std::vector<std::string>& plugins) {
   command_
       .add_option("--plugin", plugins,
-                  "shared library with your own detectors; repeat the option for several libraries")
+                  "shared library with your own detectors; each needs its own --plugin")
       ->allow_extra_args(false);
 }
 

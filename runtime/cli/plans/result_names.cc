@@ -103,12 +103,13 @@ fs::path ResultPath(const std::string& out, const std::string& name, const std::
     throw options::CommandError(fmt::format(
         "'{}': names that end in .runs are folders of unfinished sweeps; name another file by -o",
         out));
-  if (fs::is_directory(out, error)) return RequireOwnFolder(NameIn(out, name, file));
+  if (fs::is_directory(out, error) || out.ends_with('/'))
+    return RequireOwnFolder(NameIn(out, name, file));
   if (plan_count > 1)
     throw options::CommandError(
-        fmt::format("{} has {} benchmarks, but '{}' can hold only one: name a folder, or choose a "
-                    "benchmark by -b",
-                    file, plan_count, out));
+        fmt::format("{} has {} benchmarks, but '{}' can hold only one: name a folder, such as "
+                    "'{}/', or choose a benchmark by -b",
+                    file, plan_count, out, fs::path(out).replace_extension().string()));
   const fs::path folder = fs::path(out).parent_path();
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw options::CommandError(

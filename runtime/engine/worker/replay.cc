@@ -11,6 +11,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compiler/analysis/trace.h"
@@ -68,15 +69,18 @@ detection::NamedDetector MakeFor(const plan::Scene& scene, const TracedScene& tr
   return detector;
 }
 
-/// Fails the run if an entry is not a pair of bodies.
-void CheckPairs(const TracedScene& traced, std::string_view name, std::span<const Pair> pairs) {
+/// Puts the lower body of each pair first, as a live world does. Fails the run if an entry is not a
+/// pair of bodies.
+void PutInShape(const TracedScene& traced, std::string_view name, std::span<Pair> pairs) {
   const std::size_t bodies = traced.scene().size;
-  for (const Pair& pair : pairs)
-    if (!(pair.a < pair.b && pair.b < bodies))
+  for (Pair& pair : pairs) {
+    if (pair.a > pair.b) std::swap(pair.a, pair.b);
+    if (pair.a == pair.b || pair.b >= bodies)
       throw library::SceneError(
           fmt::format("detector `{}` lists the pair {}, {}; a pair must be two of the bodies 0 to "
-                      "{}, the lower one first",
+                      "{}",
                       name, pair.a, pair.b, bodies - 1));
+  }
 }
 
 /// The cycles of a run on its trace.
@@ -106,7 +110,7 @@ class Replay {
       const std::int64_t begin = world::Now();
       detector.detector->FindPairs(traced_.scene(), pairs_);
       const std::int64_t end = world::Now();
-      CheckPairs(traced_, detector.name, pairs_);
+      PutInShape(traced_, detector.name, pairs_);
       // The same filter as in the engine.
       std::erase_if(
           pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
@@ -134,7 +138,7 @@ class Replay {
       traced_.MoveTo(i);
       pairs_.clear();
       detector.detector->FindPairs(traced_.scene(), pairs_);
-      CheckPairs(traced_, detector.name, pairs_);
+      PutInShape(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
       probes::RecordPairFaults(traced_.scene(), pairs_, i - warmup_, recording_);
     }

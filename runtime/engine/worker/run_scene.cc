@@ -158,7 +158,7 @@ std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recordin
     header.models = objects::ModelsText(state.forms);
     layouts::Place(run.scene, state);
     if (yaml::HasPile(run.scene)) SettleAndTell(run.scene, state, header.settling);
-    if (run.scene.role == plan::Role::kPerturbed) layouts::Perturb(run.scene, state);
+    if (run.scene.role == plan::Role::kTwin) layouts::Displace(run.scene, state);
     probes::BeginPeak();
     const std::int64_t build_begin = world::Now();
     header.scalars.place_ns = static_cast<double>(build_begin - place_begin);

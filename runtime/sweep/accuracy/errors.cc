@@ -165,11 +165,10 @@ class At {
 
 }  // namespace
 
-std::size_t HorizonOf(const protocol::Samples& reference, const protocol::Samples& perturbed) {
+std::size_t HorizonOf(const protocol::Samples& reference, const protocol::Samples& twin) {
   for (std::size_t s = 0; s < reference.shape.samples; ++s) {
     const double apart = RmsOverObjects(reference, [&](std::size_t i) {
-      return ((perturbed.position(s, i) - reference.position(s, i)) / reference.size(i))
-          .squaredNorm();
+      return ((twin.position(s, i) - reference.position(s, i)) / reference.size(i)).squaredNorm();
     });
     if (!(apart <= kHorizonDistance)) return s;
   }
@@ -223,14 +222,14 @@ double MeanMove(std::vector<double> from, std::vector<double> to) {
 
 protocol::RunErrors CollectErrors(const plan::Scene& scene, const protocol::Samples& run,
                                   const Standard* standard, const protocol::Samples* reference,
-                                  const protocol::Samples* perturbed) {
+                                  const protocol::Samples* twin) {
   const auto errors = analysis::ErrorsOf(scene);
   protocol::RunErrors result;
-  const bool is_sure = perturbed == nullptr;
-  const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *perturbed);
+  const bool is_sure = twin == nullptr;
+  const std::size_t horizon = is_sure ? run.shape.samples : HorizonOf(*reference, *twin);
   const auto series = ErrorSeries(errors, run, standard);
   const auto floors =
-      is_sure ? std::vector<std::vector<double>>() : ErrorSeries(errors, *perturbed, standard);
+      is_sure ? std::vector<std::vector<double>>() : ErrorSeries(errors, *twin, standard);
   std::string unknown;
   for (std::size_t e = 0; e < errors.size(); ++e) {
     const ErrorInfo& error = *errors[e];
@@ -250,7 +249,7 @@ protocol::RunErrors CollectErrors(const plan::Scene& scene, const protocol::Samp
     result.message = "a state of the run is not finite";
   } else if (!is_sure && horizon < 2) {
     result.message = fmt::format(
-        "no position is known: the reference and its perturbed run differ by a tenth of a size at "
+        "no position is known: the reference and its twin differ by a tenth of a size at "
         "the first sample already, at {} s; sample earlier (accuracy.interval), or choose metrics "
         "that need no single trajectory, such as energy and height",
         run.Time(1));

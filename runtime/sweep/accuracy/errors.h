@@ -39,13 +39,13 @@ std::unique_ptr<Standard> StandardOf(const protocol::Samples& reference);
 std::unique_ptr<Standard> StandardOf(const closed_forms::ClosedForm& form,
                                      const protocol::Samples& run);
 
-/// The reference is trusted until its perturbed run is this far from it: the root mean square over
+/// The reference is trusted until its twin is this far from it: the root mean square over
 /// the objects of the distance in sizes.
 inline constexpr double kHorizonDistance = 0.1;
 
 /// The first sample at which the two runs are that far apart or cannot be compared; the number of
 /// samples if there is none.
-std::size_t HorizonOf(const protocol::Samples& reference, const protocol::Samples& perturbed);
+std::size_t HorizonOf(const protocol::Samples& reference, const protocol::Samples& twin);
 
 /// One value per sample. NaN where the standard has no value, for errors of a step at the start,
 /// and for overlaps where there are none. `standard` may be null if no error of `errors` needs it.
@@ -64,9 +64,9 @@ double Folded(std::span<const double> series, schema::Fold fold, std::size_t end
 double MeanMove(std::vector<double> from, std::vector<double> to);
 
 /// All errors that `scene` requests, as the results store them. `standard` as above. `reference`
-/// and `perturbed` are null for a closed form; the horizon is then the end and the floor 0.
+/// and `twin` are null for a closed form; the horizon is then the end and the floor 0.
 protocol::RunErrors CollectErrors(const plan::Scene& scene, const protocol::Samples& run,
                                   const Standard* standard, const protocol::Samples* reference,
-                                  const protocol::Samples* perturbed);
+                                  const protocol::Samples* twin);
 
 }  // namespace cdb::accuracy

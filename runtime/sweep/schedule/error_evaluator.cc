@@ -15,7 +15,7 @@
 namespace cdb::schedule {
 namespace {
 
-/// A reference and its perturbed run, for runs that alternate between two references.
+/// A reference and its twin, for runs that alternate between two references.
 constexpr std::size_t kKept = 4;
 
 protocol::RunErrors AgainstForm(const plan::Run& run, const protocol::Samples& samples) {
@@ -100,11 +100,11 @@ protocol::RunErrors ErrorEvaluator::AgainstReference(const plan::Run& run,
     return std::nullopt;
   };
   const auto reference = find(run.reference);
-  const auto perturbed = find(run.perturbed);
+  const auto twin = find(run.twin);
   protocol::RunErrors errors;
-  if (reference && perturbed) {
+  if (reference && twin) {
     const auto standard = accuracy::StandardOf(*reference);
-    errors = accuracy::CollectErrors(run.scene, samples, standard.get(), &*reference, &*perturbed);
+    errors = accuracy::CollectErrors(run.scene, samples, standard.get(), &*reference, &*twin);
   } else {
     errors = accuracy::CollectErrors(run.scene, samples, nullptr, nullptr, nullptr);
     Append(errors.message, trouble);

@@ -94,7 +94,7 @@ std::vector<std::uint64_t> ShardOfEach(const std::vector<DetectorGroup>& groups,
 std::vector<const plan::Run*> ReferencesOf(const plan::Plan& plan,
                                            const std::vector<const plan::Run*>& runs) {
   std::unordered_set<std::string_view> wanted;
-  for (const plan::Run* run : runs) wanted.insert({run->reference, run->perturbed});
+  for (const plan::Run* run : runs) wanted.insert({run->reference, run->twin});
   std::vector<const plan::Run*> references;
   for (const plan::Run& reference : plan.references)
     if (wanted.contains(reference.id)) references.push_back(&reference);
@@ -213,7 +213,7 @@ Demand LeastDemand(const std::vector<const plan::Run*>& runs, std::uint64_t jobs
     if (const auto shape = protocol::SampleShapeOf(run->scene))
       samples = static_cast<double>(shape->Count() * sizeof(double));
     // Recording and record exist at the same time; samples are those of the run, of its reference
-    // and of its perturbed run.
+    // and of its twin.
     demand.recorded = std::max(demand.recorded, 2 * (series + 3 * samples));
     demand.disk += 2 / kBestCompression * series;
     demand.time += SecondsOf(*run);

@@ -29,10 +29,10 @@ TEST(Reference, IsSharedByAllThatItStandsFor) {
   EXPECT_EQ(plan.runs.size(), 48u);
   ASSERT_EQ(plan.references.size(), 2u);
   EXPECT_EQ(plan.references[0].scene.role, plan::Role::kReference);
-  EXPECT_EQ(plan.references[1].scene.role, plan::Role::kPerturbed);
+  EXPECT_EQ(plan.references[1].scene.role, plan::Role::kTwin);
   for (const plan::Run& run : plan.runs) {
     EXPECT_EQ(run.reference, plan.references[0].id);
-    EXPECT_EQ(run.perturbed, plan.references[1].id);
+    EXPECT_EQ(run.twin, plan.references[1].id);
   }
   const plan::WorldSettings& world = plan.references[0].scene.world;
   EXPECT_DOUBLE_EQ(world.Real("timestep"), 1.0 / 3840);

@@ -115,7 +115,7 @@ TEST(Accuracy, OfAGasHasAFloor) {
   const Program program;
   program.Write("gas.cdb", kGas);
   const Finished plan = program.Run({"plan", "gas.cdb"});
-  EXPECT_NE(plan.out.find("compared with 2 reference runs"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("compared with a reference run, checked by a twin"), std::string::npos) << plan.out;
   const Finished run = program.Run({"run", "gas.cdb"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
@@ -138,17 +138,17 @@ TEST(Accuracy, GoesOnWithTheReferencesThatAreThere) {
   const auto plans =
       compiler::Compile((program.folder() / "gas.cdb").string(), compiler::ReadFromDisk).plans;
   ASSERT_EQ(plans.at(0).references.size(), 2u);
-  const std::string reference = plans[0].references[0].id, perturbed = plans[0].references[1].id;
+  const std::string reference = plans[0].references[0].id, twin = plans[0].references[1].id;
   const fs::path folder = program.folder() / "gas.runs";
   ASSERT_EQ(program.Run({"run", "gas.cdb", "-q", "--shard", "1/2"}).status, 0);
   const auto before = RunsIn(folder);
-  ASSERT_TRUE(before.contains(reference) && before.contains(perturbed));
-  // A perturbed run that is missing is executed again, as any run.
-  journal::Journal::OpenToWrite(folder, plans[0].Sha256()).Forget(perturbed);
+  ASSERT_TRUE(before.contains(reference) && before.contains(twin));
+  // A twin that is missing is executed again, as any run.
+  journal::Journal::OpenToWrite(folder, plans[0].Sha256()).Forget(twin);
   const Finished second = program.Run({"run", "gas.cdb", "--shard", "2/2"});
   ASSERT_EQ(second.status, 0) << second.err;
   EXPECT_EQ(RunsIn(folder).at(reference), before.at(reference)) << "it was there";
-  EXPECT_GT(RunsIn(folder).at(perturbed), before.at(perturbed));
+  EXPECT_GT(RunsIn(folder).at(twin), before.at(twin));
   const Finished checked = program.Run({"check", "gas.runs/runs.journal"});
   EXPECT_NE(checked.out.find("whole: a journal of 4 finished runs"), std::string::npos)
       << checked.out << checked.err;

@@ -62,8 +62,8 @@ TEST(Lints, AreWholeInCheckALineInPlanAndRunAndSilentInQuiet) {
   EXPECT_EQ(check.status, 0);
   EXPECT_NE(check.err.find("small.cdb:1:38: warning: "), std::string::npos) << check.err;
   const char* line =
-      "small.cdb: Bullet may not simulate this accurately: long-step; `cdb check small.cdb` "
-      "explains why\n";
+      "small.cdb: Bullet may not simulate this accurately: long-step (line 1); `cdb check "
+      "small.cdb` explains why\n";
   EXPECT_EQ(program.Run({"plan", "small.cdb"}).err, line);
   EXPECT_NE(program.Run({"run", "small.cdb"}).err.find(line), std::string::npos);
   EXPECT_EQ(program.Run({"run", "-q", "--fresh", "small.cdb"}).err, "");

@@ -102,9 +102,17 @@ TEST_F(ReportCommand, WritesFiguresThatABrowserDraws) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(program_.folder() / "figures"), {}),
             1);
   const std::string asked = program_.Read("asked");
-  EXPECT_NE(asked.find("/a%20b.html#figures\n"), std::string::npos) << asked;
+  EXPECT_NE(asked.find("/a%20b.html#figures&size=screen&\n"), std::string::npos) << asked;
   const std::size_t at = asked.find("--user-data-dir=") + 16;
   EXPECT_FALSE(std::filesystem::exists(asked.substr(at, asked.find(' ', at) - at)));
+
+  EXPECT_EQ(
+      Report("", "--svg figures --size column --view '#quantity=time:broad&statistic=p95'").status,
+      0);
+  EXPECT_NE(program_.Read("asked").find("#figures&size=column&quantity=time:broad&statistic=p95\n"),
+            std::string::npos);
+  for (const char* unknown : {"--size small", "--view 'a b'"})
+    EXPECT_EQ(Report("", std::string("--svg figures ") + unknown).status, 2) << unknown;
 
   for (const char* fails :
        {"exit 7", "echo '<pre id=\"figures\">{\"s-times.svg\":'", "kill -9 $$"}) {

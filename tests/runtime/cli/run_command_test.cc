@@ -175,6 +175,41 @@ TEST(Run, AllBenchmarksOfAFileIntoAFolder) {
   EXPECT_NE(unknown.err.find("did you mean"), std::string::npos) << unknown.err;
 }
 
+TEST(Run, MakesAFolderThatIsNamedAsOne) {
+  const Program program;
+  program.Write("small.cdb", kSmall);
+  EXPECT_EQ(program.Run({"run", "small.cdb", "--dry-run", "-o", "new/of/mine/"}).status, 0);
+  EXPECT_FALSE(program.Exists("new"));
+  EXPECT_EQ(program.Run({"run", "small.cdb", "-q", "-o", "new/of/mine/"}).status, 0);
+  EXPECT_TRUE(program.Exists("new/of/mine/small.h5"));
+}
+
+TEST(Run, RequiresAVerdict) {
+  const Program program;
+  program.Write("sunk.cdb",
+                "benchmark sunk { cycles 60; timestep sweep(1/1000, 1/10); world.side 20\n"
+                "  objects { quantity 5; size 1; location stack } }\n");
+  ASSERT_EQ(program.Run({"run", "sunk.cdb", "-q"}).status, 0);
+  const Finished sunk = program.Run({"run", "sunk.cdb", "-q", "--require", "stable"});
+  EXPECT_EQ(sunk.status, 3);
+  EXPECT_NE(sunk.err.find("sunk.h5: 1 of 2 runs fail `--require stable`: 1 "), std::string::npos)
+      << sunk.err;
+  EXPECT_EQ(program.Run({"run", "sunk.cdb", "-q", "--require", "exploded"}).status, 0);
+  for (const auto& [arguments, why] :
+       {std::pair(std::vector<std::string>{"--require", "stabel"}, "did you mean 'stable'?"),
+        std::pair(std::vector<std::string>{"--require", "stable", "--shard", "1/2"},
+                  "remove --shard"),
+        std::pair(std::vector<std::string>{"--require", "stable", "--set", "record=timing"},
+                  "does not record stability")}) {
+    std::vector<std::string> words = {"run", "sunk.cdb", "-o", "other.h5"};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    const Finished refused = program.Run(words);
+    EXPECT_EQ(refused.status, 2) << why;
+    EXPECT_NE(refused.err.find(why), std::string::npos) << refused.err;
+  }
+  EXPECT_FALSE(program.Exists("other.h5"));
+}
+
 TEST(Run, AFailedRunIsDataAndExitStatus3) {
   const Program program;
   program.Write(
@@ -298,6 +333,8 @@ TEST(Run, SetsParametersOverThoseOfTheScenario) {
   EXPECT_EQ(wrong.status, 1);
   EXPECT_NE(wrong.err.find("--set.cdb:3:3: error: "), std::string::npos) << wrong.err;
   EXPECT_NE(wrong.err.find("write objects.quantity"), std::string::npos) << wrong.err;
+  for (const char* let : {"n=2", "let n=2"})
+    EXPECT_EQ(program.Run({"plan", "a.cdb", "-o", "-", "-b", "a", "--set", let}).status, 0) << let;
   EXPECT_EQ(program.Run({"run", "a.cdb", "--set", "quantity"}).status, 2);
   EXPECT_EQ(program.Run({"run", "plan.yaml", "--set", "cycles=2"}).status, 2);
 }

@@ -114,6 +114,11 @@ TEST(Trace, OfPairsTakesThePlaceOfOneWithoutAndServesBothPhases) {
   const Finished show = program.Run({"show", "on.h5"});
   EXPECT_NE(show.out.find("Its largest phase is narrow: "), std::string::npos) << show.out;
   EXPECT_NE(show.out.find("ns/pair"), std::string::npos) << show.out;
+  for (const char* phase : {" broad ", " solve ", " integrate "})
+    EXPECT_EQ(show.out.find(phase), std::string::npos) << show.out;
+  EXPECT_NE(program.Run({"show", "on.h5", "--csv"}).out.find(",ns_per_pair,"), std::string::npos);
+  EXPECT_NE(program.Run({"show", "on.h5", "--json"}).out.find("\"ns_per_pair\":"),
+            std::string::npos);
   const results::ResultFile narrow(program.folder() / "on.h5");
   for (const protocol::Phase phase :
        {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})

@@ -310,20 +310,42 @@ TEST(Compare, IgnoresAnAxisOfOneValueAndRefusesOneOfSeveral) {
             std::string::npos);
 }
 
+plan::Plan ReplayedPlan(const std::string& recorded) {
+  const auto compiled = CompileText("benchmark replayed { trace \"crowd.trace.h5\"; record " +
+                                    recorded + "\n  detector sweep(sap, grid) }");
+  return compiled.plans.at(0);
+}
+
 TEST(Compare, ComparesThePairsOfDetectorsOnTraces) {
-  const auto compiled = CompileText(
-      "benchmark replayed { trace \"crowd.trace.h5\"; record timing, pairs\n"
-      "  detector sweep(sap, grid) }");
-  ASSERT_EQ(compiled.plans.size(), 1u);
-  const plan::Plan& plan = compiled.plans[0];
+  const plan::Plan plan = ReplayedPlan("timing, pairs");
   ExpectSays(Compared({{plan}, {plan}}).Text(),
              "Pairs: the same in the last cycle at 2 of 2 points");
   const auto other = [](const plan::Run& run, ComparedRun& made) {
     if (run.at[0] == 1) made.state = "another";
   };
-  ExpectSays(Compared({{plan}, {.plan = plan, .change = other}}).Text(),
+  const Compared exact({{plan}, {.plan = plan, .change = other}});
+  ExpectSays(exact.Text(),
              "PAIRS DIFFER: other pairs in the last cycle at 1 of 2 points, whose times are of "
              "other pairs: detector grid");
+  EXPECT_FALSE(exact.IsWorse());
+
+  // Nobody knows which of the files misses some.
+  const plan::Plan unchecked = ReplayedPlan("timing");
+  const std::vector<ComparedResult> results = {{unchecked}, {.plan = unchecked, .change = other}};
+  EXPECT_FALSE(Compared({results[0], results[0]}).IsWorse());
+  const Compared failed(results);
+  EXPECT_TRUE(failed.IsWorse());
+  ExpectSays(failed.Text(), "Pairs not compared with exact ones, so a missed pair would not be");
+  ExpectSays(failed.Headline(), "FAIL (exit status 4): replayed: other pairs: detector grid");
+  figures::Gate tolerant;
+  tolerant.SetFails(figures::Finding::kPairs, false);
+  EXPECT_FALSE(Compared(results, {.gate = tolerant}).IsWorse());
+}
+
+TEST(Compare, ComparesOnlyStepsOnTraces) {
+  const plan::Plan plan = ReplayedPlan("timing");
+  for (const figures::TimedGroup& group : Compared({{plan}, {plan}}).comparison().times.groups)
+    EXPECT_EQ(group.phases.size(), 1u) << group.name;
 }
 
 TEST(Compare, SaysThatBenchmarksDiffer) {

@@ -58,6 +58,20 @@ TEST(Conclusions, NameTheFastestDetectorWithItsInterval) {
   EXPECT_EQ(step.certainty, Certainty::kClear);
 }
 
+TEST(Conclusions, SayThatAPlugInWasNotChecked) {
+  plan::Plan plan = DetectorPlan(5);
+  plan.axes[0].values[1] = "mine";
+  const auto all = ConclusionsOf(plan, [](const plan::Run& run) {
+    return FactorTimes(run, {2, 1, 1.2});
+  });
+  const std::string answer = FindConclusion(all, "fastest").answer;
+  EXPECT_TRUE(answer.starts_with("mine. Next is sap")) << answer;
+  EXPECT_TRUE(
+      answer.ends_with("The pairs of mine, a plug-in, were not compared with exact ones: "
+                       "`record pairs` says whether it misses any."))
+      << answer;
+}
+
 TEST(Conclusions, BeginWithWhatTheSweepAsks) {
   const auto kinds = [](const plan::Plan& plan) {
     std::string text;

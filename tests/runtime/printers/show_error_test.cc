@@ -80,7 +80,7 @@ position, * front, = tie, x void
           +------------------------------------------------------------
            3333                    x real time                    13330
 
-An error below its floor is not significant: the reference changes by as much with its time step and with a perturbed start.
+An error below its floor is not significant: the reference changes by as much with twice its time step and a displaced start.
 )");
 }
 

@@ -200,9 +200,11 @@ export function createFigure({ id, describe, tools = () => [] }) {
       replaceControls(parts.toolbar, tools(doc, view));
       redraw();
     },
-    /** The name of an exported file, and SVG; null if there is nothing to draw. */
-    svg: () =>
-      !drawing || 'empty' in drawing ? null : { id, name: source.getName(), text: svgText(source.getDescribe()).text },
+    /** The name of an exported file, and SVG of a size; null if there is nothing to draw. */
+    svg: (size) =>
+      !drawing || 'empty' in drawing
+        ? null
+        : { id, name: source.getName(), text: svgText(source.getDescribe(), size).text },
     redraw: () => doc && drawnAt !== key(size()) && redraw(),
   };
 }

@@ -5,6 +5,7 @@ import { openDocument } from './document.js';
 import { bdi, h } from './dom.js';
 import { describeDistributions, describeRepeats } from './distributions.js';
 import { describeErrors } from './errors.js';
+import { sizes } from './export.js';
 import { createFigure, replaceControls } from './figure.js';
 import { short } from './format.js';
 import { describeOverAxes } from './over_axes.js';
@@ -241,14 +242,18 @@ function follow() {
   else current.update(decode(current.doc, address));
 }
 
-/** Replaces the page by the figures as files, for `cdb report --svg`: in ASCII, which no markup changes. */
+/**
+ * Replaces the page by the figures as files, for `cdb report --svg`: in ASCII, which no markup changes. The rest of the
+ * address has their size, and a view as that of the page.
+ */
 function writeFigures() {
+  const size = sizes[new URLSearchParams(location.hash.slice(1)).get('size') ?? 'screen'];
   const files = {};
   documents.forEach((doc, i) => {
     show(i);
     const stem = documents.length > 1 && short(doc.raw.sources?.[0]?.file ?? '', 60).replace(/\.h5$/, '');
     for (const figure of current.drawn) {
-      const file = figure.svg();
+      const file = figure.svg(size);
       if (!file) continue;
       const wanted = stem ? `${stem.replace(/[^\w-]+/g, '_')}-${file.id}` : file.name;
       let name = wanted;
@@ -270,7 +275,7 @@ function start() {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
     return;
   }
-  if (location.hash === '#figures') {
+  if (/^#figures(&|$)/.test(location.hash)) {
     writeFigures();
     return;
   }

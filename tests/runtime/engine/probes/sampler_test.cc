@@ -242,12 +242,12 @@ TEST(Reference, StartsWhereTheRunDoesAndIsSampledAtTheSameTimes) {
   EXPECT_GT((samples.position(1, 0) - true_samples.position(1, 0)).norm(), 0);
 }
 
-TEST(PerturbedRun, IsMovedByABillionthOfEachSize) {
+TEST(Twin, IsMovedByABillionthOfEachSize) {
   const plan::Scene reference = ReferenceHere(Gas({"position"}));
-  const plan::Scene perturbed = analysis::PerturbedOf(reference);
-  const Recorded truth = RunHere(reference), other = RunHere(perturbed);
+  const plan::Scene twin = analysis::TwinOf(reference);
+  const Recorded truth = RunHere(reference), other = RunHere(twin);
   ASSERT_TRUE(other.done()) << other.message();
-  const protocol::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, perturbed);
+  const protocol::Samples a = SamplesOf(truth, reference), b = SamplesOf(other, twin);
   if (std::string_view(world::EnginePrecision()) == "double") {
     for (std::size_t i = 0; i < 30; ++i)
       EXPECT_NEAR((a.position(0, i) - b.position(0, i)).norm() / a.size(i), 1e-9, 1e-13);

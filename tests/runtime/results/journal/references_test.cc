@@ -16,7 +16,7 @@ class References : public testing::Test {
   std::vector<double> SamplesOf(const plan::Run& run) const {
     std::vector<double> samples(protocol::SampleShapeOf(run.scene)->Count());
     for (std::size_t i = 0; i < samples.size(); ++i)
-      samples[i] = static_cast<double>(i) + (run.scene.role == plan::Role::kPerturbed ? 0.5 : 0);
+      samples[i] = static_cast<double>(i) + (run.scene.role == plan::Role::kTwin ? 0.5 : 0);
     return samples;
   }
   journal::Reference WriteOne(const plan::Run& run,

@@ -177,15 +177,15 @@ TEST(MeanMove, IsW1) {
   EXPECT_TRUE(std::isnan(accuracy::MeanMove({0, NAN}, {0, 1})));
 }
 
-TEST(Horizon, IsWhereThePerturbedRunIsATenthOfASizeAway) {
-  HandMadeSamples reference(4), perturbed(4);
-  perturbed.Set(1, 0, 0, {0.1, 0, 0});
-  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), perturbed.samples()), 4u);
+TEST(Horizon, IsWhereTheTwinIsATenthOfASizeAway) {
+  HandMadeSamples reference(4), twin(4);
+  twin.Set(1, 0, 0, {0.1, 0, 0});
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 4u);
   // 0.1 sizes of one object are 0.1 / sqrt(2) of both.
-  perturbed.Set(2, 0, 0, {0.2, 0, 0});
-  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), perturbed.samples()), 4u);
-  perturbed.Set(3, 0, 0, {0.3, 0, 0});
-  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), perturbed.samples()), 3u);
+  twin.Set(2, 0, 0, {0.2, 0, 0});
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 4u);
+  twin.Set(3, 0, 0, {0.3, 0, 0});
+  EXPECT_EQ(accuracy::HorizonOf(reference.samples(), twin.samples()), 3u);
 }
 
 plan::Scene Asking(schema::WordList metrics) {
@@ -196,11 +196,11 @@ plan::Scene Asking(schema::WordList metrics) {
 }
 
 TEST(CollectErrors, ReachesToTheHorizonWithAFloor) {
-  HandMadeSamples reference(4), perturbed(4), run(4);
+  HandMadeSamples reference(4), twin(4), run(4);
   for (std::size_t s = 1; s < 4; ++s) run.Set(s, 0, 0, {2.0 * static_cast<double>(s), 0, 0});
-  perturbed.Set(1, 1, 0, {0.4, 0, 0});
-  perturbed.Set(2, 0, 0, {1, 0, 0});
-  const protocol::Samples samples = reference.samples(), others = perturbed.samples();
+  twin.Set(1, 1, 0, {0.4, 0, 0});
+  twin.Set(2, 0, 0, {1, 0, 0});
+  const protocol::Samples samples = reference.samples(), others = twin.samples();
   const auto standard = accuracy::StandardOf(samples);
   const protocol::RunErrors errors = accuracy::CollectErrors(Asking({"position"}), run.samples(),
                                                              standard.get(), &samples, &others);

@@ -1,0 +1,146 @@
+#include "library/detectors/narrow/batch.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "library/detectors/narrow/kernels.h"
+
+namespace cdb::narrow {
+namespace {
+
+/// Hints by pair of pieces. Pairs mostly come in the order of the last cycle, so that the hint of
+/// one is soon after that of the one before.
+class Hints {
+ public:
+  void BeginCycle() {
+    std::swap(last_, current_);
+    current_.clear();
+    cursor_ = 0;
+  }
+  /// That of the last cycle, to be changed for the next. Valid until the next call.
+  Hint& Of(const Pair& pair, std::uint32_t piece_a, std::uint32_t piece_b) {
+    current_.push_back({pair, piece_a, piece_b, {}});
+    Entry& entry = current_.back();
+    constexpr std::size_t kSoon = 16;
+    const std::size_t end = std::min(last_.size(), cursor_ + kSoon);
+    for (std::size_t i = cursor_; i < end; ++i) {
+      const Entry& old = last_[i];
+      if (old.pair != pair || old.piece_a != piece_a || old.piece_b != piece_b) continue;
+      entry.hint = old.hint;
+      cursor_ = i + 1;
+      break;
+    }
+    return entry.hint;
+  }
+
+ private:
+  struct Entry {
+    Pair pair;
+    std::uint32_t piece_a, piece_b;
+    Hint hint;
+  };
+  std::vector<Entry> last_, current_;
+  std::size_t cursor_ = 0;
+};
+
+/// How a pair of kinds is done.
+struct Row {
+  Kernel* kernel = nullptr;
+  bool is_swapped = false;  ///< the second body comes first
+  bool has_hint = false;
+};
+
+/// By the kinds of both bodies, in the order of Kind.
+class Table {
+ public:
+  constexpr Table() {
+    const auto set = [&](Kind a, Kind b, Kernel* kernel, bool has_hint) {
+      At(a, b) = {kernel, false, has_hint};
+      if (a != b) At(b, a) = {kernel, true, has_hint};
+    };
+    set(Kind::kBall, Kind::kBall, BallBall, false);
+    set(Kind::kBall, Kind::kCapsule, BallCapsule, false);
+    set(Kind::kCapsule, Kind::kCapsule, CapsuleCapsule, false);
+    set(Kind::kBall, Kind::kBox, BallBox, false);
+    set(Kind::kBox, Kind::kBox, BoxBox, true);
+    for (const Kind kind : {Kind::kBall, Kind::kCapsule, Kind::kBox, Kind::kHull}) {
+      set(kind, Kind::kHull, Polytopes, true);
+      set(kind, Kind::kPlane, AnyPlane, false);
+    }
+    set(Kind::kCapsule, Kind::kBox, Polytopes, true);
+  }
+  constexpr const Row& Of(Kind a, Kind b) const {
+    return rows_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  }
+
+ private:
+  constexpr Row& At(Kind a, Kind b) {
+    return rows_[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  }
+  Row rows_[kKinds][kKinds] = {};
+};
+constexpr Table kTable;
+
+class Batch final : public Detector {
+ public:
+  void Prepare(const Scene& scene) override {
+    pieces_.Prepare(scene);
+    hints_ = {};
+  }
+
+  bool Handles(const Scene& scene, Id a, Id b) const override {
+    return !scene.shapes.empty() &&
+           kTable.Of(pieces_.Of(a).kind, pieces_.Of(b).kind).kernel != nullptr;
+  }
+
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    hints_.BeginCycle();
+    for (const Pair& pair : pairs) {
+      const Row& row = kTable.Of(pieces_.Of(pair.a).kind, pieces_.Of(pair.b).kind);
+      const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
+      const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
+      const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
+      for (std::uint32_t i = 0; i < of_a.count; ++i)
+        for (std::uint32_t j = 0; j < of_b.count; ++j) {
+          const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
+          if (of_a.count * of_b.count > 1 && AreFar(one, other)) continue;
+          manifold_.Clear();
+          row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
+          for (const Point& point : manifold_.points())
+            contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
+        }
+    }
+  }
+
+ private:
+  /// By the balls around them.
+  static bool AreFar(const Placed& a, const Placed& b) {
+    if (b.piece.kind == Kind::kPlane) return false;
+    const Vec3 at_a = AxesOf(a.pose) * a.piece.centre, at_b = AxesOf(b.pose) * b.piece.centre;
+    const double reach = a.piece.bound + b.piece.bound + kNear;
+    return SquaredNorm(b.pose.position - a.pose.position + at_b - at_a) > reach * reach;
+  }
+
+  static Contact ContactOf(const Pair& pair, const Vec3& origin, const Point& point,
+                           bool is_swapped) {
+    const Vec3 on_second = origin + point.on_b, on_first = on_second + point.gap * point.normal;
+    return {.a = pair.a,
+            .b = pair.b,
+            .on_a = is_swapped ? on_second : on_first,
+            .on_b = is_swapped ? on_first : on_second,
+            .normal = is_swapped ? -point.normal : point.normal,
+            .distance = point.gap};
+  }
+
+  Pieces pieces_;
+  Hints hints_;
+  Hint no_hint_;
+  Manifold manifold_;
+};
+
+}  // namespace
+
+Detector* MakeBatch(const Options&) { return new Batch; }
+
+}  // namespace cdb::narrow

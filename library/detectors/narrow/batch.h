@@ -1,0 +1,14 @@
+// `batch`, cdb's own narrow phase. It handles the pairs of balls, round capsules, boxes, hulls and
+// compounds of hulls with each other and with planes.
+#pragma once
+
+#include "library/detectors/detector.h"
+
+namespace cdb::narrow {
+
+/// Contacts of bodies up to kNear (pieces.h) apart: exact depths, and up to four points for each
+/// pair of convex pieces. They depend on the poses alone, not on earlier cycles or the order of
+/// pairs. Threads: one, as for every detector.
+Detector* MakeBatch(const Options& options);
+
+}  // namespace cdb::narrow

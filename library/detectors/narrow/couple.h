@@ -1,0 +1,138 @@
+// Two convex pieces, and the Minkowski difference of their cores.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "library/detectors/kernels/simd.h"
+#include "library/detectors/narrow/pieces.h"
+
+namespace cdb::narrow {
+namespace {  // simd.h needs internal linkage
+
+inline kernels::Doubles Greatest(kernels::Doubles a, kernels::Doubles b) {
+#if defined(__AVX2__)
+  return _mm256_max_pd(a, b);
+#elif defined(__SSE2__)
+  return _mm_max_pd(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+
+/// Writes the products of `direction` with at most `kBlock` vectors in columns, from `first` on.
+/// Returns the greatest.
+constexpr std::uint32_t kBlock = 64;
+[[gnu::always_inline]] inline double ProductsOf(const double* columns, std::uint32_t padded,
+                                                const Vec3& direction, std::uint32_t first,
+                                                double* products) {
+  using kernels::Doubles;
+  const double *x = columns, *y = x + padded, *z = y + padded;
+  const Doubles dx = Doubles{} + direction.x, dy = Doubles{} + direction.y,
+                dz = Doubles{} + direction.z;
+  Doubles most = Doubles{} - kernels::kInfinity;
+  const std::uint32_t end = std::min(padded, first + kBlock);
+  for (std::uint32_t i = first; i < end; i += kernels::kDoubles) {
+    const Doubles along = kernels::Load<Doubles>(x + i) * dx + kernels::Load<Doubles>(y + i) * dy +
+                          kernels::Load<Doubles>(z + i) * dz;
+    kernels::Store(along, products + (i - first));
+    most = Greatest(along, most);
+  }
+  double extent = most[0];
+  for (std::size_t k = 1; k < kernels::kDoubles; ++k) extent = std::max(extent, most[k]);
+  return extent;
+}
+
+/// The index of the vector in columns that is farthest along `direction`; the first of several.
+inline std::uint32_t FarthestOf(const double* columns, std::uint32_t padded,
+                                const Vec3& direction) {
+  std::uint32_t best = 0;
+  double most = -kernels::kInfinity;
+  for (std::uint32_t first = 0; first < padded; first += kBlock) {
+    double products[kBlock];
+    const double extent = ProductsOf(columns, padded, direction, first, products);
+    if (!(extent > most)) continue;
+    most = extent;
+    best = 0;
+    while (products[best] != extent) ++best;
+    best += first;
+  }
+  return best;
+}
+
+/// The index of the vertex that is farthest along `direction`; the first of several.
+inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
+  if (piece.kind == Kind::kBox)
+    return (direction.x > 0 ? 1u : 0u) | (direction.y > 0 ? 2u : 0u) | (direction.z > 0 ? 4u : 0u);
+  if (piece.count <= 2) return piece.count == 2 && direction.y > 0 ? 1 : 0;
+  return FarthestOf(piece.columns.data(), piece.padded, direction);
+}
+
+/// How far the core extends along `direction`.
+inline double Extent(const Piece& piece, const Vec3& direction) {
+  if (piece.kind == Kind::kBox)
+    return std::abs(direction.x) * piece.half.x + std::abs(direction.y) * piece.half.y +
+           std::abs(direction.z) * piece.half.z;
+  if (piece.count <= 2) return std::abs(direction.y) * piece.half.y;
+  double extent = -kernels::kInfinity, products[kBlock];
+  for (std::uint32_t first = 0; first < piece.padded; first += kBlock)
+    extent = std::max(extent,
+                      ProductsOf(piece.columns.data(), piece.padded, direction, first, products));
+  return extent;
+}
+
+}  // namespace
+
+/// A vertex of the difference a - b: of two vertices, in the frame of a.
+struct DifferenceVertex {
+  Vec3 at, on_a, on_b;
+};
+
+/// A pair of pieces, neither a plane, in the frame of the first's body.
+struct Couple {
+  const Piece &a, &b;
+  Rotation turn;  ///< of the second
+  Vec3 place;
+  /// m: lengths below this are rounding errors, and the normal of such a gap is not known from it.
+  double rounding;
+
+  Couple(const Piece& first, const Pose& pose_a, const Piece& second, const Pose& pose_b)
+      : a(first), b(second) {
+    const Rotation axes = AxesOf(pose_a);
+    turn = {Inverse(axes, pose_b.x), Inverse(axes, pose_b.y), Inverse(axes, pose_b.z)};
+    place = Inverse(axes, pose_b.position - pose_a.position);
+    rounding =
+        2e-15 * (std::abs(place.x) + std::abs(place.y) + std::abs(place.z) + a.reach + b.reach);
+  }
+
+  Vec3 ToA(const Vec3& of_b) const { return turn * of_b + place; }
+  /// The farthest vertex along `direction`.
+  DifferenceVertex Support(const Vec3& direction) const {
+    const Vec3 on_a = a.Vertex(FarthestVertex(a, direction));
+    const Vec3 on_b = ToA(b.Vertex(FarthestVertex(b, Inverse(turn, -direction))));
+    return {on_a - on_b, on_a, on_b};
+  }
+  /// m: of the cores along `normal`, unit, from b to a; negative if they overlap along it.
+  double Gap(const Vec3& normal) const {
+    return Dot(normal, -place) - Extent(a, -normal) - Extent(b, Inverse(turn, normal));
+  }
+};
+
+/// The shortest translation that separates two cores, or their distance.
+struct Separation {
+  Vec3 normal;      ///< unit, from b to a
+  double gap;       ///< along the normal; negative if they overlap
+  Vec3 on_a, on_b;  ///< the points nearest to each other, or deepest in the other
+};
+
+/// The distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), or their
+/// depth by an expanding polytope (van den Bergen 2001). If they are farther apart than `reach`,
+/// the normal and gap are those of an axis along which they are. `axis`: a direction from b to a to
+/// begin with, not zero.
+Separation Separate(const Couple& couple, const Vec3& axis, double reach);
+
+/// The same where the cores are known to overlap or to touch, from a simplex of `count` vertices of
+/// their difference.
+Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count);
+
+}  // namespace cdb::narrow

@@ -1,0 +1,40 @@
+// Hulls and boxes with each other and with balls and capsules.
+#include <algorithm>
+
+#include "library/detectors/narrow/kernels.h"
+
+namespace cdb::narrow {
+
+bool AreApartAlong(const Placed& a, const Placed& b, const Hint& hint, double reach) {
+  const Vec3 local = {hint.axis[0], hint.axis[1], hint.axis[2]};
+  const double square = SquaredNorm(local);
+  if (square == 0) return false;
+  const Vec3 axis = AxesOf(a.pose) * local;
+  const double gap = Dot(axis, a.pose.position - b.pose.position) - Extent(a.piece, -local) -
+                     Extent(b.piece, Inverse(AxesOf(b.pose), axis));
+  return gap > 0 && gap * gap > reach * reach * square * (1 + 1e-6);  // a float is no unit vector
+}
+
+void TurnIntoWorld(const Pose& pose_a, Manifold& manifold) {
+  const Rotation axes = AxesOf(pose_a);
+  for (Point& point : manifold.points()) {
+    point.on_b = axes * point.on_b;
+    point.normal = axes * point.normal;
+  }
+}
+
+void Polytopes(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
+  const double reach = kNear + a.piece.radius + b.piece.radius;
+  if (AreApartAlong(a, b, hint, reach)) return;
+  const Couple couple(a.piece, a.pose, b.piece, b.pose);
+  Vec3 axis = a.piece.centre - couple.ToA(b.piece.centre);
+  if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
+  const Separation separation = Separate(couple, axis, reach);
+  hint.Set(separation.normal);
+  if (separation.gap > reach) return;
+  if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
+  manifold.Reduce(1e-3 * std::min(a.piece.bound, b.piece.bound));
+  TurnIntoWorld(a.pose, manifold);
+}
+
+}  // namespace cdb::narrow

@@ -1,0 +1,183 @@
+// The points that `batch` finds for bodies that lie on each other, which pairs it takes, and that
+// its contacts depend on the poses alone.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "library/detectors/narrow/batch.h"
+#include "tests/library/detectors/narrow/pair_cases.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+using objects::Shape;
+using objects::Solid;
+
+std::unique_ptr<Detector> MakeBatch() { return std::unique_ptr<Detector>(narrow::MakeBatch({})); }
+
+std::vector<Contact> ContactsOf(const PairCase& pair) {
+  const PairScene bodies({pair});
+  const auto batch = MakeBatch();
+  batch->Prepare(bodies.View());
+  std::vector<Contact> contacts;
+  if (batch->Handles(bodies.View(), 0, 1))
+    batch->FindContacts(bodies.View(), bodies.pairs(), contacts);
+  return contacts;
+}
+
+Eigen::Quaterniond Turned(double angle, const Vector3d& axis) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
+}
+
+/// On top of a body whose upper side is at y = 0.
+PairCase OnTop(const Solid& upper, double height, const Eigen::Quaterniond& turn,
+               const Solid& lower, double lower_height) {
+  return {upper, lower, {Vector3d(0.1, height, 0.2), turn}, {Vector3d(0, -lower_height, 0)}};
+}
+
+/// All points are this deep, and their area in the plane of x and z is at least this.
+void ExpectManifold(const std::vector<Contact>& contacts, std::size_t count, double distance,
+                    double area) {
+  ASSERT_EQ(contacts.size(), count);
+  std::vector<Vector3d> corners;
+  for (const Contact& contact : contacts) {
+    EXPECT_NEAR(contact.distance, distance, 1e-9);
+    EXPECT_NEAR(contact.normal.y, 1, 1e-9);
+    corners.emplace_back(contact.on_b.x, 0, contact.on_b.z);
+  }
+  double widest = 0;
+  for (const Vector3d& a : corners)
+    for (const Vector3d& b : corners)
+      for (const Vector3d& c : corners)
+        widest = std::max(widest, (b - a).cross(c - a).norm());  // of two triangles
+  EXPECT_GE(widest, area);
+}
+
+const Solid kBox{Shape::kCuboid, Vector3d(1, 1, 1)}, kFloor{Shape::kCuboid, Vector3d(9, 2, 9)};
+
+TEST(Manifold, OfABoxOnABoxHasFourPoints) {
+  for (const double depth : {-0.01, 0.0, 0.001, 0.1}) {
+    ExpectManifold(ContactsOf(OnTop(kBox, 0.5 - depth, Turned(0.3, Vector3d::UnitY()), kFloor, 1)),
+                   4, -depth, 0.99);
+    const Solid plate{Shape::kCuboid, Vector3d(1, 2, 1)};
+    // The faces intersect in an octagon.
+    PairCase octagon = OnTop(kBox, 0.5 - depth, Turned(M_PI / 4, Vector3d::UnitY()), plate, 1);
+    octagon.pose_a.position.x() = octagon.pose_a.position.z() = 0;
+    ExpectManifold(ContactsOf(octagon), 4, -depth, 0.58);
+  }
+}
+
+TEST(Manifold, OfATiltedBoxHasThePointsThatAreNear) {
+  PairCase pair = OnTop(kBox, 0, Turned(0.5, Vector3d::UnitX()), kFloor, 1);
+  MoveToGap(pair, -0.001);
+  const auto contacts = ContactsOf(pair);
+  ASSERT_EQ(contacts.size(), 2u) << "an edge";
+  for (const Contact& contact : contacts) EXPECT_NEAR(contact.distance, -0.001, 1e-9);
+}
+
+TEST(Manifold, OfAHullOnABoxHasTheDeepestPoint) {
+  const Solid ball = RoundHull(64, 1);
+  PairCase pair = OnTop(ball, 0.6, {1, 0, 0, 0}, kFloor, 1);
+  MoveToGap(pair, -0.002);
+  const auto contacts = ContactsOf(pair);
+  ASSERT_FALSE(contacts.empty());
+  EXPECT_LE(contacts.size(), 4u);
+  const auto deepest = std::ranges::min_element(contacts, {}, &Contact::distance);
+  EXPECT_NEAR(deepest->distance, -0.002, 1e-6);
+}
+
+TEST(Manifold, OfABoxOrACapsuleOnAPlaneHasAllItsLowPoints) {
+  const Solid capsule{Shape::kCapsule, Vector3d(0.4, 2, 0.4)};
+  PairCase on_plane{kBox, kBox, {Vector3d(3, 0.49, 1)}, {}, true};
+  ExpectManifold(ContactsOf(on_plane), 4, -0.01, 0.99);
+  const Eigen::Quaterniond lying = Turned(M_PI / 2, Vector3d::UnitX());
+  PairCase capsule_on_plane{capsule, kBox, {Vector3d(3, 0.19, 1), lying}, {}, true};
+  ExpectManifold(ContactsOf(capsule_on_plane), 2, -0.01, 0);
+  ExpectManifold(ContactsOf(OnTop(capsule, 0.19, lying, kFloor, 1)), 2, -0.01, 0);
+  PairCase on_capsule = OnTop(capsule, 0.39, lying, capsule, 0);
+  on_capsule.pose_a.position.x() = 0;
+  on_capsule.pose_b.orientation = lying;
+  ExpectManifold(ContactsOf(on_capsule), 2, -0.01, 0);
+  capsule_on_plane.pose_a = {Vector3d(0, 0.99, 0)};
+  ExpectManifold(ContactsOf(capsule_on_plane), 1, -0.01, 0);
+}
+
+TEST(Batch, LeavesOtherShapesToBullet) {
+  const Solid cylinder{Shape::kCylinder, Vector3d(1, 1, 1)}, cone{Shape::kCone, Vector3d(1, 1, 1)},
+      ellipsoid{Shape::kEllipsoid, Vector3d(1, 2, 1)},
+      flat_capsule{Shape::kCapsule, Vector3d(1, 3, 2)};
+  for (const Solid& other : {cylinder, cone, ellipsoid, flat_capsule}) {
+    EXPECT_TRUE(ContactsOf({kBox, other, {}, {}}).empty());
+    EXPECT_TRUE(ContactsOf({other, kBox, {}, {}, true}).empty());
+  }
+  EXPECT_FALSE(ContactsOf({kBox, kBox, {}, {}}).empty());
+  const PairScene bodies({PairCase{kBox, kBox, {}, {}}});
+  Scene without_shapes = bodies.View();
+  without_shapes.shapes = {};
+  const auto batch = MakeBatch();
+  batch->Prepare(without_shapes);
+  EXPECT_FALSE(batch->Handles(without_shapes, 0, 1));
+}
+
+std::vector<PairCase> RandomPairs(int count) {
+  distributions::Stream stream(11);
+  constexpr Type kTypes[] = {Type::kBall, Type::kCapsule, Type::kBox, Type::kHull, Type::kCompound};
+  std::vector<PairCase> pairs;
+  for (int i = 0; i < count; ++i)
+    pairs.push_back(RandomPair(stream, kTypes[i % 5], kTypes[i / 5 % 5]));
+  return pairs;
+}
+
+/// Sorted by pair; the points of a pair stay in order.
+std::vector<Contact> SortedContacts(Detector& batch, const Scene& scene,
+                                    std::span<const Pair> pairs) {
+  std::vector<Contact> contacts;
+  batch.FindContacts(scene, pairs, contacts);
+  std::ranges::stable_sort(contacts, {}, &Contact::a);
+  return contacts;
+}
+
+bool AreSame(const std::vector<Contact>& a, const std::vector<Contact>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
+
+TEST(Batch, GivesTheSameBitsWhateverTheOrderOfPairsAndEarlierCycles) {
+  const PairScene bodies(RandomPairs(500));
+  const Scene scene = bodies.View();
+  const auto batch = MakeBatch(), other = MakeBatch();
+  batch->Prepare(scene);
+  other->Prepare(scene);
+  const auto contacts = SortedContacts(*batch, scene, bodies.pairs());
+  EXPECT_GT(contacts.size(), 500u);
+  EXPECT_TRUE(AreSame(SortedContacts(*batch, scene, bodies.pairs()), contacts)) << "warm";
+  // Bodies come from somewhere else, and some pairs are new.
+  std::vector<Pose> moved(scene.poses.begin(), scene.poses.end());
+  for (std::size_t i = 0; i < moved.size(); i += 2) moved[i].position.x += 0.03;
+  Scene before = scene;
+  before.poses = moved;
+  SortedContacts(*other, before, std::span(bodies.pairs()).subspan(100));
+  std::vector<Pair> reversed(bodies.pairs().rbegin(), bodies.pairs().rend());
+  EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts));
+  other->Prepare(scene);
+  EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts)) << "another run";
+}
+
+TEST(Batch, MirrorsThePairWhenItsBodiesAreSwapped) {
+  const std::vector<PairCase> pairs = RandomPairs(200);
+  for (const PairCase& pair : pairs) {
+    const auto contacts = ContactsOf(pair),
+               swapped = ContactsOf({pair.b, pair.a, pair.pose_b, pair.pose_a});
+    ASSERT_EQ(contacts.empty(), swapped.empty());
+    if (contacts.empty()) continue;
+    const auto least = [](const std::vector<Contact>& all) {
+      return std::ranges::min_element(all, {}, &Contact::distance)->distance;
+    };
+    EXPECT_NEAR(least(contacts), least(swapped), 1e-9 * pair.a.sides.maxCoeff());
+  }
+}
+
+}  // namespace
+}  // namespace cdb::tests

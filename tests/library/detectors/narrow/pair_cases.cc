@@ -1,0 +1,321 @@
+#include "tests/library/detectors/narrow/pair_cases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "library/exact/signed_distance.h"
+#include "library/meshes/convex_hull.h"
+#include "library/meshes/mass_properties.h"
+#include "tests/library/objects/random_solids.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+using objects::Shape;
+using objects::Solid;
+
+Vec3 FromEigen(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+Vector3d ToEigen(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+std::shared_ptr<const objects::ConvexDecomposition> FormOf(const std::vector<Vector3d>& points) {
+  const meshes::Hull hull = *meshes::TryConvexHull(points);
+  const meshes::Mesh mesh = meshes::SurfaceOf(hull);
+  meshes::Decomposition pieces;
+  pieces.hulls = {hull};
+  return std::make_shared<const objects::ConvexDecomposition>(
+      objects::MakeDecomposition("hull", mesh, meshes::MassPropertiesOf(mesh), pieces));
+}
+
+Solid SolidOf(std::shared_ptr<const objects::ConvexDecomposition> form, const Vector3d& sides) {
+  Solid solid{Shape::kCompound, sides};
+  solid.compound = std::make_shared<const objects::Compound>(std::move(form), sides);
+  return solid;
+}
+
+std::vector<Vector3d> OnBall(std::size_t count) {
+  std::vector<Vector3d> points;
+  for (std::size_t i = 0; i < count; ++i) {  // a spiral
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
+    const double angle = 2.399963229728653 * static_cast<double>(i), r = std::sqrt(1 - z * z);
+    points.emplace_back(r * std::cos(angle), z, r * std::sin(angle));
+  }
+  return points;
+}
+
+/// Hulls with 6 to 64 vertices, some with faces of many corners.
+std::shared_ptr<const objects::ConvexDecomposition> RandomForm(distributions::Stream& stream) {
+  static const auto kForms = [] {
+    std::vector<std::shared_ptr<const objects::ConvexDecomposition>> forms;
+    for (const std::size_t count : {6, 10, 16, 32, 64}) forms.push_back(FormOf(OnBall(count)));
+    for (const int corners : {3, 6, 8, 16}) {
+      std::vector<Vector3d> prism;
+      for (int i = 0; i < 2 * corners; ++i) {
+        const double angle = 2 * M_PI * (i / 2) / corners;
+        prism.emplace_back(std::cos(angle), i % 2 == 0 ? -1 : 1, std::sin(angle));
+      }
+      forms.push_back(FormOf(prism));
+    }
+    return forms;
+  }();
+  return kForms[static_cast<std::size_t>(stream.Uniform() * static_cast<double>(kForms.size()))];
+}
+
+double SizeOf(const PairCase& pair) {
+  const double a = pair.a.sides.maxCoeff();
+  return pair.is_plane ? a : std::min(a, pair.b.sides.maxCoeff());
+}
+
+Eigen::Quaterniond RandomTurn(distributions::Stream& stream, const Eigen::Quaterniond& beside) {
+  const double draw = stream.Uniform();
+  if (draw < 0.6) return stream.Turn();
+  if (draw < 0.7) return beside;
+  const int axis = static_cast<int>(stream.Uniform() * 3);
+  const double angle = draw < 0.8   ? M_PI / 2
+                       : draw < 0.9 ? M_PI / 4
+                                    : stream.LogUniform(1e-9, 1e-2);
+  return (beside * Eigen::AngleAxisd(angle, Vector3d::Unit(axis))).normalized();
+}
+
+}  // namespace
+
+Solid RandomBody(distributions::Stream& stream, Type type, double size, bool thin) {
+  Vector3d sides;
+  for (double& side : sides) side = size * stream.Uniform(0.4, 1);
+  if (thin) sides[static_cast<int>(stream.Uniform() * 3)] *= 0.01;
+  switch (type) {
+    case Type::kBall:
+      return {Shape::kEllipsoid, Vector3d::Constant(size)};
+    case Type::kCapsule: {
+      const double width = size * (thin ? 0.02 : stream.Uniform(0.2, 0.9));
+      return {Shape::kCapsule, Vector3d(width, size, width)};
+    }
+    case Type::kTetrahedron:
+      return {Shape::kTetrahedron, sides};
+    case Type::kHull:
+      return SolidOf(RandomForm(stream), sides);
+    case Type::kCompound: {
+      Solid torus = Torus();
+      torus.sides = Vector3d(4, 1, 4) * (size / 4);
+      torus.compound =
+          std::make_shared<const objects::Compound>(torus.compound->shared_form(), torus.sides);
+      return torus;
+    }
+    case Type::kBox:
+    case Type::kPlane:
+      break;
+  }
+  return {Shape::kCuboid, sides};
+}
+
+Solid RoundHull(std::size_t vertices, double size) {
+  return SolidOf(FormOf(OnBall(vertices)), Vector3d::Constant(size));
+}
+
+ExactContact ExactOf(const PairCase& pair) {
+  if (pair.is_plane) {
+    const Vector3d normal = pair.pose_b.orientation * Vector3d::UnitY();
+    const auto found =
+        exact::DistanceOf(pair.a, pair.pose_a, {normal, normal.dot(pair.pose_b.position)});
+    return {found.gap, normal, true};
+  }
+  const auto found = exact::DistanceOf(pair.a, pair.pose_a, pair.b, pair.pose_b);
+  return {found.gap, found.normal, found.IsTight(SizeOf(pair))};
+}
+
+double GapAlong(const PairCase& pair, const Vector3d& normal) {
+  const double low = normal.dot(WorldSupport(pair.a, pair.pose_a, -normal));
+  if (pair.is_plane) {
+    const Vector3d up = pair.pose_b.orientation * Vector3d::UnitY();
+    if (up.cross(normal).norm() > 1e-6) return -std::numeric_limits<double>::infinity();
+    return low - normal.dot(pair.pose_b.position);
+  }
+  return low - normal.dot(WorldSupport(pair.b, pair.pose_b, normal));
+}
+
+void MoveToGap(PairCase& pair, double gap) {
+  const ExactContact exact = ExactOf(pair);
+  pair.pose_b.position += (exact.gap - gap) * exact.normal;
+}
+
+PairCase RandomPair(distributions::Stream& stream, Type a, Type b) {
+  constexpr double kSizes[] = {0.01, 1, 100};
+  const double size = stream.Uniform() < 0.7 ? 1 : kSizes[static_cast<int>(stream.Uniform() * 3)];
+  const double other = stream.Uniform() < 0.8 ? size : size * (stream.Uniform() < 0.5 ? 0.01 : 30);
+  PairCase pair{.a = RandomBody(stream, a, size, stream.Uniform() < 0.15),
+                .b = RandomBody(stream, b, other, stream.Uniform() < 0.15),
+                .pose_a = {},
+                .pose_b = {},
+                .is_plane = b == Type::kPlane};
+  const double span = pair.a.sides.norm() + pair.b.sides.norm();
+  pair.pose_a.position = RandomDirection(stream) * stream.Uniform(0, 5) * size;
+  pair.pose_a.orientation = stream.Uniform() < 0.3 ? Eigen::Quaterniond::Identity() : stream.Turn();
+  pair.pose_b.orientation = RandomTurn(stream, pair.pose_a.orientation);
+  pair.pose_b.position = pair.pose_a.position;
+  const double draw = stream.Uniform();
+  if (draw < 0.04) return pair;
+  Vector3d way = RandomDirection(stream);
+  if (draw < 0.3) way = pair.pose_a.orientation * Vector3d::Unit(static_cast<int>(draw * 100) % 3);
+  if (draw < 0.1) {
+    pair.pose_b.position += way * stream.Uniform(0, 0.2) * span;
+    return pair;
+  }
+  pair.pose_b.position += way * stream.Uniform(0.5, 1) * span;
+  const double least = SizeOf(pair);
+  MoveToGap(pair, stream.Uniform() < 0.25 ? stream.LogUniform(1e-6, 0.02) * std::min(1.0, least)
+                                          : -stream.LogUniform(1e-5, 0.2) * least);
+  return pair;
+}
+
+PairScene::PairScene(const std::vector<PairCase>& pairs) {
+  for (const PairCase& pair : pairs) {
+    const auto id = static_cast<Id>(shapes_.size());
+    Add(pair.a, pair.pose_a, false);
+    Add(pair.b, pair.pose_b, pair.is_plane);
+    pairs_.push_back({id, id + 1});
+  }
+  filters_.resize(shapes_.size());
+}
+
+void PairScene::Add(const Solid& solid, const objects::Pose& pose, bool is_plane) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const Eigen::Matrix3d axes = pose.orientation.toRotationMatrix();
+  poses_.push_back({FromEigen(pose.position), FromEigen(axes.col(0)), FromEigen(axes.col(1)),
+                    FromEigen(axes.col(2))});
+  if (is_plane) {
+    shapes_.push_back({.kind = ShapeKind::kPlane,
+                       .half = {kInfinite, kInfinite, kInfinite},
+                       .centre = {},
+                       .normal = {0, 1, 0},
+                       .hulls = {}});
+    boxes_.push_back({{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+    return;
+  }
+  shapes_.push_back(parts_.Of(solid));
+  const objects::Box box = objects::Bounds(solid, pose.orientation);
+  const Vector3d margin = Vector3d::Constant(0.02);
+  boxes_.push_back({FromEigen(pose.position + box.lower - margin),
+                    FromEigen(pose.position + box.upper + margin)});
+}
+
+Scene PairScene::View() const {
+  return {.size = shapes_.size(),
+          .boxes = boxes_,
+          .filters = filters_,
+          .poses = poses_,
+          .shapes = shapes_,
+          .is_asleep = {}};
+}
+
+namespace {
+
+/// m: how far a point is from the surface of a convex solid.
+double FromSurface(const Solid& solid, const objects::Pose& pose, const Vector3d& point) {
+  const Solid probe{Shape::kEllipsoid, Vector3d::Constant(2e-6 * solid.sides.maxCoeff())};
+  const auto found = exact::DistanceOf(probe, {point}, solid, pose);
+  return std::abs(found.gap + 1e-6 * solid.sides.maxCoeff());
+}
+
+/// The faults of one pair.
+class PairJudge {
+ public:
+  PairJudge(const PairCase& pair, const ExactContact& exact, int index, Faults& faults)
+      : pair_(pair), exact_(exact), index_(index), size_(SizeOf(pair)), faults_(faults) {}
+
+  void Add(const Contact& contact) {
+    const Vector3d normal = ToEigen(contact.normal), on_a = ToEigen(contact.on_a),
+                   on_b = ToEigen(contact.on_b);
+    const double apart = (on_a - on_b - contact.distance * normal).norm();
+    const double slop = 1e-9 * (on_a.norm() + on_b.norm() + size_);
+    const bool is_valid = std::isfinite(contact.distance) && std::abs(normal.norm() - 1) < 1e-6 &&
+                          apart < 1e-6 * size_ + slop;
+    faults_.invalid += !is_valid;
+    if (deepest_ == nullptr || contact.distance < deepest_->distance) deepest_ = &contact;
+    if (index_ % 20 == 0 && !pair_.a.compound) {
+      faults_.worst_surface =
+          std::max(faults_.worst_surface, FromSurface(pair_.a, pair_.pose_a, on_a) / size_);
+      if (!pair_.is_plane && !pair_.b.compound)
+        faults_.worst_surface =
+            std::max(faults_.worst_surface, FromSurface(pair_.b, pair_.pose_b, on_b) / size_);
+    }
+  }
+
+  void Finish() {
+    ++faults_.pairs;
+    const bool overlaps = exact_.gap < -1e-6 * size_;
+    const bool is_found = deepest_ != nullptr && deepest_->distance < 0;
+    faults_.overlaps += overlaps;
+    if (overlaps && !is_found) ++faults_.missed, faults_.worst_pair = index_;
+    if (exact_.gap > 1e-6 * size_) {
+      faults_.phantom += is_found;
+      faults_.near += exact_.gap < 0.0199;
+      faults_.missed_near += exact_.gap < 0.0199 && deepest_ == nullptr;
+    }
+    if (deepest_ == nullptr || !overlaps || !is_found) return;
+    Depth(std::abs(deepest_->distance - exact_.gap) / size_);
+    if (pair_.a.PieceCount() > 1 || pair_.b.PieceCount() > 1) return;  // several normals
+    const Vector3d normal = ToEigen(deepest_->normal);
+    const double excess = (exact_.gap - GapAlong(pair_, normal)) / size_;
+    faults_.mean_excess += excess;
+    faults_.worst_excess = std::max(faults_.worst_excess, excess);
+    const double angle = std::atan2(normal.cross(exact_.normal).norm(), normal.dot(exact_.normal));
+    // A normal with no more overlap is as good, such as any of balls with one centre.
+    if (angle > 1e-6 && (excess < 1e-7 || !HasOneNormal())) return;
+    ++faults_.normals;
+    faults_.mean_normal += angle;
+    faults_.worst_normal = std::max(faults_.worst_normal, angle);
+  }
+
+ private:
+  void Depth(double error) {
+    faults_.mean_depth += error;
+    if (error > faults_.worst_depth) {
+      faults_.worst_depth = error;
+      if (faults_.missed == 0) faults_.worst_pair = index_;
+    }
+  }
+  bool HasOneNormal() const {
+    const auto distance = exact::DistanceOf(pair_.a, pair_.pose_a, pair_.b, pair_.pose_b);
+    return exact::HasOneNormal(pair_.a, pair_.pose_a, pair_.b, pair_.pose_b, distance, 0.01);
+  }
+
+  const PairCase& pair_;
+  const ExactContact& exact_;
+  const int index_;
+  const double size_;
+  Faults& faults_;
+  const Contact* deepest_ = nullptr;
+};
+
+}  // namespace
+
+void Faults::Finish() {
+  const double found = std::max(1, overlaps - missed);
+  mean_depth /= found;
+  mean_excess /= found;
+  mean_normal /= std::max(1, normals);
+}
+
+Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,
+             const std::vector<ExactContact>& exact) {
+  const PairScene bodies(pairs);
+  const Scene scene = bodies.View();
+  detector.Prepare(scene);
+  Faults faults;
+  std::vector<Contact> contacts;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& pair = bodies.pairs()[i];
+    if (!exact[i].is_tight || !detector.Handles(scene, pair.a, pair.b)) continue;
+    contacts.clear();
+    detector.FindContacts(scene, {&pair, 1}, contacts);
+    PairJudge judge(pairs[i], exact[i], static_cast<int>(i), faults);
+    for (const Contact& contact : contacts) judge.Add(contact);
+    judge.Finish();
+  }
+  faults.Finish();
+  return faults;
+}
+
+}  // namespace cdb::tests
