@@ -62,7 +62,8 @@ std::vector<Types> AllTypes() {
   std::vector<Types> all;
   for (const Type a : kTypes)
     for (const Type b : kTypes)
-      if (a != Type::kPlane) all.push_back({a, b});
+      if (a != Type::kPlane && (a != Type::kCompound || b != Type::kCompound))
+        all.push_back({a, b});
   return all;
 }
 
