@@ -1,5 +1,5 @@
 // `batch`, cdb's own narrow phase. It handles the pairs of balls, round capsules, boxes, hulls and
-// compounds of hulls with each other and with planes.
+// compounds of hulls with each other and with planes, except two compounds.
 #pragma once
 
 #include "library/detectors/detector.h"

@@ -131,6 +131,9 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
   return found;
 }
 
+/// In rounding errors: cores that are no farther apart touch. Of a shorter distance the direction
+/// is not known, and an expanding polytope finds the normal better.
+constexpr double kTouching = 2e6;
 constexpr int kMostSteps = 100;
 
 }  // namespace
@@ -151,7 +154,7 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
     const Part part = NearestOf(simplex);
     const Vec3 next = simplex.PointOf(part);
     const double next_square = SquaredNorm(next);
-    if (part.count == 0 || next_square <= 1e6 * couple.rounding * couple.rounding)
+    if (part.count == 0 || next_square <= kTouching * kTouching * couple.rounding * couple.rounding)
       return Expand(couple, simplex.vertex, simplex.count);
     if (!(next_square < square)) {  // by rounding
       --simplex.count;

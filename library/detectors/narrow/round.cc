@@ -33,7 +33,7 @@ void AddRound(const Vec3& between, const Vec3& core_b, double radius_a, double r
 }
 
 /// Segments whose angle has a smaller sine lie along each other: they touch at two points.
-constexpr double kParallel = 0.1;
+constexpr double kParallel = 0.05;
 
 /// Adds the points at the two ends of the part where segments lie along each other.
 void AddEnds(const Segment& a, const Segment& b, double radius_a, double radius_b,
@@ -43,7 +43,11 @@ void AddEnds(const Segment& a, const Segment& b, double radius_a, double radius_
   const double from = std::max(-a.half, middle - reach), to = std::min(a.half, middle + reach);
   if (!(from < to)) return;
   for (const double s : {from, to}) {
-    const Vec3 on_a = a.At(s), on_b = b.At(b.Nearest(on_a)), between = on_a - on_b;
+    Vec3 on_a = a.At(s);
+    const double t = b.Nearest(on_a);
+    const Vec3 on_b = b.At(t);
+    if (std::abs(t) == b.half) on_a = a.At(a.Nearest(on_b));
+    const Vec3 between = on_a - on_b;
     if (Dot(between, normal) < 0.9 * Norm(between)) continue;  // on different sides
     AddRound(between, on_b, radius_a, radius_b, 0, normal, manifold);
   }
@@ -66,8 +70,12 @@ void BallBall(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
 
 void BallCapsule(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Segment axis = AxisOf(b, b.pose.position - a.pose.position);
-  const Vec3 nearest = axis.At(axis.Nearest({0, 0, 0}));
-  AddRound(-nearest, nearest, a.piece.radius, b.piece.radius, kRounding * b.piece.bound,
+  const double t = axis.Nearest({0, 0, 0});
+  const Vec3 nearest = axis.At(t);
+  // Beside the axis, the way out is across it, which a short distance does not tell.
+  Vec3 between = -nearest;
+  if (std::abs(t) < axis.half) between = between - Dot(between, axis.along) * axis.along;
+  AddRound(between, nearest, a.piece.radius, b.piece.radius, kRounding * b.piece.bound,
            UnitAcross(axis.along), manifold);
 }
 
