@@ -1,6 +1,7 @@
 #include "library/detectors/narrow/batch.h"
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "library/detectors/narrow/kernels.h"
@@ -105,6 +106,7 @@ class Batch final : public Detector {
       const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
       const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
+      const auto before = std::ssize(contacts);
       for (std::uint32_t i = 0; i < of_a.count; ++i)
         for (std::uint32_t j = 0; j < of_b.count; ++j) {
           const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
@@ -114,6 +116,11 @@ class Batch final : public Detector {
           for (const Point& point : manifold_.points())
             contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
+      // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
+      if (of_a.count * of_b.count > 1)
+        std::stable_sort(
+            contacts.begin() + before, contacts.end(),
+            [](const Contact& x, const Contact& y) { return x.distance > y.distance; });
     }
   }
 

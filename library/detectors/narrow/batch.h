@@ -6,9 +6,9 @@
 
 namespace cdb::narrow {
 
-/// Contacts of bodies up to kNear (pieces.h) apart: exact depths, and up to four points for each
-/// pair of convex pieces. They depend on the poses alone, not on earlier cycles or the order of
-/// pairs. Threads: one, as for every detector.
+/// Contacts of bodies up to kNear (pieces.h) apart, for planes and two balls as round.cc says:
+/// exact depths, and up to four points for each pair of convex pieces. They depend on the poses
+/// alone, not on earlier cycles or the order of pairs. Threads: one, as for every detector.
 Detector* MakeBatch(const Options& options);
 
 }  // namespace cdb::narrow

@@ -145,11 +145,12 @@ struct PlaneSide {
   const Placed& a;
   Vec3 normal, local;  ///< in world axes, and in those of a
   double height;       ///< of the position of a
+  double near;         ///< m: points that are no farther from the plane are added
 
   double HeightOf(const Vec3& core) const { return height + Dot(local, core); }
   void Add(const Vec3& core, Manifold& manifold) const {
     const double above = HeightOf(core), gap = above - a.piece.radius;
-    if (gap > kNear) return;
+    if (gap > near) return;
     manifold.Add(AxesOf(a.pose) * core - above * normal, normal, gap);
   }
 };
@@ -162,13 +163,14 @@ void AddCapsuleOnPlane(const PlaneSide& side, Manifold& manifold) {
   const Vec3 away = Normalized({side.local.x, 0, side.local.z});
   const Vec3 high = -low - side.a.piece.radius * away;
   const double gap = side.HeightOf(high);
-  if (gap <= kNear) manifold.Add(AxesOf(side.a.pose) * high - gap * side.normal, side.normal, gap);
+  if (gap <= side.near)
+    manifold.Add(AxesOf(side.a.pose) * high - gap * side.normal, side.normal, gap);
 }
 
 void AddFaceOnPlane(const PlaneSide& side, Manifold& manifold) {
   const Piece& piece = side.a.piece;
   const std::uint32_t deepest = FarthestVertex(piece, -side.local);
-  if (side.HeightOf(piece.Vertex(deepest)) > kNear) return;
+  if (side.HeightOf(piece.Vertex(deepest)) > side.near) return;
   const FlatFace& face = FacingFace(piece, -side.local);
   bool has_deepest = false;
   for (std::uint32_t i = face.first; i < face.first + face.count; ++i) {
@@ -184,8 +186,11 @@ void AnyPlane(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const Piece& piece = a.piece;
   const Vec3 normal = AxesOf(b.pose) * b.piece.normal;
   const double height = Dot(normal, a.pose.position - b.pose.position);
-  if (height > piece.reach + kNear) return;
-  const PlaneSide side = {a, normal, Inverse(AxesOf(a.pose), normal), height};
+  // As in Bullet, large bodies have contacts earlier, by their radius; but not round ones, which
+  // would lose speed when they bounce.
+  const double near = piece.faces.empty() ? kNear : std::max(kNear, kNear * piece.reach);
+  if (height > piece.reach + near) return;
+  const PlaneSide side = {a, normal, Inverse(AxesOf(a.pose), normal), height, near};
   if (piece.kind == Kind::kBall) return side.Add({0, 0, 0}, manifold);
   if (piece.kind == Kind::kCapsule) return AddCapsuleOnPlane(side, manifold);
   AddFaceOnPlane(side, manifold);
