@@ -166,7 +166,7 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   const Best best = axes.FindBest();
   hint = {.box_axis = best.axis};
   if (best.gap > kNear) return;
-  const double tolerance = 1e-9 * std::min(a.piece.bound, b.piece.bound);
+  const double tolerance = kSameGap * std::min(a.piece.bound, b.piece.bound);
   if (best.axis < 6) {
     const bool is_a = best.axis < 3;
     const int axis = best.axis % 3;
