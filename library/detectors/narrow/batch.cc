@@ -1,6 +1,7 @@
 #include "library/detectors/narrow/batch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <vector>
 
@@ -114,7 +115,8 @@ class Batch final : public Detector {
           manifold_.Clear();
           row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
           for (const Point& point : manifold_.points())
-            contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
+            if (IsFinite(point))
+              contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
       // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
       if (of_a.count * of_b.count > 1)
@@ -133,6 +135,11 @@ class Batch final : public Detector {
     return SquaredNorm(b.pose.position - a.pose.position + at_b - at_a) > reach * reach;
   }
 
+  /// Poses that are not have no contacts; their run has a verdict for it.
+  static bool IsFinite(const Point& point) {
+    const auto& [x, y, z] = point.on_b;
+    return std::isfinite(x + y + z + point.gap + point.normal.x + point.normal.y + point.normal.z);
+  }
   static Contact ContactOf(const Pair& pair, const Vec3& origin, const Point& point,
                            bool is_swapped) {
     const Vec3 on_second = origin + point.on_b, on_first = on_second + point.gap * point.normal;

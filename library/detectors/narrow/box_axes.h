@@ -1,6 +1,7 @@
 // The fifteen axes that can separate two boxes: Gottschalk, Lin & Manocha, OBBTree, 1996.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "library/detectors/narrow/kernels.h"
@@ -59,8 +60,13 @@ class BoxAxes {
               (half_a[0] * sizes[0] + half_a[1] * sizes[1] + half_a[2] * sizes[2]),
           faces);
     for (int j = 0; j < 3; ++j) best.Offer(3 + j, faces[j]);
+    // Of boxes that lie on each other, edges across them separate as well: faces are preferred.
+    const double preference = kSameGap * std::min(a_.piece.bound, b_.piece.bound);
+    best.gap += preference;
+    const int of_face = best.axis;
     for (int i = 0; i < 3 && best.gap <= kNear; ++i)
       OfferEdges(i, sizes[(i + 1) % 3], sizes[(i + 2) % 3], halves, best);
+    if (best.axis == of_face) best.gap -= preference;
     return best;
   }
 

@@ -165,8 +165,8 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   const BoxAxes axes(a, b);
   const Best best = axes.FindBest();
   hint = {.box_axis = best.axis};
-  if (best.gap > kNear) return;
-  const double tolerance = 1e-9 * std::min(a.piece.bound, b.piece.bound);
+  if (best.gap > kNear || best.axis < 0) return;  // none of a pose that is not finite
+  const double tolerance = kSameGap * std::min(a.piece.bound, b.piece.bound);
   if (best.axis < 6) {
     const bool is_a = best.axis < 3;
     const int axis = best.axis % 3;

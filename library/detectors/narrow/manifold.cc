@@ -186,8 +186,7 @@ bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifol
       manifold.Add(at.x * plane.u + at.y * plane.v + height * normal, normal, gap);
     }
   }
-  // Rounding tilts features by no more than this.
-  const double tolerance = 1e-9 * std::min(a.bound, b.bound) + 1e3 * couple.rounding;
+  const double tolerance = kSameGap * std::min(a.bound, b.bound) + 1e3 * couple.rounding;
   return least <= separation.gap - a.radius - b.radius + tolerance;
 }
 

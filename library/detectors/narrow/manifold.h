@@ -23,6 +23,10 @@ inline constexpr std::size_t kMostPoints = 4;
 /// other body rather than stands.
 inline constexpr double kLying = 0.1;
 
+/// In sizes of the smaller piece: gaps that differ by less are equal. In single precision, the axes
+/// of a pose are orthogonal to about a third of it.
+inline constexpr double kSameGap = 3e-7;
+
 /// The points of a pair of pieces, and the memory to find them.
 class Manifold {
  public:

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "library/detectors/narrow/batch.h"
 #include "tests/library/detectors/narrow/pair_cases.h"
@@ -167,6 +169,25 @@ TEST(Batch, GivesTheSameBitsWhateverTheOrderOfPairsAndEarlierCycles) {
   EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts));
   other->Prepare(scene);
   EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts)) << "another run";
+}
+
+TEST(Batch, FindsNoContactsOfPosesThatAreNotFinite) {
+  for (const double value :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {
+    for (PairCase pair : RandomPairs(50)) {
+      const PairScene bodies({pair});
+      Scene scene = bodies.View();
+      std::vector<Pose> poses(scene.poses.begin(), scene.poses.end());
+      poses[0].position.y = value;
+      if (value < 1e300) poses[0].x = {value, value, value};
+      scene.poses = poses;
+      const auto batch = MakeBatch();
+      batch->Prepare(scene);
+      std::vector<Contact> contacts;
+      batch->FindContacts(scene, bodies.pairs(), contacts);
+      for (const Contact& contact : contacts) EXPECT_TRUE(std::isfinite(contact.distance));
+    }
+  }
 }
 
 TEST(Batch, MirrorsThePairWhenItsBodiesAreSwapped) {

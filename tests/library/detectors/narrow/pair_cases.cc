@@ -262,7 +262,7 @@ class PairJudge {
     faults_.worst_excess = std::max(faults_.worst_excess, excess);
     const double angle = std::atan2(normal.cross(exact_.normal).norm(), normal.dot(exact_.normal));
     // A normal with no more overlap is as good, such as any of balls with one centre.
-    if (angle > 1e-6 && (excess < 1e-7 || !HasOneNormal())) return;
+    if (angle > 1e-6 && (excess < 1e-6 || !HasOneNormal())) return;
     ++faults_.normals;
     faults_.mean_normal += angle;
     faults_.worst_normal = std::max(faults_.worst_normal, angle);
