@@ -429,6 +429,7 @@ constexpr Row kFormulae[] = {
     {Lint::kCrush, Crush},
     {Lint::kCreep, Creep},
     {Lint::kRollingGain, RollingGain},
+    {Lint::kLeaningStack, LeaningStack},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

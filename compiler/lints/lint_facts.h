@@ -145,6 +145,7 @@ using Formula = std::optional<Estimate>(const SceneFacts& scene, const GroupFact
 
 // Loads: stacking_lints.cc.
 Formula TallStack;
+Formula LeaningStack;
 Formula MassRatio;
 Formula NarrowFoot;
 Formula Overlap;

@@ -13,10 +13,10 @@ namespace {
 // clang-format off
 constexpr LintInfo kLints[] = {
     {.lint = Lint::kTallStack, .kind = {"W0301", "tall-stack"},
-     .number = "n^2 g timestep^2 / (size iterations), n objects high; if pulled aside by s g, 1.25 n^2 s timestep sqrt(g / size)",
+     .number = "n^2 g timestep^2 / (size iterations), n objects high",
      .threshold = "0.025; a pyramid counts for 0.4 of its height",
      .predicts = "the stack {} slide or fall",
-     .remedy = "timestep {} or less, or more solver.iterations, which do not help if it is pulled aside",
+     .remedy = "timestep {} or less, or more solver.iterations",
      .about = "timestep solver.iterations quantity location acceleration size"},
     {.lint = Lint::kMassRatio, .kind = {"W0302", "mass-ratio"},
      .number = "mass above / (mass below iterations), times 0.6 n on a stack of n",
@@ -180,6 +180,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "rolling {} gain energy, as contacts are kept from where the object was before",
      .remedy = "a sphere, or rolling_friction",
      .about = "linear_velocity type acceleration cycles"},
+    {.lint = Lint::kLeaningStack, .kind = {"W0329", "leaning-stack"},
+     .number = "n^2 s timestep sqrt(g / size), n objects high and pulled aside by s g",
+     .threshold = "0.02, and never certain; solver.iterations have no effect",
+     .predicts = "a stack that is pulled aside {} creep and fall",
+     .remedy = "timestep {} or less",
+     .about = "acceleration timestep quantity location size"},
 };
 // clang-format on
 

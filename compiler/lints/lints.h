@@ -46,6 +46,7 @@ enum class Lint {
   kCrush,
   kCreep,
   kRollingGain,
+  kLeaningStack,
 };
 
 /// One row of THE table of lints.

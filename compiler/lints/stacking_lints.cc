@@ -68,14 +68,17 @@ std::optional<Estimate> TallStack(const SceneFacts& scene, const GroupFacts& obj
   const double n = objects.tower;
   const double value =
       n * n * scene.g * scene.timestep * scene.timestep / (objects.least_side * scene.iterations);
-  // Pulled aside, a stack of cubes creeps whatever its iterations; wider boxes may hold.
-  const double aside = scene.pull ? std::hypot(scene.pull->x(), scene.pull->z()) / scene.g : 0;
-  const double leaning = kTallStack / kLeaningStack * n * n * aside * scene.timestep *
-                         std::sqrt(scene.g / objects.least_side);
-  const bool open = true;
-  if (scene.rests && leaning > value)
-    return Estimate{leaning, kTallStack, ShorterStep(scene, leaning, kTallStack), open};
   return Estimate{value, kTallStack, ShorterStepSquared(scene, value, kTallStack)};
+}
+
+/// For stacks that should stay although the pull is not straight down.
+std::optional<Estimate> LeaningStack(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!scene.HasWeight(objects) || objects.stacked < 2 || !scene.rests || !scene.pull)
+    return std::nullopt;
+  const double aside = std::hypot(scene.pull->x(), scene.pull->z()) / scene.g, n = objects.tower;
+  const double value = n * n * aside * scene.timestep * std::sqrt(scene.g / objects.least_side);
+  const bool open = true;  // measured for cubes; wider boxes may hold
+  return Estimate{value, kLeaningStack, ShorterStep(scene, value, kLeaningStack), open};
 }
 
 /// For objects in one stack, for listed objects of which one is above the other, and for the load

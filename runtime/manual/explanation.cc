@@ -243,6 +243,12 @@ constexpr LintExample kExamples[] = {
      "  objects {\n    quantity 1; type sphere; size 1\n"
      "    location at(0, -19.5, 0); linear_velocity (1, 0, 0); angular_velocity (0, 0, -2)\n  "
      "}\n}\n"},
+    {Lint::kLeaningStack,
+     "benchmark b {\n  timestep 1 / 240\n  acceleration (0.6, -9.8, 0)\n  expect rest\n"
+     "  objects { quantity 5; type cuboid; size 0.2; location stack }\n}\n",
+     "benchmark b {\n  timestep 1 / 960\n  cycles 1000\n  acceleration (0.2, -9.8, 0)\n  expect "
+     "rest\n"
+     "  objects { quantity 5; type cuboid; size 0.2; location stack }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.
