@@ -169,9 +169,10 @@ void AddCapsuleOnPlane(const PlaneSide& side, Manifold& manifold) {
 
 void AddFaceOnPlane(const PlaneSide& side, Manifold& manifold) {
   const Piece& piece = side.a.piece;
-  const std::uint32_t deepest = FarthestVertex(piece, -side.local);
+  const Vec3 down = -side.local;
+  const std::uint32_t deepest = FarthestVertex(piece, down);
   if (side.HeightOf(piece.Vertex(deepest)) > side.near) return;
-  const FlatFace& face = FacingFace(piece, -side.local);
+  const FlatFace& face = FacingFace(piece, down);
   bool has_deepest = false;
   for (std::uint32_t i = face.first; i < face.first + face.count; ++i) {
     has_deepest |= piece.corners[i] == deepest;
