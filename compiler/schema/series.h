@@ -78,8 +78,8 @@ enum class SeriesType { kInt32, kFloat64 };
 /// The runs on traces that record a series.
 enum class OnTraces {
   kNone,
-  kBroad,    ///< those of a broad phase on recorded boxes
-  kNarrow,   ///< those of a narrow phase on recorded pairs
+  kBroad,   ///< those of a broad phase on recorded boxes
+  kNarrow,  ///< those of a narrow phase on recorded pairs
   kBoth,
   kNarrowOnly,  ///< as kNarrow, and no run in a live world
 };
@@ -110,7 +110,7 @@ struct Series {
   std::string_view unit = {};  ///< in the notation of results files; empty if there is none
   std::string_view doc;        ///< the dataset's long_name
   OnTraces on_traces = OnTraces::kNone;
-  bool may_be_none = false;    ///< NaN or infinite in a cycle without anything to measure
+  bool may_be_none = false;  ///< NaN or infinite in a cycle without anything to measure
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
   /// The position of the cycle among its dimensions; nullopt if it has one value per run.

@@ -115,7 +115,8 @@ TEST(Accuracy, OfAGasHasAFloor) {
   const Program program;
   program.Write("gas.cdb", kGas);
   const Finished plan = program.Run({"plan", "gas.cdb"});
-  EXPECT_NE(plan.out.find("compared with a reference run, checked by a twin"), std::string::npos) << plan.out;
+  EXPECT_NE(plan.out.find("compared with a reference run, checked by a twin"), std::string::npos)
+      << plan.out;
   const Finished run = program.Run({"run", "gas.cdb"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("4/4"), std::string::npos) << run.err;
