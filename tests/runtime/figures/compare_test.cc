@@ -344,7 +344,9 @@ TEST(Compare, ComparesThePairsOfDetectorsOnTraces) {
 
 TEST(Compare, ComparesOnlyStepsOnTraces) {
   const plan::Plan plan = ReplayedPlan("timing");
-  for (const figures::TimedGroup& group : Compared({{plan}, {plan}}).comparison().times.groups)
+  const Compared compared({{plan}, {plan}});
+  ASSERT_FALSE(compared.comparison().times.groups.empty());
+  for (const figures::TimedGroup& group : compared.comparison().times.groups)
     EXPECT_EQ(group.phases.size(), 1u) << group.name;
 }
 
