@@ -119,7 +119,7 @@ class Batch final : public Detector {
               contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
       // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
-      if (of_a.count * of_b.count > 1)
+      if (std::ssize(contacts) > before + 1)
         std::stable_sort(
             contacts.begin() + before, contacts.end(),
             [](const Contact& x, const Contact& y) { return x.distance > y.distance; });
