@@ -168,8 +168,8 @@ void ConcludeFloor(const Model& model, const schema::ErrorInfo& error, const Err
       {fmt::format("Is the reference good enough for {}?", error.name),
        fmt::format(
            "Not for {} of {} sound configurations{}: their errors are below the floor, up "
-           "to {}{}, by which the reference changes with its time step and with a "
-           "perturbed start. A shorter accuracy.reference.timestep lowers the floor, unless "
+           "to {}{}, by which the reference changes with twice its time step and a "
+           "displaced start. A shorter accuracy.reference.timestep lowers the floor, unless "
            "the motion is chaotic.{}",
            below.size(), sound.size(), where.empty() ? where : fmt::format(" ({})", where),
            terminal::ShortNumber(floor), error.unit.empty() ? "" : fmt::format(" {}", error.unit),

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <limits>
 #include <new>
@@ -121,7 +120,7 @@ class Replay {
         for (const protocol::Phase phase :
              {protocol::Phase::kBroad, protocol::Phase::kDetect, protocol::Phase::kStep})
           duration[protocol::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(end - begin);
-      recording_.Put("pairs", cycle, Count(pairs_.size()));
+      recording_.Put("pairs", cycle, SeriesCount(pairs_.size()));
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
     if (processor_time) processor_time->Store(header.scalars);
@@ -145,24 +144,11 @@ class Replay {
   }
 
  private:
-  static std::int32_t Count(std::size_t count) {
-    return static_cast<std::int32_t>(
-        std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
-  }
-
-  /// Overhead of a cycle: its two time stamps, and the call of a detector that does nothing. The
-  /// median of 101 measurements.
+  /// Overhead of a cycle: its two time stamps, and the call of a detector that does nothing.
   double HarnessNs() {
     const detection::NamedDetector idle = detection::MakeDetector("null", run_.scene);
     std::vector<Pair> none;
-    std::array<double, 101> times;
-    for (double& time : times) {
-      const std::int64_t begin = world::Now();
-      idle.detector->FindPairs(traced_.scene(), none);
-      time = static_cast<double>(world::Now() - begin);
-    }
-    std::ranges::nth_element(times, times.begin() + times.size() / 2);
-    return times[times.size() / 2];
+    return MedianNs([&] { idle.detector->FindPairs(traced_.scene(), none); });
   }
 
   detection::NamedDetector Prepared() {
@@ -187,6 +173,11 @@ void ReplayBoxes(const plan::Run& run, protocol::Recording& recording, int trace
 }
 
 }  // namespace
+
+std::int32_t SeriesCount(std::size_t count) {
+  return static_cast<std::int32_t>(
+      std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
+}
 
 std::string HashOf(std::vector<Pair> pairs) {
   std::ranges::sort(pairs);

@@ -2,6 +2,7 @@
 // motion, without physics.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ namespace cdb::worker {
 /// Ends with the outcome kDone, or kFailed and a message; throws nothing. Threads: one.
 void ReplayTrace(const plan::Run& run, protocol::Recording& recording, int trace_fd);
 
+/// A count as the value of a series, at most the greatest that one holds.
+std::int32_t SeriesCount(std::size_t count);
 /// `pairs`, sorted and each once, as 16 hex digits.
 std::string HashOf(std::vector<Pair> pairs);
 /// Throws library::SceneError if the trace is shorter.

@@ -4,10 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -23,6 +21,7 @@
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/worker/replay.h"
+#include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/manifolds.h"
 #include "runtime/omissions/omissions.h"
@@ -235,19 +234,14 @@ class PairWorld {
   btManifoldArray manifolds_;
 };
 
-std::int32_t Count(std::size_t count) {
-  return static_cast<std::int32_t>(
-      std::min<std::size_t>(count, std::numeric_limits<std::int32_t>::max()));
-}
-
 void RecordContacts(btCollisionWorld& world, std::uint64_t cycle, protocol::Recording& recording) {
   std::size_t manifolds = 0, contacts = 0;
   for (const btPersistentManifold& manifold : world::TouchingManifolds(world)) {
     ++manifolds;
     contacts += static_cast<std::size_t>(manifold.getNumContacts());
   }
-  recording.Put("manifolds", cycle, Count(manifolds));
-  recording.Put("contacts", cycle, Count(contacts));
+  recording.Put("manifolds", cycle, SeriesCount(manifolds));
+  recording.Put("contacts", cycle, SeriesCount(contacts));
 }
 
 std::vector<Pair> Overlapping(btCollisionWorld& world) {
@@ -259,18 +253,6 @@ std::vector<Pair> Overlapping(btCollisionWorld& world) {
       if (manifold.getContactPoint(j).getDistance() <= 0) pairs.push_back({a, b});
   }
   return pairs;
-}
-
-/// Overhead of a cycle: its time stamps. The median of 101 measurements.
-double HarnessOfStamps() {
-  std::array<double, 101> times;
-  for (double& time : times) {
-    const std::int64_t begin = world::Now();
-    for (int stamp = 0; stamp < 2; ++stamp) static_cast<void>(world::Now());
-    time = static_cast<double>(world::Now() - begin);
-  }
-  std::ranges::nth_element(times, times.begin() + times.size() / 2);
-  return times[times.size() / 2];
 }
 
 /// The cycles of a run on its trace.
@@ -304,15 +286,18 @@ class PairReplay {
         for (const protocol::Phase phase :
              {protocol::Phase::kNarrow, protocol::Phase::kDetect, protocol::Phase::kStep})
           duration[protocol::IndexOf(phase) * cycles_ + cycle] = static_cast<double>(spent);
-      recording_.Put("pairs", cycle, Count(world.pairs().size()));
-      recording_.Put("unhandled_pairs", cycle, Count(world.CountUnhandled()));
+      recording_.Put("pairs", cycle, SeriesCount(world.pairs().size()));
+      recording_.Put("unhandled_pairs", cycle, SeriesCount(world.CountUnhandled()));
       RecordContacts(world.engine().world(), cycle, recording_);
       header.cycles_done.store(cycle + 1, std::memory_order_release);
     }
     if (processor_time) processor_time->Store(header.scalars);
     header.state_hash = HashOf(Overlapping(world.engine().world()));
     header.scalars.peak_rss_bytes = probes::PeakRssBytes();
-    header.scalars.harness_ns = HarnessOfStamps();
+    // Overhead of a cycle: its time stamps.
+    header.scalars.harness_ns = MedianNs([] {
+      for (int stamp = 0; stamp < 2; ++stamp) static_cast<void>(world::Now());
+    });
   }
 
   /// Runs the same cycles again in a new world, and compares the contacts with exact overlaps.

@@ -1,12 +1,16 @@
 // Executes one run, from its plan to its recording: the work of the worker process as a function.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "compiler/plan/plan.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/omission_guard.h"
+#include "runtime/engine/world/timed_world.h"
 #include "runtime/protocol/recording.h"
 
 namespace cdb::worker {
@@ -46,5 +50,18 @@ void ReportFailure(protocol::Recording& recording, const std::string& message);
 /// of a detector that does nothing. The median of 101 measurements; does not change the engine's
 /// world.
 double HarnessNs(const plan::Scene& scene, const world::Engine& engine);
+
+/// The median time of 101 calls, ns: an overhead is too short to be measured once.
+template <typename Call>
+double MedianNs(const Call& call) {
+  std::array<double, 101> times;
+  for (double& time : times) {
+    const std::int64_t begin = world::Now();
+    call();
+    time = static_cast<double>(world::Now() - begin);
+  }
+  std::ranges::nth_element(times, times.begin() + times.size() / 2);
+  return times[times.size() / 2];
+}
 
 }  // namespace cdb::worker
