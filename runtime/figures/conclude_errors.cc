@@ -209,8 +209,7 @@ class Order {
     const bool is_clear =
         std::ranges::all_of(cases_, [](const auto& of) { return of.second.is_clear; });
     all.push_back({fmt::format("Does the error of {} fall with the time step?", error_.name),
-                   Falling() + NotFalling() + NotJudged() + Rises(), "order",
-                   is_clear ? Certainty::kClear : Certainty::kUnknown});
+                   Sentences(), "order", is_clear ? Certainty::kClear : Certainty::kUnknown});
   }
 
  private:
@@ -321,6 +320,13 @@ class Order {
                        interval.high);
   }
 
+  std::string Sentences() const {
+    std::string all;
+    for (const std::string& text : {Falling(), NotFalling(), NotJudged(), Rises()})
+      if (!text.empty()) all += (all.empty() ? "" : " ") + text;
+    return all;
+  }
+
   std::string Falling() const {
     const Places* yes = Find(Answer::kYes);
     return yes == nullptr ? std::string() : fmt::format("Yes{}: {}.", Where(*yes), PowerText(*yes));
@@ -330,9 +336,9 @@ class Order {
     const Places* no = Find(Answer::kNo);
     if (no == nullptr) return {};
     return fmt::format(
-        "{}No{}: {}. Where it does not fall, something else makes the error: the "
-        "iterations of the solver, contact settings or margins, or chaotic motion.",
-        Find(Answer::kYes) == nullptr ? "" : " ", Where(*no), PowerText(*no));
+        "No{}: {}. Where it does not fall, something else makes the error: the iterations of the "
+        "solver, contact settings or margins, or chaotic motion.",
+        Where(*no), PowerText(*no));
   }
 
   std::string NotJudged() const {
@@ -343,16 +349,14 @@ class Order {
           std::pair(Answer::kBelowFloor, "fewer than three errors are above the floor"),
           std::pair(Answer::kScattered, "the errors scatter")})
       if (const Places* places = Find(answer))
-        text += fmt::format("{}Not judged{}: {}.",
-                            text.empty() && by_answer_.begin()->first == answer ? "" : " ",
-                            Where(*places), why);
+        text += fmt::format("{}Not judged{}: {}.", text.empty() ? "" : " ", Where(*places), why);
     for (const auto& [at, of] : cases_)
       if (!std::isnan(of.fit.p))
         unsound += static_cast<std::size_t>(std::ranges::count_if(
             of.steps, [](const Step& step) { return !step.unsound.empty(); }));
     if (unsound > 0)
-      text += fmt::format(" {} unsound time step{} left out of the fits.", unsound,
-                          unsound == 1 ? " is" : "s are");
+      text += fmt::format("{}{} unsound time step{} left out of the fits.", text.empty() ? "" : " ",
+                          unsound, unsound == 1 ? " is" : "s are");
     return text;
   }
 
@@ -378,7 +382,7 @@ class Order {
       named.push_back(rises[i].second);
     if (rises.size() > kMaxNamed)
       named.push_back(fmt::format("in {} other cases", rises.size() - kMaxNamed));
-    return fmt::format(" The error rises {}.", JoinWords(named));
+    return fmt::format("The error rises {}.", JoinWords(named));
   }
 
   /// Whether the time step changes along an axis.
