@@ -97,7 +97,7 @@ TEST(Worker, NeedsNoMoreMemoryIfItSettlesThePile) {
     heaps[i] = recording.Reals("heap").back();
   }
   EXPECT_NEAR(peaks[0] / peaks[1], 1, 0.03);  // settled, and found in the cache
-  EXPECT_NEAR(heaps[0] / heaps[1], 1, 0.005);
+  EXPECT_NEAR(heaps[0], heaps[1], 0.005 * heaps[1]);  // both 0 with AddressSanitizer's allocator
 }
 
 /// Two objects whose boxes overlap but which do not touch, placed so by the seed.
