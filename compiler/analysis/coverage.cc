@@ -117,6 +117,28 @@ Reason WhyNotEdges(const Scene& scene) {
   return fmt::format("seams between group {} and the walls are not examined", beyond->name);
 }
 
+/// Something may slide on ground that stays where it is.
+bool FrictionArises(const Scene& scene) {
+  const bool has_walls = scene.world.WordOr("world.walls") != "none" &&
+                         !IsZero(scene.world.Get("world.wall_friction"));
+  const auto has_friction = [](const Group& group) {
+    return !IsZero(group.settings.Get("friction"));
+  };
+  const auto is_ground = [&](const Group& group) { return IsFixed(group) && has_friction(group); };
+  return (has_walls || FindGroup(scene, is_ground) != nullptr) &&
+         FindGroup(scene, [&](const Group& group) {
+           return !IsFixed(group) && !HasKinematic(group) && has_friction(group) &&
+                  group.settings.WordOr("type") != "sphere";
+         }) != nullptr;
+}
+
+Reason WhyNotFriction(const Scene& scene) {
+  const Group* surface =
+      FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); });
+  if (surface == nullptr) return std::nullopt;
+  return fmt::format("sliding on surfaces, such as group {}, is not examined", surface->name);
+}
+
 const Group* FindLinked(const Scene& scene) {
   return FindGroup(scene, [](const Group& group) { return group.HasLinks(); });
 }
@@ -147,6 +169,11 @@ constexpr QuestionInfo kQuestions[] = {
     {Question::kEdges, "edges",
      "contacts at the edges between coplanar faces have the normals of these faces", false,
      EdgesArise, WhyNotEdges},
+    {Question::kFriction, "friction",
+     "friction brakes objects that slide flat on fixed ground by its coefficient, and does not "
+     "turn "
+     "them",
+     false, FrictionArises, WhyNotFriction},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      AlwaysChecked},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},

@@ -19,6 +19,7 @@ enum class Question {
   kRest,
   kPassing,
   kEdges,
+  kFriction,
   kJoints,
   kSleep,
 };

@@ -31,6 +31,9 @@ constexpr double kRise = 0.01, kFallOfScale = 25;
 /// Cylinders of 0.1 to 5 m that roll slower than half of sqrt(g size) gain a tenth after a time of
 /// 4.8 sqrt(size / g) or more, capsules after 15; none that is faster than sqrt(g size) does.
 constexpr double kRolls = 4.8;
+/// Of cubes of 0.1 to 2 m at 0.5 to 8 m/s, with mu from 0.05 to 0.6, at 60 to 480 Hz, none was
+/// twisted or braked wrongly within 4.5 sqrt(size / g), 39 % within 9 to 10, 51 % within 10 to 18.
+constexpr double kSlides = 12;
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -117,15 +120,26 @@ Estimate ThinObject(const SceneFacts& scene, const GroupFacts& objects) {
   return worst;
 }
 
+double FrictionOnWalls(const SceneFacts& scene, const GroupFacts& objects) {
+  return BoundsOf(*objects.settings, "friction").least * scene.world->Real("world.wall_friction");
+}
+
+/// m/s^2: the part of the weight along the floor. 0 if it is drawn or changes.
+double PullAlongFloor(const SceneFacts& scene) {
+  return scene.pull ? std::hypot(scene.pull->x(), scene.pull->z()) : 0;
+}
+
+double SpeedAlongFloor(const GroupFacts& objects) {
+  return std::hypot(objects.velocity.x(), objects.velocity.z());
+}
+
 /// True if a box on the floor slides from the start, or all the time, as its weight has a component
 /// along the floor that friction does not hold.
 bool Slides(const SceneFacts& scene, const GroupFacts& objects) {
   if (IsBall(objects) || scene.rests) return false;
-  const double friction =
-      BoundsOf(*objects.settings, "friction").least * scene.world->Real("world.wall_friction");
-  const bool is_steep = scene.pull && std::hypot(scene.pull->x(), scene.pull->z()) >
-                                          friction * std::abs(scene.pull->y());
-  return is_steep || std::hypot(objects.velocity.x(), objects.velocity.z()) > 0;
+  const bool is_steep = scene.pull && PullAlongFloor(scene) > FrictionOnWalls(scene, objects) *
+                                                                  std::abs(scene.pull->y());
+  return is_steep || SpeedAlongFloor(objects) > 0;
 }
 
 }  // namespace
@@ -145,6 +159,28 @@ std::optional<Estimate> LongStep(const SceneFacts& scene, const GroupFacts& obje
   // A slider may stop, and a ball that falls is pushed out of some depths without flying up.
   const bool open = slides || (IsBall(objects) && !lies);
   return Estimate{value, threshold, ShorterStepSquared(scene, value, threshold), open};
+}
+
+std::optional<Estimate> SlidingBox(const SceneFacts& scene, const GroupFacts& objects) {
+  const bool on_plane = scene.has_walls && !scene.has_box_walls && scene.HasWeight(objects) &&
+                        scene.collisions->MayTouchWalls(objects.index);
+  if (!on_plane || !scene.pull || scene.world->WordOr("narrow_phase") == "batch")
+    return std::nullopt;
+  if (!MayBe(objects.settings->Get("type"), "cuboid") || !Slides(scene, objects))
+    return std::nullopt;
+  // It starts flat on the floor.
+  const auto turn = ConstantOf(objects.settings->Get("orientation"));
+  const double height = (objects.most_sides.y() - scene.side) / 2 + kOnFloor * objects.least_side;
+  if (!turn || !turn->isZero(0) || objects.velocity.y() > 0 || objects.places.empty() ||
+      !std::ranges::all_of(objects.places, [&](const Vector3d& at) { return at.y() <= height; }))
+    return std::nullopt;
+  const double friction = FrictionOnWalls(scene, objects);
+  if (!(friction > 0)) return std::nullopt;
+  const double braked = friction * std::abs(scene.pull->y()) - PullAlongFloor(scene);
+  const double stops = braked > 0 ? SpeedAlongFloor(objects) / braked : scene.Time();
+  const double value = std::min(stops, scene.Time()) * std::sqrt(scene.g / objects.least_side);
+  const bool open = true;  // most such boxes are twisted, not all
+  return Estimate{value, kSlides, 0, open};
 }
 
 std::optional<Estimate> ThinWall(const SceneFacts& scene, const GroupFacts& objects) {

@@ -430,6 +430,7 @@ constexpr Row kFormulae[] = {
     {Lint::kCreep, Creep},
     {Lint::kRollingGain, RollingGain},
     {Lint::kLeaningStack, LeaningStack},
+    {Lint::kSlidingBox, SlidingBox},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

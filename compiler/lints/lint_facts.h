@@ -168,6 +168,7 @@ Formula InternalEdges;
 Formula ForeseenBounce;
 Formula LossyBounce;
 Formula RollingGain;
+Formula SlidingBox;
 
 // Kinematic objects: kinematic_lints.cc.
 Formula Crush;

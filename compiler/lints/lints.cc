@@ -186,6 +186,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "a stack that is pulled aside {} creep and fall",
      .remedy = "timestep {} or less",
      .about = "acceleration timestep quantity location size"},
+    {.lint = Lint::kSlidingBox, .kind = {"W0330", "sliding-box"},
+     .number = "time for which a cuboid slides on a floor that is a plane / sqrt(size / g)",
+     .threshold = "12, and never certain; the time step has hardly any effect",
+     .predicts = "friction {} turn a box, or brake it too much or too little, as Bullet finds one corner on a plane at a time",
+     .remedy = "world.wall_shape box, or narrow_phase batch",
+     .about = "world.wall_shape narrow_phase linear_velocity friction"},
 };
 // clang-format on
 

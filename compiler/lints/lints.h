@@ -47,6 +47,7 @@ enum class Lint {
   kCreep,
   kRollingGain,
   kLeaningStack,
+  kSlidingBox,
 };
 
 /// One row of THE table of lints.

@@ -85,7 +85,7 @@ struct ParameterTable {
      .doc = "walls of the cube that are present; floor is the one at -y",
      .also = "walls floor ground"},
     {.name = "world.wall_shape", .type = kWord, .first_default = "plane", .words = "plane box",
-     .doc = "shape of the walls: infinite planes or boxes"},
+     .doc = "shape of the walls: infinite planes or boxes; Bullet gives a box on a plane one new contact a cycle, so that one that slides rocks and may turn"},
     {.name = "world.wall_friction", .type = kReal, .domain = kNotNegative, .first_default = "0.5",
      .doc = "coefficient of sliding friction of the walls; see `friction`",
      .also = "floor_friction ground_friction"},

@@ -226,7 +226,7 @@ class Order {
     bool IsBelowFloor() const { return error < std::fmax(floor, kRounding); }
     bool Counts() const { return unsound.empty() && !IsBelowFloor(); }
   };
-  enum class Answer { kYes, kNo, kTooFewSound, kBelowFloor, kScattered };
+  enum class Answer { kYes, kNo, kNoOrder, kTooFewSound, kBelowFloor, kScattered };
   struct Case {
     std::vector<Step> steps;  ///< the longest first
     PowerFit fit = {};        ///< of those that count
@@ -277,12 +277,15 @@ class Order {
       return;
     }
     const bool has_order = of.fit.interval.low > 0;
-    if (of.fit.p >= kFlat && (is_monotonic || has_order)) {
+    const bool is_flat = of.fit.interval.high < kFlat;
+    if (of.fit.p >= kFlat && has_order) {
       of.answer = Answer::kYes;
-      of.is_clear = is_monotonic && has_order;
-    } else if (of.fit.p < kFlat || sound.back().second >= sound.front().second) {
+      of.is_clear = is_monotonic;
+    } else if (is_flat || sound.back().second >= sound.front().second) {
       of.answer = Answer::kNo;
-      of.is_clear = of.fit.interval.high < kFlat;
+      of.is_clear = is_flat;
+    } else if (is_monotonic) {
+      of.answer = Answer::kNoOrder;
     } else {
       of.answer = Answer::kScattered;
     }
@@ -322,7 +325,7 @@ class Order {
 
   std::string Sentences() const {
     std::string all;
-    for (const std::string& text : {Falling(), NotFalling(), NotJudged(), Rises()})
+    for (const std::string& text : {Falling(), WithoutOrder(), NotFalling(), NotJudged(), Rises()})
       if (!text.empty()) all += (all.empty() ? "" : " ") + text;
     return all;
   }
@@ -332,12 +335,22 @@ class Order {
     return yes == nullptr ? std::string() : fmt::format("Yes{}: {}.", Where(*yes), PowerText(*yes));
   }
 
+  /// The fit of a few steps tells nothing.
+  std::string WithoutOrder() const {
+    const Places* falls = Find(Answer::kNoOrder);
+    if (falls == nullptr) return {};
+    return fmt::format(
+        "It falls with each shorter time step{}, but the order cannot be told from so few or such "
+        "scattered errors: {}.",
+        Where(*falls), PowerText(*falls));
+  }
+
   std::string NotFalling() const {
     const Places* no = Find(Answer::kNo);
     if (no == nullptr) return {};
     return fmt::format(
         "No{}: {}. Where it does not fall, something else makes the error: the iterations of the "
-        "solver, contact settings or margins, or chaotic motion.",
+        "solver, contact settings or margins, walls that are planes, or chaotic motion.",
         Where(*no), PowerText(*no));
   }
 

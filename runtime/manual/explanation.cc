@@ -249,6 +249,13 @@ constexpr LintExample kExamples[] = {
      "benchmark b {\n  timestep 1 / 960\n  cycles 1000\n  acceleration (0.2, -9.8, 0)\n  expect "
      "rest\n"
      "  objects { quantity 5; type cuboid; size 0.2; location stack }\n}\n"},
+    {Lint::kSlidingBox,
+     "benchmark b {\n  cycles 300\n  world { side 40; walls floor }\n"
+     "  objects {\n    quantity 1; type cuboid; size 0.5; friction 0.4\n"
+     "    location at(-10, -19.75, 0); linear_velocity (5, 0, 0)\n  }\n}\n",
+     "benchmark b {\n  cycles 300\n  world { side 40; walls floor; wall_shape box }\n"
+     "  objects {\n    quantity 1; type cuboid; size 0.5; friction 0.4\n"
+     "    location at(-10, -19.75, 0); linear_velocity (5, 0, 0)\n  }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.

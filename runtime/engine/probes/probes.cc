@@ -168,6 +168,9 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("false_normals", cycle, seen.normals.false_normals);
   recording_.Put("false_impulse", cycle, seen.normals.false_impulse);
   recording_.Put("deflected", cycle, seen.normals.deflected);
+  recording_.Put("false_turn", cycle, seen.friction.false_turn);
+  recording_.Put("twisted", cycle, seen.friction.twisted);
+  recording_.Put("friction_error", cycle, seen.friction.friction_error);
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -503,6 +506,7 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine),
       normals_(engine),
+      friction_(engine, scene.world.Real("world.wall_friction")),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
   if (analysis::AreGainsJudged(scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
@@ -522,7 +526,8 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
   if (audit_) audited = audit_->After(before_, now_, kinetic, energy);
   if (!are_losses_judged_) audited.lost = kNone;
   const Seen seen{passes_.After(before_, now_),   pressed.pressed, pressed.inverted,
-                  sleepers_.After(before_, now_), audited,         normals_.After(before_, now_)};
+                  sleepers_.After(before_, now_), audited,         normals_.After(before_, now_),
+                  friction_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

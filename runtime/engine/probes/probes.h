@@ -11,6 +11,7 @@
 #include "compiler/plan/plan.h"
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/probes/energy_audit.h"
+#include "runtime/engine/probes/friction_watch.h"
 #include "runtime/engine/probes/motion_watch.h"
 #include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
@@ -72,6 +73,7 @@ class Soundness {
     std::int32_t pressed, inverted, unheld;
     EnergyAudit::Seen energy;  ///< NaN if not judged (analysis::Question, AreGainsJudged)
     NormalWatch::Seen normals;
+    FrictionWatch::Seen friction;
   };
   /// Call after each cycle, with the energies at its end, J.
   Seen After(double kinetic, double energy);
@@ -83,6 +85,7 @@ class Soundness {
   PressWatch presses_;
   SleepWatch sleepers_;
   NormalWatch normals_;
+  FrictionWatch friction_;
   const bool are_losses_judged_;
   std::optional<EnergyAudit> audit_;
 };

@@ -53,6 +53,14 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "sleep: links may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
        "energy, losses, passing, edges, sleep", ""},
+      {"objects a { quantity 3; type cuboid }", "energy, losses, passing, friction, sleep", ""},
+      {"objects a { quantity 3; type cuboid; friction 0 }", "energy, losses, passing, sleep", ""},
+      {"objects a { quantity 3; type cuboid } world.wall_friction 0",
+       "energy, losses, passing, sleep", ""},
+      {"objects a { quantity 3; type cuboid } objects ground { quantity 1; size 20; mass fixed\n"
+       "type heights(\"flat.csv\"); edges smooth; location at(0, 0, 0) }",
+       "energy, losses, passing, edges, sleep",
+       "friction: sliding on surfaces, such as group ground, is not examined"},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass kinematic }",
        "passing, sleep",
        "energy: group floor is kinematic; losses: group floor is kinematic; edges: group floor is "

@@ -1,0 +1,179 @@
+#include "runtime/engine/probes/friction_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Vector3d;
+
+/// rad: normals and faces that differ by less are the same.
+constexpr double kFlat = 0.05;
+/// Of an object's least half extent: how far a face reaches around the centre of mass.
+constexpr double kFace = 0.1;
+constexpr int kFaceDirections = 8;
+/// rad, in the body's axes: a face is looked for again from here on.
+constexpr double kLookAgain = 1e-3;
+/// rad: an object that turned by more is twisted.
+constexpr double kTwisted = 0.1;
+/// Of the speed along the ground: an object whose surface moves faster by its spin is not sliding
+/// along a line.
+constexpr double kSpins = 0.1;
+/// Of an object's least side: the fall whose speed is the least change by friction that counts.
+constexpr double kLeastChangeFall = 0.1;
+/// Bullet limits the coefficient of a contact.
+constexpr double kMostFriction = 10;
+
+}  // namespace
+
+FrictionWatch::FrictionWatch(world::Engine& engine, double wall_friction)
+    : engine_(engine),
+      wall_friction_(wall_friction),
+      has_ground_(!engine.walls().empty()),
+      supports_(engine.objects().size()),
+      objects_(engine.objects().size()) {
+  const double pull = engine.acceleration().norm();
+  std::vector<char> linked(objects_.size(), 0);
+  engine.links().MarkHeld(linked, 1);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const layouts::ObjectState& state = engine.initial_state().objects[i];
+    has_ground_ = has_ground_ || (state.IsFixed() && !state.is_kinematic);
+    objects_[i].is_judged = !state.IsFixed() && linked[i] == 0 && !state.solid.IsBall();
+    objects_[i].damping = std::pow(1 - static_cast<double>(engine.objects()[i]->getLinearDamping()),
+                                   static_cast<double>(engine.timestep()));
+    objects_[i].least_due =
+        std::sqrt(2 * pull * kLeastChangeFall * 2 * state.solid.LeastHalfExtent());
+  }
+}
+
+FrictionWatch::Seen FrictionWatch::After(const BodyStates& before, const BodyStates& now) {
+  Seen seen = {0, 0, std::numeric_limits<double>::quiet_NaN()};
+  if (!has_ground_) return seen;
+  FindSupports();
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    Moving& object = objects_[i];
+    if (!object.is_judged) continue;
+    if (now[i].is_asleep) {
+      object.is_flat = false;
+    } else {
+      Judge(i, before[i], now[i]);
+    }
+    object.is_twisted = object.is_twisted || std::abs(object.turned) > kTwisted;
+    seen.twisted += object.is_twisted;
+    seen.false_turn = std::max(seen.false_turn, std::abs(object.turned));
+    if (object.due > object.least_due)
+      seen.friction_error = std::fmax(seen.friction_error, object.error.norm() / object.due);
+  }
+  return seen;
+}
+
+void FrictionWatch::FindSupports() {
+  std::ranges::fill(supports_, Support{});
+  const auto add = [&](const btCollisionObject& body, const btCollisionObject& other,
+                       const btVector3& normal) {
+    const auto index = static_cast<std::size_t>(body.getUserIndex());
+    if (index >= objects_.size() || !objects_[index].is_judged) return;
+    Support& support = supports_[index];
+    if (support.ground == nullptr) {
+      support = {&other, normal};
+    } else if (support.ground != &other || support.normal.dot(normal) < std::cos(kFlat)) {
+      support.is_single = false;
+    }
+  };
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
+    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      if (point.getDistance() > manifold.getContactProcessingThreshold() ||
+          point.m_appliedImpulse == 0)
+        continue;
+      add(a, b, point.m_normalWorldOnB);
+      add(b, a, -point.m_normalWorldOnB);
+    }
+  }
+}
+
+void FrictionWatch::Judge(std::size_t object, const BodyState& before, const BodyState& now) {
+  Moving& moving = objects_[object];
+  const Support& support = supports_[object];
+  const bool was_flat = moving.is_flat;
+  if (support.ground != nullptr) {
+    const auto ground = static_cast<std::size_t>(support.ground->getUserIndex());
+    moving.is_flat =
+        support.is_single && support.ground->isStaticObject() &&
+        (ground >= objects_.size() || !engine_.initial_state().objects[ground].solid.IsSurface());
+    moving.normal = world::ToEigen(support.normal).normalized();
+    moving.friction = std::min(FrictionOf(*support.ground) * FrictionOf(*engine_.objects()[object]),
+                               kMostFriction);
+  }
+  const Eigen::Quaterniond turn = world::ToEigen(before.pose.getRotation());
+  moving.is_flat = moving.is_flat && LiesFlat(object, turn);
+  if (!moving.is_flat) return;
+
+  const Vector3d& normal = moving.normal;
+  const double timestep = static_cast<double>(engine_.timestep());
+  const auto split = [&](const btVector3& vector) {
+    const Vector3d all = world::ToEigen(vector);
+    const double along = all.dot(normal);
+    return std::pair(along, Vector3d(all - along * normal));
+  };
+  const auto [first_spin, first_rocking] = split(before.spin);
+  if (!was_flat) {
+    moving.least_spin = std::abs(first_spin);
+    moving.first_rocking = first_rocking.norm();
+  }
+  const auto [spin, rocking] = split(now.spin);
+  const layouts::ObjectState& state = engine_.initial_state().objects[object];
+  const Vector3d inertia = state.solid.InertiaPerMass();
+  const double about_normal = inertia.dot((turn.conjugate() * normal).cwiseAbs2());
+  const double allowed = moving.least_spin + moving.friction * inertia.maxCoeff() / about_normal *
+                                                 (moving.first_rocking + rocking.norm());
+  moving.turned += timestep * std::copysign(std::max(0.0, std::abs(spin) - allowed), spin);
+  moving.least_spin = std::min(moving.least_spin, std::abs(spin));
+
+  const Vector3d pulled =
+      moving.damping * world::ToEigen(before.velocity) + timestep * engine_.acceleration();
+  const Vector3d velocity = world::ToEigen(now.velocity);
+  const Vector3d across = pulled - pulled.dot(normal) * normal;
+  const double speed = across.norm();
+  const double fastest_spin =
+      std::max(world::ToEigen(before.spin).norm(), world::ToEigen(now.spin).norm());
+  if (!(speed > 0) || fastest_spin * state.solid.OuterRadius() > kSpins * speed) return;
+  const double due = std::clamp(moving.friction * (velocity - pulled).dot(normal), 0.0, speed);
+  moving.error += velocity - velocity.dot(normal) * normal - (1 - due / speed) * across;
+  moving.due += due;
+}
+
+bool FrictionWatch::LiesFlat(std::size_t object, const Eigen::Quaterniond& turn) {
+  Moving& moving = objects_[object];
+  const Vector3d normal = turn.conjugate() * moving.normal;
+  if ((normal - moving.face_normal).norm() < kLookAgain) return moving.has_face;
+  moving.face_normal = normal;
+  const objects::Solid& solid = engine_.initial_state().objects[object].solid;
+  const Vector3d across = normal.unitOrthogonal();
+  Vector3d directions[kFaceDirections];
+  double reaches[kFaceDirections] = {};
+  for (int i = 0; i < kFaceDirections; ++i)
+    directions[i] = Eigen::AngleAxisd(2 * M_PI * i / kFaceDirections, normal) * across;
+  for (const Vector3d& direction : directions) {
+    const Vector3d corner = solid.Support(kFlat * direction - normal);
+    for (int i = 0; i < kFaceDirections; ++i)
+      reaches[i] = std::max(reaches[i], directions[i].dot(corner));
+  }
+  moving.has_face = *std::ranges::min_element(reaches) > kFace * solid.LeastHalfExtent();
+  return moving.has_face;
+}
+
+/// From the scene: what Bullet's contact holds may differ.
+double FrictionWatch::FrictionOf(const btCollisionObject& body) const {
+  const auto index = static_cast<std::size_t>(body.getUserIndex());
+  if (index >= objects_.size()) return wall_friction_;
+  return engine_.initial_state().objects[index].numbers["friction"];
+}
+
+}  // namespace cdb::probes

@@ -1,0 +1,79 @@
+// Finds objects that slide on a flat face otherwise than friction lets them: Bullet may support a
+// box on a plane at one corner at a time, so that it rocks, turns, and is braked too much or too
+// little.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "runtime/engine/probes/body_states.h"
+
+namespace cdb::probes {
+
+/// Judged are objects that lie flat on one fixed body, a wall or an object, and touch nothing else:
+/// a face is within 0.05 rad of the ground, and reaches around the centre of mass by a tenth of the
+/// least half extent. The ground pushes along its normal n, wherever it does, and friction, mu of
+/// the scene times that, acts against the velocity. So
+///
+/// - the spin about n does not grow, but for mu times what the rocking changes: the forces that
+/// turn
+///   the object about its direction of motion are those whose friction turns it about n;
+/// - the velocity along the ground changes by mu times the change of that along n, or to 0.
+///
+/// All of it from velocities and the scene's coefficients, not from Bullet's contacts, which only
+/// tell what touches. Not judged: objects with links, on surfaces and kinematic objects, and the
+/// second law while an object spins. The engine must outlive it. Not thread-safe.
+class FrictionWatch {
+ public:
+  /// `wall_friction`: of the scene.
+  FrictionWatch(world::Engine& engine, double wall_friction);
+
+  struct Seen {
+    double false_turn;      ///< rad: the largest angle turned so far against the first law
+    std::int32_t twisted;   ///< objects so far with an angle above kTwisted
+    double friction_error;  ///< largest deviation from the second law so far, relative to the
+                            ///< change of velocity that it demands; NaN if nothing slid
+  };
+  /// Call after each cycle, with the states at its start and end.
+  Seen After(const BodyStates& before, const BodyStates& now);
+
+ private:
+  /// What pushes an object in a cycle.
+  struct Support {
+    const btCollisionObject* ground = nullptr;  ///< null: nothing does
+    btVector3 normal;                           ///< unit, towards the object
+    bool is_single = true;
+  };
+  struct Moving {
+    double damping = 1;     ///< factor of the velocity in a cycle
+    double least_due = 0;   ///< m/s: from this change on, a deviation counts
+    bool is_judged = true;  ///< it can move, and has no links
+    // While it lies flat, since then.
+    bool is_flat = false;
+    Eigen::Vector3d normal;                    ///< of the ground, unit
+    double friction = 0;                       ///< mu
+    double least_spin = 0, first_rocking = 0;  ///< rad/s: about the normal; across it at the start
+    // Since the first cycle.
+    double turned = 0;                                ///< rad, signed
+    Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< m/s
+    double due = 0;                                   ///< m/s
+    bool is_twisted = false;
+    // The last face that was looked for, by the normal in the body's axes.
+    Eigen::Vector3d face_normal = Eigen::Vector3d::Zero();
+    bool has_face = false;
+  };
+
+  void FindSupports();
+  void Judge(std::size_t object, const BodyState& before, const BodyState& now);
+  bool LiesFlat(std::size_t object, const Eigen::Quaterniond& turn);
+  double FrictionOf(const btCollisionObject& body) const;
+
+  world::Engine& engine_;
+  const double wall_friction_;
+  bool has_ground_ = false;
+  std::vector<Support> supports_;  ///< by object, of this cycle
+  std::vector<Moving> objects_;    ///< by object
+};
+
+}  // namespace cdb::probes
