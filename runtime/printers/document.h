@@ -14,14 +14,15 @@ namespace cdb::printers {
 struct Table {
   struct Column {
     std::string head;
-    bool is_number;  ///< aligned to the right
+    bool is_number;          ///< aligned to the right
+    std::string group = {};  ///< the head above adjacent columns that share it; may be empty
   };
   std::vector<Column> columns = {};
   std::vector<std::vector<std::string>> rows = {};
   std::size_t keys = 1;  ///< the number of leading columns that identify a row
 
-  void AddColumn(std::string_view head, bool is_number) {
-    columns.push_back({std::string(head), is_number});
+  void AddColumn(std::string_view head, bool is_number, std::string_view group = {}) {
+    columns.push_back({std::string(head), is_number, std::string(group)});
   }
 };
 
