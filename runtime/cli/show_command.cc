@@ -39,7 +39,8 @@ struct ShowArguments {
   std::string statistic;            ///< over the cycles; empty: the mean
   std::string budget;               ///< a time per cycle, `4ms`; empty: none
   bool plots = false;
-  bool all = false;  ///< not only the conclusions and one table
+  bool method = false;  ///< only the sentences on the method
+  bool all = false;     ///< not only the conclusions and one table
   bool csv = false, json = false, is_markdown = false, is_latex = false;
 };
 
@@ -69,12 +70,23 @@ void CheckTable(const ShowArguments& a) {
                 {a.all, "--table is one table; remove --all"}});
 }
 
+/// Throws CommandError for options that have no effect on the sentences on the method.
+void CheckMethod(const ShowArguments& a) {
+  const bool has_tables = !a.table.empty() || !a.error.empty() || !a.budget.empty() ||
+                          !a.by.empty() || !a.phases.empty() || !a.statistic.empty() ||
+                          !a.baseline.empty() || a.plots || a.all;
+  CheckMisfits({{a.csv, "--method prints sentences; remove --csv"},
+                {a.json, "--json has the method; remove --method"},
+                {has_tables, "--method prints sentences; remove the options of tables"}});
+}
+
 /// Throws CommandError for options that have no effect on the chosen output.
 void CheckOptions(const ShowArguments& a) {
   options::CheckOneForm({{"--json", a.json},
                          {"--csv", a.csv},
                          {"--markdown", a.is_markdown},
                          {"--latex", a.is_latex}});
+  if (a.method) CheckMethod(a);
   CheckTable(a);
   if (a.json)
     CheckMisfits(
@@ -176,6 +188,7 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
     document.text += '\n';
     return document;
   }
+  if (arguments.method) return printers::ShowMethod(file, FormatOf(arguments));
   if (!arguments.error.empty())
     return printers::ShowError(file, {{arguments.error, arguments.by, arguments.each},
                                       arguments.only_sound,
@@ -228,6 +241,9 @@ void DeclareShow(options::Subcommand& command) {
                    "for each detector, and one for its speed-up over --baseline");
   command.Optional("--columns", arguments->columns,
                    "with --table: the axis across (default: detectors, else the last axis)");
+  command.Flag("--method", arguments->method,
+               "sentences for the section of a paper on its method: machine, software, repeats, "
+               "intervals");
   command.Flag("--all", arguments->all,
                "every table and note, not only the conclusions and the times");
   command.Optional("--budget", arguments->budget,

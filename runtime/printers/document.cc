@@ -22,8 +22,6 @@
 namespace cdb::printers {
 namespace {
 
-constexpr std::size_t kLineWidth = 100;
-
 /// Breaks a line at spaces; continuation lines are indented by four more.
 std::string Wrapped(const std::string& line) {
   const std::string indent = "  ";
@@ -226,6 +224,12 @@ std::string TextOf(const Document& document, Format format) {
       break;
   }
   return Joined(document, TerminalPrinter(format == Format::kWrapped));
+}
+
+std::string EscapedText(std::string_view text, Format format) {
+  return format == Format::kLatex      ? InLatex(text)
+         : format == Format::kMarkdown ? InMarkdown(text)
+                                       : std::string(text);
 }
 
 std::string CsvField(std::string_view text) {

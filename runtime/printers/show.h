@@ -78,6 +78,9 @@ struct ShowTableOptions {
 /// does not have.
 Printed ShowTable(const results::ResultFile& file, const ShowTableOptions& options);
 
+/// The sentences on the method, as one paragraph (`cdb show --method`). Throws StoreError.
+Printed ShowMethod(const results::ResultFile& file, Format format);
+
 /// `146.2 [145.1, 147.9]`: as many digits as the interval justifies, that is one or two of half its
 /// width, but between two and six of the value; without an interval as ShortNumber.
 std::string MeasuredText(double value, const figures::Interval& interval);
