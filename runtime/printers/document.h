@@ -78,6 +78,10 @@ std::string HarnessNote(const figures::Model& model);
 /// omitted, procedure, statistic. Throws StoreError.
 std::vector<std::string> MethodSentences(const figures::Model& model);
 
+/// The simulated time of the runs: `1.67 s`, `1.00 to 2.00 s`. Empty where it is unknown: for
+/// traces, and if the plan cannot be read. Throws StoreError.
+std::string SimulatedTime(const figures::Model& model);
+
 /// The reasons why timings must not be quoted: a debug build, parallel runs.
 std::string BuildNote(const results::ResultFile& file);
 std::string JobsNote(const results::ResultFile& file);

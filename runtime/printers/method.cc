@@ -151,24 +151,15 @@ class Method {
 
   /// `100 steps (1.67 s of simulated time)`.
   std::string Length() const {
-    std::set<double> steps, seconds;
+    std::set<std::uint64_t> steps;
     for (const figures::MeasuredPoint& point : model_.points())
-      for (const figures::Cell& cell : point.cells) {
-        const auto cycles = static_cast<double>(file_.ReadCycleCount(cell));
-        const double time = cycles * model_.TimeStepOf(point);
-        steps.insert(cycles);
-        if (std::isfinite(time)) seconds.insert(time);
-      }
+      for (const figures::Cell& cell : point.cells) steps.insert(file_.ReadCycleCount(cell));
     if (steps.empty()) return {};
-    const auto range = [](const std::set<double>& values, auto text_of) {
-      const std::string first = text_of(*values.begin()), last = text_of(*values.rbegin());
-      return first == last ? first : first + " to " + last;
-    };
-    const std::string count = range(steps, [](double n) { return fmt::format("{:.0f}", n); });
-    return fmt::format(" for {} step{}{}", count, count == "1" ? "" : "s",
-                       seconds.empty() ? ""
-                                       : fmt::format(" ({} s of simulated time)",
-                                                     range(seconds, terminal::ShortNumber)));
+    const std::string time = SimulatedTime(model_);
+    return fmt::format(" for {}{} step{}{}", *steps.begin(),
+                       steps.size() > 1 ? fmt::format(" to {}", *steps.rbegin()) : "",
+                       *steps.rbegin() == 1 ? "" : "s",
+                       time.empty() ? time : fmt::format(" ({} of simulated time)", time));
   }
 
   std::string Procedure() const {
@@ -212,6 +203,21 @@ class Method {
 };
 
 }  // namespace
+
+std::string SimulatedTime(const figures::Model& model) {
+  double least = figures::kNone, most = figures::kNone;
+  for (const figures::MeasuredPoint& point : model.points()) {
+    // A cycle of a trace has no step.
+    if (!point.IsSound() || (model.HasTimes() && std::isnan(model.MsPerSecondOf(point).value)))
+      continue;
+    const double cycles = static_cast<double>(model.file().ReadCycleCount(point.cells[0]));
+    least = std::fmin(least, cycles * model.TimeStepOf(point));
+    most = std::fmax(most, cycles * model.TimeStepOf(point));
+  }
+  if (std::isnan(least)) return {};
+  const std::string first = terminal::ShortNumber(least), last = terminal::ShortNumber(most);
+  return first == last ? first + " s" : fmt::format("{} to {} s", first, last);
+}
 
 std::vector<std::string> MethodSentences(const figures::Model& model) {
   return Method(model).Sentences();

@@ -231,6 +231,8 @@ class Head {
         fmt::format("{} {}{}, {}{} cycles", cells, cells == 1 ? "run" : "runs",
                     grid.empty() ? "" : " (" + grid + ")",
                     least < file_.cycles() ? fmt::format("{} to ", least) : "", file_.cycles());
+    if (const std::string time = SimulatedTime(model_); !time.empty())
+      text += fmt::format(" ({} simulated)", time);
     if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
     return text;
   }
