@@ -31,13 +31,16 @@ struct ShowArguments {
   std::string baseline;     ///< the baseline of ratios; empty: the first detector with all cells
   bool only_sound = false;  ///< leave out runs whose timings are voided by their verdict
   std::string error;        ///< an array of /accuracy to set against run time; empty: a summary
+  std::string table;        ///< a figure for one table; empty: none
+  std::string columns;      ///< with `table`: the axis across
   std::vector<std::string> each;    ///< with `error`: axes with a table for each value
   std::vector<std::string> select;  ///< `axis=value`
   std::vector<std::string> phases;  ///< empty: all
   std::string statistic;            ///< over the cycles; empty: the mean
   std::string budget;               ///< a time per cycle, `4ms`; empty: none
   bool plots = false;
-  bool all = false;  ///< not only the conclusions and one table
+  bool method = false;  ///< only the sentences on the method
+  bool all = false;     ///< not only the conclusions and one table
   bool csv = false, json = false, is_markdown = false, is_latex = false;
 };
 
@@ -52,12 +55,39 @@ void CheckMisfits(std::initializer_list<Misfit> misfits) {
     if (misfit.is_given) throw options::CommandError(misfit.why);
 }
 
+/// Throws CommandError for options that have no effect on one table, or need one.
+void CheckTable(const ShowArguments& a) {
+  if (a.table.empty())
+    return CheckMisfits({{!a.columns.empty(), "--columns needs --table FIGURE"}});
+  CheckMisfits({{a.json || a.csv,
+                 "--table prints a table; --json and --csv have a row for each "
+                 "point"},
+                {!a.error.empty() || !a.each.empty(),
+                 "--table takes the name of an error, too; remove --error and --each"},
+                {!a.budget.empty(), "--table and --budget are different tables; remove one"},
+                {!a.phases.empty(), "--table takes the name of a phase; remove --phase"},
+                {a.plots, "--table has no plots; remove --plot"},
+                {a.all, "--table is one table; remove --all"}});
+}
+
+/// Throws CommandError for options that have no effect on the sentences on the method.
+void CheckMethod(const ShowArguments& a) {
+  const bool has_tables = !a.table.empty() || !a.error.empty() || !a.budget.empty() ||
+                          !a.by.empty() || !a.phases.empty() || !a.statistic.empty() ||
+                          !a.baseline.empty() || a.plots || a.all;
+  CheckMisfits({{a.csv, "--method prints sentences; remove --csv"},
+                {a.json, "--json has the method; remove --method"},
+                {has_tables, "--method prints sentences; remove the options of tables"}});
+}
+
 /// Throws CommandError for options that have no effect on the chosen output.
 void CheckOptions(const ShowArguments& a) {
   options::CheckOneForm({{"--json", a.json},
                          {"--csv", a.csv},
                          {"--markdown", a.is_markdown},
                          {"--latex", a.is_latex}});
+  if (a.method) CheckMethod(a);
+  CheckTable(a);
   if (a.json)
     CheckMisfits(
         {{!a.error.empty() || !a.each.empty(),
@@ -158,6 +188,7 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
     document.text += '\n';
     return document;
   }
+  if (arguments.method) return printers::ShowMethod(file, FormatOf(arguments));
   if (!arguments.error.empty())
     return printers::ShowError(file, {{arguments.error, arguments.by, arguments.each},
                                       arguments.only_sound,
@@ -169,12 +200,16 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
                                        arguments.only_sound,
                                        FormatOf(arguments)});
   const figures::CycleStatistic statistic = StatisticOf(arguments);
+  if (!arguments.table.empty())
+    return printers::ShowTable(
+        file, {arguments.table, arguments.by, arguments.columns, arguments.baseline,
+               arguments.only_sound, statistic, FormatOf(arguments)});
   if (arguments.csv) return printers::CsvText(file, {phases, statistic, arguments.only_sound});
   const bool is_brief = IsBrief(arguments);
   printers::Printed printed =
       printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
                             statistic, arguments.plots, FormatOf(arguments), is_brief});
-  if (is_brief) printed.text += printers::MoreText(arguments.file);
+  if (is_brief) printed.text += printers::MoreText(file, arguments.file);
   return printed;
 }
 
@@ -201,6 +236,14 @@ void DeclareShow(options::Subcommand& command) {
                    "statistic over the cycles: mean (default), median, p5, p95, p99, min, max, or "
                    "worst "
                    "(of any repeat)");
+  command.Optional("--table", arguments->table,
+                   "one table for a paper, of step, detect, pairs, peak_rss, position, …: a column "
+                   "for each detector, and one for its speed-up over --baseline");
+  command.Optional("--columns", arguments->columns,
+                   "with --table: the axis across (default: detectors, else the last axis)");
+  command.Flag("--method", arguments->method,
+               "sentences for the section of a paper on its method: machine, software, repeats, "
+               "intervals");
   command.Flag("--all", arguments->all,
                "every table and note, not only the conclusions and the times");
   command.Optional("--budget", arguments->budget,

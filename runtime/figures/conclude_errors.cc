@@ -198,6 +198,18 @@ class Order {
     }
   }
 
+  std::vector<ErrorOrder> Fits() const {
+    const auto scenes = static_cast<std::ptrdiff_t>(figures_.each.size());
+    std::vector<ErrorOrder> fits;
+    for (const auto& [at, of] : cases_)
+      if (!std::isnan(of.fit.p))
+        fits.push_back({{at.begin(), at.begin() + scenes},
+                        {case_axes_.begin() + scenes, case_axes_.end()},
+                        {at.begin() + scenes, at.end()},
+                        of.fit});
+    return fits;
+  }
+
   void Conclude(std::vector<Conclusion>& all) const {
     const bool is_asked = std::ranges::any_of(cases_, [](const auto& of) {
       std::set<double> different;
@@ -417,6 +429,12 @@ class Order {
 };
 
 }  // namespace
+
+std::vector<ErrorOrder> OrdersOf(const Model& model, const schema::ErrorInfo& error,
+                                 const ErrorFigures& figures) {
+  if (!error.needs_truth) return {};
+  return Order(model, error, figures).Fits();
+}
 
 void ConcludeErrors(const Model& model, std::vector<Conclusion>& all) {
   for (const auto& [error, figures] : CollectAllErrors(model)) {

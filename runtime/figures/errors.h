@@ -66,6 +66,18 @@ struct ErrorFigures {
   std::vector<LeftOut> marked;  ///< void points in the tables
 };
 
+/// The power of the time step as which an error falls, in one case: configurations of a scene that
+/// differ in the time step alone.
+struct ErrorOrder {
+  Point scene;                    ///< on the axes `each` of the figures
+  std::vector<std::size_t> axes;  ///< of the rows, without those that change the time step
+  Point at;                       ///< on `axes`
+  PowerFit fit;                   ///< over the sound errors above the floor
+};
+/// Those of at least three such errors; none for an error that needs no truth.
+std::vector<ErrorOrder> OrdersOf(const Model& model, const schema::ErrorInfo& error,
+                                 const ErrorFigures& figures);
+
 /// Marks the front and its ties. Void rows are not on it. `rows`: the fastest first.
 void MarkFront(std::vector<ErrorRow>& rows);
 

@@ -22,8 +22,6 @@
 namespace cdb::printers {
 namespace {
 
-constexpr std::size_t kLineWidth = 100;
-
 /// Breaks a line at spaces; continuation lines are indented by four more.
 std::string Wrapped(const std::string& line) {
   const std::string indent = "  ";
@@ -67,7 +65,8 @@ class TerminalPrinter {
   }
   static std::string TableOf(const Table& of) {
     terminal::Table table(of.keys);
-    for (const Table::Column& column : of.columns) table.AddColumn(column.head, column.is_number);
+    for (const Table::Column& column : of.columns)
+      table.AddColumn(column.head, column.is_number, column.group);
     for (const auto& row : of.rows) table.AddRow(row);
     return table.Text();
   }
@@ -90,7 +89,10 @@ std::string InMarkdown(std::string_view text) { return Escaped(text, "|*_`<>[]\\
 std::string MarkdownTable(const Table& of) {
   std::string heads = "|", rules = "|", rows;
   for (const Table::Column& column : of.columns) {
-    heads += fmt::format(" {} |", InMarkdown(column.head));
+    heads +=
+        fmt::format(" {} |", InMarkdown(column.group.empty()
+                                            ? column.head
+                                            : fmt::format("{} ({})", column.head, column.group)));
     rules += column.is_number ? " ---: |" : " --- |";
   }
   for (const auto& row : of.rows) {
@@ -121,10 +123,27 @@ std::string MarkdownSection(const Section& section) {
   return text;
 }
 
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// The length of the exponent at `at`, as in `1.2e-06`; 0 if there is none.
+std::size_t ExponentLength(std::string_view text, std::size_t at) {
+  if (at == 0 || text[at] != 'e' || !IsDigit(text[at - 1])) return 0;
+  std::size_t end = at + 1;
+  if (end < text.size() && (text[end] == '-' || text[end] == '+')) ++end;
+  const std::size_t digits = end;
+  while (end < text.size() && IsDigit(text[end])) ++end;
+  return digits > at + 1 && end > digits ? end - at : 0;
+}
+
 std::string InLatex(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
-    if (c == '\\')
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (const std::size_t length = ExponentLength(text, i); length > 0) {
+      const int exponent = std::stoi(std::string(text.substr(i + 1, length - 1)));
+      escaped += fmt::format("$\\times10^{{{}}}$", exponent);
+      i += length - 1;
+    } else if (c == '\\')
       escaped += "\\textbackslash{}";
     else if (c == '~' || c == '^')
       escaped += fmt::format("\\{}{{}}", c);
@@ -139,10 +158,27 @@ std::string InLatex(std::string_view text) {
   return escaped;
 }
 
+/// The line above the heads, with a rule below each group; empty if there are no groups.
+std::string LatexGroups(const std::vector<Table::Column>& columns) {
+  std::string heads, rules;
+  for (std::size_t begin = 0, end = 0; begin < columns.size(); begin = end) {
+    const std::string& group = columns[begin].group;
+    for (end = begin + 1; end < columns.size() && columns[end].group == group;) ++end;
+    heads += begin == 0 ? "" : " & ";
+    if (group.empty()) {
+      heads.append(end - begin - 1, '&');
+      continue;
+    }
+    heads += fmt::format("\\multicolumn{{{}}}{{c}}{{{}}}", end - begin, InLatex(group));
+    rules += fmt::format("\\cmidrule(lr){{{}-{}}}\n", begin + 1, end);
+  }
+  return rules.empty() ? rules : heads + " \\\\\n" + rules;
+}
+
 std::string LatexTable(const Table& of) {
   std::string text = "\\begin{tabular}{";
   for (const Table::Column& column : of.columns) text += column.is_number ? 'r' : 'l';
-  text += "}\n\\toprule\n";
+  text += "}\n\\toprule\n" + LatexGroups(of.columns);
   const auto add_row = [&](auto cell_of) {
     for (std::size_t i = 0; i < of.columns.size(); ++i)
       text += (i == 0 ? "" : " & ") + InLatex(cell_of(i));
@@ -188,6 +224,12 @@ std::string TextOf(const Document& document, Format format) {
       break;
   }
   return Joined(document, TerminalPrinter(format == Format::kWrapped));
+}
+
+std::string EscapedText(std::string_view text, Format format) {
+  return format == Format::kLatex      ? InLatex(text)
+         : format == Format::kMarkdown ? InMarkdown(text)
+                                       : std::string(text);
 }
 
 std::string CsvField(std::string_view text) {

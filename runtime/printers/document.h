@@ -14,14 +14,15 @@ namespace cdb::printers {
 struct Table {
   struct Column {
     std::string head;
-    bool is_number;  ///< aligned to the right
+    bool is_number;          ///< aligned to the right
+    std::string group = {};  ///< the head above adjacent columns that share it; may be empty
   };
   std::vector<Column> columns = {};
   std::vector<std::vector<std::string>> rows = {};
   std::size_t keys = 1;  ///< the number of leading columns that identify a row
 
-  void AddColumn(std::string_view head, bool is_number) {
-    columns.push_back({std::string(head), is_number});
+  void AddColumn(std::string_view head, bool is_number, std::string_view group = {}) {
+    columns.push_back({std::string(head), is_number, std::string(group)});
   }
 };
 
@@ -39,6 +40,10 @@ using Document = std::vector<Section>;
 enum class Format { kTerminal, kWrapped, kMarkdown, kLatex };
 /// Markdown is GitHub's dialect, which has tables. LaTeX needs the package booktabs.
 std::string TextOf(const Document& document, Format format);
+/// Characters of one sentence as the format writes them.
+std::string EscapedText(std::string_view text, Format format);
+/// The width of a line of text.
+inline constexpr std::size_t kLineWidth = 100;
 
 /// A field of CSV, quoted as RFC 4180 requires.
 std::string CsvField(std::string_view text);
@@ -68,6 +73,14 @@ std::vector<std::string> ProcessorNotes(const results::ResultFile& file,
 /// The overhead of calling a detector, and its fraction of the fastest detector's time. Empty if no
 /// run states it.
 std::string HarnessNote(const figures::Model& model);
+
+/// Up to five sentences for the section of a paper on its method: machine, software and what it
+/// omitted, procedure, statistic. Throws StoreError.
+std::vector<std::string> MethodSentences(const figures::Model& model);
+
+/// The simulated time of the runs: `1.67 s`, `1.00 to 2.00 s`. Empty where it is unknown: for
+/// traces, and if the plan cannot be read. Throws StoreError.
+std::string SimulatedTime(const figures::Model& model);
 
 /// The reasons why timings must not be quoted: a debug build, parallel runs.
 std::string BuildNote(const results::ResultFile& file);

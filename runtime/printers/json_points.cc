@@ -57,16 +57,6 @@ std::string KindOf(const plan::Axis& axis) {
   return dot == std::string::npos ? axis.parameter : axis.parameter.substr(dot + 1);
 }
 
-std::string LabelOf(const plan::Axis& axis) {
-  if (!axis.title.empty()) return axis.title;
-  const std::string kind = KindOf(axis);
-  for (const AxisLabel& known : kAxisLabels)
-    if (known.parameter == kind && axis.name == kind) return std::string(known.label);
-  std::string label = axis.name;
-  std::ranges::replace(label, '_', ' ');
-  return label;
-}
-
 std::string DocOf(const plan::Axis& axis) {
   for (const schema::Parameter& parameter : schema::Schema())
     if (parameter.FullName() == axis.parameter) return std::string(parameter.doc);
@@ -245,6 +235,16 @@ Json CycleOrNull(const figures::Ending& ending) {
 std::vector<protocol::Phase> DocumentedPhases(const figures::Model& model) {
   if (!IsLarge(model)) return figures::AllPhases();
   return {protocol::Phase::kDetect, protocol::Phase::kStep};
+}
+
+std::string LabelOf(const plan::Axis& axis) {
+  if (!axis.title.empty()) return axis.title;
+  const std::string kind = KindOf(axis);
+  for (const AxisLabel& known : kAxisLabels)
+    if (known.parameter == kind && axis.name == kind) return std::string(known.label);
+  std::string label = axis.name;
+  std::ranges::replace(label, '_', ' ');
+  return label;
 }
 
 std::vector<std::string> DocumentedCounts(const figures::Model& model) {

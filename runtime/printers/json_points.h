@@ -55,6 +55,8 @@ std::vector<std::string> DocumentedMemory(const figures::Model& model);
 Json PlaceJson(const figures::Model& model, const std::vector<std::size_t>& axes,
                const figures::Point& at);
 
+/// An axis in the head of a table or figure: its title, a known label or its name.
+std::string LabelOf(const plan::Axis& axis);
 /// `axes`.
 Json DocumentAxes(const figures::Model& model);
 /// `phases`: their names and contents.

@@ -269,17 +269,26 @@ Json DocumentRatios(const Model& model, const Comparison* comparison) {
 
 Json DocumentFronts(const Model& model) {
   Json fronts = Json::array();
-  for (const auto& [error, figures] : figures::CollectAllErrors(model))
+  for (const auto& [error, figures] : figures::CollectAllErrors(model)) {
+    const std::vector<figures::ErrorOrder> fits = figures::OrdersOf(model, *error, figures);
     for (const auto& [key, table] : figures.tables) {
-      Json rows = Json::array();
+      Json rows = Json::array(), orders = Json::array();
       for (const figures::ErrorRow& row : table.rows) rows.push_back(FrontRow(model, figures, row));
+      for (const figures::ErrorOrder& order : fits)
+        if (order.scene == key)
+          orders.push_back({{"at", PlaceJson(model, order.axes, order.at)},
+                            {"p", ModelNumber(model, order.fit.p)},
+                            {"low", ModelNumber(model, order.fit.interval.low)},
+                            {"high", ModelNumber(model, order.fit.interval.high)}});
       fronts.push_back({{"error", error->name},
                         {"unit", error->unit},
                         {"label", error->doc},
                         {"each", PlaceJson(model, figures.each, key)},
                         {"seeds", figures.seed_count},
+                        {"orders", std::move(orders)},
                         {"rows", std::move(rows)}});
     }
+  }
   return fronts;
 }
 

@@ -211,6 +211,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["detector_axis"] = model.detector_axis() ? Json(*model.detector_axis()) : Json(nullptr);
   document["statistic"] = model.times().StatisticNote(false);
   document["interval"] = IntervalWords(model);
+  document["method"] = MethodSentences(model);
   document["phases"] = DocumentPhases();
   document["points"] = DocumentPoints(model);
   document["ratios"] = DocumentRatios(model, ratios);
@@ -391,6 +392,8 @@ Json DocumentMachine(const results::ResultFile& file) {
                         {"cpu", "cpu"},
                         {"cores", "cpus"},
                         {"memory", "memory"},
+                        {"base_clock", "cpu_base_clock"},
+                        {"maximum_clock", "cpu_max_clock"},
                         {"governor", "cpu_governor"},
                         {"system", "system"},
                         {"kernel", "kernel"}});
@@ -402,7 +405,8 @@ Json DocumentBuild(const results::ResultFile& file) {
                         {"type", "build_type"},
                         {"compiler", "compiler"},
                         {"flags", "compiler_flags"},
-                        {"bullet", "bullet_version"}});
+                        {"bullet", "bullet_version"},
+                        {"precision", "precision"}});
 }
 
 Json DocumentProvenance(const results::ResultFile& file) {

@@ -85,10 +85,11 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   return {TextOf(document, options.format), model.bad_count()};
 }
 
-std::string MoreText(const std::string& file) {
-  const std::string name = terminal::ShellWord(file);
-  return fmt::format("\n  All tables: cdb show {0} --all. As a page: cdb report {0} --open\n",
-                     name);
+std::string MoreText(const results::ResultFile& file, const std::string& name) {
+  return fmt::format(
+      "\n  All tables: cdb show {0} --all. As a page: cdb report {0} --open\n"
+      "  For a paper: cdb show {0} --table {1} --latex, and cdb show {0} --method\n",
+      terminal::ShellWord(name), file.Has("duration") ? "step" : "pairs");
 }
 
 RowTable::RowTable(const results::ResultFile& file, const figures::Rows& rows)
@@ -230,6 +231,8 @@ class Head {
         fmt::format("{} {}{}, {}{} cycles", cells, cells == 1 ? "run" : "runs",
                     grid.empty() ? "" : " (" + grid + ")",
                     least < file_.cycles() ? fmt::format("{} to ", least) : "", file_.cycles());
+    if (const std::string time = SimulatedTime(model_); !time.empty())
+      text += fmt::format(" ({} simulated)", time);
     if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
     return text;
   }

@@ -41,8 +41,8 @@ inline constexpr std::size_t kMaxRows = 60;
 /// have.
 Printed Show(const results::ResultFile& file, const ShowOptions& options = {});
 
-/// The last lines below a brief summary: the commands that show more.
-std::string MoreText(const std::string& file);
+/// The last lines below a brief summary: the commands that show more. `name`: of the file.
+std::string MoreText(const results::ResultFile& file, const std::string& name);
 
 struct ShowErrorOptions {
   figures::ErrorOptions errors;
@@ -58,6 +58,32 @@ struct ShowErrorOptions {
 /// the error or without a time are listed separately. Throws StoreError, also for an error or an
 /// axis that the file does not have.
 Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options);
+
+struct ShowTableOptions {
+  /// A phase, `ms_per_s` (the run time of a simulated second), a series, a memory or an error.
+  std::string metric;
+  std::vector<std::string> by = {};  ///< axes of the rows; empty: all others, without seeds
+  /// The axis across. Empty: that of the detectors, else the last one with several values.
+  std::string columns = {};
+  std::string baseline = {};  ///< a value of `columns`; empty: no speed-up
+  bool only_sound = false;
+  figures::CycleStatistic statistic = figures::CycleStatistic::kMean;
+  Format format = Format::kTerminal;
+};
+/// One table for a paper (`cdb show --table`): the rows are points of the axes `by`, the columns
+/// values of one axis, the cells a figure with its interval (MeasuredText). Seeds, and axes that
+/// make neither, are pooled. With a baseline, more columns have its time over that of each other
+/// value, paired by repeat. Cells that are void, not sound or below the floor of an error are
+/// marked by `*` and named below. Throws StoreError, also for a figure, axis or value that the file
+/// does not have.
+Printed ShowTable(const results::ResultFile& file, const ShowTableOptions& options);
+
+/// The sentences on the method, as one paragraph (`cdb show --method`). Throws StoreError.
+Printed ShowMethod(const results::ResultFile& file, Format format);
+
+/// `146.2 [145.1, 147.9]`: as many digits as the interval justifies, that is one or two of half its
+/// width, but between two and six of the value; without an interval as ShortNumber.
+std::string MeasuredText(double value, const figures::Interval& interval);
 
 struct ShowBudgetOptions {
   figures::Budget budget = {};

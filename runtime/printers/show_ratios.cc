@@ -327,7 +327,8 @@ class ErrorSummary {
       : model_(model),
         file_(model.file()),
         name_(options.error),
-        figures_(figures::CollectErrors(model, options)) {}
+        figures_(figures::CollectErrors(model, options)),
+        orders_(figures::OrdersOf(model, Info(), figures_)) {}
 
   Document Made() const {
     Document document = {Head()};
@@ -335,7 +336,7 @@ class ErrorSummary {
     for (const auto& [key, table] : figures_.tables) {
       document.push_back({.title = figures::PlaceText(file_, figures_.each, key),
                           .table = TableOf(table),
-                          .notes = Legend(table)});
+                          .notes = Legend(key, table)});
       if (std::string plot = PlotOf(table.rows); !plot.empty())
         document.push_back({.plot = std::move(plot)});
       has_below_floor = has_below_floor || std::ranges::any_of(table.rows, &ErrorRow::IsBelowFloor);
@@ -348,8 +349,12 @@ class ErrorSummary {
   }
 
  private:
+  const schema::ErrorInfo& Info() const {
+    return *std::ranges::find(schema::Errors(), name_, &schema::ErrorInfo::name);
+  }
+
   Section Head() const {
-    const auto& info = *std::ranges::find(schema::Errors(), name_, &schema::ErrorInfo::name);
+    const schema::ErrorInfo& info = Info();
     Section head = {.title = file_.title(), .lines = WrongDetectors(model_)};
     const auto add = [&](std::string line) {
       if (!line.empty()) head.lines.push_back(std::move(line));
@@ -421,8 +426,16 @@ class ErrorSummary {
   }
 
   /// States the statistic, how the intervals were made, and the meaning of a tie.
-  std::vector<std::string> Legend(const ErrorRows& rows) const {
+  std::vector<std::string> Legend(const figures::Point& scene, const ErrorRows& rows) const {
     std::vector<std::string> notes = {model_.times().StatisticAndIntervalNote(rows.matched.pools)};
+    for (const figures::ErrorOrder& order : orders_) {
+      if (order.scene != scene) continue;
+      const std::string place = figures::PlaceText(file_, order.axes, order.at);
+      notes.push_back(fmt::format("Order in the time step{}: {} (95 % interval {} .. {}).",
+                                  place.empty() ? place : fmt::format(", {}", place),
+                                  ExponentText(order.fit.p), ExponentText(order.fit.interval.low),
+                                  ExponentText(order.fit.interval.high)));
+    }
     if (HasErrorIntervals())
       notes.push_back(fmt::format("Errors: the mean over {} seeds, their {}.", figures_.seed_count,
                                   ErrorIntervalName() == "range"
@@ -453,6 +466,7 @@ class ErrorSummary {
   const results::ResultFile& file_;
   const std::string name_;
   const figures::ErrorFigures figures_;
+  const std::vector<figures::ErrorOrder> orders_;
 };
 
 }  // namespace

@@ -47,8 +47,8 @@ std::vector<std::string> LinesOf(const std::string& cell, std::size_t width) {
 
 }  // namespace
 
-void Table::AddColumn(std::string head, bool right) {
-  columns_.push_back({std::move(head), right});
+void Table::AddColumn(std::string head, bool right, std::string group) {
+  columns_.push_back({std::move(head), right, std::move(group)});
 }
 
 void Table::AddRow(std::vector<std::string> cells) {
@@ -133,9 +133,30 @@ std::string Table::TextOf(const std::vector<std::size_t>& widths) const {
   return text;
 }
 
+/// Each group centred above its columns, or beginning with them if it is wider.
+std::string Table::GroupLine(const std::vector<std::size_t>& widths,
+                             const std::vector<std::size_t>& columns) const {
+  std::string line;
+  std::size_t at = 0, used = 0;
+  for (std::size_t i = 0; i < columns.size();) {
+    const std::string& group = columns_[columns[i]].group;
+    std::size_t span = 0;
+    for (; i < columns.size() && columns_[columns[i]].group == group; ++i)
+      span += widths[columns[i]] + 2;
+    if (!group.empty()) {
+      const std::size_t size = Width(group), room = span - 2;
+      const std::size_t begin = std::max(at + 2 + (room > size ? (room - size) / 2 : 0), used + 2);
+      line += std::string(begin - used, ' ') + group;
+      used = begin + size;
+    }
+    at += span;
+  }
+  return line.empty() ? line : line + '\n';
+}
+
 std::string Table::PartText(const std::vector<std::size_t>& widths,
                             const std::vector<std::size_t>& columns) const {
-  std::string text;
+  std::string text = GroupLine(widths, columns);
   const auto add_line = [&](auto cell_of) {
     std::string line;
     for (const std::size_t c : columns) {

@@ -16,8 +16,8 @@ class Table {
   /// `keys`: the number of leading columns that identify a row.
   explicit Table(std::size_t keys = 1) : keys_(keys) {}
 
-  /// `right`: aligned to the right.
-  void AddColumn(std::string head, bool right);
+  /// `right`: aligned to the right. Adjacent columns that share a `group` have it in a line above.
+  void AddColumn(std::string head, bool right, std::string group = {});
   void AddRow(std::vector<std::string> cells);
   /// Beyond the width of the terminal, or 100 columns without one, break cells at spaces instead of
   /// splitting the table into parts.
@@ -32,12 +32,15 @@ class Table {
   Table NoWiderThan(std::size_t screen) const;
   std::vector<std::size_t> Widths() const;
   std::string TextOf(const std::vector<std::size_t>& widths) const;
+  std::string GroupLine(const std::vector<std::size_t>& widths,
+                        const std::vector<std::size_t>& columns) const;
   std::string PartText(const std::vector<std::size_t>& widths,
                        const std::vector<std::size_t>& columns) const;
 
   struct Column {
     std::string head;
     bool right;
+    std::string group;
   };
   const std::size_t keys_;
   bool is_whole_ = false;

@@ -339,6 +339,7 @@ export function accuracy() {
     fronts: ['position', 'energy'].map((error) => ({
       error,
       each: {},
+      orders: error === 'position' ? [{ at: { iterations: 20 }, p: 1, low: 0.9, high: null }] : [],
       rows: [
         ...hz.flatMap((f) => [row(f, 5, true), row(f, 20, f > 60)]),
         row(480, 5, false, { error: 0, is_void: true }),

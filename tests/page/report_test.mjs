@@ -208,10 +208,12 @@ test('errors stand against speed, small ones at the bottom and fast ones on the 
     rows.map((cells) => cells[state]),
     ['front', '', 'front', 'front', 'front', 'front', 'void'],
   );
-  assert.match(await text('#errors .note'), /lower right is best/);
+  assert.match(await text('#errors .note'), /lower right is best.* Order: the power of the time step/);
+  assert.match(await text('#errors .legend'), /iterations 20(: |, )order 1\.00 \[0\.90, –\]/);
   await tab.select('select[name=error]', 'energy');
   await settle(tab);
   assert.match(await text('#errors h3'), /energy/);
+  assert.doesNotMatch(await text('#errors'), /order/i);
   await clean();
 });
 

@@ -58,7 +58,15 @@ results::Provenance CollectProvenance() {
   add("cpu", FindLine("/proc/cpuinfo", "model name", ':'));
   add("cpus", fmt::format("{}", std::thread::hardware_concurrency()));
   add("memory", FindLine("/proc/meminfo", "MemTotal", ':'));
-  add("cpu_governor", FirstLine("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"));
+  // Not the current frequency, which changes from moment to moment.
+  const std::string frequency = "/sys/devices/system/cpu/cpu0/cpufreq/";
+  const auto add_clock = [&](const char* name, const char* file) {
+    const std::string kilos = FirstLine((frequency + file).c_str());
+    if (!kilos.empty()) add(name, kilos + " kHz");
+  };
+  add_clock("cpu_base_clock", "base_frequency");
+  add_clock("cpu_max_clock", "cpuinfo_max_freq");
+  add("cpu_governor", FirstLine((frequency + "scaling_governor").c_str()));
   add("system", FindLine("/etc/os-release", "PRETTY_NAME", '='));
   struct utsname system = {};
   if (uname(&system) == 0) {

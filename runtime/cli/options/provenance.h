@@ -10,7 +10,8 @@ namespace cdb::options {
 /// `Release`, or another build type. A build with sanitizers counts as a build type of its own.
 std::string BuildType();
 
-/// Version, commit, build, compiler, Bullet, processor, memory, kernel, system, frequency governor.
+/// Version, commit, build, compiler, Bullet, processor with its clocks and frequency governor,
+/// memory, kernel, system.
 /// Facts that the system does not provide are left out.
 results::Provenance CollectProvenance();
 

@@ -152,11 +152,11 @@ namespace fs = std::filesystem;
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   printers::ShowOptions options;
   options.is_brief = true;
-  const printers::Printed shown =
-      printers::Show(results::ResultFile(out, results::ProofOf::kStructure), options);
+  const results::ResultFile file(out, results::ProofOf::kStructure);
+  const printers::Printed shown = printers::Show(file, options);
   if (!is_quiet) {
-    terminal::Print(
-        fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(out.string()), out.string()));
+    terminal::Print(fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(file, out.string()),
+                                out.string()));
   } else if (shown.bad_count > 0) {
     terminal::Say(
         fmt::format("some runs did not end well, or missed pairs: `cdb show {}` names them\n",

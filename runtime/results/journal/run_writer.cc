@@ -238,6 +238,7 @@ void RunWriter::Write(const plan::Run& run, const results::RunResult& result, Jo
   Record record;
   record.run_id = run.id;
   results::Provenance provenance = provenance_;
+  provenance["precision"] = run.scene.world.WordOr("precision");
   if (!result.models.empty()) provenance["models"] = result.models;
   record.about = AboutFor(std::move(provenance));
   for (const results::RunNumber& number : facts_.numbers)

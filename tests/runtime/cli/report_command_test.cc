@@ -54,6 +54,22 @@ TEST_F(ReportCommand, HasTheTitlesOfAxes) {
   const Finished json = program_.Run({"show", "t.h5", "--json"});
   EXPECT_NE(json.out.find("\"label\":\"number of grains\",\"has_title\":true"), std::string::npos)
       << json.out;
+  const Finished table = program_.Run({"show", "t.h5", "--table", "step", "--latex"});
+  EXPECT_NE(table.out.find("number of grains & step, "), std::string::npos) << table.out;
+}
+
+TEST_F(ReportCommand, RefusesOptionsThatHaveNoEffectOnOneTable) {
+  const auto refused = [&](std::vector<std::string> options, const std::string& text) {
+    options.insert(options.begin(), {"show", "a b.h5"});
+    const Finished shown = program_.Run(options);
+    EXPECT_NE(shown.status, 0) << shown.out;
+    EXPECT_NE(shown.err.find(text), std::string::npos) << shown.err;
+  };
+  refused({"--columns", "n"}, "--columns needs --table FIGURE");
+  refused({"--table", "step", "--csv"}, "--json and --csv have a row for each point");
+  refused({"--table", "step", "--phase", "detect"}, "remove --phase");
+  refused({"--table", "step", "--error", "energy"}, "remove --error");
+  refused({"--table", "steps"}, "--table takes a figure of the file, not 'steps'");
 }
 
 TEST_F(ReportCommand, OpensThePageInTheBrowserOfTheEnvironment) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/figures/budget.h"
+#include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
 #include "tests/runtime/figures/made_up_file.h"
 
@@ -351,25 +352,33 @@ TEST(Conclusions, NameTheValueThatExplainsTheVerdicts) {
       << answer;
 }
 
-/// The conclusion on the order of a sweep over `friction` and three or more time steps.
-Conclusion OrderOf(const std::vector<std::vector<double>>& errors,
-                   const std::function<bool(std::size_t friction, std::size_t step)>& is_sound) {
+/// Not in the template below, which GCC 12 does not compile with designated initialisers.
+plan::Plan ErrorPlan(const std::vector<double>& frictions, const std::vector<double>& rates) {
+  return MakePlan({NumberAxis("friction", frictions), NumberAxis("hz", rates)}, 1,
+                  {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
+}
+
+using IsSound = std::function<bool(std::size_t friction, std::size_t step)>;
+
+/// `use(plan, make_up)` of a sweep over `friction` and three or more time steps.
+template <typename Use>
+auto WithErrors(const std::vector<std::vector<double>>& errors, const IsSound& is_sound, Use use) {
   std::vector<double> frictions(errors.size()), rates(errors[0].size());
   for (std::size_t i = 0; i < frictions.size(); ++i) frictions[i] = 0.1 * static_cast<double>(i);
   for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = 60.0 * std::pow(2, i);
-  const plan::Plan plan =
-      MakePlan({NumberAxis("friction", frictions), NumberAxis("hz", rates)}, 1,
-               {.cycles = kMadeUpCycles, .record = {"timing"}, .metrics = {"position"}});
-  return FindConclusion(ConclusionsOf(plan,
-                                      [&](const plan::Run& run) {
-                                        return MadeUp{
-                                            .verdict = is_sound(run.at[0], run.at[1])
-                                                           ? protocol::Verdict::kStable
-                                                           : protocol::Verdict::kDrifting,
-                                            .errors = {{"position", errors[run.at[0]][run.at[1]]},
-                                                       {"timestep", 1 / rates[run.at[1]]}}};
-                                      }),
-                        "order");
+  return use(ErrorPlan(frictions, rates), [&](const plan::Run& run) {
+    MadeUp made;
+    if (!is_sound(run.at[0], run.at[1])) made.verdict = protocol::Verdict::kDrifting;
+    made.errors = {{"position", errors[run.at[0]][run.at[1]]}, {"timestep", 1 / rates[run.at[1]]}};
+    return made;
+  });
+}
+
+/// The conclusion on the order.
+Conclusion OrderOf(const std::vector<std::vector<double>>& errors, const IsSound& is_sound) {
+  return WithErrors(errors, is_sound, [](const plan::Plan& plan, const MakeUp& make_up) {
+    return FindConclusion(ConclusionsOf(plan, make_up), "order");
+  });
 }
 
 constexpr auto kAllSound = [](std::size_t, std::size_t) { return true; };
@@ -390,6 +399,27 @@ TEST(ErrorOrder, IsJudgedInEachCase) {
       " The error rises from 0.0200 at hz 60 to 0.0400 at hz 240 with friction 0.1."))
       << one.answer;
   EXPECT_EQ(one.certainty, Certainty::kUnknown);
+}
+
+TEST(ErrorOrder, IsInTheFigureOfTheError) {
+  const std::string orders = WithErrors(
+      {{0.4, 0.1, 0.025}, {0.04, 0.02, 0.01}, {0.4, 0.2, 0.1}},
+      [](std::size_t friction, std::size_t step) { return friction < 2 || step > 0; },
+      [](const plan::Plan& plan, const MakeUp& make_up) {
+        return WithMadeUpFile(plan, make_up, [](const results::ResultFile& file) {
+          const figures::Model model(file);
+          std::string text;
+          for (const auto& [error, errors] : figures::CollectAllErrors(model))
+            for (const figures::ErrorOrder& order : figures::OrdersOf(model, *error, errors))
+              text += fmt::format("{} {}{}: {:.2f} {:.2f} {:.2f}; ", error->name,
+                                  figures::PlaceText(file, errors.each, order.scene),
+                                  figures::PlaceText(file, order.axes, order.at), order.fit.p,
+                                  order.fit.interval.low, order.fit.interval.high);
+          return text;
+        });
+      });
+  // Two sound time steps have no order.
+  EXPECT_EQ(orders, "position friction 0: 2.00 2.00 2.00; position friction 0.1: 1.00 1.00 1.00; ");
 }
 
 TEST(ErrorOrder, HidesNoUnsoundTimeStep) {

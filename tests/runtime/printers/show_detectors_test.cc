@@ -328,7 +328,7 @@ TEST(ShowDetectors, SaysBeforeAnyTimingWhoIsWrong) {
       });
   const std::string line =
       kTitle +
-      "\n  9 runs (3 values of quantity x 3 of detector), 3 cycles\n"
+      "\n  9 runs (3 values of quantity x 3 of detector), 3 cycles (0.0500 s simulated)\n"
       "  WRONG: null missed 70 of 90 pairs, in 3 of 3 runs; first in cycle 1 of quantity 10, "
       "detector null, rep 0.\n"
       "    Its times are of less work than necessary. To repeat that run: cdb run fixture.cdb -b "

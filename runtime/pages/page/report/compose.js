@@ -7,7 +7,7 @@ import { short } from './format.js';
 /** @typedef {import('./palette.js').Theme} Theme */
 /**
  * @typedef {{label: string, colour: string, symbol?: string | null, dash?: string | null, isHollow?: boolean,
- *   isArea?: boolean, code?: string, ink?: string}} Entry
+ *   isArea?: boolean, isText?: boolean, code?: string, ink?: string}} Entry
  */
 /**
  * @typedef {object} Panel
@@ -65,6 +65,7 @@ const types = {
 /** @param {Entry} entry @param {Theme} theme */
 function key(entry, theme) {
   const group = s('g');
+  if (entry.isText) return { group, width: -6 };
   if (entry.isArea) {
     group.append(s('rect', { x: 0, y: -6, width: entry.code ? 20 : 12, height: 12, fill: entry.colour, rx: 1.5 }));
     if (entry.code)
@@ -100,7 +101,7 @@ function legend(entries, width, theme) {
   let x = 0;
   let y = 8;
   for (const entry of entries) {
-    const label = short(entry.label, 40);
+    const label = short(entry.label, 60);
     const { group: sample, width: sampleWidth } = key(entry, theme);
     const whole = sampleWidth + 6 + textWidth(label, 12);
     if (x > 0 && x + whole > width) {

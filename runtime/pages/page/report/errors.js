@@ -192,7 +192,29 @@ function columnsOf(rows, name, unit) {
     .filter(({ key }) => rows.some((row) => row[key] !== null && row[key] !== ''));
 }
 
-function notesOf(doc, view, rows, info) {
+const mostOrders = 6; // in the legend
+const orderText = ({ p, low, high }) => {
+  const digits = (value) => (value === null ? '–' : value.toFixed(2).replace('-', '−'));
+  return `order ${digits(p)} [${digits(low)}, ${digits(high)}]`;
+};
+
+/** The fitted orders of the fronts: of the values of `colour`, of whole panels, and the others, with their places. */
+function ordersOf(fronts, colour) {
+  const all = fronts.flatMap(({ each, orders = [] }, front) => orders.map((order) => ({ ...order, each, front })));
+  const isOfColour = ({ at }) => colour && Object.keys(at).length === 1 && colour.axis.name in at;
+  const isAlone = ({ front }) => fronts.length > 1 && fronts[front].orders.length === 1;
+  if (fronts.length === 1 && all.length > 0 && all.every(isOfColour))
+    return { all, ofValue: new Map(all.map((order) => [order.at[colour.axis.name], orderText(order)])), rest: [] };
+  return {
+    all,
+    ofFront: new Map(all.filter(isAlone).map((order) => [order.front, orderText(order)])),
+    rest: all
+      .filter((order) => !isAlone(order))
+      .map((order) => [atText(order.each), atText(order.at), orderText(order)].filter(Boolean).join(', ')),
+  };
+}
+
+function notesOf(doc, view, rows, info, orders) {
   const some = (test, note) => (rows.some(test) ? [note] : []);
   const statistic = doc.raw.statistic?.replace(/\.$/, '') ?? 'the mean time of a cycle';
   const isLong = info.label && info.label.length > mostLabelLength;
@@ -203,6 +225,13 @@ function notesOf(doc, view, rows, info) {
     'Small: behind it, or darker if it ties with the front within the intervals.',
     `Speed: ${statistic.charAt(0).toLowerCase()}${statistic.slice(1)}, divided by the time step.`,
     rows.some((row) => row.speedLow !== null) ? intervalText(doc) : 'No intervals of the speed: one repeat.',
+    ...(orders.all.length > 0
+      ? [
+          'Order: the power of the time step as which the error falls, fitted to the sound errors above the floor, with ' +
+            'its 95 % interval.',
+        ]
+      : []),
+    ...(orders.rest.length > mostOrders ? [`Not in the legend: ${orders.rest.slice(mostOrders).join('; ')}.`] : []),
     ...some((row) => row.errorLow !== null, 'Bars of errors: over the seeds.'),
     ...some((row) => row.given < row.floor, 'An error below its floor is not known, and is drawn at the floor.'),
     ...some((row) => row.given <= 0, 'An error of 0 is drawn at the lower edge.'),
@@ -216,13 +245,18 @@ function domainOf(values) {
   return [low / pad, high * pad];
 }
 
-/** The values of the axis of colours. */
-function legendOf(rows, colour, theme) {
-  if (!colour) return [];
-  return colour.axis.values
-    .map((value, i) => ({ label: `${colour.axis.name} ${value}`, i }))
+/** The values of the axis of colours, and fitted orders. */
+function legendOf(rows, colour, theme, orders) {
+  const values = (colour?.axis.values ?? [])
+    .map((value, i) => ({ value, i }))
     .filter(({ i }) => rows.some((row) => row.colour === i))
-    .map(({ label, i }) => ({ label, colour: style(theme, i).colour, symbol: style(theme, i).symbol }));
+    .map(({ value, i }) => ({
+      label: [`${colour.axis.name} ${value}`, orders.ofValue?.get(value)].filter(Boolean).join(': '),
+      colour: style(theme, i).colour,
+      symbol: style(theme, i).symbol,
+    }));
+  const rest = orders.rest.slice(0, mostOrders).map((label) => ({ label, colour: theme.muted, isText: true }));
+  return [...values, ...rest];
 }
 
 export function describeErrors(doc, view, { theme, width }) {
@@ -240,6 +274,11 @@ export function describeErrors(doc, view, { theme, width }) {
     rows.push(...own);
     return { own, first: rows.length - own.length, title: atText(front.each) };
   });
+  const orders = ordersOf(fronts, colour);
+  groups.forEach((group, front) => {
+    const order = orders.ofFront?.get(front);
+    if (order) group.title = `${group.title}: ${order}`;
+  });
   if (rows.length === 0) return { title, empty: 'No configuration has both an error and a time.' };
   const x = domainOf(rows.flatMap((row) => [row.speed, row.speedLow, row.speedHigh]));
   const y = domainOf(rows.flatMap((row) => [row.error, row.errorLow, row.errorHigh]));
@@ -256,7 +295,7 @@ export function describeErrors(doc, view, { theme, width }) {
       hot: { hot: own.map((_, i) => first + i) },
       options: panelOf(own, { theme, x, y, label }),
     })),
-    legend: legendOf(rows, colour, theme),
-    notes: notesOf(doc, view, rows, info),
+    legend: legendOf(rows, colour, theme, orders),
+    notes: notesOf(doc, view, rows, info, orders),
   };
 }

@@ -159,6 +159,8 @@ function valueNode(value) {
       .join('; ');
   const kilobytes = /^(\d+) kB$/.exec(value);
   if (kilobytes) return `${number((Number(kilobytes[1]) * 1024) / 1e9)} GB`;
+  const kilohertz = /^(\d+) kHz$/.exec(value);
+  if (kilohertz) return `${number(Number(kilohertz[1]) / 1e6)} GHz`;
   return typeof value === 'number' ? count(value) : typeof value === 'boolean' ? (value ? 'yes' : 'no') : String(value);
 }
 
@@ -210,6 +212,12 @@ const judgements = {
   unknown: 'How quiet the machine was is not recorded.',
 };
 
+/** Sentences to quote in a paper. */
+function methodTexts(doc) {
+  const text = [].concat(doc.raw.method ?? []).join(' ');
+  return text ? [h('h3', {}, 'Method, in the words of a paper'), h('p', { class: 'method' }, bdi(text))] : [];
+}
+
 export function machine(doc) {
   const { noise = {}, machine: host, build, provenance } = doc.raw;
   const said = new Set((doc.raw.warnings ?? []).map((warning) => warning.text));
@@ -223,6 +231,7 @@ export function machine(doc) {
       lines.length ? ' ' : '',
       bdi(lines.map((line) => String(line).trim()).join(' ')),
     ),
+    ...methodTexts(doc),
     h('div', { class: 'columns' }, facts('Machine', host), facts('Build', build), facts('Run', provenance)),
     phaseTexts(doc),
     ...longTexts(provenance),
