@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -67,6 +68,8 @@ Reason WhyNotLosses(const Scene& scene) {
   for (const Sink& sink : kSinks)
     if (const Group* group = FindGroup(scene, sink.is_in))
       return fmt::format("group {} has {}", group->name, sink.text);
+  if (const plan::Joint* joint = FindLosses(scene))
+    return fmt::format("joint {} has {}", joint->name, HasLimits(*joint) ? "limits" : "damping");
   return std::nullopt;
 }
 
@@ -117,17 +120,13 @@ Reason WhyNotEdges(const Scene& scene) {
   return fmt::format("seams between group {} and the walls are not examined", beyond->name);
 }
 
-const Group* FindLinked(const Scene& scene) {
-  return FindGroup(scene, [](const Group& group) { return group.HasLinks(); });
-}
-
-bool HasLinks(const Scene& scene) { return FindLinked(scene) != nullptr; }
+bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
 
 Reason WhyNotSleep(const Scene& scene) {
-  const Group* group = FindLinked(scene);
-  if (group == nullptr) return std::nullopt;
-  return fmt::format("links may hold the objects of group {}, and their forces are not judged",
-                     group->name);
+  const std::string group = scene.PulledGroup();
+  if (group.empty()) return std::nullopt;
+  return fmt::format("{} may hold the objects of group {}, and their forces are not judged",
+                     scene.FindGroup(group)->HasLinks() ? "links" : "joints", group);
 }
 
 bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -100,11 +101,13 @@ std::string DriverText(const plan::Scene& scene) {
     if (HasKinematic(group)) return fmt::format("group {} is kinematic", group.name);
     if (HasSchedule(group)) return fmt::format("a schedule moves group {}", group.name);
   }
+  if (const plan::Joint* joint = FindMotor(scene))
+    return fmt::format("a motor drives the joint {}", joint->name);
   return {};
 }
 
 bool FliesFreely(const plan::Scene& scene) {
-  return !IsDriven(scene) && std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+  return !IsDriven(scene) && FindLosses(scene) == nullptr && std::ranges::all_of(scene.groups, [](const plan::Group& group) {
     return IsZero(group.settings.Get("linear_damping")) &&
            IsZero(group.settings.Get("angular_damping")) &&
            (group.settings.WordOr("links.type") != "spring" ||

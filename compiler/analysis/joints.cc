@@ -1,0 +1,183 @@
+#include "compiler/analysis/joints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "compiler/analysis/expectation.h"
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::analysis {
+namespace {
+
+using Kind = JointFault::Kind;
+using schema::GroupParameter;
+using Fault = std::optional<JointFault>;
+
+constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
+constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
+constexpr auto kLower = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.lower");
+constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.upper");
+
+bool HasNumber(const plan::Joint& joint, GroupParameter parameter) {
+  return schema::AsNumber(joint.settings.Get(parameter)) != nullptr;
+}
+
+const plan::Joint* FindJoint(const plan::Scene& scene, auto has) {
+  const auto found = std::ranges::find_if(scene.joints, [&](const plan::Joint& joint) {
+    return HoldsObjects(scene, joint) && has(joint);
+  });
+  return found == scene.joints.end() ? nullptr : &*found;
+}
+
+/// The sides of a joint that exist: null stands for the world.
+struct Sides {
+  std::string_view parent, child;
+  const plan::Group *of_parent, *of_child;
+
+  Sides(const plan::Scene& scene, const plan::Joint& joint)
+      : parent(joint.settings.WordOr(kParent)),
+        child(joint.settings.WordOr(kChild)),
+        of_parent(scene.FindGroup(parent)),
+        of_child(scene.FindGroup(child)) {}
+};
+
+bool CannotMove(const plan::Group* group) {
+  return group == nullptr || group->settings.WordOr("mass") == "fixed" ||
+         group->settings.WordOr("mass") == kKinematicWord;
+}
+
+Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
+  const Sides sides(scene, joint);
+  if (sides.child == "none")
+    return JointFault{kChild, fmt::format("the joint {} has no child", joint.name),
+                      "name the group that it joins to the parent: child NAME"};
+  if (sides.parent == sides.child)
+    return JointFault{kChild, fmt::format("the joint {} joins {} to itself", joint.name, sides.child),
+                      sides.child == kWorldWord
+                          ? "name a group of objects"
+                          : "links { … } joins each object of a group to the next one"};
+  if (sides.parent != kWorldWord && sides.of_parent == nullptr)
+    return JointFault{kParent, std::string(sides.parent), {}, Kind::kUnknownGroup};
+  if (sides.child != kWorldWord && sides.of_child == nullptr)
+    return JointFault{kChild, std::string(sides.child), {}, Kind::kUnknownGroup};
+  if (!HoldsObjects(scene, joint)) return std::nullopt;
+  const auto count = [](const plan::Group* group) -> std::uint64_t {
+    return group == nullptr ? 1 : group->settings.Count("quantity");
+  };
+  const std::uint64_t parents = count(sides.of_parent), children = count(sides.of_child);
+  if (parents != children && parents != 1 && children != 1)
+    return JointFault{kChild,
+                      fmt::format("the joint {} joins {} objects of {} to {} of {}", joint.name,
+                                  parents, sides.parent, children, sides.child),
+                      "give both groups the same quantity, or one of them a single object",
+                      Kind::kQuantity};
+  if (CannotMove(sides.of_parent) && CannotMove(sides.of_child))
+    return JointFault{kChild,
+                      fmt::format("a joint cannot move {} or {}, so the joint {} has no effect",
+                                  sides.parent, sides.child, joint.name),
+                      "give one of them a mass"};
+  for (const plan::Group* group : {sides.of_parent, sides.of_child}) {
+    if (group == nullptr) continue;
+    const schema::Call* layout = schema::AsCall(group->settings.Get("location"));
+    if (layout != nullptr && layout->name == "pile")
+      return JointFault{group == sides.of_parent ? kParent : kChild,
+                        fmt::format("the {} settle in a pile, which cannot have joints", group->name),
+                        "write another location"};
+  }
+  return std::nullopt;
+}
+
+/// What a joint of this type does not have.
+Fault FindTypeFault(const plan::Joint& joint) {
+  const std::string_view type = joint.settings.WordOr("joints.type");
+  if (type == "hinge" || type == "slider") return std::nullopt;
+  struct Part {
+    GroupParameter parameter;
+    const char* what;
+  };
+  constexpr std::array<Part, 6> kParts = {{{"joints.axis", "axis"},
+                                           {"joints.limits.lower", "limits"},
+                                           {"joints.limits.upper", "limits"},
+                                           {"joints.damping", "damping"},
+                                           {"joints.motor.velocity", "motor"},
+                                           {"joints.motor.effort", "motor"}}};
+  for (const Part& part : kParts)
+    if (joint.settings.Has(*part.parameter))
+      return JointFault{part.parameter,
+                        fmt::format("a {} joint has no {}, but {} has one", type, part.what,
+                                    joint.name),
+                        "remove it, or write type hinge or type slider"};
+  return std::nullopt;
+}
+
+Fault FindLimitFault(const plan::Joint& joint) {
+  const bool has_lower = HasNumber(joint, kLower), has_upper = HasNumber(joint, kUpper);
+  if (!has_lower && !has_upper) return std::nullopt;
+  if (has_lower != has_upper)
+    return JointFault{has_lower ? kLower : kUpper,
+                      fmt::format("the joint {} has only one limit", joint.name),
+                      "give both, lower and upper, or none"};
+  const double lower = joint.settings.Real(kLower), upper = joint.settings.Real(kUpper);
+  if (lower >= upper)
+    return JointFault{kUpper,
+                      fmt::format("the upper limit of the joint {}, {}, is not above the lower one, "
+                                  "{}",
+                                  joint.name, schema::FormatReal(upper), schema::FormatReal(lower)),
+                      lower == upper ? "write type fixed if it cannot move" : "exchange them"};
+  if (lower > 0 || upper < 0)
+    return JointFault{lower > 0 ? kLower : kUpper,
+                      fmt::format("the joint {} starts at 0, outside its limits", joint.name),
+                      "limits are measured from the initial poses"};
+  const double most = std::max(-lower, upper);
+  if (joint.settings.WordOr("joints.type") == "hinge" && most > std::numbers::pi)
+    return JointFault{-lower == most ? kLower : kUpper,
+                      fmt::format("the limit of the hinge {} is {} rad, more than half a turn",
+                                  joint.name, schema::FormatReal(most)),
+                      "limits of a hinge are between -180 deg and 180 deg"};
+  return std::nullopt;
+}
+
+Fault FindMotorFault(const plan::Joint& joint) {
+  const GroupParameter velocity = "joints.motor.velocity", effort = "joints.motor.effort";
+  if (HasNumber(joint, velocity) == HasNumber(joint, effort)) return std::nullopt;
+  if (HasNumber(joint, velocity))
+    return JointFault{velocity, fmt::format("the motor of the joint {} has no effort", joint.name),
+                      "state its largest torque or force: motor.effort"};
+  return JointFault{effort, fmt::format("the motor of the joint {} is off", joint.name),
+                    "give it a velocity, or remove the effort"};
+}
+
+}  // namespace
+
+bool HoldsObjects(const plan::Scene& scene, const plan::Joint& joint) {
+  const auto has_objects = [&](std::string_view name) {
+    const plan::Group* group = scene.FindGroup(name);
+    return name == kWorldWord || (group != nullptr && group->settings.Count("quantity") > 0);
+  };
+  return has_objects(joint.settings.WordOr(kParent)) && has_objects(joint.settings.WordOr(kChild));
+}
+
+bool HasLimits(const plan::Joint& joint) { return HasNumber(joint, kLower); }
+
+bool HasMotor(const plan::Joint& joint) { return HasNumber(joint, "joints.motor.velocity"); }
+
+const plan::Joint* FindMotor(const plan::Scene& scene) { return FindJoint(scene, HasMotor); }
+
+const plan::Joint* FindLosses(const plan::Scene& scene) {
+  return FindJoint(scene, [](const plan::Joint& joint) {
+    return HasLimits(joint) || joint.settings.Real("joints.damping") > 0;
+  });
+}
+
+std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (Fault fault = FindSideFault(scene, joint)) return fault;
+  if (Fault fault = FindTypeFault(joint)) return fault;
+  if (Fault fault = FindLimitFault(joint)) return fault;
+  return FindMotorFault(joint);
+}
+
+}  // namespace cdb::analysis
