@@ -219,12 +219,10 @@ void LayeredBenchmark::EnterGroup(const dsl::Group& group, Place& place) {
       diagnostics_.Report(kReservedName, group.label->span,
                           fmt::format("'{}' is a word of the language", place.group),
                           fmt::format("give the {} another name", what));
-    else if (std::ranges::find(is_joint ? labels_ : joint_labels_, place.group) !=
-             (is_joint ? labels_ : joint_labels_).end())
+    else if (is_joint && std::ranges::find(labels_, place.group) != labels_.end())
       diagnostics_.Report(kSetTwice, group.label->span,
-                          fmt::format("'{}' is the name of a {} and of a {}", place.group,
-                                      is_joint ? "group" : "joint", what),
-                          fmt::format("give the {} another name", what));
+                          fmt::format("'{}' is also the name of a group of objects", place.group),
+                          "give the joint another name");
   }
   DeclareGroup(place.group, is_joint, place);
   place.objects = &group;
@@ -347,8 +345,10 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
                                  schema::IsOfJoints(place.block) ? "joints" : "objects"),
                      "write it outside this block");
   if (!place.block.empty() && FindIn("", in_group, text) != nullptr)
-    return misplaced(fmt::format("'{}' is not a setting of '{}'", text, place.block),
-                     "write it outside this block");
+    return misplaced(fmt::format("'{}' is not a setting of '{}'", text,
+                                 NameOf(place.group, place.block)),
+                     schema::IsOfJoints(place.block) ? "it is a setting of objects"
+                                                     : "write it outside this block");
   if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);

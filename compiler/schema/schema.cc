@@ -45,6 +45,12 @@ std::string Parameter::FullName() const {
   return grouped && !IsOfJoints() ? "objects." + std::string(name) : std::string(name);
 }
 
+std::string Parameter::UnitText() const {
+  std::string text(unit);
+  if (!slider_unit.empty()) text += ", or " + std::string(slider_unit) + " of a slider";
+  return text;
+}
+
 std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector> plugins) const {
   std::vector<std::string_view> all;
   for (std::string_view rest = words; !rest.empty();) all.push_back(NextWord(rest));
@@ -146,7 +152,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
       break;
   }
   if (domain.min == -kInfinity && type == kReal) text = "a number";
-  const bool only_words = type == kWord || type == kWords;
+  const bool only_words = (type == kWord && word_source != kGroups) || type == kWords;
   std::string alone, listed;
   const auto list = [&](std::string_view word, std::string_view brackets) {
     listed += only_words ? (listed.empty() ? " " : ", ") : ", or ";

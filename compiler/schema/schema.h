@@ -105,6 +105,8 @@ struct Parameter {
   std::string_view OwnName() const {
     return IsOfJoints() ? name.substr(kJointsBlock.size() + 1) : name;
   }
+  /// `m`; `rad, or m of a slider`.
+  std::string UnitText() const;
   /// As written in `.cdb`.
   std::string_view DefaultText() const {
     return later_default.empty() ? first_default : later_default;

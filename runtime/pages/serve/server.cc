@@ -44,7 +44,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
           {"value", written ? Json(*written) : Json()},
           {"default", std::string(parameter.DefaultText())},
           {"takes", parameter.Takes()},
-          {"unit", std::string(parameter.unit)},
+          {"unit", parameter.UnitText()},
           {"doc", std::string(parameter.doc)}};
 }
 
