@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/schema/parametrised_words.h"
@@ -53,10 +51,10 @@ bool CannotMove(const plan::Group* group) {
 Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
   const Sides sides(scene, joint);
   if (sides.child == "none")
-    return JointFault{kChild, fmt::format("the joint {} has no child", joint.name),
+    return JointFault{kChild, fmt::format("{} has no child", TextOf(joint)),
                       "name the group that it joins to the parent: child NAME"};
   if (sides.parent == sides.child)
-    return JointFault{kChild, fmt::format("the joint {} joins {} to itself", joint.name, sides.child),
+    return JointFault{kChild, fmt::format("{} joins {} to itself", TextOf(joint), sides.child),
                       sides.child == kWorldWord
                           ? "name a group of objects"
                           : "links { … } joins each object of a group to the next one"};
@@ -71,22 +69,23 @@ Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
   const std::uint64_t parents = count(sides.of_parent), children = count(sides.of_child);
   if (parents != children && parents != 1 && children != 1)
     return JointFault{kChild,
-                      fmt::format("the joint {} joins {} objects of {} to {} of {}", joint.name,
-                                  parents, sides.parent, children, sides.child),
+                      fmt::format("{} joins {} objects of {} to {} of {}", TextOf(joint), parents,
+                                  sides.parent, children, sides.child),
                       "give both groups the same quantity, or one of them a single object",
                       Kind::kQuantity};
   if (CannotMove(sides.of_parent) && CannotMove(sides.of_child))
     return JointFault{kChild,
-                      fmt::format("a joint cannot move {} or {}, so the joint {} has no effect",
-                                  sides.parent, sides.child, joint.name),
+                      fmt::format("nothing can move {} or {}, so {} has no effect", sides.parent,
+                                  sides.child, TextOf(joint)),
                       "give one of them a mass"};
   for (const plan::Group* group : {sides.of_parent, sides.of_child}) {
     if (group == nullptr) continue;
     const schema::Call* layout = schema::AsCall(group->settings.Get("location"));
     if (layout != nullptr && layout->name == "pile")
-      return JointFault{group == sides.of_parent ? kParent : kChild,
-                        fmt::format("the {} settle in a pile, which cannot have joints", group->name),
-                        "write another location"};
+      return JointFault{
+          group == sides.of_parent ? kParent : kChild,
+          fmt::format("the {} settle in a pile, which cannot have joints", group->name),
+          "write another location"};
   }
   return std::nullopt;
 }
@@ -107,10 +106,10 @@ Fault FindTypeFault(const plan::Joint& joint) {
                                            {"joints.motor.effort", "motor"}}};
   for (const Part& part : kParts)
     if (joint.settings.Has(*part.parameter))
-      return JointFault{part.parameter,
-                        fmt::format("a {} joint has no {}, but {} has one", type, part.what,
-                                    joint.name),
-                        "remove it, or write type hinge or type slider"};
+      return JointFault{
+          part.parameter,
+          fmt::format("{} has no {}, as its type is {}", TextOf(joint), part.what, type),
+          "remove it, or write type hinge or type slider"};
   return std::nullopt;
 }
 
@@ -119,25 +118,19 @@ Fault FindLimitFault(const plan::Joint& joint) {
   if (!has_lower && !has_upper) return std::nullopt;
   if (has_lower != has_upper)
     return JointFault{has_lower ? kLower : kUpper,
-                      fmt::format("the joint {} has only one limit", joint.name),
+                      fmt::format("{} has only one limit", TextOf(joint)),
                       "give both, lower and upper, or none"};
   const double lower = joint.settings.Real(kLower), upper = joint.settings.Real(kUpper);
   if (lower >= upper)
-    return JointFault{kUpper,
-                      fmt::format("the upper limit of the joint {}, {}, is not above the lower one, "
-                                  "{}",
-                                  joint.name, schema::FormatReal(upper), schema::FormatReal(lower)),
-                      lower == upper ? "write type fixed if it cannot move" : "exchange them"};
+    return JointFault{
+        kUpper,
+        fmt::format("the upper limit of {}, {}, is not above the lower one, {}", TextOf(joint),
+                    schema::FormatReal(upper), schema::FormatReal(lower)),
+        lower == upper ? "write type fixed if it cannot move" : "exchange them"};
   if (lower > 0 || upper < 0)
     return JointFault{lower > 0 ? kLower : kUpper,
-                      fmt::format("the joint {} starts at 0, outside its limits", joint.name),
+                      fmt::format("{} starts at 0, outside its limits", TextOf(joint)),
                       "limits are measured from the initial poses"};
-  const double most = std::max(-lower, upper);
-  if (joint.settings.WordOr("joints.type") == "hinge" && most > std::numbers::pi)
-    return JointFault{-lower == most ? kLower : kUpper,
-                      fmt::format("the limit of the hinge {} is {} rad, more than half a turn",
-                                  joint.name, schema::FormatReal(most)),
-                      "limits of a hinge are between -180 deg and 180 deg"};
   return std::nullopt;
 }
 
@@ -145,13 +138,17 @@ Fault FindMotorFault(const plan::Joint& joint) {
   const GroupParameter velocity = "joints.motor.velocity", effort = "joints.motor.effort";
   if (HasNumber(joint, velocity) == HasNumber(joint, effort)) return std::nullopt;
   if (HasNumber(joint, velocity))
-    return JointFault{velocity, fmt::format("the motor of the joint {} has no effort", joint.name),
+    return JointFault{velocity, fmt::format("the motor of {} has no effort", TextOf(joint)),
                       "state its largest torque or force: motor.effort"};
-  return JointFault{effort, fmt::format("the motor of the joint {} is off", joint.name),
+  return JointFault{effort, fmt::format("the motor of {} is off", TextOf(joint)),
                     "give it a velocity, or remove the effort"};
 }
 
 }  // namespace
+
+std::string TextOf(const plan::Joint& joint) {
+  return joint.name == schema::kJointsBlock ? "the joint" : "the joint " + joint.name;
+}
 
 bool HoldsObjects(const plan::Scene& scene, const plan::Joint& joint) {
   const auto has_objects = [&](std::string_view name) {

@@ -287,14 +287,12 @@ bool SceneChecks::CheckJoints(configure::Configuration& configuration, const pla
     good = false;
     if (!misplaced_.emplace(joint.name, fault->message).second) continue;
     using enum analysis::JointFault::Kind;
-    const text::Span span =
-        configuration.SpanOf({joint.name, fault->parameter.get()}, benchmark_);
+    const text::Span span = configuration.SpanOf({joint.name, fault->parameter.get()}, benchmark_);
     if (fault->kind == kUnknownGroup)
       ReportUnknownGroup(span, fault->message, names);
     else
-      diagnostics_.Report(
-          fault->kind == kQuantity ? scenario::kCapacity : scenario::kContradiction, span,
-          fault->message, fault->help);
+      diagnostics_.Report(fault->kind == kQuantity ? scenario::kCapacity : scenario::kContradiction,
+                          span, fault->message, fault->help);
   }
   return good;
 }

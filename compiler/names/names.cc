@@ -29,8 +29,8 @@ Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) c
   if (scope.parameter != nullptr &&
       (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
     return {};
-  if (scope.parameter != nullptr &&
-      scope.parameter->word_source == schema::WordSource::kGroups && IsGroup(path))
+  if (scope.parameter != nullptr && scope.parameter->word_source == schema::WordSource::kGroups &&
+      IsGroup(path))
     return {};
   if (auto let = FindLet(path, scope)) return {std::move(let), std::nullopt};
   if (auto measure = FindMeasure(path, scope))

@@ -144,8 +144,8 @@ bool ListsWord(std::string_view words, std::string_view word);
 std::span<const Parameter> Schema();
 
 /// The blocks that can be used in `block` (a path such as `accuracy`, or empty) and only shorten
-/// names: `world`, `solver`; in a group of objects, those of the group; in `joints`, its own. They are the parts before
-/// the dots in the schema's names, in its order.
+/// names: `world`, `solver`; in a group of objects, those of the group; in `joints`, its own. They
+/// are the parts before the dots in the schema's names, in its order.
 std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
 
 /// Looks up a name known only at run time; null if there is none. `name` is without its group. A

@@ -280,9 +280,9 @@ class PlanReader : public ValueReader {
 
   /// Appends the settings as they are listed to `canonical`.
   template <bool kGrouped>
-  plan::SettingsOf<kGrouped> ReadSettings(
-      const YAML::Node& map, std::string& canonical,
-      std::span<const schema::PluginDetector> plugins = {}, bool is_joint = false) const {
+  plan::SettingsOf<kGrouped> ReadSettings(const YAML::Node& map, std::string& canonical,
+                                          std::span<const schema::PluginDetector> plugins = {},
+                                          bool is_joint = false) const {
     if (!map.IsMap()) Fail(map.Mark(), "expected a map of settings");
     plan::SettingsOf<kGrouped> settings;
     std::map<std::string_view, std::string> lines;
@@ -310,8 +310,8 @@ class PlanReader : public ValueReader {
     const auto fault = analysis::FindJointFault(scene, joint);
     if (!fault) return;
     const bool is_unknown = fault->kind == analysis::JointFault::Kind::kUnknownGroup;
-    Fail(node.Mark(), is_unknown ? fmt::format("there is no group `{}`", fault->message)
-                                 : fault->message);
+    Fail(node.Mark(),
+         is_unknown ? fmt::format("there is no group `{}`", fault->message) : fault->message);
   }
 
   /// `version`: of the plan.

@@ -203,7 +203,8 @@ class ExactPlacer {
     const std::string& name = std::get<schema::Word>(schema::ArgumentOf(layout_, "group")).text;
     const GroupRange& others = GroupBefore(bodies_, range_, name, "location");
     if (others.size() != 1)
-      Require(others.size(), fmt::format("places one at each of the {} of `{}`", others.size(), name),
+      Require(others.size(),
+              fmt::format("places one at each of the {} of `{}`", others.size(), name),
               fmt::format("remove the quantity: it is that of `{}`", name));
     const auto& offset = std::get<Vector3d>(schema::ArgumentOf(layout_, "offset"));
     for (std::size_t i = 0; i < range_.size(); ++i) {

@@ -270,7 +270,8 @@ class Completer {
       Add(std::string(block), ItemKind::kModule, "a block");
     AddWord("let", ItemKind::kKeyword);
     if (context_.is_grouped || !context_.block.empty()) return;
-    for (const char* word : {"objects", "joints", "cases", "skip"}) AddWord(word, ItemKind::kKeyword);
+    for (const char* word : {"objects", "joints", "cases", "skip"})
+      AddWord(word, ItemKind::kKeyword);
     for (const Parameter& parameter : schema::Schema())
       if (parameter.grouped) Add(parameter.FullName(), ItemKind::kProperty, parameter.doc);
   }

@@ -173,7 +173,7 @@ class Maker {
     std::erase_if(calls, [&](std::string_view call) {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
-             call == schema::kRelativeCall ||  // there is no other group
+             call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kHeightsCall ||
              call == analysis::kSurfaceWord;  // for fixed objects only
     });

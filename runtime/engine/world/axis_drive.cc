@@ -60,8 +60,7 @@ void AxisDrive::getInfo2(btConstraintInfo2* info) {
   const btTransform &first = m_rbA.getWorldTransform(), &second = m_rbB.getWorldTransform();
   const btVector3 axis = first.getBasis() * axis_in_first_, point = second * pivot_in_second_;
   const btVector3 linear = settings_.turns ? btVector3(0, 0, 0) : axis;
-  const btVector3 of_first =
-      settings_.turns ? axis : (point - first.getOrigin()).cross(axis);
+  const btVector3 of_first = settings_.turns ? axis : (point - first.getOrigin()).cross(axis);
   const btVector3 of_second = settings_.turns ? axis : (point - second.getOrigin()).cross(axis);
   int count = 0;
   const auto add = [&](const Row& row) {

@@ -219,8 +219,7 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
   const bool is_in_world = pair.parent == layouts::JointPair::kWorld;
   btRigidBody& fixed = btTypedConstraint::getFixedBody();
   btRigidBody& first = is_in_world ? fixed : *objects[pair.parent];
-  btRigidBody& second =
-      pair.child == layouts::JointPair::kWorld ? fixed : *objects[pair.child];
+  btRigidBody& second = pair.child == layouts::JointPair::kWorld ? fixed : *objects[pair.child];
   if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
   const plan::GroupSettings& settings = pair.joint->settings;
   objects::Pose frame;
@@ -251,8 +250,8 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
         std::make_unique<btHingeConstraint>(first, second, to_first * about, to_second * about);
   } else {
     link.kind = type == "fixed" ? Kind::kFixed : Kind::kSlider;
-    link.turn = first.getWorldTransform().getBasis().transposeTimes(
-        second.getWorldTransform().getBasis());
+    link.turn =
+        first.getWorldTransform().getBasis().transposeTimes(second.getWorldTransform().getBasis());
     auto constraint = std::make_unique<btGeneric6DofSpring2Constraint>(
         first, second, to_first * along, to_second * along);
     for (int i = 0; i < 6; ++i) constraint->setLimit(i, 0, 0);
@@ -279,8 +278,8 @@ void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double lengt
   const auto holder = holders_.find(&first);
   const bool continues = holder != holders_.end();
   link.before = continues ? holder->second : index;
-  link.root = continues && links_[link.before].kind == Kind::kFixed ? links_[link.before].root
-                                                                    : index;
+  link.root =
+      continues && links_[link.before].kind == Kind::kFixed ? links_[link.before].root : index;
   link.chain = (continues ? links_[link.before].chain : 0) + length;
   link.second_in_root = InBody(link.root == index ? first : *links_[link.root].first,
                                second.getWorldTransform().getOrigin());

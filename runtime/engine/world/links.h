@@ -16,10 +16,11 @@
 namespace cdb::world {
 
 /// The links and joints of a scene, which are in its world as long as this lives. A link holds an
-/// object to the next one of its group. With `links.anchor`, the first object is also held to a point of the
-/// world, as if one more object preceded it: as far from it as the second (a single object hangs
-/// from half its height above its centre of mass). A joint holds object i of a group to object i of
-/// another (layouts::JointPairsOf). Two fixed objects are not linked. Linked objects do not collide.
+/// object to the next one of its group. With `links.anchor`, the first object is also held to a
+/// point of the world, as if one more object preceded it: as far from it as the second (a single
+/// object hangs from half its height above its centre of mass). A joint holds object i of a group
+/// to object i of another (layouts::JointPairsOf). Two fixed objects are not linked. Linked objects
+/// do not collide.
 ///
 ///   ball, hinge, fixed  btPoint2PointConstraint, btHingeConstraint (of links about the world's z),
 ///                       btFixedConstraint; the pivot of links is in the middle between the centres
@@ -30,8 +31,8 @@ namespace cdb::world {
 ///                       neither limited nor softened, so that it explodes if w dt exceeds 2; the
 ///                       other object is held on the line by Bullet's
 ///                       btGeneric6DofSpring2Constraint and turns freely
-/// The damping, the motor and the limits of a joint are rows of a constraint of their own, AxisDrive.
-/// Not thread-safe.
+/// The damping, the motor and the limits of a joint are rows of a constraint of their own,
+/// AxisDrive. Not thread-safe.
 class Links {
  public:
   /// `objects` are those of `state`, at their initial poses. World and objects must outlive it.
@@ -51,9 +52,9 @@ class Links {
     double largest = 0, sum = 0;
     double stretch = 0;  ///< largest sum of the gaps of a chain over its length
     /// Largest angle, rad: of an object from where the first body of its chain would hold it by
-    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other; of what is
-    /// held by a fixed joint or a slider, not by a link, from its orientation; of a hinge past its
-    /// limits.
+    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other; of what
+    /// is held by a fixed joint or a slider, not by a link, from its orientation; of a hinge past
+    /// its limits.
     double bend = 0;
   };
   Gaps MeasureGaps() const;

@@ -86,14 +86,17 @@ TEST(Layout, RelativeToNeedsAGroupBefore) {
     return std::string("accepted");
   };
   EXPECT_EQ(refused([](plan::Scene&) {}), "accepted");
-  EXPECT_NE(refused([](plan::Scene& scene) { SetGroup(scene, "quantity", std::uint64_t{3}); })
-                .find("group `child` has 2 objects, but `relative_to` places one at each of the 3"),
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "quantity", std::uint64_t{3});
+            }).find("group `child` has 2 objects, but `relative_to` places one at each of the 3"),
             std::string::npos);
-  EXPECT_NE(refused([](plan::Scene& scene) { SetGroup(scene, "location", Word("uniform")); })
-                .find("is placed at random"),
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "location", Word("uniform"));
+            }).find("is placed at random"),
             std::string::npos);
-  EXPECT_NE(refused([](plan::Scene& scene) { std::swap(scene.groups[0], scene.groups[1]); })
-                .find("is written after it"),
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              std::swap(scene.groups[0], scene.groups[1]);
+            }).find("is written after it"),
             std::string::npos);
   EXPECT_NE(refused([](plan::Scene& scene) {
               SetGroup(scene, "location", RelativeTo("child", {1, 0, 0}), 1);

@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector3d;
 using schema::GroupParameter;
 
-/// Cuboids of 1 m and 1 kg in free space, without weight; the group `objects` has one at the origin.
+/// Cuboids of 1 m and 1 kg in free space, without weight; the group `objects` has one at the
+/// origin.
 plan::Scene JointScene(double rate = 240) {
   plan::Scene scene = EngineScene(1, 1000);
   SetWorld(scene, "world.walls", Word("none"));
@@ -27,13 +28,13 @@ plan::Scene JointScene(double rate = 240) {
 }
 
 /// A group like the first one, at another place. Returns its index.
-std::size_t AddGroup(plan::Scene& scene, const std::string& name, const schema::Value& location) {
+std::size_t AddPart(plan::Scene& scene, const std::string& name, const schema::Value& location) {
   scene.groups.push_back({name, scene.groups[0].settings});
   scene.groups.back().settings.Set("location", location);
   return scene.groups.size() - 1;
 }
 
-schema::Value At(double x, double y, double z) {
+schema::Value PlaceAt(double x, double y, double z) {
   return Layout("at", {{"x", x}, {"y", y}, {"z", z}});
 }
 
@@ -49,16 +50,16 @@ plan::GroupSettings& AddJoint(plan::Scene& scene, std::string_view type, std::st
   return settings;
 }
 
-world::Engine EngineOf(const plan::Scene& scene) {
+world::Engine EngineOfJoints(const plan::Scene& scene) {
   return WholeEngine(scene, layouts::MakeInitialState(scene));
 }
 
-Vector3d Spin(const world::Engine& engine, std::size_t object = 0) {
+Vector3d SpinOf(const world::Engine& engine, std::size_t object = 0) {
   return ToEigen(engine.objects()[object]->getAngularVelocity());
 }
 
 /// Of a cuboid of 1 m and 1 kg, kg m^2.
-constexpr double kInertia = 1.0 / 6;
+constexpr double kInertiaOfCube = 1.0 / 6;
 
 TEST(Hinge, IsAPhysicalPendulum) {
   // T = 2 pi sqrt(I / (m g l)): for a thin rod hinged at its end, 2 pi sqrt(2 L / (3 g)).
@@ -68,7 +69,7 @@ TEST(Hinge, IsAPhysicalPendulum) {
   SetGroup(scene, "aspect", schema::Ratio{{kWide, 1, kWide}});
   SetGroup(scene, "orientation", Vector3d(0, 0, 0.05));
   AddJoint(scene, "hinge", "objects", "world", {0, 0.5, 0});
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   const double inertia = (1 + kWide * kWide) / 12 + 0.25;
   const double period = 2 * std::numbers::pi * std::sqrt(inertia / (9.8 * 0.5));
   EXPECT_NEAR(period, 2 * std::numbers::pi * std::sqrt(2 / (3 * 9.8)), 1e-3 * period);
@@ -96,15 +97,15 @@ TEST(Motor, ReachesItsVelocityWithItsEffort) {
     joint.Set("joints.axis", Vector3d(0, 3, 0));
     joint.Set("joints.motor.velocity", 2.0);
     joint.Set("joints.motor.effort", 0.5);
-    world::Engine engine = EngineOf(scene);
-    const auto speed = [&] { return turns ? Spin(engine).y() : Velocity(engine).y(); };
-    const double rate = 0.5 / (turns ? kInertia : 1);
+    world::Engine engine = EngineOfJoints(scene);
+    const auto speed = [&] { return turns ? SpinOf(engine).y() : Velocity(engine).y(); };
+    const double rate = 0.5 / (turns ? kInertiaOfCube : 1);
     for (int n = 1; n <= 600; ++n) {
       engine.Step();
       EXPECT_NEAR(speed(), std::min(2.0, rate * n / 240), 1e-5 * n / 10) << turns << " " << n;
     }
     EXPECT_NEAR(speed(), 2, 1e-5);
-    if (!turns) EXPECT_NEAR(Spin(engine).norm(), 0, 1e-5);
+    EXPECT_NEAR(SpinOf(engine).norm(), turns ? 2 : 0, 1e-5);
   }
 }
 
@@ -114,22 +115,23 @@ TEST(Motor, OfTheOtherSideTurnsTheOtherWay) {
   auto& joint = AddJoint(scene, "hinge", "objects", "world");
   joint.Set("joints.motor.velocity", 2.0);
   joint.Set("joints.motor.effort", 10.0);
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   Steps(engine, 100);
-  EXPECT_NEAR(Spin(engine).z(), -2, 1e-5);
+  EXPECT_NEAR(SpinOf(engine).z(), -2, 1e-5);
 }
 
 TEST(Damping, IsThatOfTheIntegrator) {
   for (const bool turns : {true, false}) {
     plan::Scene scene = JointScene();
     AddJoint(scene, turns ? "hinge" : "slider", "world", "objects").Set("joints.damping", 0.25);
-    SetGroup(scene, turns ? "angular_velocity" : "linear_velocity", Vector3d(0, 0, 1));
-    world::Engine engine = EngineOf(scene);
+    SetGroup(scene, turns ? GroupParameter("angular_velocity") : GroupParameter("linear_velocity"),
+             Vector3d(0, 0, 1));
+    world::Engine engine = EngineOfJoints(scene);
     double speed = 1;
     for (int n = 1; n <= 200; ++n) {
       engine.Step();
-      speed *= 1 - 0.25 / 240 / (turns ? kInertia : 1);
-      ASSERT_NEAR(turns ? Spin(engine).z() : Velocity(engine).z(), speed, 16 * n * kEpsilon);
+      speed *= 1 - 0.25 / 240 / (turns ? kInertiaOfCube : 1);
+      ASSERT_NEAR(turns ? SpinOf(engine).z() : Velocity(engine).z(), speed, 16 * n * kEpsilon);
     }
   }
 }
@@ -141,7 +143,7 @@ TEST(Slider, FallsToItsLimit) {
   joint.Set("joints.axis", Vector3d(0, 1, 0));
   joint.Set("joints.limits.lower", -0.5);
   joint.Set("joints.limits.upper", 0.25);
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   for (int n = 1; n <= 400; ++n) {
     engine.Step();
     const double fallen = 9.8 * n * (n + 1) / 2 / 240 / 240;
@@ -158,7 +160,7 @@ TEST(Hinge, StopsAtALimitAfterATurn) {
   joint.Set("joints.limits.lower", -0.5);
   joint.Set("joints.limits.upper", 8.0);
   SetGroup(scene, "angular_velocity", Vector3d(0, 0, 5));
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   for (int n = 1; n <= 600; ++n) {
     engine.Step();
     const double angle = std::min(5.0 * n / 240, 8.0);
@@ -166,7 +168,7 @@ TEST(Hinge, StopsAtALimitAfterATurn) {
                                 Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
     EXPECT_NEAR(off.angle(), 0, 2e-3) << n;
   }
-  EXPECT_NEAR(Spin(engine).norm(), 0, 1e-4);
+  EXPECT_NEAR(SpinOf(engine).norm(), 0, 1e-4);
   EXPECT_LT(engine.links().MeasureGaps().bend, 1e-3);
 }
 
@@ -176,14 +178,14 @@ TEST(Joints, CloseAFourBarLoop) {
   SetWorld(scene, "acceleration", Vector3d(2, -9.8, 0));
   SetGroup(scene, "size", 1.0);
   SetGroup(scene, "aspect", schema::Ratio{{0.1, 1, 0.1}});
-  AddGroup(scene, "other", At(1, 0, 0));
-  const std::size_t bar = AddGroup(scene, "bar", At(0.5, -0.5, 0));
+  AddPart(scene, "other", PlaceAt(1, 0, 0));
+  const std::size_t bar = AddPart(scene, "bar", PlaceAt(0.5, -0.5, 0));
   SetGroup(scene, "orientation", Vector3d(0, 0, std::numbers::pi / 2), bar);
   AddJoint(scene, "hinge", "objects", "world", {0, 0.5, 0});
   AddJoint(scene, "hinge", "other", "world", {0, 0.5, 0});
   AddJoint(scene, "hinge", "objects", "bar", {0, -0.5, 0});
   AddJoint(scene, "hinge", "other", "bar", {0, -0.5, 0});
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   const Eigen::Quaterniond start = Orientation(engine, bar);
   double widest = 0;
   for (int n = 1; n <= 480; ++n) {
@@ -210,13 +212,13 @@ TEST(Joints, MoveAsLinksDo) {
     for (std::size_t i = 0; i < 4; ++i) {
       const Vector3d& place = state.objects[i].pose.position;
       const std::string name = i == 0 ? "objects" : "part" + std::to_string(i);
-      if (i > 0) AddGroup(joints, name, At(0, 0, 0));
-      SetGroup(joints, "location", At(place.x(), place.y(), place.z()), i);
+      if (i > 0) AddPart(joints, name, PlaceAt(0, 0, 0));
+      SetGroup(joints, "location", PlaceAt(place.x(), place.y(), place.z()), i);
       AddJoint(joints, type, before, name, pivot);
       before = name;
       pivot = {0, -0.75, 0};
     }
-    world::Engine one = WholeEngine(links, state), other = EngineOf(joints);
+    world::Engine one = WholeEngine(links, state), other = EngineOfJoints(joints);
     for (int n = 1; n <= 100; ++n) {
       one.Step();
       other.Step();
@@ -258,7 +260,7 @@ TEST(Joints, TellWhenTheyPart) {
       joint.Set("joints.limits.lower", -2.0);
       joint.Set("joints.limits.upper", 2.0);
     }
-    world::Engine engine = EngineOf(scene);
+    world::Engine engine = EngineOfJoints(scene);
     const Eigen::AngleAxisd turn(moved.turn.norm(), moved.turn.norm() > 0
                                                         ? moved.turn.normalized().eval()
                                                         : Vector3d::UnitX().eval());
@@ -275,10 +277,10 @@ TEST(Joints, OfAKinematicParentFollowIt) {
   plan::Scene scene = JointScene();
   SetGroup(scene, "mass", Word("kinematic"));
   SetGroup(scene, "linear_velocity", Vector3d(1, 0, 0));
-  const std::size_t child = AddGroup(scene, "child", At(0, -1, 0));
+  const std::size_t child = AddPart(scene, "child", PlaceAt(0, -1, 0));
   SetGroup(scene, "mass", 1.0, child);
   AddJoint(scene, "fixed", "objects", "child", {0, -0.5, 0});
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   const world::Kinematics kinematics(scene, engine);
   for (std::uint64_t n = 0; n < 240; ++n) {
     kinematics.BeforeStep(n);
@@ -292,7 +294,7 @@ TEST(Joints, TurnTheFrameOfTheParent) {
   // The parent lies along x; its y is the world's -x, and the child is placed and joined there.
   plan::Scene scene = JointScene();
   SetGroup(scene, "orientation", Vector3d(0, 0, std::numbers::pi / 2));
-  const std::size_t child = AddGroup(
+  const std::size_t child = AddPart(
       scene, "child",
       schema::Call{"relative_to", {Word("objects"), schema::Value(Vector3d(0, -1.5, 0.5))}});
   SetGroup(scene, "orientation", Vector3d(0.5, 0, 0), child);
@@ -302,7 +304,7 @@ TEST(Joints, TurnTheFrameOfTheParent) {
   joint.Set("joints.motor.effort", 100.0);
   SetGroup(scene, "mass", Word("fixed"));
   SetGroup(scene, "mass", 1.0, child);
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   EXPECT_NEAR((Position(engine, child) - Vector3d(1.5, 0, 0.5)).norm(), 0, 8 * kEpsilon);
   const Eigen::Quaterniond turned = Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ()) *
                                     Eigen::AngleAxisd(0.5, Vector3d::UnitX());
@@ -315,18 +317,19 @@ TEST(Joints, TurnTheFrameOfTheParent) {
 TEST(Joints, JoinEachToOneOrToItsOwn) {
   plan::Scene scene = JointScene();
   SetGroup(scene, "mass", Word("fixed"));
-  const std::size_t many = AddGroup(scene, "many", Layout("line", {{"gap", 1.0}}));
+  const std::size_t many = AddPart(scene, "many", Layout("line", {{"gap", 1.0}}));
   SetGroup(scene, "quantity", std::uint64_t{3}, many);
   SetGroup(scene, "mass", 1.0, many);
-  const std::size_t own = AddGroup(
-      scene, "own", schema::Call{"relative_to", {Word("many"), schema::Value(Vector3d(0, 0, 0.5))}});
+  const std::size_t own =
+      AddPart(scene, "own",
+              schema::Call{"relative_to", {Word("many"), schema::Value(Vector3d(0, 0, 0.5))}});
   SetGroup(scene, "quantity", std::uint64_t{3}, own);
   SetGroup(scene, "mass", 1.0, own);
   AddJoint(scene, "ball", "many", "own");
   // `own` overlaps `many`, to which it is joined; `objects` overlaps one that it is joined to.
   AddJoint(scene, "ball", "objects", "many");
   AddJoint(scene, "ball", "objects", "own");
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   EXPECT_EQ(engine.world().getNumConstraints(), 9);
   EXPECT_EQ(layouts::JointPairsOf(scene)[1].parent, 2u);
   EXPECT_EQ(layouts::JointPairsOf(scene)[1].child, 5u);
@@ -342,7 +345,7 @@ TEST(Joints, KeepWhatTheyPullAt) {
   SetWorld(scene, "record", schema::WordList{"energy"});
   SetWorld(scene, "cycles", std::uint64_t{100});
   SetWorld(scene, "acceleration", Vector3d(1, -9.8, 0));
-  AddGroup(scene, "child", At(0, -1.5, 0));
+  AddPart(scene, "child", PlaceAt(0, -1.5, 0));
   AddJoint(scene, "hinge", "objects", "child", {0, -0.75, 0});
   const PairedRun paired = RunPaired(scene);
   for (const Component component : {Component::kWalls, Component::kDetection, Component::kSolver,
@@ -354,7 +357,7 @@ TEST(Jerk, TakesWhatASliderCannotKeep) {
   plan::Scene scene = JointScene();
   AddJoint(scene, "slider", "world", "objects");
   SetGroup(scene, "linear_velocity", Vector3d(3, 0, 2));
-  world::Engine engine = EngineOf(scene);
+  world::Engine engine = EngineOfJoints(scene);
   EXPECT_NEAR(engine.links().JerkEnergy(), 4.5, 1e-6);
   Steps(engine, 1);
   EXPECT_NEAR(Velocity(engine).z(), 2, 1e-5);
