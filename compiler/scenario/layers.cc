@@ -345,10 +345,11 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
                                  schema::IsOfJoints(place.block) ? "joints" : "objects"),
                      "write it outside this block");
   if (!place.block.empty() && FindIn("", in_group, text) != nullptr)
-    return misplaced(
-        fmt::format("'{}' is not a setting of '{}'", text, NameOf(place.group, place.block)),
-        schema::IsOfJoints(place.block) ? "it is a setting of objects"
-                                        : "write it outside this block");
+    return misplaced(fmt::format("'{}' is not a setting of '{}'", text,
+                                 schema::IsOfJoints(place.block) ? NameOf(place.group, place.block)
+                                                                 : place.block),
+                     schema::IsOfJoints(place.block) ? "it is a setting of objects"
+                                                     : "write it outside this block");
   if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);

@@ -68,30 +68,24 @@ class Maker {
       return setting.starts_with("accuracy.closed_form") || setting.starts_with("omit");
     });
     if (is_piled || has_closed_form || Sets("mass") || Below(3) != 0) return;
-    for (const std::string_view name : {"joints", "hinges"}) {
-      const bool is_hinge = name == "hinges", is_reversed = Below(2) == 0;
-      const auto set = [&](std::string_view what, const std::string& value) {
-        scenario_.settings.push_back(fmt::format("{}.{} {}", name, what, value));
-      };
-      if (is_hinge && Below(2) == 0) return;
-      if (is_hinge) scenario_.settings.emplace_back("joints hinges { }");
-      set("parent", is_reversed ? "objects" : "world");
-      set("child", is_reversed ? "world" : "objects");
-      const bool is_driven = is_hinge || Below(2) == 0;
-      set("type", !is_driven ? "ball" : Below(2) == 0 ? "hinge" : "slider");
-      if (Below(2) == 0) set("at", Constant(*schema::GroupParameter("joints.at")));
-      if (!is_driven) continue;
-      if (Below(2) == 0) set("axis", Constant(*schema::GroupParameter("joints.axis")));
-      if (Below(2) == 0) set("damping", ValueOf(*schema::GroupParameter("joints.damping")));
-      if (Below(2) == 0) {
-        set("limits.lower", "-0.5");
-        set("limits.upper", "sweep(0.5, 2) * 1");
-        scenario_.points *= 2;
-      }
-      if (Below(2) == 0) {
-        set("motor.velocity", "-3");
-        set("motor.effort", "2");
-      }
+    const auto set = [&](std::string_view what, const std::string& value) {
+      scenario_.settings.push_back(fmt::format("joints.{} {}", what, value));
+    };
+    const bool is_reversed = Below(2) == 0, is_driven = Below(2) == 0;
+    set("parent", is_reversed ? "objects" : "world");
+    set("child", is_reversed ? "world" : "objects");
+    set("type", !is_driven ? "ball" : Below(2) == 0 ? "hinge" : "slider");
+    if (Below(2) == 0) set("at", Constant(*schema::GroupParameter("joints.at")));
+    if (!is_driven) return;
+    if (Below(2) == 0) set("axis", Constant(*schema::GroupParameter("joints.axis")));
+    if (Below(2) == 0) set("damping", ValueOf(*schema::GroupParameter("joints.damping")));
+    if (Below(2) == 0) {
+      set("limits.lower", "-0.5");
+      set("limits.upper", "0.25 * 2");
+    }
+    if (Below(2) == 0) {
+      set("motor.velocity", "-3");
+      set("motor.effort", "2");
     }
   }
 

@@ -138,10 +138,9 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
 
 TEST(ParametrisedWords, AreShownWithWhatTheyNeed) {
   const std::string location = (*schema::GroupParameter("location")).Takes();
-  EXPECT_EQ(
-      location,
-      "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( ), poses( ), "
-      "path( )");
+  EXPECT_EQ(location,
+            "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( ), "
+            "relative_to( ), poses( ), path( )");
   EXPECT_EQ((*schema::WorldParameter("acceleration")).Takes(),
             "a vector (x, y, z), or 0, or every( ), or rotating( ), or a distribution");
   EXPECT_EQ(
