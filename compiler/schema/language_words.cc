@@ -29,7 +29,7 @@ constexpr LanguageWord kLanguageWords[] = {
      "objects pebbles { quantity 100; size 5 }"},
     {"joints", kStatement, "joints [NAME] { … }",
      "joints between the objects of two groups; if there are several, they have names",
-     "joints elbow { parent upper; child lower; type hinge; at (0, -0.25, 0) }"},
+     "joints axle { parent objects; child world; type hinge; axis (0, 1, 0) }"},
     {"only", kStatement, "only when CONDITION",
      "keeps these points of the grid and skips all others",
      "only when quantity in (10, 100) or detector == dbvt"},
