@@ -26,7 +26,7 @@ bool HasNumber(const plan::Joint& joint, GroupParameter parameter) {
 
 const plan::Joint* FindJoint(const plan::Scene& scene, auto has) {
   const auto found = std::ranges::find_if(scene.joints, [&](const plan::Joint& joint) {
-    return HoldsObjects(scene, joint) && has(joint);
+    return scene.HoldsObjects(joint) && has(joint);
   });
   return found == scene.joints.end() ? nullptr : &*found;
 }
@@ -55,14 +55,14 @@ Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
                       "name the group that it joins to the parent: child NAME"};
   if (sides.parent == sides.child)
     return JointFault{kChild, fmt::format("{} joins {} to itself", TextOf(joint), sides.child),
-                      sides.child == kWorldWord
+                      sides.child == plan::kWorldWord
                           ? "name a group of objects"
                           : "links { … } joins each object of a group to the next one"};
-  if (sides.parent != kWorldWord && sides.of_parent == nullptr)
+  if (sides.parent != plan::kWorldWord && sides.of_parent == nullptr)
     return JointFault{kParent, std::string(sides.parent), {}, Kind::kUnknownGroup};
-  if (sides.child != kWorldWord && sides.of_child == nullptr)
+  if (sides.child != plan::kWorldWord && sides.of_child == nullptr)
     return JointFault{kChild, std::string(sides.child), {}, Kind::kUnknownGroup};
-  if (!HoldsObjects(scene, joint)) return std::nullopt;
+  if (!scene.HoldsObjects(joint)) return std::nullopt;
   const auto count = [](const plan::Group* group) -> std::uint64_t {
     return group == nullptr ? 1 : group->settings.Count("quantity");
   };
@@ -148,14 +148,6 @@ Fault FindMotorFault(const plan::Joint& joint) {
 
 std::string TextOf(const plan::Joint& joint) {
   return joint.name == schema::kJointsBlock ? "the joint" : "the joint " + joint.name;
-}
-
-bool HoldsObjects(const plan::Scene& scene, const plan::Joint& joint) {
-  const auto has_objects = [&](std::string_view name) {
-    const plan::Group* group = scene.FindGroup(name);
-    return name == kWorldWord || (group != nullptr && group->settings.Count("quantity") > 0);
-  };
-  return has_objects(joint.settings.WordOr(kParent)) && has_objects(joint.settings.WordOr(kChild));
 }
 
 bool HasLimits(const plan::Joint& joint) { return HasNumber(joint, kLower); }

@@ -3,19 +3,13 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "compiler/plan/plan.h"
 
 namespace cdb::analysis {
 
-/// The word for the world among the names of groups.
-inline constexpr std::string_view kWorldWord = "world";
-
 /// For messages: `the joint elbow`.
 std::string TextOf(const plan::Joint& joint);
-/// True if both sides have objects; the world counts as one.
-bool HoldsObjects(const plan::Scene& scene, const plan::Joint& joint);
 bool HasLimits(const plan::Joint& joint);
 bool HasMotor(const plan::Joint& joint);
 /// The first joint that holds objects and has a motor; null if there is none. Likewise for limits

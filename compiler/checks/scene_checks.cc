@@ -278,7 +278,7 @@ bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan
 
 // Joints that cannot be made.
 bool SceneChecks::CheckJoints(configure::Configuration& configuration, const plan::Scene& scene) {
-  std::vector<std::string_view> names = {analysis::kWorldWord};
+  std::vector<std::string_view> names = {plan::kWorldWord};
   for (const plan::Group& group : scene.groups) names.push_back(group.name);
   bool good = true;
   for (const plan::Joint& joint : scene.joints) {

@@ -183,8 +183,8 @@ namespace {
 
 bool IsJoined(const plan::Scene& scene, std::string_view group) {
   return std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
-    return joint.settings.WordOr("joints.parent") == group ||
-           joint.settings.WordOr("joints.child") == group;
+    return scene.HoldsObjects(joint) && (joint.settings.WordOr("joints.parent") == group ||
+                                         joint.settings.WordOr("joints.child") == group);
   });
 }
 

@@ -72,13 +72,21 @@ const Group* Scene::FindGroup(std::string_view name) const {
 std::string Scene::PulledGroup() const {
   const auto linked = std::ranges::find_if(groups, &Group::HasLinks);
   if (linked != groups.end()) return linked->name;
-  using Side = schema::ParameterRef<true, schema::ValueKind::kWord>;
-  for (const Joint& joint : joints)
-    for (const Side side : {Side("joints.parent"), Side("joints.child")}) {
-      const Group* group = FindGroup(joint.settings.WordOr(side));
-      if (group != nullptr && group->settings.Count("quantity") > 0) return group->name;
-    }
+  for (const Joint& joint : joints) {
+    if (!HoldsObjects(joint)) continue;
+    const std::string_view parent = joint.settings.WordOr("joints.parent");
+    return std::string(parent != kWorldWord ? parent : joint.settings.WordOr("joints.child"));
+  }
   return {};
+}
+
+bool Scene::HoldsObjects(const Joint& joint) const {
+  const auto has_objects = [&](std::string_view name) {
+    const Group* group = FindGroup(name);
+    return name == kWorldWord || (group != nullptr && group->settings.Count("quantity") > 0);
+  };
+  return has_objects(joint.settings.WordOr("joints.parent")) &&
+         has_objects(joint.settings.WordOr("joints.child"));
 }
 
 std::uint64_t Scene::ObjectCount() const {

@@ -35,6 +35,9 @@ struct Group {
   bool operator==(const Group&) const = default;
 };
 
+/// The name of the world among those of groups, in a joint.
+inline constexpr std::string_view kWorldWord = "world";
+
 /// One `joints` block of a run: joints between the objects of two groups.
 struct Joint {
   std::string name;  ///< `joints` if the file gives no name
@@ -64,7 +67,9 @@ struct Scene {
 
   /// Null for `world`, and for names that are no group.
   const Group* FindGroup(std::string_view name) const;
-  /// The first group, by name, whose objects links or joints pull; empty if there is none.
+  /// True if both sides of the joint have objects; the world counts as one.
+  bool HoldsObjects(const Joint& joint) const;
+  /// The name of the first group whose objects links or joints pull; empty if there is none.
   std::string PulledGroup() const;
   /// Objects of all groups together, excluding walls.
   std::uint64_t ObjectCount() const;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "compiler/analysis/joints.h"
-
 namespace cdb::layouts {
 namespace {
 
@@ -33,7 +31,7 @@ struct Side {
 std::vector<JointPair> JointPairsOf(const plan::Scene& scene) {
   std::vector<JointPair> pairs;
   for (const plan::Joint& joint : scene.joints) {
-    if (!analysis::HoldsObjects(scene, joint)) continue;
+    if (!scene.HoldsObjects(joint)) continue;
     const Side parent(scene, joint.settings.WordOr("joints.parent")),
         child(scene, joint.settings.WordOr("joints.child"));
     for (std::size_t i = 0; i < std::max(parent.count, child.count); ++i)
