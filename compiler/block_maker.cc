@@ -145,6 +145,8 @@ const grid::Remaining& BlockMaker::RemainingAlong(const grid::AxisSet& axes,
 bool BlockMaker::AddSettings(grid::Block& block) {
   for (const std::string& group : configuration_->layers().groups)
     block.base.groups.push_back({group, {}});
+  for (const std::string& joint : configuration_->layers().joints)
+    block.base.joints.push_back({joint, {}});
   std::vector<PointCondition> bad;
   for (const configure::DependentParameter& parameter : configuration_->parameters())
     if (parameter.key.second->concern != schema::Concern::kReport)
@@ -160,8 +162,11 @@ void BlockMaker::AddSetting(const configure::DependentParameter& parameter, grid
   axes = grid::WithoutConstants(axes, extents_);
   const schema::Parameter& row = *parameter.key.second;
   grid::VaryingSetting setting{grid::VaryingSetting::kWorld, &row, grid::Subgrid(axes, extents_)};
-  for (std::size_t i = 0; i < block.base.groups.size(); ++i)
+  const std::size_t groups = block.base.groups.size();
+  for (std::size_t i = 0; i < groups; ++i)
     if (block.base.groups[i].name == parameter.key.first) setting.group = i;
+  for (std::size_t i = 0; i < block.base.joints.size(); ++i)
+    if (block.base.joints[i].name == parameter.key.first) setting.group = groups + i;
   const grid::Remaining& remaining = RemainingAlong(axes, block);
   std::vector<bool> is_bad(remaining.counts.size(), false);
   int errors = 0;
@@ -181,10 +186,7 @@ void BlockMaker::AddSetting(const configure::DependentParameter& parameter, grid
   if (setting.values.size() > 1) {
     block.varying.push_back(std::move(setting));
   } else {
-    plan::Settings& settings = setting.group == grid::VaryingSetting::kWorld
-                                   ? static_cast<plan::Settings&>(block.base.world)
-                                   : block.base.groups[setting.group].settings;
-    settings.SetValue(row, std::move(setting.values[0]));
+    setting.SettingsIn(block.base).SetValue(row, std::move(setting.values[0]));
   }
 }
 

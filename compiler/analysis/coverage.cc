@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -67,6 +68,8 @@ Reason WhyNotLosses(const Scene& scene) {
   for (const Sink& sink : kSinks)
     if (const Group* group = FindGroup(scene, sink.is_in))
       return fmt::format("group {} has {}", group->name, sink.text);
+  if (const plan::Joint* joint = FindLosses(scene))
+    return fmt::format("{} has {}", TextOf(*joint), HasLimits(*joint) ? "limits" : "damping");
   return std::nullopt;
 }
 
@@ -135,21 +138,21 @@ bool FrictionArises(const Scene& scene) {
 Reason WhyNotFriction(const Scene& scene) {
   const Group* surface =
       FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); });
-  if (surface == nullptr) return std::nullopt;
-  return fmt::format("sliding on surfaces, such as group {}, is not examined", surface->name);
+  if (surface != nullptr)
+    return fmt::format("sliding on surfaces, such as group {}, is not examined", surface->name);
+  if (const std::string held = scene.PulledGroup(); !held.empty())
+    return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",
+                       held);
+  return std::nullopt;
 }
 
-const Group* FindLinked(const Scene& scene) {
-  return FindGroup(scene, [](const Group& group) { return group.HasLinks(); });
-}
-
-bool HasLinks(const Scene& scene) { return FindLinked(scene) != nullptr; }
+bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
 
 Reason WhyNotSleep(const Scene& scene) {
-  const Group* group = FindLinked(scene);
-  if (group == nullptr) return std::nullopt;
-  return fmt::format("links may hold the objects of group {}, and their forces are not judged",
-                     group->name);
+  const std::string group = scene.PulledGroup();
+  if (group.empty()) return std::nullopt;
+  return fmt::format("{} may hold the objects of group {}, and their forces are not judged",
+                     scene.FindGroup(group)->HasLinks() ? "links" : "joints", group);
 }
 
 bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }

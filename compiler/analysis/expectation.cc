@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -100,16 +101,18 @@ std::string DriverText(const plan::Scene& scene) {
     if (HasKinematic(group)) return fmt::format("group {} is kinematic", group.name);
     if (HasSchedule(group)) return fmt::format("a schedule moves group {}", group.name);
   }
+  if (const plan::Joint* joint = FindMotor(scene)) return "a motor drives " + TextOf(*joint);
   return {};
 }
 
 bool FliesFreely(const plan::Scene& scene) {
-  return !IsDriven(scene) && std::ranges::all_of(scene.groups, [](const plan::Group& group) {
-    return IsZero(group.settings.Get("linear_damping")) &&
-           IsZero(group.settings.Get("angular_damping")) &&
-           (group.settings.WordOr("links.type") != "spring" ||
-            IsZero(group.settings.Get("links.damping")));
-  });
+  return !IsDriven(scene) && FindLosses(scene) == nullptr &&
+         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+           return IsZero(group.settings.Get("linear_damping")) &&
+                  IsZero(group.settings.Get("angular_damping")) &&
+                  (group.settings.WordOr("links.type") != "spring" ||
+                   IsZero(group.settings.Get("links.damping")));
+         });
 }
 
 namespace {

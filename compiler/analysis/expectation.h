@@ -15,14 +15,14 @@ enum class Expectation {
   kAnything,  ///< nothing except that it must not gain energy
   kRest,      ///< to stay where it is: a stack
   kEnergy,    ///< to keep its energy: no friction, no damping, elastic bounces
-  kDriven,    ///< a schedule moves it, so that its energy proves nothing
+  kDriven,    ///< a schedule or a motor moves it, so that its energy proves nothing
 };
 
 /// `anything`, `rest`, `energy`, `driven`.
 std::string_view ExpectationName(Expectation expectation);
 
 /// From the parameter `expect`; if that is `auto`, from the settings of the scene. A scene with a
-/// schedule is always driven.
+/// schedule or a motor is always driven.
 Expectation ExpectationOf(const plan::Scene& scene);
 
 /// True if the layout puts the objects of the group on the floor or on one another.
@@ -35,7 +35,8 @@ std::optional<std::string> WhyNotAtRest(const plan::Scene& scene);
 /// does.
 std::string DriverText(const plan::Scene& scene);
 
-/// True if nothing takes energy from objects without contacts: no damping, no schedule.
+/// True if nothing takes energy from objects without contacts: no damping, no schedule, no limit of
+/// a joint.
 bool FliesFreely(const plan::Scene& scene);
 
 // Collision filter of the groups of objects: `collides_with`.

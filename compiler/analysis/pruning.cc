@@ -48,8 +48,7 @@ class Analysis {
       return PosesOf(group) != nullptr && group.settings.Count("quantity") > 0;
     });
     if (told != scene.groups.end()) told_ = told->name;
-    const auto linked = std::ranges::find_if(scene.groups, &plan::Group::HasLinks);
-    if (linked != scene.groups.end()) linked_ = linked->name;
+    if (std::string pulled = scene.PulledGroup(); !pulled.empty()) linked_ = std::move(pulled);
   }
 
   Answer Of(Component component, PruningRequest asked) const {

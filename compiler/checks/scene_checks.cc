@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -57,6 +58,7 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
   const bool places_good = CheckPlaces(configuration, scene);
   const bool moves_good = CheckMotion(configuration, scene);
   if (!CheckLinks(configuration, scene) || !places_good || !moves_good) return false;
+  if (!CheckJoints(configuration, scene)) return false;
   if (!CheckCollisions(configuration, scene)) return false;
   bool holds = true;
   using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
@@ -274,6 +276,27 @@ bool SceneChecks::CheckLinks(configure::Configuration& configuration, const plan
   return good;
 }
 
+// Joints that cannot be made.
+bool SceneChecks::CheckJoints(configure::Configuration& configuration, const plan::Scene& scene) {
+  std::vector<std::string_view> names = {plan::kWorldWord};
+  for (const plan::Group& group : scene.groups) names.push_back(group.name);
+  bool good = true;
+  for (const plan::Joint& joint : scene.joints) {
+    const auto fault = analysis::FindJointFault(scene, joint);
+    if (!fault) continue;
+    good = false;
+    if (!misplaced_.emplace(joint.name, fault->message).second) continue;
+    using enum analysis::JointFault::Kind;
+    const text::Span span = configuration.SpanOf({joint.name, fault->parameter.get()}, benchmark_);
+    if (fault->kind == kUnknownGroup)
+      ReportUnknownGroup(span, fault->message, names);
+    else
+      diagnostics_.Report(fault->kind == kQuantity ? scenario::kCapacity : scenario::kContradiction,
+                          span, fault->message, fault->help);
+  }
+  return good;
+}
+
 // `omit` must not name a component that the scene needs.
 bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan::Scene& scene) {
   if (scene.world.Lists("omit", "none")) return true;
@@ -484,6 +507,7 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
   // The trace determines the size of the scene; other settings of objects in the plan have no
   // effect.
   scene.groups.resize(1);
+  scene.joints.clear();
   scene.groups[0].settings.Set("quantity", facts.bodies);
   scene.seeds.clear();
   set("world.walls", schema::Word{"none"});

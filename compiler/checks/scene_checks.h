@@ -48,6 +48,7 @@ class SceneChecks {
   void ReportUnknownGroup(const text::Span& span, const std::string& word,
                           const std::vector<std::string_view>& names);
   bool CheckLinks(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckJoints(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene);
 

@@ -60,16 +60,15 @@ class AxisFinder {
     const Expr* quantity = nullptr;  ///< `sweep( ) ms`: the sweep with its unit
   };
 
-  static Statement StatementOf(const scenario::ParameterKey& key, int order) {
+  Statement StatementOf(const scenario::ParameterKey& key, int order) const {
     const schema::Parameter& parameter = *key.second;
     // The name within its outermost block: `size`, `side`, `links_stiffness`.
     std::string full = parameter.FullName();
     std::string name = full.substr(full.find('.') + 1);
+    if (parameter.grouped && key.first != "objects") full = key.first + "." + name;
+    if (parameter.grouped && key.first != "objects") name = key.first + "_" + name;
     std::ranges::replace(name, '.', '_');
-    if (!key.first.empty() && key.first != "objects") name = key.first + "_" + name;
-    if (parameter.grouped && key.first != "objects")
-      full = key.first + "." + std::string(parameter.name);
-    return {name, full, std::string(parameter.unit), key, order, 0};
+    return {name, full, std::string(evaluate::UnitOf(key, evaluator_)), key, order, 0};
   }
 
   void Walk(const Expr& expr, const scenario::Scope& scope, Statement& statement,
@@ -337,6 +336,8 @@ class Collector {
       : layers_(layers), evaluator_(evaluator) {}
 
   void Add(const Expr& expr, const scenario::Scope& scope) {
+    is_relative_ =
+        is_relative_ || (expr.kind == ExprKind::kCall && expr.text == schema::kRelativeCall);
     if (expr.kind == ExprKind::kCall && expr.text == "sweep")
       found_.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
     for (const auto& item : expr.items) Add(*item, scope);
@@ -365,9 +366,12 @@ class Collector {
       for (const auto& value : setting->second.node->values) Add(*value, setting->second.scope);
     } else {
       for (const auto& value : names::DefaultSetting(*key.second).values) Add(*value, {});
-      // The layout may determine the quantity.
-      if (key.second == schema::GroupParameter("quantity").get())
-        Add(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
+      // The layout may determine the quantity, and name another group with as many objects.
+      if (key.second != schema::GroupParameter("quantity").get()) return;
+      Add(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
+      if (!is_relative_) return;
+      for (const std::string& group : layers_.groups)
+        Add(scenario::ParameterKey{group, key.second});
     }
   }
 
@@ -377,6 +381,7 @@ class Collector {
   const scenario::Layers& layers_;
   const evaluate::Evaluator& evaluator_;
   std::set<const Expr*> found_;
+  bool is_relative_ = false;  ///< a layout has as many objects as another group
   std::set<const void*> seen_;
   std::set<scenario::ParameterKey> seen_parameters_;
 };

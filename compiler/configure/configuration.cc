@@ -80,7 +80,8 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
       Add({"", &parameter});
       continue;
     }
-    for (const std::string& group : layers_.groups) Add({group, &parameter});
+    for (const std::string& group : parameter.IsOfJoints() ? layers_.joints : layers_.groups)
+      Add({group, &parameter});
   }
 }
 
@@ -123,8 +124,8 @@ text::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::str
 std::optional<Value> Configuration::ConstantFor(const SweepAxis& like) {
   if (!like.key) return std::nullopt;
   const std::string& group = like.key->first;
-  if (!group.empty() && std::ranges::find(layers_.groups, group) == layers_.groups.end())
-    return std::nullopt;
+  const auto& groups = like.key->second->IsOfJoints() ? layers_.joints : layers_.groups;
+  if (!group.empty() && std::ranges::find(groups, group) == groups.end()) return std::nullopt;
   auto value = evaluator_.EvaluateParameter(*like.key);
   if (value && like.argument != nullptr) value = ArgumentLike(like, *value);
   if (!value || AsDistribution(*value)) return std::nullopt;

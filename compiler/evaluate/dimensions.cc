@@ -39,6 +39,8 @@ constexpr std::pair<std::string_view, std::string_view> kNamedDimensions[] = {
     {"m^2", "an area"},
     {"m^3", "a volume"},
     {"N", "a force"},
+    {"N m", "a torque"},
+    {"N m s/rad", "a rotational damping"},
     {"N/m", "a stiffness"},
     {"N s/m", "a damping"},
     {"Pa", "a pressure"},
@@ -91,7 +93,7 @@ std::set<scenario::ParameterKey> Dimensions::CheckAll() {
   for (const auto& [key, setting] : layers_.settings) {
     is_faulty_ = false;
     for (const auto& value : setting.node->values)
-      CheckFor(*key.second, key.second->unit, *value, setting.scope);
+      CheckFor(*key.second, UnitOf(key, evaluator_), *value, setting.scope);
     if (is_faulty_) faulty.insert(key);
   }
   for (const auto& [key, let] : layers_.lets) CheckLet(*let.node, let.scope);

@@ -306,6 +306,14 @@ std::optional<Value> Evaluator::EvaluateParameter(const scenario::ParameterKey& 
   return Evaluate(*names::DefaultSetting(*key.second).values[0], {});
 }
 
+std::string_view UnitOf(const scenario::ParameterKey& key, Evaluator& evaluator) {
+  if (key.second->slider_unit.empty()) return key.second->unit;
+  const auto type =
+      evaluator.EvaluateParameter({key.first, schema::GroupParameter("joints.type").get()});
+  const schema::Word* word = type ? schema::AsWord(*type) : nullptr;
+  return word != nullptr && word->text == "slider" ? key.second->slider_unit : key.second->unit;
+}
+
 bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
   const Expr* at = &expr;
   scenario::Scope inner = scope;
@@ -314,7 +322,7 @@ bool Evaluator::ListsPlaces(const Expr& expr, const scenario::Scope& scope) {
     const Expr& chosen = sweeps_.Origin(*at, inner);
     if (chosen.kind == ExprKind::kCall)
       return chosen.text == "at" || chosen.text == schema::kPosesCall ||
-             chosen.text == schema::kPathCall;
+             chosen.text == schema::kPathCall || chosen.text == schema::kRelativeCall;
     if (chosen.kind != ExprKind::kPath) return false;
     const names::Referent referent = names_.Resolve(chosen.text, inner);
     if (!referent.let) return false;
@@ -333,8 +341,15 @@ std::optional<Value> Evaluator::CountPlaces(const std::string& group) {
   if (!CheckCircle({&setting}, *setting.values[0])) return std::nullopt;
   active_.push_back({{&setting}, setting.path});
   const auto layout = Evaluate(*setting.values[0], set->second.scope);
-  active_.pop_back();
   const schema::Call* call = layout ? AsCall(*layout) : nullptr;
+  std::optional<Value> others;
+  if (call != nullptr && call->name == schema::kRelativeCall) {
+    const std::string& other = std::get<schema::Word>(ArgumentOf(*call, "group")).text;
+    if (std::ranges::find(layers_.groups, other) != layers_.groups.end())
+      others = EvaluateParameter({other, schema::GroupParameter("quantity").get()});
+  }
+  active_.pop_back();
+  if (others) return others;
   analysis::PoseFault why;
   if (call != nullptr && (call->name == schema::kPosesCall || call->name == schema::kPathCall))
     if (const auto facts = scenario_.PosesAt(*call, why)) return Number(facts->count);

@@ -72,7 +72,8 @@ class Evaluator {
   bool EvaluateSizeOf(const std::string& group);
   /// The number of objects in all groups, at least 1.
   std::optional<schema::Value> CountObjects();
-  /// True if the value, as written, is a layout that lists its objects: `at`, `poses`, `path`.
+  /// True if the value, as written, is a layout that lists its objects: `at`, `poses`, `path`, or
+  /// has as many as another group: `relative_to`.
   bool ListsPlaces(const dsl::Expr& expr, const scenario::Scope& scope);
   /// The number of objects that the group's layout lists; nullopt if it lists none, or after a
   /// diagnostic.
@@ -100,6 +101,9 @@ std::optional<schema::Value> EvaluateNegation(const dsl::Expr& expr, const scena
 /// `a + b`, `a - b`, `a * b`, `a / b`, `a ^ b`; nullopt after a diagnostic.
 std::optional<schema::Value> EvaluateBinary(const dsl::Expr& expr, const scenario::Scope& scope,
                                             Evaluator& evaluator);
+
+/// The SI unit of a parameter; that of a joint's depends on the joint's type, at the chosen point.
+std::string_view UnitOf(const scenario::ParameterKey& key, Evaluator& evaluator);
 
 // Functions of numbers: `round(1.5 * n)`, `sqrt(2)`.
 

@@ -40,6 +40,12 @@ AxisSet PointCondition::axes() const {
   return all;
 }
 
+plan::Settings& VaryingSetting::SettingsIn(plan::Scene& scene) const {
+  if (group == kWorld) return scene.world;
+  if (group < scene.groups.size()) return scene.groups[group].settings;
+  return scene.joints[group - scene.groups.size()].settings;
+}
+
 bool Block::IsSkipped(const Point& local) const {
   return std::ranges::any_of(skips, [&](const auto& skip) { return skip.Holds(local); });
 }
@@ -143,10 +149,7 @@ void Cursor::MoveTo(std::size_t block, const Point& local) {
     const VaryingSetting& setting = here.varying[i];
     const std::uint64_t index = setting.by.IndexOf(local);
     if (std::exchange(state.chosen[i], index) == index) continue;
-    plan::Settings& settings = setting.group == VaryingSetting::kWorld
-                                   ? static_cast<plan::Settings&>(state.scene.world)
-                                   : state.scene.groups[setting.group].settings;
-    settings.SetValue(*setting.parameter, setting.values[index]);
+    setting.SettingsIn(state.scene).SetValue(*setting.parameter, setting.values[index]);
     is_incomplete = is_incomplete || setting.completes;
   }
   if (is_incomplete && here.complete) here.complete(state.scene);

@@ -70,11 +70,13 @@ struct PointCondition {
 /// A setting whose value varies along some axes.
 struct VaryingSetting {
   static constexpr std::size_t kWorld = static_cast<std::size_t>(-1);
-  std::size_t group = kWorld;  ///< index into Scene::groups
+  std::size_t group = kWorld;  ///< index into Scene::groups, then into Scene::joints
   const schema::Parameter* parameter = nullptr;
   Subgrid by;
   std::vector<schema::Value> values = {};  ///< for each combination that has a run
   bool completes = false;                  ///< Block::complete reads it
+
+  plan::Settings& SettingsIn(plan::Scene& scene) const;
 };
 
 /// The part of the grid with one choice of cases. A point of it has a local index on each axis of

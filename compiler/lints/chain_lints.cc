@@ -21,7 +21,7 @@ constexpr double kCertainSwing = 8;
 
 /// True for a chain of joints that is held at one end, in a field of gravity.
 bool IsHeldChain(const SceneFacts& scene, const GroupFacts& objects) {
-  return scene.g > 0 && objects.linked && !objects.springs && objects.settings->On("links.anchor");
+  return scene.g > 0 && objects.chained && !objects.springs && objects.settings->On("links.anchor");
 }
 
 /// True if the chain begins straight below its anchor.
@@ -39,7 +39,7 @@ bool Hangs(const SceneFacts& scene, const GroupFacts& objects) {
 
 /// The distance that joints open in one step, divided by the distance corrected in one step.
 std::optional<Estimate> HeavyEnd(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!(scene.g > 0) || !objects.linked || objects.springs ||
+  if (!(scene.g > 0) || !objects.chained || objects.springs ||
       !objects.settings->On("links.anchor") || objects.quantity < 2)
     return std::nullopt;
   // The joints open no faster than the end falls.

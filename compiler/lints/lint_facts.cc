@@ -70,10 +70,10 @@ void AddLayout(double side, GroupFacts& objects) {
 
 void AddLinks(GroupFacts& objects) {
   const plan::GroupSettings& settings = *objects.settings;
-  objects.linked = settings.WordOr("links.type") != "none";
+  objects.chained = objects.linked = settings.WordOr("links.type") != "none";
   objects.springs = settings.WordOr("links.type") == "spring";
   const schema::Number* end_mass = schema::AsNumber(settings.Get("links.end_mass"));
-  if (!objects.linked || end_mass == nullptr) return;
+  if (!objects.chained || end_mass == nullptr) return;
   objects.load = end_mass->AsReal() / objects.mass.least;
   objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
@@ -179,6 +179,17 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
   return bounds;
 }
 
+namespace {
+
+bool IsJoined(const plan::Scene& scene, std::string_view group) {
+  return std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
+    return scene.HoldsObjects(joint) && (joint.settings.WordOr("joints.parent") == group ||
+                                         joint.settings.WordOr("joints.child") == group);
+  });
+}
+
+}  // namespace
+
 SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   SceneFacts facts;
   const plan::WorldSettings& world = scene.world;
@@ -205,6 +216,8 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
       if (auto objects = GroupFactsOf(settings, i, facts.side, read))
         facts.groups.push_back(*std::move(objects));
   }
+  for (GroupFacts& objects : facts.groups)
+    objects.linked = objects.linked || IsJoined(scene, scene.groups[objects.index].name);
   for (const GroupFacts& objects : facts.groups) {
     facts.count += objects.quantity;
     if (objects.moves) facts.moving += objects.quantity;
@@ -238,7 +251,7 @@ double SceneFacts::HeightAboveFloor(const GroupFacts& objects) const {
 double SceneFacts::FallSpeed(const GroupFacts& objects) const {
   if (rests) return 0;
   // A chain swings at most from above its anchor to below it.
-  if (objects.linked && objects.settings->On("links.anchor"))
+  if (objects.chained && objects.settings->On("links.anchor"))
     return std::min(g * Time(), std::sqrt(8 * g * objects.quantity * objects.longest_side));
   const double fallen = g * Time();
   return has_walls ? std::min(std::sqrt(2 * g * FallHeight(objects)), fallen) : fallen;

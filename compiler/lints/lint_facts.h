@@ -63,9 +63,10 @@ struct GroupFacts {
   double stacked = 1;      ///< number of objects on top of one another
   double tower = 1;        ///< height, in objects, of a stack that is equally unstable
   double load = 1;         ///< mass of the end of a chain divided by that of the others
-  bool linked = false, springs = false;
-  double overlap = 0;  ///< m, between neighbours at the start
-  double gap = 0;      ///< m, the initial fall of the objects of a stack
+  bool chained = false, springs = false;  ///< by links
+  bool linked = false;                    ///< by links or joints: the objects do not move freely
+  double overlap = 0;                     ///< m, between neighbours at the start
+  double gap = 0;                         ///< m, the initial fall of the objects of a stack
 };
 
 /// Bounds of a drawn number of a group, also if a formula or a density gives it (PositiveBounds).

@@ -29,6 +29,9 @@ Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) c
   if (scope.parameter != nullptr &&
       (scope.parameter->HasWord(path, scenario_.plugins()) || scope.parameter->TakesCall(path)))
     return {};
+  if (scope.parameter != nullptr && scope.parameter->word_source == schema::WordSource::kGroups &&
+      IsGroup(path))
+    return {};
   if (auto let = FindLet(path, scope)) return {std::move(let), std::nullopt};
   if (auto measure = FindMeasure(path, scope))
     return {std::nullopt, std::nullopt, false, std::move(measure)};
@@ -65,18 +68,24 @@ std::optional<scenario::ParameterKey> Names::FindParameter(const std::string& pa
     if (const schema::Parameter* parameter =
             schema::FindParameter(scenario::Joined(block, path), !scope.group.empty()))
       return scenario::ParameterKey{scope.group, parameter};
-    if (block.empty()) break;
+    // Outside the block of a joint, there are no settings of its own.
+    if (block.empty() || block == schema::kJointsBlock) break;
   }
   if (const schema::Parameter* parameter = schema::FindParameter(path, false))
     return scenario::ParameterKey{"", parameter};
   // Outside the blocks, `quantity` means that of `objects`, like the name of its axis.
   if (scope.group.empty() && scope.block.empty() && IsGroup("objects"))
-    if (const schema::Parameter* parameter = schema::FindParameter(path, true))
+    if (const schema::Parameter* parameter = schema::FindParameter(path, true);
+        parameter != nullptr && !parameter->IsOfJoints())
       return scenario::ParameterKey{"objects", parameter};
   const std::size_t dot = path.find('.');
-  if (dot != std::string::npos && IsGroup(path.substr(0, dot)))
-    if (const schema::Parameter* parameter = schema::FindParameter(path.substr(dot + 1), true))
-      return scenario::ParameterKey{path.substr(0, dot), parameter};
+  if (dot == std::string::npos) return std::nullopt;
+  const std::string head = path.substr(0, dot), rest = path.substr(dot + 1);
+  const bool is_joint = std::ranges::find(layers_.joints, head) != layers_.joints.end();
+  if (is_joint || IsGroup(head))
+    if (const schema::Parameter* parameter = schema::FindParameter(
+            is_joint ? scenario::Joined(schema::kJointsBlock, rest) : rest, true))
+      return scenario::ParameterKey{head, parameter};
   return std::nullopt;
 }
 

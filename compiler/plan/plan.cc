@@ -25,6 +25,8 @@ std::string CanonicalText(const Scene& scene) {
   std::string text = CanonicalText(scene.world) + CanonicalLine(scene.role);
   for (const Group& group : scene.groups)
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
+  for (const Joint& joint : scene.joints)
+    text += fmt::format("joint {}\n{}", joint.name, CanonicalText(joint.settings));
   return text + CanonicalTail(scene);
 }
 
@@ -60,6 +62,31 @@ std::string_view RoleName(Role role) {
 
 bool Group::HasLinks() const {
   return settings.Count("quantity") > 0 && settings.WordOr("links.type") != "none";
+}
+
+const Group* Scene::FindGroup(std::string_view name) const {
+  const auto found = std::ranges::find(groups, name, &Group::name);
+  return found == groups.end() ? nullptr : &*found;
+}
+
+std::string Scene::PulledGroup() const {
+  const auto linked = std::ranges::find_if(groups, &Group::HasLinks);
+  if (linked != groups.end()) return linked->name;
+  for (const Joint& joint : joints) {
+    if (!HoldsObjects(joint)) continue;
+    const std::string_view parent = joint.settings.WordOr("joints.parent");
+    return std::string(parent != kWorldWord ? parent : joint.settings.WordOr("joints.child"));
+  }
+  return {};
+}
+
+bool Scene::HoldsObjects(const Joint& joint) const {
+  const auto has_objects = [&](std::string_view name) {
+    const Group* group = FindGroup(name);
+    return name == kWorldWord || (group != nullptr && group->settings.Count("quantity") > 0);
+  };
+  return has_objects(joint.settings.WordOr("joints.parent")) &&
+         has_objects(joint.settings.WordOr("joints.child"));
 }
 
 std::uint64_t Scene::ObjectCount() const {

@@ -35,6 +35,16 @@ struct Group {
   bool operator==(const Group&) const = default;
 };
 
+/// The name of the world among those of groups, in a joint.
+inline constexpr std::string_view kWorldWord = "world";
+
+/// One `joints` block of a run: joints between the objects of two groups.
+struct Joint {
+  std::string name;  ///< `joints` if the file gives no name
+  GroupSettings settings;
+  bool operator==(const Joint&) const = default;
+};
+
 /// The purpose of a run. Only measured runs are on the grid; the others provide the ground truth
 /// (compiler/analysis/reference.h).
 enum class Role { kMeasured, kReference, kTwin };
@@ -47,6 +57,7 @@ struct Scene {
   Role role = Role::kMeasured;
   WorldSettings world;        ///< every parameter that does not belong to a group
   std::vector<Group> groups;  ///< at least one
+  std::vector<Joint> joints;
   /// The seed of every stream of random numbers, by its name: `objects.location`, `pebbles.size`,
   /// `acceleration`. There is a stream for each distribution that the scene draws from; 64 bits,
   /// derived from `seed` by `StreamSeed`.
@@ -54,6 +65,12 @@ struct Scene {
   /// The plug-in detectors that the settings name, ordered by name.
   std::vector<schema::PluginDetector> plugins;
 
+  /// Null for `world`, and for names that are no group.
+  const Group* FindGroup(std::string_view name) const;
+  /// True if both sides of the joint have objects; the world counts as one.
+  bool HoldsObjects(const Joint& joint) const;
+  /// The name of the first group whose objects links or joints pull; empty if there is none.
+  std::string PulledGroup() const;
   /// Objects of all groups together, excluding walls.
   std::uint64_t ObjectCount() const;
   /// True if a setting names this detector.

@@ -14,6 +14,7 @@ namespace cdb::scenario {
 namespace {
 
 constexpr std::string_view kUnnamedGroup = "objects";
+using schema::kJointsBlock;
 /// Finding similar names dominates the cost of an error, and nobody reads more than this.
 constexpr int kMostSuggestions = 1000;
 
@@ -41,11 +42,27 @@ bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDe
 
 /// The name of a parameter as written in a block; empty if it cannot be set there.
 std::string NameIn(const schema::Parameter& parameter, const std::string& block, bool in_group) {
+  if (parameter.IsOfJoints() && in_group && !schema::IsOfJoints(block)) return {};
   if (parameter.grouped && !in_group) return block.empty() ? parameter.FullName() : std::string();
   if (parameter.grouped != in_group) return {};
   const std::string name(parameter.name);
   if (block.empty()) return name;
   return name.starts_with(block + ".") ? name.substr(block.size() + 1) : std::string();
+}
+
+/// A parameter that can be set in a block, or null.
+const schema::Parameter* FindIn(const std::string& block, bool in_group, std::string_view name) {
+  const schema::Parameter* parameter = schema::FindParameter(Joined(block, name), in_group);
+  // In `objects { joints { } }`, there is none.
+  return parameter != nullptr && parameter->IsOfJoints() && !schema::IsOfJoints(block) ? nullptr
+                                                                                       : parameter;
+}
+
+/// A place for messages: `pebbles.links`; `elbow.motor`, of a joint.
+std::string NameOf(const std::string& group, std::string_view block) {
+  if (schema::IsOfJoints(block))
+    block.remove_prefix(std::min(block.size(), kJointsBlock.size() + 1));
+  return Joined(group, block);
 }
 
 /// A suggestion for an unknown name: the correction of a typing error, or the equivalent of a name
@@ -124,10 +141,11 @@ void LayeredBenchmark::ReportBase(const dsl::Name& from, const ScenarioFile& fil
 void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
   for (const dsl::Statement& statement : block.statements) {
     if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
-      if (group->kind.text != kUnnamedGroup) continue;
+      const bool is_joint = group->kind.text == kJointsBlock;
+      if (group->kind.text != kUnnamedGroup && !is_joint) continue;
       if (group->label)
-        labels_.push_back(group->label->text);
-      else
+        (is_joint ? joint_labels_ : labels_).push_back(group->label->text);
+      else if (!is_joint)
         has_unnamed_block_ = true;
     } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
       for (const dsl::Case& one : cases->cases) CollectLabels(one.block);
@@ -135,8 +153,8 @@ void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
   }
 }
 
-void LayeredBenchmark::DeclareGroup(const std::string& name, const Place& place) {
-  groups_.push_back({name, place.case_axis, place.case_index});
+void LayeredBenchmark::DeclareGroup(const std::string& name, bool is_joint, const Place& place) {
+  groups_.push_back({name, is_joint, place.case_axis, place.case_index});
 }
 
 void LayeredBenchmark::Once(const Place& place, const std::string& what, const text::Span& span,
@@ -144,12 +162,13 @@ void LayeredBenchmark::Once(const Place& place, const std::string& what, const t
   const auto [first, is_new] =
       seen_.emplace(std::pair(place.layer, what), Seen{span, place.objects});
   if (is_new) return;
-  const bool are_two_groups = place.group == kUnnamedGroup && place.objects != nullptr &&
-                              first->second.objects != nullptr &&
-                              place.objects != first->second.objects;
+  const bool are_two = place.objects != nullptr && first->second.objects != nullptr &&
+                       place.objects != first->second.objects;
   diagnostics_.Report(kSetTwice, span, message,
-                      are_two_groups
+                      are_two && place.group == kUnnamedGroup
                           ? "two groups of objects need names: objects a { … } objects b { … }"
+                      : are_two && place.group == kJointsBlock
+                          ? "two joints need names: joints a { … } joints b { … }"
                           : "keep one of them",
                       {{first->second.span, "it is here before"}});
 }
@@ -189,24 +208,38 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
   entries_.push_back(std::move(entry));
 }
 
+void LayeredBenchmark::EnterGroup(const dsl::Group& group, Place& place) {
+  const bool is_joint = group.kind.text == kJointsBlock;
+  place.group = group.label ? group.label->text : group.kind.text;
+  if (group.label) {
+    const std::string_view what = is_joint ? "joint" : "group";
+    if (HasBlock("", false, place.group) || HasBlock("", true, place.group) ||
+        place.group == kUnnamedGroup || place.group == kJointsBlock ||
+        schema::FindParameter(place.group, false) != nullptr)
+      diagnostics_.Report(kReservedName, group.label->span,
+                          fmt::format("'{}' is a word of the language", place.group),
+                          fmt::format("give the {} another name", what));
+    else if (is_joint && std::ranges::find(labels_, place.group) != labels_.end())
+      diagnostics_.Report(kSetTwice, group.label->span,
+                          fmt::format("'{}' is also the name of a group of objects", place.group),
+                          "give the joint another name");
+  }
+  DeclareGroup(place.group, is_joint, place);
+  place.objects = &group;
+  if (is_joint) place.block = kJointsBlock;
+}
+
 void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
   const std::string& kind = group.kind.text;
   Place inner = place;
-  if (kind == kUnnamedGroup && place.group.empty() && place.block.empty()) {
-    inner.group = group.label ? group.label->text : std::string(kUnnamedGroup);
-    if (group.label &&
-        (HasBlock("", false, inner.group) || HasBlock("", true, inner.group) ||
-         inner.group == kUnnamedGroup || schema::FindParameter(inner.group, false) != nullptr))
-      diagnostics_.Report(kReservedName, group.label->span,
-                          fmt::format("'{}' is a word of the language", inner.group),
-                          "give the group another name");
-    DeclareGroup(inner.group, place);
-    inner.objects = &group;
+  if ((kind == kUnnamedGroup || kind == kJointsBlock) && place.group.empty() &&
+      place.block.empty()) {
+    EnterGroup(group, inner);
   } else if (HasBlock(place.block, !place.group.empty(), kind)) {
     inner.block = Joined(place.block, kind);
     if (group.label)
       diagnostics_.Report(kWrongPlace, group.label->span, fmt::format("'{}' takes no name", kind),
-                          "only objects have groups");
+                          "only objects and joints have names");
   } else {
     ReportBlock(group.kind, place);
     return;
@@ -217,19 +250,23 @@ void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
 void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
   const bool in_group = !place.group.empty();
   const bool outermost = !in_group && place.block.empty();
-  const std::string where = Joined(place.group, place.block);
+  const std::string where = NameOf(place.group, place.block);
   const auto blocks = schema::BlocksIn(place.block, in_group);
   std::vector<std::string_view> kinds(blocks.begin(), blocks.end());
-  if (outermost) kinds.insert(kinds.begin(), kUnnamedGroup);
+  if (outermost) kinds.insert(kinds.begin(), {kUnnamedGroup, kJointsBlock});
   const std::string_view near = dsl::DidYouMean(kind.text, kinds);
   if (outermost && HasBlock("", true, kind.text)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is a block of objects", kind.text),
                         fmt::format("write objects {{ {} {{ … }} }}", kind.text));
-  } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup)) {
+  } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup ||
+                            kind.text == kJointsBlock)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is not allowed inside '{}'", kind.text, where),
-                        "write it outside this block");
+                        kind.text == kJointsBlock && in_group
+                            ? "write it outside this block; within a group, each object is joined "
+                              "to the next one by links { … }"
+                            : "write it outside this block");
   } else if (kinds.empty()) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("a block is not allowed inside '{}'", where));
@@ -297,25 +334,33 @@ bool LayeredBenchmark::IsLet(const std::string& name, const Place& place) const 
 std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, const Place& place) {
   const std::string& text = path.text;
   const bool in_group = !place.group.empty();
-  if (const schema::Parameter* parameter =
-          schema::FindParameter(Joined(place.block, text), in_group))
+  if (const schema::Parameter* parameter = FindIn(place.block, in_group, text))
     return {{place.group, parameter}};
   const auto misplaced = [&](const std::string& message, const std::string& hint) {
     diagnostics_.Report(kWrongPlace, path.span, message, hint);
     return std::nullopt;
   };
   if (in_group && schema::FindParameter(text, false) != nullptr)
-    return misplaced(fmt::format("'{}' is a setting of the whole run, not of objects", text),
+    return misplaced(fmt::format("'{}' is a setting of the whole run, not of {}", text,
+                                 schema::IsOfJoints(place.block) ? "joints" : "objects"),
                      "write it outside this block");
-  if (!place.block.empty() && schema::FindParameter(text, in_group) != nullptr)
-    return misplaced(fmt::format("'{}' is not a setting of '{}'", text, place.block),
-                     "write it outside this block");
+  if (!place.block.empty() && FindIn("", in_group, text) != nullptr)
+    return misplaced(fmt::format("'{}' is not a setting of '{}'", text,
+                                 schema::IsOfJoints(place.block) ? NameOf(place.group, place.block)
+                                                                 : place.block),
+                     schema::IsOfJoints(place.block) ? "it is a setting of objects"
+                                                     : "write it outside this block");
   if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);
     const bool labelled = std::ranges::find(labels_, head) != labels_.end();
-    const schema::Parameter* of_group =
-        dot == std::string::npos ? nullptr : schema::FindParameter(text.substr(dot + 1), true);
+    const std::string own_name = dot == std::string::npos ? "" : text.substr(dot + 1);
+    const schema::Parameter* of_group = own_name.empty() ? nullptr : FindIn("", true, own_name);
+    if (head == kJointsBlock || std::ranges::find(joint_labels_, head) != joint_labels_.end())
+      if (const auto* of_joint = FindIn(std::string(kJointsBlock), true, own_name)) {
+        DeclareGroup(head, true, place);
+        return {{head, of_joint}};
+      }
     if (of_group != nullptr && (head == kUnnamedGroup || labelled)) {
       if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_) {
         const std::string own = text.substr(dot);  // `.ccd`
@@ -323,7 +368,7 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
                          fmt::format("write {}{}; or objects {{ … }} for further objects",
                                      fmt::join(labels_, own + " or "), own));
       }
-      DeclareGroup(head, place);
+      DeclareGroup(head, false, place);
       return {{head, of_group}};
     }
     if (of_group != nullptr && schema::FindParameter(text, false) == nullptr && !labels_.empty())
@@ -333,14 +378,14 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
                             fmt::format("did you mean '{}'?", near));
         return std::nullopt;
       }
-    if (schema::FindParameter(text, true) != nullptr)
+    if (FindIn("", true, text) != nullptr)
       return misplaced(fmt::format("'{}' is a setting of objects", text),
                        fmt::format("write objects.{}", text));
   }
   if (IsLet(text, place))
     return misplaced(fmt::format("'{}' is a let, not a parameter", text),
                      fmt::format("to change its value, write: let {} = …", text));
-  const std::string where = Joined(place.group, place.block);
+  const std::string where = NameOf(place.group, place.block);
   diagnostics_.Report(kUnknownName, path.span,
                       fmt::format("no parameter{} is called '{}'",
                                   where.empty() ? "" : " of '" + where + "'", text),
@@ -376,8 +421,8 @@ Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
   for (const GroupDeclaration& group : groups_) {
     const bool stands = group.case_axis < 0 ||
                         chosen[static_cast<std::size_t>(group.case_axis)] == group.case_index;
-    if (stands && std::ranges::find(layers.groups, group.name) == layers.groups.end())
-      layers.groups.push_back(group.name);
+    auto& names = group.is_joint ? layers.joints : layers.groups;
+    if (stands && std::ranges::find(names, group.name) == names.end()) names.push_back(group.name);
   }
   if (layers.groups.empty()) layers.groups.emplace_back(kUnnamedGroup);
   const auto lay = [&layers](const Entry& entry) {

@@ -17,7 +17,7 @@ namespace cdb::scenario {
 /// The position of an expression, which determines the meaning of its names.
 struct Scope {
   const ScenarioFile* file = nullptr;
-  std::string group;  ///< of objects; empty outside groups
+  std::string group;  ///< of objects, or a joint; empty outside these
   std::string
       block;  ///< within the group or the benchmark: `world`, `accuracy.reference`; or empty
   /// The parameter being set; null in a let or a condition. Its own words take precedence over
@@ -35,7 +35,7 @@ inline std::string Outside(std::string_view block) {
   return std::string(block.substr(0, dot == std::string_view::npos ? 0 : dot));
 }
 
-/// A parameter of the world (group empty) or of a group.
+/// A parameter of the world (group empty), of a group or of a joint.
 using ParameterKey = std::pair<std::string, const schema::Parameter*>;
 
 /// A statement with its position in the order of writing.
@@ -49,6 +49,7 @@ struct Placed {
 /// The statements that make one run, after the choice of cases.
 struct Layers {
   std::vector<std::string> groups;
+  std::vector<std::string> joints;
   std::map<ParameterKey, Placed<dsl::Setting>> settings;
   std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
       lets;  ///< by group and block, and name
@@ -97,7 +98,7 @@ class LayeredBenchmark {
   struct Place {
     const ScenarioFile* file = nullptr;
     std::string group, block;             ///< as in Scope
-    const dsl::Group* objects = nullptr;  ///< the block of the group; null outside of one
+    const dsl::Group* objects = nullptr;  ///< the block of the group or joint; null outside of one
     int case_axis = -1;
     std::size_t case_index = 0;
     int layer = 0;
@@ -110,6 +111,8 @@ class LayeredBenchmark {
   void CollectLabels(const dsl::Block& block);
   void Walk(const dsl::Block& block, const Place& place);
   void WalkGroup(const dsl::Group& group, const Place& place);
+  /// Enters `objects NAME { }` or `joints NAME { }`.
+  void EnterGroup(const dsl::Group& group, Place& place);
   void WalkCases(const dsl::Cases& cases, const Place& place);
   void WalkSetting(const dsl::Setting& setting, const Place& place);
   void WalkLet(const dsl::Let& let, const Place& place);
@@ -117,7 +120,7 @@ class LayeredBenchmark {
   std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
   /// Reports the reason why there is no block of this name here.
   void ReportBlock(const dsl::Name& kind, const Place& place);
-  void DeclareGroup(const std::string& name, const Place& place);
+  void DeclareGroup(const std::string& name, bool is_joint, const Place& place);
   void Once(const Place& place, const std::string& what, const text::Span& span,
             const std::string& message);
 
@@ -126,10 +129,11 @@ class LayeredBenchmark {
   std::vector<BenchmarkRef> chain_;  ///< the base first
   struct GroupDeclaration {
     std::string name;
+    bool is_joint = false;
     int case_axis = -1;
     std::size_t case_index = 0;
   };
-  std::vector<std::string> labels_;
+  std::vector<std::string> labels_, joint_labels_;
   bool has_unnamed_block_ = false;  ///< `objects { … }`
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;

@@ -106,6 +106,9 @@ constexpr Parameter kBeside[] = {
     Argument("width", kReal, kPositive, "m", "of the box; fit reaches up to the wall", kFit)};
 constexpr Parameter kOnTop[] = {
     Argument("group", kWord, kAny, "", "a group written before this one, with objects", kAGroup)};
+constexpr Parameter kRelative[] = {
+    Argument("group", kWord, kAny, "", "a group written before this one, with as many objects or a single one", kAGroup),
+    Argument("offset", kVector, kAny, "m", "from its object to that of this group, in the frame of its object")};
 constexpr Parameter kModelFile = Argument("file", kText, kAny, "", "OBJ, PLY, STL, OFF or a format of other programs, relative to the .cdb file");
 constexpr Parameter kModelHash = Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"});
 constexpr Parameter kModelUnit = Argument("unit", kWord, kAny, "", "of the coordinates in the file, for `size native`", {.first_default = "m", .words = "m cm mm in", .omitted_at_default = true});
@@ -151,6 +154,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"line", "in a straight line through the centre, in order", kLine},
     {"at", "one object at this point, or at((0, 0, 0), (1, 2, 3)): one at each of several", kAt, true},
     {"pair", "two objects about the centre with this distance between their surfaces, in a random direction", kPair},
+    {"relative_to", "each at an offset from the object of another group with the same number, and turned with it", kRelative},
     {"poses", "positions from a file, with orientations and velocities if it has them", kPoses},
     {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
     {"box", "the box between two corners", kBox},

@@ -51,6 +51,8 @@ inline constexpr std::string_view kPosesCall = "poses";
 inline constexpr std::string_view kHeightsCall = "heights";
 /// The layout that reads the path of a kinematic object.
 inline constexpr std::string_view kPathCall = "path";
+/// The layout at the objects of another group.
+inline constexpr std::string_view kRelativeCall = "relative_to";
 /// True if the arguments are a list of points, each a vector, instead of those of its row.
 bool ListsPoints(const Call& call);
 /// The argument of a call in the plan that lists no points; a name that its row does not have is an

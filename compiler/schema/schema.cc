@@ -42,7 +42,13 @@ std::string Domain::Text() const {
 }
 
 std::string Parameter::FullName() const {
-  return grouped ? "objects." + std::string(name) : std::string(name);
+  return grouped && !IsOfJoints() ? "objects." + std::string(name) : std::string(name);
+}
+
+std::string Parameter::UnitText() const {
+  std::string text(unit);
+  if (!slider_unit.empty()) text += ", or " + std::string(slider_unit) + " of a slider";
+  return text;
 }
 
 std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector> plugins) const {
@@ -146,7 +152,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
       break;
   }
   if (domain.min == -kInfinity && type == kReal) text = "a number";
-  const bool only_words = type == kWord || type == kWords;
+  const bool only_words = (type == kWord && word_source != kGroups) || type == kWords;
   std::string alone, listed;
   const auto list = [&](std::string_view word, std::string_view brackets) {
     listed += only_words ? (listed.empty() ? " " : ", ") : ", or ";
@@ -181,6 +187,7 @@ std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
   for (const Parameter& parameter : kParameters) {
     std::string_view rest = parameter.name;
     if (parameter.grouped != grouped) continue;
+    if (block.empty() && parameter.IsOfJoints()) continue;
     if (!block.empty()) {
       if (!rest.starts_with(std::string(block) + ".")) continue;
       rest.remove_prefix(block.size() + 1);

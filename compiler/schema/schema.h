@@ -58,6 +58,14 @@ enum class Concern {
   kReport,       ///< what is asked of the results; in the head of a plan, and in no run
 };
 
+/// The block of a joint at the top level: the rows `joints.type` and so on are grouped, by joint.
+inline constexpr std::string_view kJointsBlock = "joints";
+/// True for `joints` and the blocks within.
+constexpr bool IsOfJoints(std::string_view path) {
+  return path == kJointsBlock ||
+         (path.starts_with(kJointsBlock) && path[kJointsBlock.size()] == '.');
+}
+
 /// A row. Absence of a parameter from a plan means its first default, and ids of runs are hashes of
 /// what differs from it. So a new row changes no plan and no id, and a row's `first_default` never
 /// changes: another default goes into `later_default`, and plans then state it.
@@ -71,11 +79,12 @@ struct Parameter {
   };
 
   std::string_view name = {};  ///< without its group: `world.side`; `size`
-  bool grouped = false;        ///< one for each `objects` group
+  bool grouped = false;        ///< one for each `objects` group, or for each joint (IsOfJoints)
   ParameterType type = ParameterType::kReal;
   Domain domain = {};
   bool distribution = false;            ///< may be drawn (for each object; for the world, once)
   std::string_view unit = {};           ///< SI, empty if it has none
+  std::string_view slider_unit = {};    ///< of a joint: the unit if its type is slider
   std::string_view first_default = {};  ///< as written in `.cdb`; see above
   std::string_view later_default = {};  ///< if it is no longer the first one
   std::string_view words = {};          ///< space-separated words it also takes
@@ -92,10 +101,18 @@ struct Parameter {
   /// The parameter of the world whose value in the reference run this is, unless it is `same`.
   std::string_view of_reference = {};
 
+  /// Within its group or joint: `size`, `links.type`; `damping` of a joint.
+  std::string_view OwnName() const {
+    return IsOfJoints() ? name.substr(kJointsBlock.size() + 1) : name;
+  }
+  /// `m`; `rad, or m of a slider`.
+  std::string UnitText() const;
   /// As written in `.cdb`.
   std::string_view DefaultText() const {
     return later_default.empty() ? first_default : later_default;
   }
+  /// True if it belongs to a block `joints NAME { }`, not to a group of objects.
+  constexpr bool IsOfJoints() const;
   bool IsIgnoredBy(DerivedScene scene) const { return (ignored_by & scene) != 0; }
   /// `objects.size`, `timestep`.
   std::string FullName() const;
@@ -119,14 +136,16 @@ struct Parameter {
   std::string Takes(std::span<const PluginDetector> plugins = {}) const;
 };
 
+constexpr bool Parameter::IsOfJoints() const { return schema::IsOfJoints(name); }
+
 /// True if `word` is one of the space-separated `words`, as in the tables of schema and series.
 bool ListsWord(std::string_view words, std::string_view word);
 
 std::span<const Parameter> Schema();
 
 /// The blocks that can be used in `block` (a path such as `accuracy`, or empty) and only shorten
-/// names: `world`, `solver`; in a group of objects, those of the group. They are the parts before
-/// the dots in the schema's names, in its order.
+/// names: `world`, `solver`; in a group of objects, those of the group; in `joints`, its own. They
+/// are the parts before the dots in the schema's names, in its order.
 std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
 
 /// Looks up a name known only at run time; null if there is none. `name` is without its group. A

@@ -164,7 +164,7 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "friction_error", .records = "stability", .doc = "largest deviation so far of the change of velocity by friction from that by the coefficients of the scene, relative to it, of objects that slid flat on fixed ground", .may_be_none = true},
     {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth},
     {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots", .may_be_none = true},
-    {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes", .may_be_none = true},
+    {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes, or past a limit", .may_be_none = true},
     {.name = "joint_stretch", .records = "stability", .doc = "largest sum of the gaps of a chain of joints over its length", .may_be_none = true},
     {.name = "poses", .records = "poses", .shape = kPose, .doc = "position and orientation quaternion (x, y, z, w) after the cycle: of the centre of mass and of the axes of the sides; of a mesh, of its origin and of the axes of its file"},
     {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .may_be_none = true},

@@ -178,21 +178,37 @@ bool RunText::Update(const plan::Settings& settings, std::string_view indent, Li
   return is_changed;
 }
 
+bool RunText::UpdateAll(const auto& groups, const char* key, std::vector<GroupLines>& lines) const {
+  bool is_changed = lines.size() != groups.size();
+  lines.resize(groups.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    is_changed = Update(groups[i].settings, "    ", lines[i].lines) || is_changed;
+    if (lines[i].name == groups[i].name) continue;
+    is_changed = true;
+    YAML::Emitter out;
+    out << YAML::BeginMap << YAML::Key << key << YAML::Value << groups[i].name << YAML::EndMap;
+    lines[i].name = groups[i].name;
+    lines[i].yaml = indent_ + "  - " + out.c_str() + "\n";
+  }
+  return is_changed;
+}
+
+void RunText::Append(std::string_view kind, const std::vector<GroupLines>& groups) {
+  for (const GroupLines& group : groups) {
+    canonical_ += fmt::format("{} {}\n", kind, group.name);
+    yaml_ += group.yaml;
+    for (const Line& line : group.lines) {
+      canonical_ += line.canonical;
+      yaml_ += line.yaml;
+    }
+  }
+}
+
 void RunText::Set(const plan::Scene& scene) {
   bool is_changed = !std::exchange(is_begun_, true);
   is_changed = Update(scene.world, "  ", world_) || is_changed;
-  is_changed = is_changed || groups_.size() != scene.groups.size();
-  groups_.resize(scene.groups.size());
-  for (std::size_t i = 0; i < groups_.size(); ++i) {
-    is_changed = Update(scene.groups[i].settings, "    ", groups_[i].lines) || is_changed;
-    if (groups_[i].name == scene.groups[i].name) continue;
-    is_changed = true;
-    YAML::Emitter out;
-    out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << scene.groups[i].name
-        << YAML::EndMap;
-    groups_[i].name = scene.groups[i].name;
-    groups_[i].yaml = indent_ + "  - " + out.c_str() + "\n";
-  }
+  is_changed = UpdateAll(scene.groups, "name", groups_) || is_changed;
+  is_changed = UpdateAll(scene.joints, "joint", joints_) || is_changed;
   if (!is_changed && role_ == scene.role && seeds_ == scene.seeds && plugins_ == scene.plugins)
     return;
   role_ = scene.role;
@@ -213,14 +229,9 @@ void RunText::Join(const plan::Scene& scene) {
   }
   canonical_ += plan::CanonicalLine(role_);
   add("groups:\n");
-  for (const GroupLines& group : groups_) {
-    canonical_ += "group " + group.name + "\n";
-    yaml_ += group.yaml;
-    for (const Line& line : group.lines) {
-      canonical_ += line.canonical;
-      yaml_ += line.yaml;
-    }
-  }
+  Append("group", groups_);
+  if (!joints_.empty()) add("joints:\n");
+  Append("joint", joints_);
   add(seeds_.empty() ? "seeds:\n  {}\n" : "seeds:\n");
   for (const auto& [stream, seed] : seeds_) add(fmt::format("  {}: {:#018x}\n", stream, seed));
   canonical_ += plan::CanonicalTail(scene);

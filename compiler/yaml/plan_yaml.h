@@ -74,11 +74,15 @@ class RunText {
 
   /// `indent`: within the entry.
   bool Update(const plan::Settings& settings, std::string_view indent, Lines& lines) const;
+  /// `key`: before the name of each of `groups`, which have a name and settings.
+  bool UpdateAll(const auto& groups, const char* key, std::vector<GroupLines>& lines) const;
+  /// `kind`: before the name in the canonical text.
+  void Append(std::string_view kind, const std::vector<GroupLines>& groups);
   void Join(const plan::Scene& scene);
 
   std::string indent_;
   Lines world_;
-  std::vector<GroupLines> groups_;
+  std::vector<GroupLines> groups_, joints_;
   plan::Role role_ = plan::Role::kMeasured;
   std::map<std::string, std::uint64_t, std::less<>> seeds_;
   std::vector<schema::PluginDetector> plugins_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
@@ -279,17 +280,17 @@ class PlanReader : public ValueReader {
 
   /// Appends the settings as they are listed to `canonical`.
   template <bool kGrouped>
-  plan::SettingsOf<kGrouped> ReadSettings(
-      const YAML::Node& map, std::string& canonical,
-      std::span<const schema::PluginDetector> plugins = {}) const {
+  plan::SettingsOf<kGrouped> ReadSettings(const YAML::Node& map, std::string& canonical,
+                                          std::span<const schema::PluginDetector> plugins = {},
+                                          bool is_joint = false) const {
     if (!map.IsMap()) Fail(map.Mark(), "expected a map of settings");
     plan::SettingsOf<kGrouped> settings;
     std::map<std::string_view, std::string> lines;
     for (const auto& entry : map) {
       const std::string& key = Text(entry.first);
-      if (kGrouped && key == "name") continue;
+      if (kGrouped && key == (is_joint ? "joint" : "name")) continue;
       const schema::Parameter* parameter = schema::FindParameter(key, kGrouped);
-      if (parameter == nullptr)
+      if (parameter == nullptr || parameter->IsOfJoints() != is_joint)
         Fail(entry.first.Mark(), fmt::format("this version has no parameter `{}`", key));
       schema::Value value = ReadValue(entry.second, *parameter, plugins);
       lines[parameter->name] = plan::CanonicalLine(parameter->name, value);
@@ -301,6 +302,16 @@ class PlanReader : public ValueReader {
         Fail(map.Mark(), fmt::format("`{}` is missing", parameter.name));
     for (const auto& [name, line] : lines) canonical += line;
     return settings;
+  }
+
+  /// A plan may be made by hand: what the engine takes for granted.
+  void CheckJoint(const plan::Scene& scene, const plan::Joint& joint,
+                  const YAML::Node& node) const {
+    const auto fault = analysis::FindJointFault(scene, joint);
+    if (!fault) return;
+    const bool is_unknown = fault->kind == analysis::JointFault::Kind::kUnknownGroup;
+    Fail(node.Mark(),
+         is_unknown ? fmt::format("there is no group `{}`", fault->message) : fault->message);
   }
 
   /// `version`: of the plan.
@@ -320,6 +331,13 @@ class PlanReader : public ValueReader {
       run.scene.groups.push_back({name, ReadSettings<true>(group, canonical)});
     }
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
+    if (node["joints"])
+      for (const YAML::Node& joint : node["joints"]) {
+        const std::string name = Name(Member(joint, "joint"));
+        canonical += "joint " + name + "\n";
+        run.scene.joints.push_back({name, ReadSettings<true>(joint, canonical, {}, true)});
+        CheckJoint(run.scene, run.scene.joints.back(), joint);
+      }
     if (analysis::Collisions(run.scene).ClassCount() > analysis::kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
                                     analysis::kMostCollisionClasses));

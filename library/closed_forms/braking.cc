@@ -30,6 +30,7 @@ class Braking : public ClosedForm {
     Truth truth;
     truth.positions = {rest_ + moving * (speed_ - deceleration_ * moving / 2) * along_};
     truth.velocities = {speed * along_};
+    truth.orientations = {object_.pose.orientation};
     truth.spins = {Vector3d::Zero()};
     const Vector3d way = truth.positions[0] - object_.pose.position;
     truth.energy = object_.mass * ((speed * speed - speed_ * speed_) / 2 - acceleration_.dot(way));

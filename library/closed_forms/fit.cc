@@ -44,6 +44,7 @@ Fit::Fit(std::string_view form, const plan::Scene& scene, const layouts::Initial
   for (const plan::Group& group : scene.groups)
     if (group.HasLinks() && !IsOfLinks(form))
       Refuse(fmt::format("the {} are linked", group.name), "make links.type none");
+  if (!scene.joints.empty()) Refuse("it has joints", "remove them");
   for (const plan::Group& group : scene.groups)
     for (const schema::Parameter& parameter : schema::Schema())
       if (parameter.closed_forms_need_default && group.settings.Count("quantity") > 0 &&

@@ -27,6 +27,8 @@ class OnFloor : public ClosedForm {
     Truth truth;
     truth.positions = {rest_ + time_s * time_s / 2 * along_};
     truth.velocities = {time_s * along_};
+    truth.orientations = {object_.pose.orientation};
+    truth.spins = {Vector3d::Zero()};
     const Vector3d way = truth.positions[0] - object_.pose.position;
     truth.energy = object_.mass * (truth.velocities[0].squaredNorm() / 2 - acceleration_.dot(way));
     truth.momentum = object_.mass * truth.velocities[0];

@@ -33,6 +33,9 @@ std::unique_ptr<ClosedForm> MakeStack(const Fit& fit) {
   Truth rest;
   rest.positions.resize(fit.size());
   rest.velocities.assign(fit.size(), Vector3d::Zero());
+  rest.spins.assign(fit.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < fit.size(); ++i)
+    rest.orientations.push_back(fit.object(i).pose.orientation);
   rest.momentum = rest.angular_momentum = Vector3d::Zero();
   double energy = 0, scale = 0, top = fit.WallAt(-1), top_at_start = top;
   const Vector3d axis = fit.object(upwards[0]).pose.position;

@@ -35,6 +35,13 @@ void Bodies::MoveTo(std::size_t index, const Eigen::Vector3d& place) {
   cores_[index].position = place;
 }
 
+void Bodies::MoveTo(std::size_t index, const objects::Pose& pose) {
+  ObjectState& object = state_.objects[index];
+  object.pose.orientation = pose.orientation;
+  bounds_[index] = objects::Bounds(object.solid, pose.orientation);
+  MoveTo(index, pose.position);
+}
+
 bool Bodies::SurfacesTouch(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                            std::size_t other) const {
   const ObjectState &object = state_.objects[index], &neighbour = state_.objects[other];

@@ -56,6 +56,8 @@ class Bodies {
   }
 
   void MoveTo(std::size_t index, const Eigen::Vector3d& place);
+  /// Also turns it; `pose` is that of the body.
+  void MoveTo(std::size_t index, const objects::Pose& pose);
   /// Whether the object would touch `other` if it were at `place`, with `box` around it there.
   bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                  std::size_t other) const {

@@ -6,12 +6,15 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/trace.h"
 #include "dsl/text/check.h"
 #include "library/layouts/exact_layouts.h"
+#include "library/layouts/joint_pairs.h"
 #include "library/objects/distance.h"
 #include "library/objects/solid_pair.h"
 #include "library/scene_error.h"
@@ -135,6 +138,13 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
   const auto may_touch = [&](std::uint32_t a, std::uint32_t b) {
     return collisions.MayTouch(bodies.object(a).group, bodies.object(b).group);
   };
+  // Joined objects do not collide.
+  std::set<std::pair<std::size_t, std::size_t>> joined;
+  for (const JointPair& pair : JointPairsOf(bodies.scene()))
+    joined.insert(std::minmax(pair.parent, pair.child));
+  const auto are_joined = [&](std::size_t a, std::size_t b) {
+    return !joined.empty() && joined.contains(std::minmax(a, b));
+  };
   std::vector<std::pair<int, std::uint32_t>> by_size;  // the largest first
   by_size.reserve(indices.size());
   for (const std::uint32_t index : indices) {
@@ -148,7 +158,7 @@ void CheckClearance(const Bodies& bodies, const std::vector<std::uint32_t>& indi
     grid.AnyOf(box, [&](std::uint32_t other) {
       if (is_fixed(index) && is_fixed(other)) return false;
       if (may_overlap(index) && may_overlap(other)) return false;
-      if (!may_touch(index, other)) return false;
+      if (!may_touch(index, other) || are_joined(index, other)) return false;
       if (bodies.TouchesAt(index, bodies.core(index).position, box, other))
         CheckPair(bodies, index, other);
       return false;

@@ -198,6 +198,26 @@ class ExactPlacer {
     bodies_.MoveTo(index, objects::BodyOf(object.solid, {point, turned.orientation}).position);
   }
 
+  void RelativeTo() {
+    RefuseRegion();
+    const std::string& name = std::get<schema::Word>(schema::ArgumentOf(layout_, "group")).text;
+    const GroupRange& others = GroupBefore(bodies_, range_, name, "location");
+    if (others.size() != 1)
+      Require(others.size(),
+              fmt::format("places one at each of the {} of `{}`", others.size(), name),
+              fmt::format("remove the quantity: it is that of `{}`", name));
+    const auto& offset = std::get<Vector3d>(schema::ArgumentOf(layout_, "offset"));
+    for (std::size_t i = 0; i < range_.size(); ++i) {
+      const ObjectState& other = bodies_.object(others.first + (others.size() == 1 ? 0 : i));
+      const ObjectState& object = bodies_.object(range_.first + i);
+      const objects::Pose frame = objects::OriginOf(other.solid, other.pose);
+      const Eigen::Quaterniond turn = objects::OriginOf(object.solid, object.pose).orientation;
+      bodies_.MoveTo(range_.first + i,
+                     objects::BodyOf(object.solid, {frame.position + frame.orientation * offset,
+                                                    frame.orientation * turn}));
+    }
+  }
+
   /// DrawObjects has already set their positions.
   void Poses() { RefuseRegion(); }
 
@@ -314,6 +334,9 @@ constexpr LayoutRow kLayouts[] = {
     {"pair",
      &ExactPlacer::Pair,
      {"make distance larger", "make distance or the size smaller or world.side larger"}},
+    {"relative_to",
+     &ExactPlacer::RelativeTo,
+     {"move it, or write overlap on", "move it inwards or make world.side larger"}},
     {"poses",
      &ExactPlacer::Poses,
      {"change the file, or write overlap on",

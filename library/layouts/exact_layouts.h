@@ -42,6 +42,9 @@ bool IsPile(const plan::Group& group);
 ///            from the stream `<group>.location`, until the surfaces are `distance` apart; the
 ///            midpoint of the centres of mass is the origin. A direction in which it passes by is
 ///            drawn again, up to 1000 times
+///   relative_to  at the offset from the origin of object i of the other group, or of its single
+///   one,
+///            in the frame of that object, and turned with it; see GroupBefore
 ///   poses    as in the file, which DrawObjects has read
 ///   path     the start of the path, which DrawObjects has read
 ///   pile     see PlacesAbovePile

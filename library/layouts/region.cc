@@ -15,6 +15,13 @@ namespace {
 
 using Eigen::Vector3d;
 
+[[noreturn]] void Refuse(const plan::Group& group, std::string_view parameter,
+                         const std::string& cause, const std::string& remedy) {
+  throw library::SceneError(
+      fmt::format("the {} of group `{}` cannot be determined: {}", parameter, group.name, cause),
+      remedy, group.name, std::string(parameter));
+}
+
 class RegionFinder {
  public:
   RegionFinder(const Bodies& bodies, const GroupRange& range) : bodies_(bodies), range_(range) {}
@@ -49,7 +56,7 @@ class RegionFinder {
 
   /// The box at one side of a group.
   objects::Box Beside(const schema::Call& call) const {
-    const GroupRange& other = Named(GroupOfRegion(*range_.group));
+    const GroupRange& other = GroupBefore(bodies_, range_, GroupOfRegion(*range_.group), "region");
     objects::Box box = bodies_.BoxOf(other.first);
     for (std::size_t i = other.first + 1; i < other.end; ++i) {
       box.lower = box.lower.cwiseMin(bodies_.BoxOf(i).lower);
@@ -78,29 +85,8 @@ class RegionFinder {
     return box;
   }
 
-  const GroupRange& Named(std::string_view name) const {
-    const auto found = std::ranges::find(bodies_.groups(), name,
-                                         [](const GroupRange& range) { return range.group->name; });
-    if (found == bodies_.groups().end() || found->size() == 0)
-      Refuse(fmt::format("there is no group `{}` with objects", name), {});
-    if (found->group == range_.group)
-      Refuse("it is at its own group", "name a group that is written before it");
-    if (found->first > range_.first)
-      Refuse(fmt::format("group `{}` is written after it, and placed later", name),
-             fmt::format("write `{}` first", name));
-    if (HasExactLayout(*range_.group) && !HasExactLayout(*found->group))
-      Refuse(
-          fmt::format("group `{}` is placed at random, after all groups with a layout such as {}",
-                      name, schema::AsCall(range_.group->settings.Get("location"))->name),
-          fmt::format("give `{}` a layout, or place `{}` at random as well", name,
-                      range_.group->name));
-    return *found;
-  }
-
   [[noreturn]] void Refuse(const std::string& cause, const std::string& remedy) const {
-    throw library::SceneError(
-        fmt::format("the region of group `{}` cannot be determined: {}", range_.group->name, cause),
-        remedy, range_.group->name, "region");
+    layouts::Refuse(*range_.group, "region", cause, remedy);
   }
 
   const Bodies& bodies_;
@@ -113,6 +99,28 @@ std::string GroupOfRegion(const plan::Group& group) {
   const schema::Call* call = schema::AsCall(group.settings.Get("region"));
   if (call == nullptr || call->name == "box") return {};
   return std::get<schema::Word>(schema::ArgumentOf(*call, "group")).text;
+}
+
+const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std::string_view name,
+                              std::string_view parameter) {
+  const auto refuse = [&](const std::string& cause, const std::string& remedy) {
+    Refuse(*range.group, parameter, cause, remedy);
+  };
+  const auto found = std::ranges::find(bodies.groups(), name,
+                                       [](const GroupRange& other) { return other.group->name; });
+  if (found == bodies.groups().end() || found->size() == 0)
+    refuse(fmt::format("there is no group `{}` with objects", name), {});
+  if (found->group == range.group)
+    refuse("it is at its own group", "name a group that is written before it");
+  if (found->first > range.first)
+    refuse(fmt::format("group `{}` is written after it, and placed later", name),
+           fmt::format("write `{}` first", name));
+  if (HasExactLayout(*range.group) && !HasExactLayout(*found->group))
+    refuse(fmt::format("group `{}` is placed at random, after all groups with a layout such as {}",
+                       name, schema::AsCall(range.group->settings.Get("location"))->name),
+           fmt::format("give `{}` a layout, or place `{}` at random as well", name,
+                       range.group->name));
+  return *found;
 }
 
 Region RegionOf(const Bodies& bodies, const GroupRange& range) {

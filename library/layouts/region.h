@@ -1,10 +1,11 @@
 // The box in which a layout places the objects of a group: `objects.region`.
 //
 // Lengths in m, with the origin at the cube's centre. Errors: SceneError that names the group and
-// its region. Threads: any.
+// its region or location. Threads: any.
 #pragma once
 
 #include <Eigen/Core>
+#include <string_view>
 
 #include "compiler/plan/plan.h"
 #include "library/layouts/bodies.h"
@@ -31,6 +32,11 @@ inline constexpr double kStandingGap = 1e-3;
 /// is about the boxes around the objects of that group, which must be placed before: it comes
 /// before this one in the plan, has objects, and has an exact layout if this one has.
 Region RegionOf(const Bodies& bodies, const GroupRange& range);
+
+/// The group `name`, at whose objects those of `range` are placed by their `parameter`, region or
+/// location: it comes before in the plan, has objects, and has an exact layout if `range` has one.
+const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std::string_view name,
+                              std::string_view parameter);
 
 /// The positions of the centre of mass of an object of bounds `bounds` that keep it within the
 /// region and the cube, which is `side` wide; open. One that stands has a gap of half to one and a

@@ -127,8 +127,10 @@ class ContextFinder {
       const Block& block = blocks_[i];
       if (block.kind == "cases") {
         ++i;  // skip the case itself
-      } else if (block.kind == "objects" && context_.block.empty() && !context_.is_grouped) {
+      } else if ((block.kind == "objects" || block.kind == schema::kJointsBlock) &&
+                 context_.block.empty() && !context_.is_grouped) {
         context_.is_grouped = true;
+        if (block.kind == schema::kJointsBlock) context_.block = block.kind;
         context_.group = block.label.empty() ? block.kind : block.label;
       } else {
         context_.block = Joined(context_.block, block.kind);
@@ -146,7 +148,7 @@ class ContextFinder {
     } else if (Word(0) == "skip") {
       context_.expected = Expected::kCondition;
       FindCompared();
-    } else if (Word(0) != "cases" && Word(0) != "objects") {
+    } else if (Word(0) != "cases" && Word(0) != "objects" && Word(0) != schema::kJointsBlock) {
       context_.parameter = ParameterAt(context_, std::string(Word(0)));
       context_.expected = Expected::kValue;
     }
@@ -195,7 +197,10 @@ const schema::Parameter* ParameterAt(const Context& context, const std::string& 
     return found;
   if (context.is_grouped || !context.block.empty()) return nullptr;
   const std::size_t dot = path.find('.');
-  return schema::FindParameter(dot == path.npos ? path : path.substr(dot + 1), true);
+  const std::string own = dot == path.npos ? path : path.substr(dot + 1);
+  const auto* of_group = schema::FindParameter(own, true);
+  return of_group != nullptr ? of_group
+                             : schema::FindParameter(Joined(schema::kJointsBlock, own), true);
 }
 
 namespace {

@@ -246,8 +246,10 @@ class SymbolCollector {
 
   static Place Inside(const Place& place, const dsl::Group& group) {
     Place inner = place;
-    if (place.group.empty() && place.block.empty() && group.kind.text == "objects") {
+    const bool is_joint = group.kind.text == schema::kJointsBlock;
+    if (place.group.empty() && place.block.empty() && (group.kind.text == "objects" || is_joint)) {
       inner.group = group.label ? group.label->text : group.kind.text;
+      if (is_joint) inner.block = schema::kJointsBlock;
     } else {
       inner.block = Joined(place.block, group.kind.text);
     }
@@ -367,8 +369,12 @@ class SymbolCollector {
     const bool is_grouped = !place.group.empty();
     place.parameter = schema::FindParameter(Joined(place.block, path), is_grouped);
     const std::size_t dot = path.find('.');
-    if (place.parameter == nullptr && !is_grouped && dot != path.npos)
+    if (place.parameter == nullptr && !is_grouped && dot != path.npos) {
       place.parameter = schema::FindParameter(path.substr(dot + 1), true);
+      if (place.parameter == nullptr)
+        place.parameter =
+            schema::FindParameter(Joined(schema::kJointsBlock, path.substr(dot + 1)), true);
+    }
     for (const auto& value : setting.values) Refer(*value, place);
   }
 

@@ -223,6 +223,16 @@ class SceneDifferences {
         AddSettings(name_a + ".", a.groups[i].settings, b.groups[i].settings);
       }
     }
+    const std::size_t joints = std::max(a.joints.size(), b.joints.size());
+    for (std::size_t i = 0; i < joints; ++i) {
+      const std::string name_a = i < a.joints.size() ? a.joints[i].name : "none",
+                        name_b = i < b.joints.size() ? b.joints[i].name : "none";
+      if (name_a != name_b) {
+        AddTexts("joint", name_a, name_b);
+      } else {
+        AddSettings(name_a + ".", a.joints[i].settings, b.joints[i].settings);
+      }
+    }
     // The streams follow from the distributions, and their seeds from `seed`.
     if (a.seeds != b.seeds && a.world.Count("seed") == b.world.Count("seed"))
       AddTexts("random streams", StreamsOnlyIn(a, b), StreamsOnlyIn(b, a));
@@ -274,7 +284,7 @@ class SceneDifferences {
       if (parameter.grouped == group.empty()) continue;
       const schema::Value &of_a = a.ValueOf(parameter), &of_b = b.ValueOf(parameter);
       if (of_a != of_b)
-        AddTexts(group + std::string(parameter.name), SettingText(parameter, of_a),
+        AddTexts(group + std::string(parameter.OwnName()), SettingText(parameter, of_a),
                  SettingText(parameter, of_b));
     }
   }

@@ -491,7 +491,7 @@ namespace {
 
 /// True if the scenes simulated in two runs differ, whatever the methods.
 bool AreDifferentScenes(const plan::Scene& one, const plan::Scene& other) {
-  if (one.groups.size() != other.groups.size()) return true;
+  if (one.groups.size() != other.groups.size() || one.joints != other.joints) return true;
   const auto differ = [](const plan::Settings& a, const plan::Settings& b,
                          const schema::Parameter& parameter) {
     return (a.Has(parameter) || b.Has(parameter)) && a.ValueOf(parameter) != b.ValueOf(parameter);
@@ -523,7 +523,7 @@ bool IsOfScene(const results::ResultFile& file, std::size_t index) {
   for (const schema::Parameter& parameter : schema::Schema()) {
     // A group's name precedes its parameter: `pebbles.size`.
     const bool is_it = parameter.grouped
-                           ? axis.parameter.ends_with("." + std::string(parameter.name))
+                           ? axis.parameter.ends_with("." + std::string(parameter.OwnName()))
                            : axis.parameter == parameter.name;
     if (is_it) return parameter.concern == schema::Concern::kScene;
   }

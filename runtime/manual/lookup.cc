@@ -203,7 +203,7 @@ std::string ParameterReference(const Parameter& parameter) {
   std::string text = fmt::format("{}\n  {}\n", parameter.FullName(), parameter.doc);
   text += fmt::format("  takes    {}\n", parameter.Takes());
   text += fmt::format("  default  {}\n", parameter.DefaultText());
-  if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.unit);
+  if (!parameter.unit.empty()) text += fmt::format("  unit     {}\n", parameter.UnitText());
   const auto calls = CallsOf(parameter);
   return calls.empty() ? text : text + "\n" + Words("with arguments", calls);
 }

@@ -273,9 +273,10 @@ std::optional<std::string> WhatChanges(const plan::Scene& scene) {
     if (analysis::HasKinematic(group))
       return fmt::format("{} are kinematic and push other objects", group.name);
     if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
-    if (group.HasLinks()) return fmt::format("{} are linked and pull on one another", group.name);
     if (group.settings.On("overlap")) return fmt::format("{} may overlap initially", group.name);
   }
+  if (const std::string pulled = scene.PulledGroup(); !pulled.empty())
+    return fmt::format("{} are linked and pull on one another", pulled);
   return std::nullopt;
 }
 

@@ -37,11 +37,13 @@ class Maker {
     if (Below(6) == 0) AddGround();
     for (const schema::Parameter& parameter : schema::Schema()) {
       // Keeps the number of runs small. AddAccuracy sets the accuracy parameters together.
-      if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy."))
+      if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy.") ||
+          parameter.IsOfJoints())
         continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
     }
     AddAccuracy();
+    AddJoints();
     return std::move(scenario_);
   }
 
@@ -55,6 +57,36 @@ class Maker {
         "objects.type " + CallText(*schema::FindParametrisedWord(
                               is_heights_ ? schema::kHeightsCall : analysis::kSurfaceWord)),
         Below(2) == 0 ? "objects.size native" : "objects.size 20", "objects.mass fixed"};
+  }
+
+  /// Joins the objects to the world.
+  void AddJoints() {
+    const bool is_piled = std::ranges::any_of(scenario_.settings, [](const auto& setting) {
+      return setting.starts_with("objects.location") && setting.find("pile") != setting.npos;
+    });
+    const bool has_closed_form = std::ranges::any_of(scenario_.settings, [](const auto& setting) {
+      return setting.starts_with("accuracy.closed_form") || setting.starts_with("omit");
+    });
+    if (is_piled || has_closed_form || Sets("mass") || Below(3) != 0) return;
+    const auto set = [&](std::string_view what, const std::string& value) {
+      scenario_.settings.push_back(fmt::format("joints.{} {}", what, value));
+    };
+    const bool is_reversed = Below(2) == 0, is_driven = Below(2) == 0;
+    set("parent", is_reversed ? "objects" : "world");
+    set("child", is_reversed ? "world" : "objects");
+    set("type", !is_driven ? "ball" : Below(2) == 0 ? "hinge" : "slider");
+    if (Below(2) == 0) set("at", Constant(*schema::GroupParameter("joints.at")));
+    if (!is_driven) return;
+    if (Below(2) == 0) set("axis", Constant(*schema::GroupParameter("joints.axis")));
+    if (Below(2) == 0) set("damping", ValueOf(*schema::GroupParameter("joints.damping")));
+    if (Below(2) == 0) {
+      set("limits.lower", "-0.5");
+      set("limits.upper", "0.25 * 2");
+    }
+    if (Below(2) == 0) {
+      set("motor.velocity", "-3");
+      set("motor.effort", "2");
+    }
   }
 
   /// Records errors at multiples of the default time step.
@@ -135,6 +167,7 @@ class Maker {
     std::erase_if(calls, [&](std::string_view call) {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
+             call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kHeightsCall ||
              call == analysis::kSurfaceWord;  // for fixed objects only
     });

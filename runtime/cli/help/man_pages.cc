@@ -114,7 +114,7 @@ std::string LanguagePage() {
   for (const schema::Parameter& parameter : schema::Schema())
     text += fmt::format(".TP\n{}\n{}.\n.br\nTakes {}. Default: {}{}.\n", Bold(parameter.FullName()),
                         Roff(parameter.doc), Roff(parameter.Takes()), Roff(parameter.DefaultText()),
-                        parameter.unit.empty() ? "" : " " + Roff(parameter.unit));
+                        parameter.unit.empty() ? "" : " " + Roff(parameter.UnitText()));
   return text + ".SH SEE ALSO\n.BR cdb (1)\n";
 }
 

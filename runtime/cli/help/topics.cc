@@ -48,7 +48,7 @@ std::string AllParameters() {
   table.AddColumn("", false);
   for (const Parameter& parameter : schema::Schema())
     table.AddRow({parameter.FullName(), std::string(parameter.DefaultText()),
-                  std::string(parameter.unit), std::string(parameter.doc)});
+                  parameter.UnitText(), std::string(parameter.doc)});
   return table.Text();
 }
 

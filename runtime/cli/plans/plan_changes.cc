@@ -30,6 +30,7 @@ class ValuesOfPlan {
       last = &run.at;
       // Groups first: defaults of the world may follow from them.
       for (const plan::Group& group : run.scene.groups) Note(group.name, group.settings);
+      for (const plan::Joint& joint : run.scene.joints) Note(joint.name, joint.settings, true);
       Note("", run.scene.world);
       for (const schema::PluginDetector& plugin : run.scene.plugins)
         Note("plug-in of " + plugin.name, plugin.sha256.substr(0, 12));
@@ -44,18 +45,18 @@ class ValuesOfPlan {
   }
 
  private:
-  void Note(const std::string& group, const plan::Settings& settings) {
+  void Note(const std::string& group, const plan::Settings& settings, bool is_joint = false) {
     const std::span<const schema::Parameter> schema = schema::Schema();
     std::vector<const schema::Value*>& last = last_[group];
     last.resize(schema.size(), nullptr);
     for (std::size_t i = 0; i < schema.size(); ++i) {
       const schema::Parameter& parameter = schema[i];
-      if (parameter.grouped == group.empty()) continue;
+      if (parameter.grouped == group.empty() || parameter.IsOfJoints() != is_joint) continue;
       if (!settings.Has(parameter) && plan::ValueIfAbsent(parameter) == nullptr) continue;
       const schema::Value& value = settings.ValueOf(parameter);
       if (last[i] != nullptr && (last[i] == &value || *last[i] == value)) continue;
       last[i] = &value;
-      Note(group + (group.empty() ? "" : ".") + std::string(parameter.name),
+      Note(group + (group.empty() ? "" : ".") + std::string(parameter.OwnName()),
            schema::LabelOf(value));
     }
   }

@@ -1,8 +1,7 @@
 #include "runtime/engine/world/links.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -10,7 +9,6 @@
 #include <map>
 #include <utility>
 
-#include "library/scene_error.h"
 #include "runtime/engine/world/conversions.h"
 
 namespace cdb::world {
@@ -58,6 +56,21 @@ btTransform FrameAlong(const btVector3& line, const btVector3& origin) {
 
 btVector3 InBody(const btRigidBody& body, const btVector3& point) {
   return body.getWorldTransform().invXform(point);
+}
+
+AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
+  AxisDrive::Settings drive;
+  const auto number = [&](schema::GroupParameter parameter, double otherwise) {
+    const schema::Number* given = schema::AsNumber(settings.Get(parameter));
+    return given != nullptr ? given->AsReal() : otherwise;
+  };
+  drive.turns = settings.WordOr("joints.type") == "hinge";
+  drive.damping = settings.Real("joints.damping");
+  drive.velocity = number("joints.motor.velocity", 0);
+  drive.effort = number("joints.motor.effort", 0);
+  drive.lower = number("joints.limits.lower", drive.lower);
+  drive.upper = number("joints.limits.upper", drive.upper);
+  return drive;
 }
 
 /// The equations of joints for the velocities of their bodies: rows over the bodies' velocities and
@@ -128,52 +141,63 @@ Links::Links(const plan::Scene& scene, const layouts::InitialState& state,
   std::size_t first = 0;
   for (const plan::Group& group : scene.groups) {
     const std::size_t end = first + group.settings.Count("quantity");
-    if (group.HasLinks()) {
-      const auto place = [&](std::size_t i) { return objects[i]->getWorldTransform().getOrigin(); };
-      if (group.settings.On("links.anchor")) {
-        const layouts::ObjectState& object = state.objects[first];
-        const double height = objects::Bounds(object.solid, object.pose.orientation).upper.y();
-        const btVector3 from = end - first > 1 ? 2 * place(first) - place(first + 1)
-                                               : place(first) + ToBullet({0, 2 * height, 0});
-        Add(group.settings, btTypedConstraint::getFixedBody(), *objects[first], from);
-      }
-      for (std::size_t i = first; i + 1 < end; ++i)
-        Add(group.settings, *objects[i], *objects[i + 1], place(i));
-    }
+    if (group.HasLinks()) AddLinks(group, state.objects[first], first, end, objects);
     first = end;
   }
+  for (const layouts::JointPair& pair : layouts::JointPairsOf(scene))
+    AddJoint(pair, state, objects);
 }
 
 Links::~Links() {
-  for (const Link& link : links_) world_.removeConstraint(link.constraint.get());
+  for (const Link& link : links_) {
+    if (link.drive) world_.removeConstraint(link.drive.get());
+    world_.removeConstraint(link.constraint.get());
+  }
 }
 
-void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
-                const btVector3& from) {
+void Links::AddLinks(const plan::Group& group, const layouts::ObjectState& object,
+                     std::size_t first, std::size_t end,
+                     const std::vector<std::unique_ptr<btRigidBody>>& objects) {
+  const auto place = [&](std::size_t i) { return objects[i]->getWorldTransform().getOrigin(); };
+  if (group.settings.On("links.anchor")) {
+    const double height = objects::Bounds(object.solid, object.pose.orientation).upper.y();
+    const btVector3 from = end - first > 1 ? 2 * place(first) - place(first + 1)
+                                           : place(first) + ToBullet({0, 2 * height, 0});
+    AddLink(group.settings, btTypedConstraint::getFixedBody(), *objects[first], from);
+  }
+  for (std::size_t i = first; i + 1 < end; ++i)
+    AddLink(group.settings, *objects[i], *objects[i + 1], place(i));
+}
+
+void Links::AddLink(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
+                    const btVector3& from) {
   if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
   const std::string_view type = settings.WordOr("links.type");
   const btVector3 to = second.getWorldTransform().getOrigin();
   Link link;
-  link.first = &first;
-  link.second = &second;
   link.line_in_first.setZero();
   const btVector3 pivot = (from + to) / 2;
   link.pivot_in_first = InBody(first, pivot);
   link.pivot_in_second = InBody(second, pivot);
   if (type == "ball") {
+    link.kind = Kind::kBall;
     link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
                                                                 link.pivot_in_second);
   } else if (type == "hinge") {
+    link.kind = Kind::kHinge;
     const btVector3 axis(0, 0, 1);
+    link.line_in_first = axis * first.getWorldTransform().getBasis();
     link.constraint = std::make_unique<btHingeConstraint>(
-        first, second, link.pivot_in_first, link.pivot_in_second,
-        axis * first.getWorldTransform().getBasis(), axis * second.getWorldTransform().getBasis());
+        first, second, link.pivot_in_first, link.pivot_in_second, link.line_in_first,
+        axis * second.getWorldTransform().getBasis());
   } else if (type == "fixed") {
+    link.kind = Kind::kFixed;
     const btTransform frame(btMatrix3x3::getIdentity(), pivot);
     link.constraint = std::make_unique<btFixedConstraint>(
         first, second, first.getWorldTransform().inverse() * frame,
         second.getWorldTransform().inverse() * frame);
   } else {
+    link.kind = Kind::kSpring;
     const btVector3 way = to - from;
     const btVector3 line = way.normalized();
     link.stiffness = settings.Real("links.stiffness");
@@ -187,14 +211,84 @@ void Links::Add(const plan::GroupSettings& settings, btRigidBody& first, btRigid
         static_cast<btScalar>(link.stiffness),
         static_cast<btScalar>(settings.Real("links.damping")));
   }
-  joints_ = joints_ || link.stiffness == 0;
-  const bool continues = !links_.empty() && links_.back().second == &first;
-  link.root = continues ? links_.back().root : links_.size();
-  link.chain = (continues ? links_.back().chain : 0) + static_cast<double>((to - from).length());
-  link.second_in_root = InBody(continues ? *links_[link.root].first : first, to);
+  Add(std::move(link), first, second, static_cast<double>((to - from).length()));
+}
+
+void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState& state,
+                     const std::vector<std::unique_ptr<btRigidBody>>& objects) {
+  const bool is_in_world = pair.parent == layouts::JointPair::kWorld;
+  btRigidBody& fixed = btTypedConstraint::getFixedBody();
+  btRigidBody& first = is_in_world ? fixed : *objects[pair.parent];
+  btRigidBody& second = pair.child == layouts::JointPair::kWorld ? fixed : *objects[pair.child];
+  if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
+  const plan::GroupSettings& settings = pair.joint->settings;
+  objects::Pose frame;
+  if (!is_in_world)
+    frame = objects::OriginOf(state.objects[pair.parent].solid, state.objects[pair.parent].pose);
+  const btVector3 pivot =
+      ToBullet(frame.position + frame.orientation * settings.Vector("joints.at"));
+  const btVector3 axis =
+      ToBullet(frame.orientation * settings.Vector("joints.axis").stableNormalized());
+  const btTransform to_first = first.getWorldTransform().inverse(),
+                    to_second = second.getWorldTransform().inverse();
+  const btTransform along = FrameAlong(axis, pivot);
+  Link link;
+  link.pivot_in_first = to_first * pivot;
+  link.pivot_in_second = to_second * pivot;
+  link.line_in_first = to_first.getBasis() * axis;
+  const std::string_view type = settings.WordOr("joints.type");
+  if (type == "ball") {
+    link.kind = Kind::kBall;
+    link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
+                                                                link.pivot_in_second);
+  } else if (type == "hinge") {
+    link.kind = Kind::kHinge;
+    // It turns about z.
+    const btMatrix3x3 upright(0, 0, 1, 1, 0, 0, 0, 1, 0);
+    const btTransform about(along.getBasis() * upright, pivot);
+    link.constraint =
+        std::make_unique<btHingeConstraint>(first, second, to_first * about, to_second * about);
+  } else {
+    link.kind = type == "fixed" ? Kind::kFixed : Kind::kSlider;
+    link.turn =
+        first.getWorldTransform().getBasis().transposeTimes(second.getWorldTransform().getBasis());
+    auto constraint = std::make_unique<btGeneric6DofSpring2Constraint>(
+        first, second, to_first * along, to_second * along);
+    for (int i = 0; i < 6; ++i) constraint->setLimit(i, 0, 0);
+    if (type != "fixed") constraint->setLimit(0, 1, -1);  // free
+    link.constraint = std::move(constraint);
+  }
+  const AxisDrive::Settings drive = DriveOf(settings);
+  if (!drive.IsIdle())
+    link.drive = std::make_unique<AxisDrive>(first, second, drive, link.line_in_first,
+                                             link.pivot_in_first, link.pivot_in_second);
+  const auto reach = [&](const btRigidBody& body) {
+    return &body == &fixed
+               ? 0.
+               : static_cast<double>((body.getWorldTransform().getOrigin() - pivot).length());
+  };
+  Add(std::move(link), first, second, reach(first) + reach(second));
+}
+
+void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double length) {
+  link.first = &first;
+  link.second = &second;
+  joints_ = joints_ || link.kind != Kind::kSpring;
+  const std::size_t index = links_.size();
+  const auto holder = holders_.find(&first);
+  const bool continues = holder != holders_.end();
+  link.before = continues ? holder->second : index;
+  link.root =
+      continues && links_[link.before].kind == Kind::kFixed ? links_[link.before].root : index;
+  link.chain = (continues ? links_[link.before].chain : 0) + length;
+  link.second_in_root = InBody(link.root == index ? first : *links_[link.root].first,
+                               second.getWorldTransform().getOrigin());
   // The body that represents the world is shared and must not keep references to our constraints.
-  const bool between_objects = &first != &btTypedConstraint::getFixedBody();
+  const btRigidBody* world = &btTypedConstraint::getFixedBody();
+  const bool between_objects = &first != world && &second != world;
+  if (&second != world) holders_.try_emplace(&second, index);
   world_.addConstraint(link.constraint.get(), between_objects);
+  if (link.drive) world_.addConstraint(link.drive.get(), between_objects);
   links_.push_back(std::move(link));
 }
 
@@ -207,34 +301,52 @@ void Links::MarkHeld(std::vector<char>& marks, char mark) const {
 double Links::BendOf(const Link& link) const {
   const btTransform &first = link.first->getWorldTransform(),
                     &second = link.second->getWorldTransform();
-  if (link.constraint->getConstraintType() == HINGE_CONSTRAINT_TYPE) {
+  if (link.kind == Kind::kBall) return 0;
+  if (link.kind == Kind::kHinge) {
     const auto& hinge = static_cast<const btHingeConstraint&>(*link.constraint);
     const Vector3d in_first = ToEigen(first.getBasis() * hinge.getAFrame().getBasis().getColumn(2));
     const Vector3d in_second =
         ToEigen(second.getBasis() * hinge.getBFrame().getBasis().getColumn(2));
-    return std::atan2(in_first.cross(in_second).norm(), std::abs(in_first.dot(in_second)));
+    const double bend =
+        std::atan2(in_first.cross(in_second).norm(), std::abs(in_first.dot(in_second)));
+    return std::max(bend, link.drive ? link.drive->Excess() : 0);
   }
-  if (link.constraint->getConstraintType() == POINT2POINT_CONSTRAINT_TYPE) return 0;
+  double bend = 0;
+  if (link.turn)
+    bend = Eigen::AngleAxisd(Eigen::Matrix3d(ToEigen(first.getBasis() * *link.turn).transpose() *
+                                             ToEigen(second.getBasis())))
+               .angle();
+  if (link.kind == Kind::kSlider) return bend;
   const Link& root = links_[link.root];
   const btTransform& pose = root.first->getWorldTransform();
   const Vector3d held = ToEigen(pose * link.second_in_root);
   const double arm = (held - ToEigen(pose * root.pivot_in_first)).norm();
-  return arm > 0 ? (ToEigen(second.getOrigin()) - held).norm() / arm : 0;
+  return std::max(bend, arm > 0 ? (ToEigen(second.getOrigin()) - held).norm() / arm : 0);
+}
+
+Vector3d Links::GapOf(const Link& link) const {
+  const btTransform& pose = link.first->getWorldTransform();
+  const Vector3d first = ToEigen(pose * link.pivot_in_first);
+  const Vector3d gap = ToEigen(link.second->getWorldTransform() * link.pivot_in_second) - first;
+  if (link.kind != Kind::kSlider) return gap;
+  const Vector3d axis = ToEigen(pose.getBasis() * link.line_in_first);
+  return gap - gap.dot(axis) * axis;
 }
 
 Links::Gaps Links::MeasureGaps() const {
   Gaps gaps;
-  double chain = 0;  // sum of its gaps up to here
+  std::vector<double> chains;  // sum of the gaps up to each
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
-    if (link.stiffness != 0) continue;
-    const Vector3d first = ToEigen(link.first->getWorldTransform() * link.pivot_in_first);
-    const Vector3d second = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
-    const double gap = (second - first).norm();
-    chain = (link.root == i ? 0 : chain) + gap;
+    chains.push_back(link.before == i ? 0 : chains[link.before]);
+    if (link.kind == Kind::kSpring) continue;
+    const double gap = GapOf(link).norm();
+    chains.back() += gap;
     gaps.largest = std::max(gaps.largest, gap);
+    if (link.kind == Kind::kSlider && link.drive)
+      gaps.largest = std::max(gaps.largest, link.drive->Excess());
     gaps.sum += gap;
-    gaps.stretch = std::max(gaps.stretch, chain / link.chain);
+    if (link.chain > 0) gaps.stretch = std::max(gaps.stretch, chains.back() / link.chain);
     gaps.bend = std::max(gaps.bend, BendOf(link));
   }
   return gaps;
@@ -245,27 +357,30 @@ double Links::JerkEnergy() const {
   JointEquations equations;
   for (const Link& link : links_) {
     const btTransform& pose = link.first->getWorldTransform();
-    const Vector3d pivot = ToEigen(pose * link.pivot_in_first);
     const auto add_point = [&](const Vector3d& at, const Vector3d& direction) {
       equations.AddPoint(*link.first, *link.second, at, direction);
     };
-    if (link.stiffness != 0) {
-      // Its end stays on a line that turns with the first object.
-      btVector3 y, z;
-      btPlaneSpace1(pose.getBasis() * link.line_in_first, y, z);
-      const Vector3d end = ToEigen(link.second->getWorldTransform().getOrigin());
+    const auto add_turn = [&](const Vector3d& axis) {
+      equations.AddTurn(*link.first, *link.second, axis);
+    };
+    btVector3 y(0, 0, 0), z(0, 0, 0);
+    if (!link.line_in_first.isZero()) btPlaneSpace1(pose.getBasis() * link.line_in_first, y, z);
+    // A spring's or a slider's end stays on a line that turns with the first object.
+    const bool is_on_line = link.kind == Kind::kSpring || link.kind == Kind::kSlider;
+    if (is_on_line) {
+      const Vector3d end = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
       add_point(end, ToEigen(y));
       add_point(end, ToEigen(z));
-      continue;
+    } else {
+      const Vector3d pivot = ToEigen(pose * link.pivot_in_first);
+      for (int axis = 0; axis < 3; ++axis) add_point(pivot, Vector3d::Unit(axis));
     }
-    for (int axis = 0; axis < 3; ++axis) add_point(pivot, Vector3d::Unit(axis));
-    // A hinge turns about z at the start.
-    const auto type = link.constraint->getConstraintType();
-    const int turns = type == POINT2POINT_CONSTRAINT_TYPE ? 0
-                      : type == HINGE_CONSTRAINT_TYPE     ? 2
-                                                          : 3;
-    for (int axis = 0; axis < turns; ++axis)
-      equations.AddTurn(*link.first, *link.second, Vector3d::Unit(axis));
+    if (link.kind == Kind::kHinge) {
+      add_turn(ToEigen(y));
+      add_turn(ToEigen(z));
+    } else if (link.kind == Kind::kFixed || link.kind == Kind::kSlider) {
+      for (int axis = 0; axis < 3; ++axis) add_turn(Vector3d::Unit(axis));
+    }
   }
   return equations.JerkEnergy();
 }
@@ -273,7 +388,7 @@ double Links::JerkEnergy() const {
 double Links::SpringEnergy(double timestep) const {
   double energy = 0;
   for (const Link& link : links_) {
-    if (link.stiffness == 0) continue;
+    if (link.kind != Kind::kSpring) continue;
     const btTransform& first = link.first->getWorldTransform();
     const Vector3d line = ToEigen(first.getBasis() * link.line_in_first);
     const Vector3d way = ToEigen(link.second->getWorldTransform().getOrigin()) -

@@ -1,30 +1,38 @@
-// Joints and springs between the objects of a group.
+// Joints and springs between the objects of a group, and joints between those of two groups.
 #pragma once
 
 #include <btBulletDynamicsCommon.h>
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
+#include "library/layouts/joint_pairs.h"
+#include "runtime/engine/world/axis_drive.h"
 
 namespace cdb::world {
 
-/// The links of a scene, which are in its world as long as this lives. Each holds an object to the
-/// next one of its group. With `links.anchor`, the first object is also held to a point of the
-/// world, as if one more object preceded it: as far from it as the second (a single object hangs
-/// from half its height above its centre of mass). Two fixed objects are not linked. Linked objects
+/// The links and joints of a scene, which are in its world as long as this lives. A link holds an
+/// object to the next one of its group. With `links.anchor`, the first object is also held to a
+/// point of the world, as if one more object preceded it: as far from it as the second (a single
+/// object hangs from half its height above its centre of mass). A joint holds object i of a group
+/// to object i of another (layouts::JointPairsOf). Two fixed objects are not linked. Linked objects
 /// do not collide.
 ///
-///   ball, hinge, fixed  btPoint2PointConstraint, btHingeConstraint about the world's z,
-///                       btFixedConstraint; the pivot is in the middle between the centres of mass
+///   ball, hinge, fixed  btPoint2PointConstraint, btHingeConstraint (of links about the world's z),
+///                       btFixedConstraint; the pivot of links is in the middle between the centres
+///                       of mass
+///   slider              btGeneric6DofSpring2Constraint, free along one axis
 ///   spring              between the centres of mass, along a line that turns with the first of the
 ///                       two: the force is k x + c dx/dt with the state at the start of the step,
 ///                       neither limited nor softened, so that it explodes if w dt exceeds 2; the
 ///                       other object is held on the line by Bullet's
 ///                       btGeneric6DofSpring2Constraint and turns freely
-/// Not thread-safe.
+/// The damping, the motor and the limits of a joint are rows of a constraint of their own,
+/// AxisDrive. Not thread-safe.
 class Links {
  public:
   /// `objects` are those of `state`, at their initial poses. World and objects must outlive it.
@@ -38,13 +46,15 @@ class Links {
   bool HasJoints() const { return joints_; }
   /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
   void MarkHeld(std::vector<char>& marks, char mark) const;
-  /// Distances between the two pivots of a joint, m, and what they add up to along a chain of
-  /// joints; 0 without joints.
+  /// Distances between the two pivots of a joint (of a slider, from its axis), or of a slider past
+  /// its limits, m, and what the first add up to along a chain of joints; 0 without joints.
   struct Gaps {
     double largest = 0, sum = 0;
     double stretch = 0;  ///< largest sum of the gaps of a chain over its length
     /// Largest angle, rad: of an object from where the first body of its chain would hold it by
-    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other.
+    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other; of what
+    /// is held by a fixed joint or a slider, not by a link, from its orientation; of a hinge past
+    /// its limits.
     double bend = 0;
   };
   Gaps MeasureGaps() const;
@@ -56,26 +66,41 @@ class Links {
   double SpringEnergy(double timestep) const;
 
  private:
+  enum class Kind { kBall, kHinge, kFixed, kSlider, kSpring };
   struct Link {
+    Kind kind;
     std::unique_ptr<btTypedConstraint> constraint;
+    std::unique_ptr<AxisDrive> drive;  ///< null without damping, motor and limits
     const btRigidBody *first, *second;
     btVector3 pivot_in_first, pivot_in_second;  ///< m; for a spring, its ends
-    btVector3 line_in_first;                    ///< unit vector of a spring; 0 for a joint
-    double length = 0;                          ///< m, at rest
+    btVector3 line_in_first;                    ///< unit vector of a spring, a hinge or a slider
+    double length = 0;                          ///< m, of a spring at rest
     double stiffness = 0;                       ///< N/m; 0 for a joint
-    std::size_t root = 0;                       ///< the first link of its chain
+    std::size_t root = 0;                       ///< the first of the fixed ones that hold this one
+    std::size_t before = 0;                     ///< the link that holds `first`, or itself
     double chain = 0;                           ///< m: length of the chain up to its end
     btVector3 second_in_root;                   ///< m: in the first body of the root, at the start
+    /// The orientation of the second in the first at the start; nullopt if it is not watched.
+    std::optional<btMatrix3x3> turn;
   };
 
   double BendOf(const Link& link) const;
+  /// From the pivot of the first to that of the second, where they should be the same.
+  Eigen::Vector3d GapOf(const Link& link) const;
 
+  void AddLinks(const plan::Group& group, const layouts::ObjectState& object, std::size_t first,
+                std::size_t end, const std::vector<std::unique_ptr<btRigidBody>>& objects);
   /// `from`: the position of the first of the two, or where it would be.
-  void Add(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
-           const btVector3& from);
+  void AddLink(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
+               const btVector3& from);
+  void AddJoint(const layouts::JointPair& pair, const layouts::InitialState& state,
+                const std::vector<std::unique_ptr<btRigidBody>>& objects);
+  /// `length`: of the chain, m.
+  void Add(Link link, btRigidBody& first, btRigidBody& second, double length);
 
   btDiscreteDynamicsWorld& world_;
   std::vector<Link> links_;
+  std::map<const btRigidBody*, std::size_t> holders_;  ///< the first link whose second it is
   bool joints_ = false;
 };
 

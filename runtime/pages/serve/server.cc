@@ -44,7 +44,7 @@ Json ParameterOf(const schema::Parameter& parameter, const std::string& text,
           {"value", written ? Json(*written) : Json()},
           {"default", std::string(parameter.DefaultText())},
           {"takes", parameter.Takes()},
-          {"unit", std::string(parameter.unit)},
+          {"unit", parameter.UnitText()},
           {"doc", std::string(parameter.doc)}};
 }
 
@@ -56,7 +56,8 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
       if (!parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, ""));
     for (const std::string& group : GroupsIn(text, benchmark))
       for (const schema::Parameter& parameter : schema::Schema())
-        if (parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, group));
+        if (parameter.grouped && !parameter.IsOfJoints())
+          parameters.push_back(ParameterOf(parameter, text, benchmark, group));
   } catch (const EditError&) {
     return nullptr;  // the diagnostics give the reason
   }

@@ -51,6 +51,23 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "energy: a schedule changes the acceleration; losses: a schedule changes the acceleration"},
       {"objects a { quantity 3; links { type ball } }", "energy, losses, passing, joints",
        "sleep: links may hold the objects of group a, and their forces are not judged"},
+      {"objects a { quantity 3 } joints { child a; type ball }", "energy, losses, passing, joints",
+       "sleep: joints may hold the objects of group a, and their forces are not judged"},
+      {"objects a { quantity 3 } joints elbow { child a; damping 1 }", "energy, passing, joints",
+       "losses: the joint elbow has damping; sleep: joints may hold the objects of group a, and "
+       "their forces are not judged"},
+      {"objects a { quantity 3 } joints { child a; limits { lower -1; upper 1 } }",
+       "energy, passing, joints",
+       "losses: the joint has limits; sleep: joints may hold the objects of group a, and their "
+       "forces are not judged"},
+      {"objects a { quantity 3 } joints elbow { child a; motor { velocity 1; effort 2 } }",
+       "passing, joints",
+       "energy: a motor drives the joint elbow; losses: a motor drives the joint elbow; sleep: "
+       "joints may hold the objects of group a, and their forces are not judged"},
+      {"objects a { quantity 3 } objects b { quantity 0 } joints elbow { parent b; child a; "
+       "damping "
+       "1 }",
+       "energy, losses, passing, sleep", ""},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
        "energy, losses, passing, edges, sleep", ""},
       {"objects a { quantity 3; type cuboid }", "energy, losses, passing, friction, sleep", ""},

@@ -104,6 +104,32 @@ TEST(PlanYaml, RefusesPluginsThatDoNotFit) {
             std::string::npos);
 }
 
+TEST(PlanYaml, ReadsJointsBackAndRefusesThoseThatCannotBe) {
+  const compiler::Compilation result = CompileText(
+      "benchmark b { objects a { quantity 2 } objects c { quantity 2; location uniform }\n"
+      "joints elbow { parent a; child c; type hinge; damping sweep(1, 2); at (0, 1, 0) }\n"
+      "joints { child a; type ball } }");
+  ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  const plan::Plan& plan = result.plans.at(0);
+  EXPECT_EQ(plan.axes.at(0).name, "elbow_damping");
+  EXPECT_EQ(plan.axes[0].unit, "N m s/rad");
+  const std::string yaml = yaml::ToYaml(plan);
+  EXPECT_TRUE(yaml::FromYaml(yaml, "plan.yaml") == plan);
+  for (const plan::Run& run : plan.runs) EXPECT_EQ(run.id, plan::RunId(run.scene, run.rep));
+  EXPECT_NE(plan.runs[0].id, plan.runs[1].id);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "joints.parent: a", "joints.parent: d")).find("no group `d`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "joints.child: c", "joints.child: a")).find("joins a to itself"),
+            std::string::npos);
+  EXPECT_NE(
+      ErrorOf(Replaced(yaml, "joints.damping: 1", "damping: 1")).find("no parameter `damping`"),
+      std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "joints.damping: 1", "size: 1")).find("no parameter `size`"),
+            std::string::npos);
+  EXPECT_NE(ErrorOf(Replaced(yaml, "joints.damping: 1", "joints.damping: 3")).find("by hand"),
+            std::string::npos);
+}
+
 TEST(RunId, IsOfTheLibraryToo) {
   const plan::Plan plan = PluginsExample();
   const plan::Plan again = PluginsExample();

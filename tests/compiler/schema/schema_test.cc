@@ -97,6 +97,7 @@ TEST(Schema, BlocksFollowFromItsNames) {
   using Blocks = std::vector<std::string_view>;
   EXPECT_EQ(schema::BlocksIn("", true), Blocks({"links"}));
   EXPECT_EQ(schema::BlocksIn("links", true), Blocks());
+  EXPECT_EQ(schema::BlocksIn("joints", true), Blocks({"limits", "motor"}));
   const Blocks of_world = schema::BlocksIn("", false);
   for (const std::string_view block : {"world", "solver"})
     EXPECT_EQ(std::ranges::count(of_world, block), 1) << block;
@@ -137,10 +138,9 @@ TEST(ParametrisedWords, AreDocumentedAndTakenBySomething) {
 
 TEST(ParametrisedWords, AreShownWithWhatTheyNeed) {
   const std::string location = (*schema::GroupParameter("location")).Takes();
-  EXPECT_EQ(
-      location,
-      "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( ), poses( ), "
-      "path( )");
+  EXPECT_EQ(location,
+            "one of uniform, normal, grid, stack, pyramid, pile, ring, line, at( ), pair( ), "
+            "relative_to( ), poses( ), path( )");
   EXPECT_EQ((*schema::WorldParameter("acceleration")).Takes(),
             "a vector (x, y, z), or 0, or every( ), or rotating( ), or a distribution");
   EXPECT_EQ(

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "library/layouts/placement.h"
 #include "library/objects/distance.h"
@@ -47,6 +50,62 @@ TEST(Layout, GridFillsTheCube) {
   // A full cube needs no larger lattice.
   const layouts::InitialState full = layouts::MakeInitialState(LayoutScene(27, 6, Layout("grid")));
   ExpectAt(full.objects[26], {2, 2, 2});
+}
+
+schema::Value RelativeTo(std::string_view group, const Vector3d& offset) {
+  return schema::Call{"relative_to", {Word(group), schema::Value(offset)}};
+}
+
+TEST(Layout, RelativeToIsInTheFrameOfTheOther) {
+  plan::Scene scene = LayoutScene(2, 20, Layout("line", {{"gap", 3.0}}));
+  SetGroup(scene, "orientation", Vector3d(0, 0, std::numbers::pi / 2));
+  const std::size_t child = AddGroup(scene, "child", 2, RelativeTo("objects", {0, -1.5, 0.25}));
+  SetGroup(scene, "orientation", Vector3d(0, 1, 0), child);
+  AddGroup(scene, "grandchild", 2, RelativeTo("child", {0, -1.5, 0}));
+  const auto state = layouts::MakeInitialState(scene);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3d::UnitZ()));
+  const Eigen::Quaterniond own(Eigen::AngleAxisd(1, Vector3d::UnitY()));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vector3d& first = state.objects[i].pose.position;
+    ExpectAt(state.objects[2 + i], first + Vector3d(1.5, 0, 0.25));
+    ExpectAt(state.objects[4 + i], first + Vector3d(3, 0, 0.25));
+    EXPECT_NEAR(state.objects[2 + i].pose.orientation.angularDistance(turn * own), 0, 1e-7);
+  }
+}
+
+TEST(Layout, RelativeToNeedsAGroupBefore) {
+  const auto refused = [](const std::function<void(plan::Scene&)>& change) {
+    plan::Scene scene = LayoutScene(2, 20, Layout("line", {{"gap", 3.0}}));
+    AddGroup(scene, "child", 2, RelativeTo("objects", {0, -1.5, 0}));
+    change(scene);
+    try {
+      layouts::MakeInitialState(scene);
+    } catch (const library::SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(refused([](plan::Scene&) {}), "accepted");
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "quantity", std::uint64_t{3});
+            }).find("group `child` has 2 objects, but `relative_to` places one at each of the 3"),
+            std::string::npos);
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "location", Word("uniform"));
+            }).find("is placed at random"),
+            std::string::npos);
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              std::swap(scene.groups[0], scene.groups[1]);
+            }).find("is written after it"),
+            std::string::npos);
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "location", RelativeTo("child", {1, 0, 0}), 1);
+            }).find("it is at its own group"),
+            std::string::npos);
+  EXPECT_NE(refused([](plan::Scene& scene) {
+              SetGroup(scene, "location", RelativeTo("objects", {0, -0.5, 0}), 1);
+            }).find("overlap"),
+            std::string::npos);
 }
 
 TEST(Layout, ListedPoints) {

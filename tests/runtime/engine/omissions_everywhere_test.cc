@@ -196,6 +196,13 @@ class SceneAtRandom {
       SetGroup(scene, "links.anchor",
                Chance(0.5) || scene.groups[0].settings.Count("quantity") == 1);
     }
+    if (Chance(0.05)) {
+      scene.joints.push_back({"joints", {}});
+      plan::GroupSettings& joint = scene.joints[0].settings;
+      joint.Set("joints.child", Word(scene.groups[0].name));
+      joint.Set("joints.type", Word(Pick({"ball", "hinge", "fixed", "slider"})));
+      joint.Set("joints.at", Vector3d(size * Unit(), size * Unit(), 0));
+    }
     SeedStreams(scene, random_());
     return scene;
   }

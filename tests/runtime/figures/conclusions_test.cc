@@ -401,6 +401,15 @@ TEST(ErrorOrder, IsJudgedInEachCase) {
   EXPECT_EQ(one.certainty, Certainty::kUnknown);
 }
 
+TEST(ErrorOrder, IsNotToldFromAnIntervalThatHasAnySign) {
+  const Conclusion few = OrderOf({{0.4, 0.1, 0.09}}, kAllSound);
+  EXPECT_EQ(few.answer,
+            "It falls with each shorter time step, but the order cannot be told from so few or "
+            "such scattered errors: as the time step to the power 1.08 (95 % interval -5.67 .. "
+            "7.82).");
+  EXPECT_EQ(few.certainty, Certainty::kUnknown);
+}
+
 TEST(ErrorOrder, IsInTheFigureOfTheError) {
   const std::string orders = WithErrors(
       {{0.4, 0.1, 0.025}, {0.04, 0.02, 0.01}, {0.4, 0.2, 0.1}},

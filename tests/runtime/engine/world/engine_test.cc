@@ -50,6 +50,10 @@ Change Objects(schema::GroupParameter name, schema::Value value) {
   return [=](plan::Scene& scene) { SetGroup(scene, name, value); };
 }
 
+Change Joints(schema::GroupParameter name, schema::Value value) {
+  return [=](plan::Scene& scene) { scene.joints[0].settings.Set(name, value); };
+}
+
 plan::Scene With(plan::Scene scene, const Change& change) {
   change(scene);
   return scene;
@@ -73,7 +77,44 @@ std::vector<Variations> AllVariations() {
     SetGroup(scene, "links.type", Word("spring"));
     return scene;
   }();
+  const plan::Scene arm = [] {
+    plan::Scene scene = EngineScene(1, 500);
+    SetWorld(scene, "cycles", std::uint64_t{50});
+    SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}));
+    SetGroup(scene, "angular_velocity", Vector3d(1, 0, 2));
+    scene.groups.push_back({"lower", scene.groups[0].settings});
+    SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", -60.0}, {"z", 0.0}}), 1);
+    SetGroup(scene, "angular_velocity", Vector3d(0, 0, 0), 1);
+    scene.joints.push_back({"elbow", {}});
+    scene.joints[0].settings.Set("joints.parent", Word("objects"));
+    scene.joints[0].settings.Set("joints.child", Word("lower"));
+    return scene;
+  }();
+  const plan::Scene limited = [&] {
+    plan::Scene scene = arm;
+    scene.joints[0].settings.Set("joints.limits.lower", -0.25);
+    scene.joints[0].settings.Set("joints.limits.upper", 0.25);
+    scene.joints[0].settings.Set("joints.motor.velocity", 1.0);
+    scene.joints[0].settings.Set("joints.motor.effort", 1e3);
+    return scene;
+  }();
   return {
+      {arm,
+       {
+           {"joints.parent", Joints("joints.parent", Word("world"))},
+           {"joints.child", Joints("joints.child", Word("world"))},
+           {"joints.type", Joints("joints.type", Word("ball"))},
+           {"joints.at", Joints("joints.at", Vector3d(0, -30, 0))},
+           {"joints.axis", Joints("joints.axis", Vector3d(1, 0, 0))},
+           {"joints.damping", Joints("joints.damping", 10.0)},
+       }},
+      {limited,
+       {
+           {"joints.limits.lower", Joints("joints.limits.lower", -0.125)},
+           {"joints.limits.upper", Joints("joints.limits.upper", 0.125)},
+           {"joints.motor.velocity", Joints("joints.motor.velocity", -1.0)},
+           {"joints.motor.effort", Joints("joints.motor.effort", 10.0)},
+       }},
       {crowd,
        {
            {"cycles", World("cycles", std::uint64_t{151})},

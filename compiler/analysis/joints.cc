@@ -1,0 +1,172 @@
+#include "compiler/analysis/joints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "compiler/analysis/expectation.h"
+#include "compiler/schema/parametrised_words.h"
+
+namespace cdb::analysis {
+namespace {
+
+using Kind = JointFault::Kind;
+using schema::GroupParameter;
+using Fault = std::optional<JointFault>;
+
+constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
+constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
+constexpr auto kLower = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.lower");
+constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.upper");
+
+bool HasNumber(const plan::Joint& joint, GroupParameter parameter) {
+  return schema::AsNumber(joint.settings.Get(parameter)) != nullptr;
+}
+
+const plan::Joint* FindJoint(const plan::Scene& scene, auto has) {
+  const auto found = std::ranges::find_if(scene.joints, [&](const plan::Joint& joint) {
+    return scene.HoldsObjects(joint) && has(joint);
+  });
+  return found == scene.joints.end() ? nullptr : &*found;
+}
+
+/// The sides of a joint that exist: null stands for the world.
+struct Sides {
+  std::string_view parent, child;
+  const plan::Group *of_parent, *of_child;
+
+  Sides(const plan::Scene& scene, const plan::Joint& joint)
+      : parent(joint.settings.WordOr(kParent)),
+        child(joint.settings.WordOr(kChild)),
+        of_parent(scene.FindGroup(parent)),
+        of_child(scene.FindGroup(child)) {}
+};
+
+bool CannotMove(const plan::Group* group) {
+  return group == nullptr || group->settings.WordOr("mass") == "fixed" ||
+         group->settings.WordOr("mass") == kKinematicWord;
+}
+
+Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
+  const Sides sides(scene, joint);
+  if (sides.child == "none")
+    return JointFault{kChild, fmt::format("{} has no child", TextOf(joint)),
+                      "name the group that it joins to the parent: child NAME"};
+  if (sides.parent == sides.child)
+    return JointFault{kChild, fmt::format("{} joins {} to itself", TextOf(joint), sides.child),
+                      sides.child == plan::kWorldWord
+                          ? "name a group of objects"
+                          : "links { … } joins each object of a group to the next one"};
+  if (sides.parent != plan::kWorldWord && sides.of_parent == nullptr)
+    return JointFault{kParent, std::string(sides.parent), {}, Kind::kUnknownGroup};
+  if (sides.child != plan::kWorldWord && sides.of_child == nullptr)
+    return JointFault{kChild, std::string(sides.child), {}, Kind::kUnknownGroup};
+  if (!scene.HoldsObjects(joint)) return std::nullopt;
+  const auto count = [](const plan::Group* group) -> std::uint64_t {
+    return group == nullptr ? 1 : group->settings.Count("quantity");
+  };
+  const std::uint64_t parents = count(sides.of_parent), children = count(sides.of_child);
+  if (parents != children && parents != 1 && children != 1)
+    return JointFault{kChild,
+                      fmt::format("{} joins {} objects of {} to {} of {}", TextOf(joint), parents,
+                                  sides.parent, children, sides.child),
+                      "give both groups the same quantity, or one of them a single object",
+                      Kind::kQuantity};
+  if (CannotMove(sides.of_parent) && CannotMove(sides.of_child))
+    return JointFault{kChild,
+                      fmt::format("nothing can move {} or {}, so {} has no effect", sides.parent,
+                                  sides.child, TextOf(joint)),
+                      "give one of them a mass"};
+  for (const plan::Group* group : {sides.of_parent, sides.of_child}) {
+    if (group == nullptr) continue;
+    const schema::Call* layout = schema::AsCall(group->settings.Get("location"));
+    if (layout != nullptr && layout->name == "pile")
+      return JointFault{
+          group == sides.of_parent ? kParent : kChild,
+          fmt::format("the {} settle in a pile, which cannot have joints", group->name),
+          "write another location"};
+  }
+  return std::nullopt;
+}
+
+/// What a joint of this type does not have.
+Fault FindTypeFault(const plan::Joint& joint) {
+  const std::string_view type = joint.settings.WordOr("joints.type");
+  if (type == "hinge" || type == "slider") return std::nullopt;
+  struct Part {
+    GroupParameter parameter;
+    const char* what;
+  };
+  constexpr std::array<Part, 6> kParts = {{{"joints.axis", "axis"},
+                                           {"joints.limits.lower", "limits"},
+                                           {"joints.limits.upper", "limits"},
+                                           {"joints.damping", "damping"},
+                                           {"joints.motor.velocity", "motor"},
+                                           {"joints.motor.effort", "motor"}}};
+  for (const Part& part : kParts)
+    if (joint.settings.Has(*part.parameter))
+      return JointFault{
+          part.parameter,
+          fmt::format("{} has no {}, as its type is {}", TextOf(joint), part.what, type),
+          "remove it, or write type hinge or type slider"};
+  return std::nullopt;
+}
+
+Fault FindLimitFault(const plan::Joint& joint) {
+  const bool has_lower = HasNumber(joint, kLower), has_upper = HasNumber(joint, kUpper);
+  if (!has_lower && !has_upper) return std::nullopt;
+  if (has_lower != has_upper)
+    return JointFault{has_lower ? kLower : kUpper,
+                      fmt::format("{} has only one limit", TextOf(joint)),
+                      "give both, lower and upper, or none"};
+  const double lower = joint.settings.Real(kLower), upper = joint.settings.Real(kUpper);
+  if (lower >= upper)
+    return JointFault{
+        kUpper,
+        fmt::format("the upper limit of {}, {}, is not above the lower one, {}", TextOf(joint),
+                    schema::FormatReal(upper), schema::FormatReal(lower)),
+        lower == upper ? "write type fixed if it cannot move" : "exchange them"};
+  if (lower > 0 || upper < 0)
+    return JointFault{lower > 0 ? kLower : kUpper,
+                      fmt::format("{} starts at 0, outside its limits", TextOf(joint)),
+                      "limits are measured from the initial poses"};
+  return std::nullopt;
+}
+
+Fault FindMotorFault(const plan::Joint& joint) {
+  const GroupParameter velocity = "joints.motor.velocity", effort = "joints.motor.effort";
+  if (HasNumber(joint, velocity) == HasNumber(joint, effort)) return std::nullopt;
+  if (HasNumber(joint, velocity))
+    return JointFault{velocity, fmt::format("the motor of {} has no effort", TextOf(joint)),
+                      "state its largest torque or force: motor.effort"};
+  return JointFault{effort, fmt::format("the motor of {} is off", TextOf(joint)),
+                    "give it a velocity, or remove the effort"};
+}
+
+}  // namespace
+
+std::string TextOf(const plan::Joint& joint) {
+  return joint.name == schema::kJointsBlock ? "the joint" : "the joint " + joint.name;
+}
+
+bool HasLimits(const plan::Joint& joint) { return HasNumber(joint, kLower); }
+
+bool HasMotor(const plan::Joint& joint) { return HasNumber(joint, "joints.motor.velocity"); }
+
+const plan::Joint* FindMotor(const plan::Scene& scene) { return FindJoint(scene, HasMotor); }
+
+const plan::Joint* FindLosses(const plan::Scene& scene) {
+  return FindJoint(scene, [](const plan::Joint& joint) {
+    return HasLimits(joint) || joint.settings.Real("joints.damping") > 0;
+  });
+}
+
+std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (Fault fault = FindSideFault(scene, joint)) return fault;
+  if (Fault fault = FindTypeFault(joint)) return fault;
+  if (Fault fault = FindLimitFault(joint)) return fault;
+  return FindMotorFault(joint);
+}
+
+}  // namespace cdb::analysis

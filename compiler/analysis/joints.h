@@ -1,0 +1,31 @@
+// Joints between the objects of two groups: what their settings mean, and which cannot be.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "compiler/plan/plan.h"
+
+namespace cdb::analysis {
+
+/// For messages: `the joint elbow`.
+std::string TextOf(const plan::Joint& joint);
+bool HasLimits(const plan::Joint& joint);
+bool HasMotor(const plan::Joint& joint);
+/// The first joint that holds objects and has a motor; null if there is none. Likewise for limits
+/// or damping, which take energy.
+const plan::Joint* FindMotor(const plan::Scene& scene);
+const plan::Joint* FindLosses(const plan::Scene& scene);
+
+struct JointFault {
+  enum class Kind { kContradiction, kQuantity, kUnknownGroup };
+  schema::GroupParameter parameter;  ///< whose value is at fault
+  std::string message;               ///< kUnknownGroup: the name
+  std::string help = {};
+  Kind kind = Kind::kContradiction;
+};
+
+/// The reason why this joint of the scene cannot be made; nullopt if it can.
+std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::Joint& joint);
+
+}  // namespace cdb::analysis

@@ -1,0 +1,99 @@
+#include "runtime/engine/world/axis_drive.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dsl/text/check.h"
+
+namespace cdb::world {
+namespace {
+
+/// A row of a constraint: the velocity that it seeks, and the impulses that it may use.
+struct Row {
+  btScalar velocity, least, most;
+};
+
+void Put(const btVector3& vector, btScalar* row) {
+  for (int i = 0; i < 3; ++i) row[i] = vector[i];
+}
+
+}  // namespace
+
+AxisDrive::AxisDrive(btRigidBody& first, btRigidBody& second, const Settings& settings,
+                     const btVector3& axis_in_first, const btVector3& pivot_in_first,
+                     const btVector3& pivot_in_second)
+    : btTypedConstraint(MAX_CONSTRAINT_TYPE, first, second),
+      settings_(settings),
+      axis_in_first_(axis_in_first),
+      pivot_in_first_(pivot_in_first),
+      pivot_in_second_(pivot_in_second) {
+  btVector3 other;
+  btPlaneSpace1(axis_in_first_, across_in_first_, other);
+  across_in_second_ = first.getWorldTransform().getBasis() * across_in_first_ *
+                      second.getWorldTransform().getBasis();
+}
+
+btScalar AxisDrive::Position() const {
+  const btTransform &first = m_rbA.getWorldTransform(), &second = m_rbB.getWorldTransform();
+  const btVector3 axis = first.getBasis() * axis_in_first_;
+  if (!settings_.turns) return axis.dot(second * pivot_in_second_ - first * pivot_in_first_);
+  const btVector3 from = first.getBasis() * across_in_first_;
+  const btVector3 to = second.getBasis() * across_in_second_;
+  const btScalar angle = btAtan2(axis.dot(from.cross(to)), from.dot(to));
+  return angle + SIMD_2_PI * std::round((last_ - angle) / SIMD_2_PI);
+}
+
+double AxisDrive::Excess() const {
+  if (!settings_.HasLimits()) return 0;
+  const auto position = static_cast<double>(Position());
+  return std::max({0., settings_.lower - position, position - settings_.upper});
+}
+
+void AxisDrive::getInfo1(btConstraintInfo1* info) {
+  info->m_numConstraintRows = (settings_.damping != 0 ? 1 : 0) + (settings_.effort != 0 ? 1 : 0) +
+                              (settings_.HasLimits() ? 2 : 0);
+  info->nub = 0;
+}
+
+void AxisDrive::getInfo2(btConstraintInfo2* info) {
+  last_ = Position();
+  const btTransform &first = m_rbA.getWorldTransform(), &second = m_rbB.getWorldTransform();
+  const btVector3 axis = first.getBasis() * axis_in_first_, point = second * pivot_in_second_;
+  const btVector3 linear = settings_.turns ? btVector3(0, 0, 0) : axis;
+  const btVector3 of_first = settings_.turns ? axis : (point - first.getOrigin()).cross(axis);
+  const btVector3 of_second = settings_.turns ? axis : (point - second.getOrigin()).cross(axis);
+  int count = 0;
+  const auto add = [&](const Row& row) {
+    const int at = count++ * info->rowskip;
+    Put(-linear, info->m_J1linearAxis + at);
+    Put(-of_first, info->m_J1angularAxis + at);
+    Put(linear, info->m_J2linearAxis + at);
+    Put(of_second, info->m_J2angularAxis + at);
+    info->m_constraintError[at] = row.velocity;
+    info->m_lowerLimit[at] = row.least;
+    info->m_upperLimit[at] = row.most;
+  };
+  if (settings_.damping != 0) {
+    const btScalar rate = linear.dot(m_rbB.getLinearVelocity() - m_rbA.getLinearVelocity()) +
+                          of_second.dot(m_rbB.getAngularVelocity()) -
+                          of_first.dot(m_rbA.getAngularVelocity());
+    const btScalar impulse = -static_cast<btScalar>(settings_.damping) * rate / info->fps;
+    add({0, impulse, impulse});
+  }
+  if (settings_.effort != 0) {
+    const btScalar most = static_cast<btScalar>(settings_.effort) / info->fps;
+    add({static_cast<btScalar>(settings_.velocity), -most, most});
+  }
+  if (!settings_.HasLimits()) return;
+  const auto approach = [&](double limit, btScalar inside) {
+    const btScalar room = static_cast<btScalar>(limit) - last_;
+    return (room * inside < 0 ? info->erp : btScalar(1)) * room * info->fps;
+  };
+  add({approach(settings_.lower, -1), 0, SIMD_INFINITY});
+  add({approach(settings_.upper, 1), -SIMD_INFINITY, 0});
+}
+
+void AxisDrive::setParam(int, btScalar, int) { CDB_CHECK(false); }
+btScalar AxisDrive::getParam(int, int) const { CDB_CHECK(false); }
+
+}  // namespace cdb::world

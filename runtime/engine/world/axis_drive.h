@@ -1,0 +1,53 @@
+// The damping, the motor and the limits of a hinge or a slider.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+namespace cdb::world {
+
+/// Acts along (slider) or about (hinge) an axis that turns with the first of two bodies, on the
+/// position q of the second relative to the first, which is 0 at the start: a way in m, or an angle
+/// in rad, of any number of turns. SI units; impulses of a step are those of a force F times dt.
+///
+///   damping  -c dq/dt with the state at the start of the step, neither limited nor softened
+///   motor    whatever makes dq/dt the velocity, up to the effort
+///   limits   what keeps q within them after the step, inelastically; what is beyond a limit is
+///            corrected by the solver's error reduction
+///
+/// Not thread-safe.
+class AxisDrive : public btTypedConstraint {
+ public:
+  struct Settings {
+    bool turns = false;  ///< about the axis
+    double damping = 0;
+    double velocity = 0, effort = 0;  ///< no motor if the effort is 0
+    double lower = 1, upper = -1;     ///< no limits if lower > upper
+
+    bool HasLimits() const { return lower <= upper; }
+    bool IsIdle() const { return damping == 0 && effort == 0 && !HasLimits(); }
+  };
+
+  /// The axis, a unit vector, and the pivot are in the frame of the body named; their bodies are at
+  /// their initial poses.
+  AxisDrive(btRigidBody& first, btRigidBody& second, const Settings& settings,
+            const btVector3& axis_in_first, const btVector3& pivot_in_first,
+            const btVector3& pivot_in_second);
+
+  /// How far q is past a limit; 0 within.
+  double Excess() const;
+
+  void getInfo1(btConstraintInfo1* info) override;
+  void getInfo2(btConstraintInfo2* info) override;
+  void setParam(int num, btScalar value, int axis) override;
+  btScalar getParam(int num, int axis) const override;
+
+ private:
+  btScalar Position() const;
+
+  const Settings settings_;
+  const btVector3 axis_in_first_, pivot_in_first_, pivot_in_second_;
+  btVector3 across_in_first_, across_in_second_;  ///< equal at the start, perpendicular to the axis
+  btScalar last_ = 0;                             ///< q before the last step
+};
+
+}  // namespace cdb::world
