@@ -1,0 +1,62 @@
+// The contact points of a pair whose contacts a detector finds.
+#pragma once
+
+#include <btBulletCollisionCommon.h>
+
+#include <span>
+
+#include "library/detectors/detector.h"
+
+namespace cdb::detection {
+
+/// Stands in a pair for the algorithm that Bullet has there, so that Bullet's own clean-up frees
+/// its manifold with the pair. The points are those that btManifoldResult would make, to the bit,
+/// without its set-up for each of them. Assumes that the materials of bodies do not change.
+///
+/// To be allocated by allocateCollisionAlgorithm of the dispatcher. Not thread-safe.
+class KeptContacts final : public btCollisionAlgorithm {
+ public:
+  KeptContacts(btDispatcher& dispatcher, const btCollisionObject& a, const btCollisionObject& b);
+  ~KeptContacts() override { m_dispatcher->releaseManifold(&manifold_); }
+  KeptContacts(const KeptContacts&) = delete;
+  KeptContacts& operator=(const KeptContacts&) = delete;
+
+  /// What Bullet 3.24 does in a cycle before contacts are added: discards those of two balls.
+  void Begin() {
+    if (are_balls_) manifold_.clearManifold();
+  }
+  /// Adds the contacts of the cycle, all of this pair.
+  void Add(std::span<const Contact> contacts);
+  /// What it does after that: moves the points with their bodies, but those of two balls, and drops
+  /// those whose bodies are no longer close there.
+  void Refresh();
+
+  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
+                        const btDispatcherInfo&, btManifoldResult*) override;
+  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                 btManifoldResult*) override {
+    return 1;
+  }
+  void getAllContactManifolds(btManifoldArray& manifolds) override {
+    manifolds.push_back(&manifold_);
+  }
+
+ private:
+  /// What the points of a pair have in common.
+  struct Material {
+    btScalar friction, restitution, rolling_friction, spinning_friction;
+    btScalar stiffness, damping;
+    bool is_soft;  ///< has the last two
+  };
+
+  static Material MaterialOf(const btCollisionObject* a, const btCollisionObject* b);
+  int PlaceFor(const btVector3& local_a) const;
+  void AddByBullet(std::span<const Contact> contacts);
+
+  btPersistentManifold& manifold_;
+  const bool are_balls_;
+  const bool is_plain_;  ///< neither body has a setting that Bullet treats contact by contact
+  const Material material_;
+};
+
+}  // namespace cdb::detection
