@@ -107,7 +107,7 @@ class Batch final : public Detector {
       const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
       const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
-      const auto before = std::ssize(contacts);
+      const std::size_t before = contacts.size();
       for (std::uint32_t i = 0; i < of_a.count; ++i)
         for (std::uint32_t j = 0; j < of_b.count; ++j) {
           const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
@@ -119,10 +119,7 @@ class Batch final : public Detector {
               contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
       // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
-      if (std::ssize(contacts) > before + 1)
-        std::stable_sort(
-            contacts.begin() + before, contacts.end(),
-            [](const Contact& x, const Contact& y) { return x.distance > y.distance; });
+      SortByDepth(std::span(contacts).subspan(before));
     }
   }
 
@@ -139,6 +136,17 @@ class Batch final : public Detector {
   static bool IsFinite(const Point& point) {
     const auto& [x, y, z] = point.on_b;
     return std::isfinite(x + y + z + point.gap + point.normal.x + point.normal.y + point.normal.z);
+  }
+  /// Stable, and for a few contacts: most pairs have at most four, and compounds a few more.
+  static void SortByDepth(std::span<Contact> contacts) {
+    for (std::size_t i = 1; i < contacts.size(); ++i) {
+      if (!(contacts[i].distance > contacts[i - 1].distance)) continue;
+      const Contact moved = contacts[i];
+      std::size_t to = i;
+      for (; to > 0 && moved.distance > contacts[to - 1].distance; --to)
+        contacts[to] = contacts[to - 1];
+      contacts[to] = moved;
+    }
   }
   static Contact ContactOf(const Pair& pair, const Vec3& origin, const Point& point,
                            bool is_swapped) {

@@ -83,11 +83,7 @@ void AdapterDispatcher::Visit(const Pair& bodies, btBroadphasePair& pair,
   if (pair.m_internalTmpValue == kBullet) return getNearCallback()(pair, *this, info);
   const btCollisionObject &a = view_.body(bodies.a), &b = view_.body(bodies.b);
   if (!needsCollision(&a, &b)) return;
-  if (pair.m_algorithm != nullptr) {
-    KeptOf(pair)->Begin();
-  } else if (!info.m_deterministicOverlappingPairs) {
-    Make(pair);
-  }
+  if (pair.m_algorithm == nullptr && !info.m_deterministicOverlappingPairs) Make(pair);
   asked_.push_back(bodies);
   places_.push_back({&pair, 0, 0});
 }
@@ -203,8 +199,7 @@ void AdapterDispatcher::Keep() {
     for (const Contact& contact : contacts) Check(contact);
     KeptContacts& kept =
         place.pair->m_algorithm != nullptr ? *KeptOf(*place.pair) : Make(*place.pair);
-    kept.Add(contacts);
-    kept.Refresh();
+    kept.Update(contacts, detector_.lists_all_points);
   }
 }
 

@@ -13,6 +13,31 @@ bool IsBall(const btCollisionObject& body) {
   return body.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
 }
 
+/// What the solver keeps in a point of the last cycle.
+struct Earlier {
+  btVector3 local_a = {BT_LARGE_FLOAT, 0, 0};
+  btScalar impulse = 0, right_side = 0, lateral_1 = 0, lateral_2 = 0;
+  int lifetime = 0;
+
+  Earlier() = default;
+  explicit Earlier(const btManifoldPoint& point)
+      : local_a(point.m_localPointA),
+        impulse(point.m_appliedImpulse),
+        right_side(point.m_prevRHS),
+        lateral_1(point.m_appliedImpulseLateral1),
+        lateral_2(point.m_appliedImpulseLateral2),
+        lifetime(point.m_lifeTime) {}
+  /// Once: an impulse is applied at one point.
+  void GiveTo(btManifoldPoint& point) {
+    point.m_appliedImpulse = impulse;
+    point.m_prevRHS = right_side;
+    point.m_appliedImpulseLateral1 = lateral_1;
+    point.m_appliedImpulseLateral2 = lateral_2;
+    point.m_lifeTime = lifetime + 1;
+    local_a.setX(BT_LARGE_FLOAT);
+  }
+};
+
 bool IsPlain(const btCollisionObject& body) {
   return (body.getCollisionFlags() & (btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK |
                                       btCollisionObject::CF_HAS_FRICTION_ANCHOR)) == 0;
@@ -65,14 +90,10 @@ int KeptContacts::PlaceFor(const btVector3& local_a) const {
   return nearest;
 }
 
-void KeptContacts::Add(std::span<const Contact> contacts) {
-  if (contacts.empty()) return;
-  if (!is_plain_) return AddByBullet(contacts);
-  const btTransform &pose_a = manifold_.getBody0()->getWorldTransform(),
-                    &pose_b = manifold_.getBody1()->getWorldTransform();
-  const btScalar threshold = manifold_.getContactBreakingThreshold();
+/// Makes a point without a place.
+void KeptContacts::Prepare(btManifoldPoint& point) const {
   const btVector3 none(0, 0, 0);
-  btManifoldPoint point(none, none, none, 0);
+  point = btManifoldPoint(none, none, none, 0);
   point.m_combinedFriction = material_.friction;
   point.m_combinedRestitution = material_.restitution;
   point.m_combinedRollingFriction = material_.rolling_friction;
@@ -82,15 +103,64 @@ void KeptContacts::Add(std::span<const Contact> contacts) {
     point.m_combinedContactDamping1 = material_.damping;
     point.m_contactPointFlags = BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING;
   }
+}
+
+void KeptContacts::Update(std::span<const Contact> contacts, bool are_all) {
+  if (are_all && is_plain_ && contacts.size() <= MANIFOLD_CACHE_SIZE) return Replace(contacts);
+  if (are_balls_) manifold_.clearManifold();
+  if (is_plain_) {
+    Add(contacts);
+  } else {
+    AddByBullet(contacts);
+  }
+  if (!are_balls_ && manifold_.getNumContacts() > 0)
+    manifold_.refreshContactPoints(manifold_.getBody0()->getWorldTransform(),
+                                   manifold_.getBody1()->getWorldTransform());
+}
+
+/// The place of a contact, in world coordinates and in those of both bodies.
+void KeptContacts::Place(const Contact& contact, btManifoldPoint& point) const {
+  const auto distance = static_cast<btScalar>(contact.distance);
+  point.m_normalWorldOnB = ToBullet(contact.normal);
+  point.m_positionWorldOnB = ToBullet(contact.on_b);
+  point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * distance;
+  point.m_localPointA =
+      manifold_.getBody0()->getWorldTransform().invXform(point.m_positionWorldOnA);
+  point.m_localPointB =
+      manifold_.getBody1()->getWorldTransform().invXform(point.m_positionWorldOnB);
+  point.m_distance1 = distance;
+}
+
+void KeptContacts::Replace(std::span<const Contact> contacts) {
+  const btScalar threshold = manifold_.getContactBreakingThreshold();
+  const int before = manifold_.getNumContacts();
+  Earlier earlier[MANIFOLD_CACHE_SIZE];
+  const std::span known(earlier, are_balls_ ? 0 : static_cast<std::size_t>(before));
+  for (std::size_t i = 0; i < known.size(); ++i)
+    known[i] = Earlier(manifold_.getContactPoint(static_cast<int>(i)));
+  int count = 0;
   for (const Contact& contact : contacts) {
-    const auto distance = static_cast<btScalar>(contact.distance);
-    if (distance > threshold) continue;
-    point.m_normalWorldOnB = ToBullet(contact.normal);
-    point.m_positionWorldOnB = ToBullet(contact.on_b);
-    point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * distance;
-    point.m_localPointA = pose_a.invXform(point.m_positionWorldOnA);
-    point.m_localPointB = pose_b.invXform(point.m_positionWorldOnB);
-    point.m_distance1 = distance;
+    if (static_cast<btScalar>(contact.distance) > threshold) continue;
+    manifold_.setNumContacts(count + 1);
+    btManifoldPoint& point = manifold_.getContactPoint(count);
+    if (count++ >= before) Prepare(point);
+    Place(contact, point);
+    Earlier none = {}, *nearest = &none;
+    btScalar least = threshold * threshold;
+    for (Earlier& one : known)
+      if (const btScalar square = (one.local_a - point.m_localPointA).length2(); square < least)
+        least = square, nearest = &one;
+    nearest->GiveTo(point);
+  }
+  manifold_.setNumContacts(count);
+}
+
+void KeptContacts::Add(std::span<const Contact> contacts) {
+  btManifoldPoint point;
+  Prepare(point);
+  for (const Contact& contact : contacts) {
+    if (static_cast<btScalar>(contact.distance) > manifold_.getContactBreakingThreshold()) continue;
+    Place(contact, point);
     const int place = PlaceFor(point.m_localPointA);
     if (place >= 0) {
       manifold_.replaceContactPoint(point, place);
@@ -113,12 +183,6 @@ void KeptContacts::AddByBullet(std::span<const Contact> contacts) {
   for (const Contact& contact : contacts)
     result.addContactPoint(ToBullet(contact.normal), ToBullet(contact.on_b),
                            static_cast<btScalar>(contact.distance));
-}
-
-void KeptContacts::Refresh() {
-  if (are_balls_ || manifold_.getNumContacts() == 0) return;
-  manifold_.refreshContactPoints(manifold_.getBody0()->getWorldTransform(),
-                                 manifold_.getBody1()->getWorldTransform());
 }
 
 }  // namespace cdb::detection

@@ -10,8 +10,9 @@
 namespace cdb::detection {
 
 /// Stands in a pair for the algorithm that Bullet has there, so that Bullet's own clean-up frees
-/// its manifold with the pair. The points are those that btManifoldResult would make, to the bit,
-/// without its set-up for each of them. Assumes that the materials of bodies do not change.
+/// its manifold with the pair. Accumulated points are those that btManifoldResult would make, to
+/// the bit, without its set-up for each of them. Assumes that the materials of bodies do not
+/// change.
 ///
 /// To be allocated by allocateCollisionAlgorithm of the dispatcher. Not thread-safe.
 class KeptContacts final : public btCollisionAlgorithm {
@@ -21,15 +22,16 @@ class KeptContacts final : public btCollisionAlgorithm {
   KeptContacts(const KeptContacts&) = delete;
   KeptContacts& operator=(const KeptContacts&) = delete;
 
-  /// What Bullet 3.24 does in a cycle before contacts are added: discards those of two balls.
-  void Begin() {
-    if (are_balls_) manifold_.clearManifold();
-  }
-  /// Adds the contacts of the cycle, all of this pair.
-  void Add(std::span<const Contact> contacts);
-  /// What it does after that: moves the points with their bodies, but those of two balls, and drops
-  /// those whose bodies are no longer close there.
-  void Refresh();
+  /// Takes the contacts of a cycle, all of this pair.
+  ///
+  /// If they are all that the bodies have, and at most four, they are the points of the manifold
+  /// from now on. A point starts with the impulses of the nearest earlier one within Bullet's
+  /// breaking threshold, except those of two balls, which Bullet forgets.
+  ///
+  /// Otherwise points accumulate as in Bullet: those of two balls are discarded, a contact takes
+  /// the place of a point nearby or of the least useful of four, and points move with their bodies
+  /// until these are no longer close there.
+  void Update(std::span<const Contact> contacts, bool are_all);
 
   void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
                         const btDispatcherInfo&, btManifoldResult*) override;
@@ -51,6 +53,10 @@ class KeptContacts final : public btCollisionAlgorithm {
 
   static Material MaterialOf(const btCollisionObject* a, const btCollisionObject* b);
   int PlaceFor(const btVector3& local_a) const;
+  void Prepare(btManifoldPoint& point) const;
+  void Replace(std::span<const Contact> contacts);
+  void Add(std::span<const Contact> contacts);
+  void Place(const Contact& contact, btManifoldPoint& point) const;
   void AddByBullet(std::span<const Contact> contacts);
 
   btPersistentManifold& manifold_;
