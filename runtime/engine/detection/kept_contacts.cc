@@ -1,6 +1,8 @@
 // Source: btManifoldResult::addContactPoint of Bullet 3.24.
 #include "runtime/engine/detection/kept_contacts.h"
 
+#include <cstring>
+
 #include "dsl/text/check.h"
 #include "library/detectors/bullet/vectors.h"
 
@@ -13,29 +15,101 @@ bool IsBall(const btCollisionObject& body) {
   return body.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
 }
 
-/// What the solver keeps in a point of the last cycle.
-struct Earlier {
-  btVector3 local_a = {BT_LARGE_FLOAT, 0, 0};
-  btScalar impulse = 0, right_side = 0, lateral_1 = 0, lateral_2 = 0;
-  int lifetime = 0;
+/// A vector, or a row of four numbers.
+typedef btScalar Quad __attribute__((vector_size(4 * sizeof(btScalar))));
 
-  Earlier() = default;
-  explicit Earlier(const btManifoldPoint& point)
-      : local_a(point.m_localPointA),
-        impulse(point.m_appliedImpulse),
-        right_side(point.m_prevRHS),
-        lateral_1(point.m_appliedImpulseLateral1),
-        lateral_2(point.m_appliedImpulseLateral2),
-        lifetime(point.m_lifeTime) {}
-  /// Once: an impulse is applied at one point.
-  void GiveTo(btManifoldPoint& point) {
-    point.m_appliedImpulse = impulse;
-    point.m_prevRHS = right_side;
-    point.m_appliedImpulseLateral1 = lateral_1;
-    point.m_appliedImpulseLateral2 = lateral_2;
-    point.m_lifeTime = lifetime + 1;
-    local_a.setX(BT_LARGE_FLOAT);
+Quad Load(const btScalar* from) {
+  Quad to;
+  std::memcpy(&to, from, sizeof to);
+  return to;
+}
+void Store(const Quad& from, btVector3& to) { std::memcpy(to.m_floats, &from, sizeof from); }
+Quad Rounded(const Vec3& v) {
+  const Quad to = {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
+                   static_cast<btScalar>(v.z), 0};
+  return to;
+}
+
+/// From the world into the frame of a body, to the bit as btTransform::invXform.
+class IntoFrame {
+ public:
+  explicit IntoFrame(const btCollisionObject& body) {
+    const btTransform& pose = body.getWorldTransform();
+    for (int i = 0; i < 3; ++i) rows_[i] = Load(pose.getBasis()[i].m_floats);
+    origin_ = Load(pose.getOrigin().m_floats);
   }
+  Quad operator()(const Quad& point) const {
+    const Quad from = point - origin_;
+    return rows_[0] * from[0] + rows_[1] * from[1] + rows_[2] * from[2];
+  }
+
+ private:
+  Quad rows_[3], origin_;
+};
+
+/// The frames of a pair.
+class Frames {
+ public:
+  explicit Frames(const btPersistentManifold& manifold)
+      : a_(*manifold.getBody0()), b_(*manifold.getBody1()) {}
+  /// Sets the place of a contact. Returns that in the frame of a.
+  Quad Place(const Contact& contact, btScalar distance, btManifoldPoint& point) const {
+    const Quad normal = Rounded(contact.normal), on_b = Rounded(contact.on_b);
+    const Quad on_a = on_b + normal * distance, local_a = a_(on_a);
+    Store(normal, point.m_normalWorldOnB);
+    Store(on_b, point.m_positionWorldOnB);
+    Store(on_a, point.m_positionWorldOnA);
+    Store(local_a, point.m_localPointA);
+    Store(b_(on_b), point.m_localPointB);
+    point.m_distance1 = distance;
+    return local_a;
+  }
+
+ private:
+  IntoFrame a_, b_;
+};
+
+/// The points of the last cycle, with which the solver starts.
+class Earlier {
+ public:
+  Earlier(const btPersistentManifold& manifold, int count) {
+    for (int i = 0; i < count; ++i) {
+      const btManifoldPoint& point = manifold.getContactPoint(i);
+      kept_[i] = {{point.m_appliedImpulse, point.m_prevRHS, point.m_appliedImpulseLateral1,
+                   point.m_appliedImpulseLateral2},
+                  point.m_lifeTime};
+      x_[i] = point.m_localPointA.x();
+      y_[i] = point.m_localPointA.y();
+      z_[i] = point.m_localPointA.z();
+    }
+  }
+  /// Gives the point the impulses of the nearest one that is closer than `threshold` and has not
+  /// given its own, or none.
+  void GiveTo(btManifoldPoint& point, const Quad& local_a, btScalar threshold) {
+    const Quad x = x_ - local_a[0], y = y_ - local_a[1], z = z_ - local_a[2];
+    const Quad squares = x * x + y * y + z * z;
+    btScalar least = threshold * threshold;
+    int nearest = MANIFOLD_CACHE_SIZE;
+    for (int i = 0; i < MANIFOLD_CACHE_SIZE; ++i)
+      if (squares[i] < least) least = squares[i], nearest = i;
+    const Kept kept = kept_[nearest];
+    point.m_appliedImpulse = kept.impulses[0];
+    point.m_prevRHS = kept.impulses[1];
+    point.m_appliedImpulseLateral1 = kept.impulses[2];
+    point.m_appliedImpulseLateral2 = kept.impulses[3];
+    point.m_lifeTime = kept.lifetime + 1;
+    if (nearest < MANIFOLD_CACHE_SIZE) x_[nearest] = kFar;
+  }
+
+ private:
+  struct Kept {
+    btScalar impulses[4] = {0, 0, 0, 0};
+    int lifetime = 0;
+  };
+  static constexpr btScalar kFar = BT_LARGE_FLOAT;
+
+  Quad x_ = {kFar, kFar, kFar, kFar}, y_ = {}, z_ = {};
+  Kept kept_[MANIFOLD_CACHE_SIZE + 1];  ///< the last one for points without an earlier one
 };
 
 bool IsPlain(const btCollisionObject& body) {
@@ -77,19 +151,6 @@ void KeptContacts::processCollision(const btCollisionObjectWrapper*,
   CDB_CHECK(false);  // AdapterDispatcher's, for all of them at once
 }
 
-/// The nearest point within the breaking threshold, whose place a new one takes; -1: none.
-int KeptContacts::PlaceFor(const btVector3& local_a) const {
-  const btScalar threshold = manifold_.getContactBreakingThreshold();
-  btScalar least = threshold * threshold;
-  int nearest = -1;
-  for (int i = 0; i < manifold_.getNumContacts(); ++i) {
-    const btVector3 difference = manifold_.getContactPoint(i).m_localPointA - local_a;
-    const btScalar square = difference.dot(difference);
-    if (square < least) least = square, nearest = i;
-  }
-  return nearest;
-}
-
 /// Makes a point without a place.
 void KeptContacts::Prepare(btManifoldPoint& point) const {
   const btVector3 none(0, 0, 0);
@@ -118,55 +179,36 @@ void KeptContacts::Update(std::span<const Contact> contacts, bool are_all) {
                                    manifold_.getBody1()->getWorldTransform());
 }
 
-/// The place of a contact, in world coordinates and in those of both bodies.
-void KeptContacts::Place(const Contact& contact, btManifoldPoint& point) const {
-  const auto distance = static_cast<btScalar>(contact.distance);
-  point.m_normalWorldOnB = ToBullet(contact.normal);
-  point.m_positionWorldOnB = ToBullet(contact.on_b);
-  point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * distance;
-  point.m_localPointA =
-      manifold_.getBody0()->getWorldTransform().invXform(point.m_positionWorldOnA);
-  point.m_localPointB =
-      manifold_.getBody1()->getWorldTransform().invXform(point.m_positionWorldOnB);
-  point.m_distance1 = distance;
-}
-
 void KeptContacts::Replace(std::span<const Contact> contacts) {
   const btScalar threshold = manifold_.getContactBreakingThreshold();
   const int before = manifold_.getNumContacts();
-  Earlier earlier[MANIFOLD_CACHE_SIZE];
-  const std::span known(earlier, are_balls_ ? 0 : static_cast<std::size_t>(before));
-  for (std::size_t i = 0; i < known.size(); ++i)
-    known[i] = Earlier(manifold_.getContactPoint(static_cast<int>(i)));
+  Earlier earlier(manifold_, are_balls_ ? 0 : before);
+  const Frames frames(manifold_);
   int count = 0;
   for (const Contact& contact : contacts) {
-    if (static_cast<btScalar>(contact.distance) > threshold) continue;
+    const auto distance = static_cast<btScalar>(contact.distance);
+    if (distance > threshold) continue;
     manifold_.setNumContacts(count + 1);
     btManifoldPoint& point = manifold_.getContactPoint(count);
     if (count++ >= before) Prepare(point);
-    Place(contact, point);
-    Earlier none = {}, *nearest = &none;
-    btScalar least = threshold * threshold;
-    for (Earlier& one : known)
-      if (const btScalar square = (one.local_a - point.m_localPointA).length2(); square < least)
-        least = square, nearest = &one;
-    nearest->GiveTo(point);
+    earlier.GiveTo(point, frames.Place(contact, distance, point), threshold);
   }
   manifold_.setNumContacts(count);
 }
 
 void KeptContacts::Add(std::span<const Contact> contacts) {
+  if (contacts.empty()) return;
+  const btScalar threshold = manifold_.getContactBreakingThreshold();
+  const Frames frames(manifold_);
   btManifoldPoint point;
   Prepare(point);
   for (const Contact& contact : contacts) {
-    if (static_cast<btScalar>(contact.distance) > manifold_.getContactBreakingThreshold()) continue;
-    Place(contact, point);
-    const int place = PlaceFor(point.m_localPointA);
+    const auto distance = static_cast<btScalar>(contact.distance);
+    if (distance > threshold) continue;
+    frames.Place(contact, distance, point);
+    const int place = manifold_.getCacheEntry(point);
     if (place >= 0) {
       manifold_.replaceContactPoint(point, place);
-    } else if (const int count = manifold_.getNumContacts(); count < MANIFOLD_CACHE_SIZE) {
-      manifold_.setNumContacts(count + 1);
-      manifold_.getContactPoint(count) = point;
     } else {
       manifold_.addManifoldPoint(point);
     }

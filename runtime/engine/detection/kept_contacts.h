@@ -52,11 +52,9 @@ class KeptContacts final : public btCollisionAlgorithm {
   };
 
   static Material MaterialOf(const btCollisionObject* a, const btCollisionObject* b);
-  int PlaceFor(const btVector3& local_a) const;
   void Prepare(btManifoldPoint& point) const;
   void Replace(std::span<const Contact> contacts);
   void Add(std::span<const Contact> contacts);
-  void Place(const Contact& contact, btManifoldPoint& point) const;
   void AddByBullet(std::span<const Contact> contacts);
 
   btPersistentManifold& manifold_;
