@@ -39,6 +39,21 @@ bool IsFinite(const Contact& contact) {
          std::isfinite(contact.distance);
 }
 
+/// By how much the first point is not where it should be from the second.
+Vec3 Contradiction(const Contact& contact) {
+  const Vec3 &a = contact.on_a, &b = contact.on_b, &normal = contact.normal;
+  const double distance = contact.distance;
+  return {a.x - b.x - distance * normal.x, a.y - b.y - distance * normal.y,
+          a.z - b.z - distance * normal.z};
+}
+
+/// Passes nothing that AdapterDispatcher::Check refuses, and nearly all else. Numbers that are not
+/// finite fail one of the comparisons.
+bool IsSound(const Contact& contact, double tolerance) {
+  return std::fabs(SquaredNorm(contact.normal) - 1) < kUnit &&
+         SquaredNorm(Contradiction(contact)) <= tolerance * tolerance;
+}
+
 KeptContacts* KeptOf(const btBroadphasePair& pair) {
   return static_cast<KeptContacts*>(pair.m_algorithm);
 }
@@ -116,32 +131,36 @@ void AdapterDispatcher::Ask() {
   Keep();
 }
 
-/// Finds the pairs of the contacts. Contacts in another order than the pairs are sorted; those of a
-/// pair keep their order.
+/// Finds the contacts of each pair. Those in another order than the pairs are sorted first; those
+/// of a pair keep their order.
 void AdapterDispatcher::AssignContacts() {
+  if (AreInOrder()) return;
   are_indexed_ = false;
-  std::size_t place = 0;
-  bool is_ordered = true;
-  const auto to_count = [&](const Contact& contact) {
-    const Pair pair = {contact.a, contact.b};
-    const std::size_t last = place;
-    if (!are_indexed_)
-      while (place < asked_.size() && asked_[place] != pair) ++place;
-    if (are_indexed_ || place == asked_.size()) place = Look(contact);
-    is_ordered = is_ordered && place >= last;
-    ++places_[place].count;
-  };
-  for (const Contact& contact : contacts_) to_count(contact);
+  for (Place& place : places_) place.count = 0;
+  for (const Contact& contact : contacts_) ++places_[Look(contact)].count;
   std::uint32_t first = 0;
-  for (Place& of : places_) {
-    of.first = first;
-    first += of.count;
+  for (Place& place : places_) {
+    place.first = first;
+    first += place.count;
   }
-  if (is_ordered) return;
   in_order_.resize(contacts_.size());
   for (const Contact& contact : contacts_) in_order_[places_[Look(contact)].first++] = contact;
-  for (Place& of : places_) of.first -= of.count;
+  for (Place& place : places_) place.first -= place.count;
   contacts_.swap(in_order_);
+}
+
+/// Finds the contacts of each pair if they are in the order of the pairs, as most detectors list
+/// them.
+bool AdapterDispatcher::AreInOrder() {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const std::size_t first = next;
+    while (next < contacts_.size() && asked_[i] == Pair{contacts_[next].a, contacts_[next].b})
+      ++next;
+    places_[i].first = static_cast<std::uint32_t>(first);
+    places_[i].count = static_cast<std::uint32_t>(next - first);
+  }
+  return next == contacts_.size();
 }
 
 /// The place of a contact's pair, wherever it is.
@@ -170,25 +189,19 @@ void AdapterDispatcher::Check(const Contact& contact) const {
     throw std::invalid_argument(
         fmt::format("the contact of the bodies {} and {} {}", contact.a, contact.b, what));
   };
-  const Vec3 &on_a = contact.on_a, &on_b = contact.on_b, &normal = contact.normal;
-  const double sum = on_a.x + on_a.y + on_a.z + on_b.x + on_b.y + on_b.z + normal.x + normal.y +
-                     normal.z + contact.distance;
-  if (!std::isfinite(sum) && !IsFinite(contact)) refuse("has a number that is not finite");
-  const double square = SquaredNorm(normal);
-  if (square < (1 - kUnit) * (1 - kUnit) || square > (1 + kUnit) * (1 + kUnit))
-    refuse(fmt::format("has a normal of length {:.6g}; it must be 1", std::sqrt(square)));
-  const double distance = contact.distance;
-  const double apart =
-      SquaredNorm({on_a.x - on_b.x - distance * normal.x, on_a.y - on_b.y - distance * normal.y,
-                   on_a.z - on_b.z - distance * normal.z});
-  const double tolerance = kSizeTolerance * std::min(sizes_[contact.a], sizes_[contact.b]) +
-                           kFarTolerance * std::max(Greatest(on_a), Greatest(on_b));
-  if (apart > tolerance * tolerance)
+  if (!IsFinite(contact)) refuse("has a number that is not finite");
+  const double length = std::sqrt(SquaredNorm(contact.normal));
+  if (std::fabs(length - 1) > kUnit)
+    refuse(fmt::format("has a normal of length {:.6g}; it must be 1", length));
+  const double apart = std::sqrt(SquaredNorm(Contradiction(contact)));
+  const double tolerance = kSizeTolerance * SmallerSize(contact) +
+                           kFarTolerance * std::max(Greatest(contact.on_a), Greatest(contact.on_b));
+  if (apart > tolerance)
     refuse(
         fmt::format("contradicts itself by {:.3g} m: its point on the first body has to be that "
                     "on the second and the distance, {:.6g} m, times the normal, which points "
                     "from the second to the first",
-                    std::sqrt(apart), distance));
+                    apart, contact.distance));
 }
 
 void AdapterDispatcher::Keep() {
@@ -196,7 +209,8 @@ void AdapterDispatcher::Keep() {
     if (place.pair->m_algorithm == nullptr && place.count == 0) continue;
     const std::span<const Contact> contacts =
         std::span(contacts_).subspan(place.first, place.count);
-    for (const Contact& contact : contacts) Check(contact);
+    for (const Contact& contact : contacts)
+      if (!IsSound(contact, kSizeTolerance * SmallerSize(contact))) Check(contact);
     KeptContacts& kept =
         place.pair->m_algorithm != nullptr ? *KeptOf(*place.pair) : Make(*place.pair);
     kept.Update(contacts, detector_.lists_all_points);

@@ -3,6 +3,7 @@
 
 #include <btBulletCollisionCommon.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "runtime/engine/detection/detectors.h"
@@ -53,7 +54,11 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   KeptContacts& Make(btBroadphasePair& pair);
   void Ask();
   void AssignContacts();
+  bool AreInOrder();
   std::size_t Look(const Contact& contact);
+  double SmallerSize(const Contact& contact) const {
+    return std::min(sizes_[contact.a], sizes_[contact.b]);
+  }
   void Check(const Contact& contact) const;
   void Keep();
 
