@@ -15,8 +15,38 @@ bool IsBall(const btCollisionObject& body) {
   return body.getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE;
 }
 
-/// A vector, or a row of four numbers.
-typedef btScalar Quad __attribute__((vector_size(4 * sizeof(btScalar))));
+/// A register of the vector extensions of GCC and Clang.
+typedef btScalar Register __attribute__((vector_size(16)));
+constexpr int kLanes = 16 / sizeof(btScalar), kParts = 4 / kLanes;
+
+/// Four numbers; of a vector, the last one is 0.
+struct Quad {
+  Register part[kParts];
+
+  template <typename Operation>
+  [[gnu::always_inline]] static Quad Each(const Operation& operation) {
+    Quad to;
+    for (int k = 0; k < kParts; ++k) to.part[k] = operation(k);
+    return to;
+  }
+  [[gnu::always_inline]] friend Quad operator+(const Quad& a, const Quad& b) {
+    return Each([&](int k) { return a.part[k] + b.part[k]; });
+  }
+  [[gnu::always_inline]] friend Quad operator-(const Quad& a, const Quad& b) {
+    return Each([&](int k) { return a.part[k] - b.part[k]; });
+  }
+  [[gnu::always_inline]] friend Quad operator-(const Quad& a, btScalar b) {
+    return Each([&](int k) { return a.part[k] - b; });
+  }
+  [[gnu::always_inline]] friend Quad operator*(const Quad& a, const Quad& b) {
+    return Each([&](int k) { return a.part[k] * b.part[k]; });
+  }
+  [[gnu::always_inline]] friend Quad operator*(const Quad& a, btScalar b) {
+    return Each([&](int k) { return a.part[k] * b; });
+  }
+  btScalar operator[](int i) const { return part[i / kLanes][i % kLanes]; }
+  void Set(int i, btScalar to) { part[i / kLanes][i % kLanes] = to; }
+};
 
 Quad Load(const btScalar* from) {
   Quad to;
@@ -25,9 +55,9 @@ Quad Load(const btScalar* from) {
 }
 void Store(const Quad& from, btVector3& to) { std::memcpy(to.m_floats, &from, sizeof from); }
 Quad Rounded(const Vec3& v) {
-  const Quad to = {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
-                   static_cast<btScalar>(v.z), 0};
-  return to;
+  const btScalar rounded[] = {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
+                              static_cast<btScalar>(v.z), 0};
+  return Load(rounded);
 }
 
 /// From the world into the frame of a body, to the bit as btTransform::invXform.
@@ -78,9 +108,9 @@ class Earlier {
       kept_[i] = {{point.m_appliedImpulse, point.m_prevRHS, point.m_appliedImpulseLateral1,
                    point.m_appliedImpulseLateral2},
                   point.m_lifeTime};
-      x_[i] = point.m_localPointA.x();
-      y_[i] = point.m_localPointA.y();
-      z_[i] = point.m_localPointA.z();
+      x_.Set(i, point.m_localPointA.x());
+      y_.Set(i, point.m_localPointA.y());
+      z_.Set(i, point.m_localPointA.z());
     }
   }
   /// Gives the point the impulses of the nearest one that is closer than `threshold` and has not
@@ -98,7 +128,7 @@ class Earlier {
     point.m_appliedImpulseLateral1 = kept.impulses[2];
     point.m_appliedImpulseLateral2 = kept.impulses[3];
     point.m_lifeTime = kept.lifetime + 1;
-    if (nearest < MANIFOLD_CACHE_SIZE) x_[nearest] = kFar;
+    if (nearest < MANIFOLD_CACHE_SIZE) x_.Set(nearest, kFar);
   }
 
  private:
@@ -108,7 +138,7 @@ class Earlier {
   };
   static constexpr btScalar kFar = BT_LARGE_FLOAT;
 
-  Quad x_ = {kFar, kFar, kFar, kFar}, y_ = {}, z_ = {};
+  Quad x_ = Quad{} - -kFar, y_ = {}, z_ = {};
   Kept kept_[MANIFOLD_CACHE_SIZE + 1];  ///< the last one for points without an earlier one
 };
 
