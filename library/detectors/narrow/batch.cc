@@ -114,12 +114,13 @@ class Batch final : public Detector {
           if (of_a.count * of_b.count > 1 && AreFar(one, other)) continue;
           manifold_.Clear();
           row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
+          SortByDepth(manifold_.points(), &Point::gap);
           for (const Point& point : manifold_.points())
             if (IsFinite(point))
               contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
         }
-      // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
-      SortByDepth(std::span(contacts).subspan(before));
+      if (of_a.count * of_b.count > 1)
+        SortByDepth(std::span(contacts).subspan(before), &Contact::distance);
     }
   }
 
@@ -137,15 +138,17 @@ class Batch final : public Detector {
     const auto& [x, y, z] = point.on_b;
     return std::isfinite(x + y + z + point.gap + point.normal.x + point.normal.y + point.normal.z);
   }
-  /// Stable, and for a few contacts: most pairs have at most four, and compounds a few more.
-  static void SortByDepth(std::span<Contact> contacts) {
-    for (std::size_t i = 1; i < contacts.size(); ++i) {
-      if (!(contacts[i].distance > contacts[i - 1].distance)) continue;
-      const Contact moved = contacts[i];
+  /// The deepest comes last: the solver ends with it, and where points accumulate, later ones
+  /// replace those nearby. Stable; for the few points of a pair.
+  template <typename T>
+  static void SortByDepth(std::span<T> points, double T::*distance) {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (!(points[i].*distance > points[i - 1].*distance)) continue;
+      const T moved = points[i];
       std::size_t to = i;
-      for (; to > 0 && moved.distance > contacts[to - 1].distance; --to)
-        contacts[to] = contacts[to - 1];
-      contacts[to] = moved;
+      for (; to > 0 && moved.*distance > points[to - 1].*distance; --to)
+        points[to] = points[to - 1];
+      points[to] = moved;
     }
   }
   static Contact ContactOf(const Pair& pair, const Vec3& origin, const Point& point,
