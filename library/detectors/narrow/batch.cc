@@ -107,24 +107,34 @@ class Batch final : public Detector {
       const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
       const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
+      if (of_a.count == 1 && of_b.count == 1) {
+        FindPoints(pair, row, {*of_a.first, pose_a}, {*of_b.first, pose_b}, 0, 0, contacts);
+        continue;
+      }
       const std::size_t before = contacts.size();
       for (std::uint32_t i = 0; i < of_a.count; ++i)
-        for (std::uint32_t j = 0; j < of_b.count; ++j) {
-          const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
-          if (of_a.count * of_b.count > 1 && AreFar(one, other)) continue;
-          manifold_.Clear();
-          row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
-          SortByDepth(manifold_.points(), &Point::gap);
-          for (const Point& point : manifold_.points())
-            if (IsFinite(point))
-              contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
-        }
-      if (of_a.count * of_b.count > 1)
-        SortByDepth(std::span(contacts).subspan(before), &Contact::distance);
+        for (std::uint32_t j = 0; j < of_b.count; ++j)
+          if (const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
+              !AreFar(one, other))
+            FindPoints(pair, row, one, other, i, j, contacts);
+      SortByDepth(std::span(contacts).subspan(before), &Contact::distance);
     }
   }
 
  private:
+  /// Of pieces i and j, which come in the order of the row.
+  void FindPoints(const Pair& pair, const Row& row, const Placed& one, const Placed& other,
+                  std::uint32_t i, std::uint32_t j, std::vector<Contact>& contacts) {
+    manifold_.Clear();
+    row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
+    const std::span<Point> points = manifold_.points();
+    if (points.empty()) return;
+    SortByDepth(points, &Point::gap);
+    for (const Point& point : points)
+      if (IsFinite(point))
+        contacts.push_back(ContactOf(pair, one.pose.position, point, row.is_swapped));
+  }
+
   /// By the balls around them.
   static bool AreFar(const Placed& a, const Placed& b) {
     if (b.piece.kind == Kind::kPlane) return false;

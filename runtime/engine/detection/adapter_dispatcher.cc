@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <new>
 #include <span>
@@ -10,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "dsl/text/check.h"
 #include "runtime/engine/detection/kept_contacts.h"
 
 namespace cdb::detection {
@@ -52,6 +50,11 @@ Vec3 Contradiction(const Contact& contact) {
 bool IsSound(const Contact& contact, double tolerance) {
   return std::fabs(SquaredNorm(contact.normal) - 1) < kUnit &&
          SquaredNorm(Contradiction(contact)) <= tolerance * tolerance;
+}
+
+/// As btCollisionDispatcher::needsCollision, inline.
+bool NeedCollision(const btCollisionObject& a, const btCollisionObject& b) {
+  return (a.isActive() || b.isActive()) && a.checkCollideWith(&b) && b.checkCollideWith(&a);
 }
 
 KeptContacts* KeptOf(const btBroadphasePair& pair) {
@@ -96,8 +99,7 @@ void AdapterDispatcher::Visit(const Pair& bodies, btBroadphasePair& pair,
   if (pair.m_internalTmpValue == kNobody)
     pair.m_internalTmpValue = Handles(bodies) ? kDetector : kBullet;
   if (pair.m_internalTmpValue == kBullet) return getNearCallback()(pair, *this, info);
-  const btCollisionObject &a = view_.body(bodies.a), &b = view_.body(bodies.b);
-  if (!needsCollision(&a, &b)) return;
+  if (!NeedCollision(view_.body(bodies.a), view_.body(bodies.b))) return;
   if (pair.m_algorithm == nullptr && !info.m_deterministicOverlappingPairs) Make(pair);
   asked_.push_back(bodies);
   places_.push_back({&pair, 0, 0});

@@ -17,8 +17,8 @@ class KeptContacts;
 /// The pairs that the detector handles go to one call of FindContacts per cycle, the others to
 /// Bullet. Bullet keeps all contacts: friction, restitution and warm starting are Bullet's.
 ///
-/// Existing contacts of a pair are treated as by Bullet 3.24: those of two balls are discarded in
-/// each cycle, others persist while the bodies stay close at the point. A pair gets a manifold with
+/// Contacts of a detector that lists all points of a pair replace those of the last cycle. Others
+/// accumulate as in Bullet 3.24; see KeptContacts. A pair gets a manifold with
 /// its first contact if pairs are in the order `sorted`, in which manifolds without contacts have
 /// no effect in Bullet; else at once, since Bullet then solves contacts in the order of manifolds.
 ///
