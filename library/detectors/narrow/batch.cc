@@ -111,6 +111,7 @@ class Batch final : public Detector {
         FindPoints(pair, row, {*of_a.first, pose_a}, {*of_b.first, pose_b}, 0, 0, contacts);
         continue;
       }
+      if (AreFar(of_a, pose_a, of_b, pose_b)) continue;
       const std::size_t before = contacts.size();
       for (std::uint32_t i = 0; i < of_a.count; ++i)
         for (std::uint32_t j = 0; j < of_b.count; ++j)
@@ -135,6 +136,16 @@ class Batch final : public Detector {
         contacts.push_back(ContactOf(pair, one.pose.position, point, row.is_swapped));
   }
 
+  /// By balls about their positions; a plane comes second.
+  static bool AreFar(const BodyPieces& a, const Pose& pose_a, const BodyPieces& b,
+                     const Pose& pose_b) {
+    const Vec3 between = pose_a.position - pose_b.position;
+    if (b.kind == Kind::kPlane)
+      return Dot(AxesOf(pose_b) * b.first->normal, between) >
+             a.reach + std::max(kNear, kNear * a.reach);
+    const double reach = a.reach + b.reach + kNear;
+    return SquaredNorm(between) > reach * reach;
+  }
   /// By the balls around them.
   static bool AreFar(const Placed& a, const Placed& b) {
     if (b.piece.kind == Kind::kPlane) return false;
