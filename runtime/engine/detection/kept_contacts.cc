@@ -54,10 +54,15 @@ Quad Load(const btScalar* from) {
   return to;
 }
 void Store(const Quad& from, btVector3& to) { std::memcpy(to.m_floats, &from, sizeof from); }
+/// Through memory, the four numbers would have to wait for the store of each.
 Quad Rounded(const Vec3& v) {
-  const btScalar rounded[] = {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
-                              static_cast<btScalar>(v.z), 0};
-  return Load(rounded);
+  const auto x = static_cast<btScalar>(v.x), y = static_cast<btScalar>(v.y),
+             z = static_cast<btScalar>(v.z);
+  Quad to = {};
+  to.Set(0, x);
+  to.Set(1, y);
+  to.Set(2, z);
+  return to;
 }
 
 /// From the world into the frame of a body, to the bit as btTransform::invXform.
