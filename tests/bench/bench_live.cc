@@ -6,7 +6,10 @@
 // is marked.
 // Times are processor time of the thread, so that other programs on the machine disturb them less.
 //
-// Usage: bench_live_f32 [-r ROUNDS] [-c CYCLES] [-d DETECTOR]... [-s SCENE]...
+// With -n, narrow phases in place of broad ones: Bullet's and those that are named, with the pairs
+// of `auto`. Their worlds go different ways, and so each has its own pairs.
+//
+// Usage: bench_live_f32 [-r ROUNDS] [-c CYCLES] [-d DETECTOR]... [-n NARROW_PHASE]... [-s SCENE]...
 
 #include <fmt/format.h>
 #include <sys/syscall.h>
@@ -80,6 +83,10 @@ std::vector<LiveScene> Scenes() {
       {"gas 5000", 40, [] { return Gas(5000); }},
       {"open gas 5000", 40, [=] { return open(Gas(5000)); }},
       {"dense 5000", 40, [] { return Balls(5000, std::cbrt(3.5 * 5000), 60, 0); }},
+      {"debris 3000", 40, [] { return OfFile("library/scenarios/standard/games/debris.cdb"); }},
+      {"drum 600", 400, [] { return OfFile("library/scenarios/standard/granular/drum.cdb"); }},
+      {"bin 301", 60, [] { return OfFile("library/scenarios/standard/robotics/bin.cdb"); }},
+      {"bunnies 5000", 10, [] { return OfFile("library/scenarios/paper/table1_09_bunnies.cdb"); }},
       {"rubble falling", 40, [] { return OfFile("library/scenarios/application/rubble.cdb"); }},
       {"rubble 1500", 400, [] { return OfFile("library/scenarios/application/rubble.cdb"); }},
       {"heap 400", 20, [] { return OfFile("library/scenarios/application/heap.cdb"); }},
@@ -94,14 +101,31 @@ std::vector<LiveScene> Scenes() {
   };
 }
 
-/// A detector in its world.
+/// A detector or a narrow phase in its world.
 struct World {
   std::string name;
   std::unique_ptr<world::Engine> engine;
-  std::vector<double> broad, step;  ///< us
+  std::vector<double> phase, step;  ///< us
 };
 
-World MakeWorld(const std::string& name, plan::Scene scene, const layouts::InitialState& state) {
+/// What is compared.
+struct Field {
+  std::vector<std::string> names;
+  protocol::Phase phase = protocol::Phase::kBroad;
+
+  bool IsNarrow() const { return phase == protocol::Phase::kNarrow; }
+};
+
+World MakeWorld(const Field& field, const std::string& name, plan::Scene scene,
+                const layouts::InitialState& state) {
+  if (field.IsNarrow()) {
+    tests::SetWorld(scene, "detector", tests::Word("auto"));
+    tests::SetWorld(scene, "narrow_phase", tests::Word(name));
+    return {name,
+            std::make_unique<world::Engine>(scene, state, omissions::KeepEverything(scene)),
+            {},
+            {}};
+  }
   const bool is_through = name == kThrough;
   tests::SetWorld(scene, "detector", tests::Word(is_through ? "dbvt" : name));
   const auto omissions = omissions::KeepEverything(scene);
@@ -116,12 +140,12 @@ World MakeWorld(const std::string& name, plan::Scene scene, const layouts::Initi
   return world;
 }
 
-void RunBlock(World& world, int cycles, bool counts) {
+void RunBlock(World& world, protocol::Phase phase, int cycles, bool counts) {
   for (int cycle = 0; cycle < cycles; ++cycle) {
     world.engine->Step();
     if (!counts) continue;
     const auto durations = world.engine->timed_world()->Durations();
-    world.broad.push_back(durations[protocol::IndexOf(protocol::Phase::kBroad)] / 1e3);
+    world.phase.push_back(durations[protocol::IndexOf(phase)] / 1e3);
     world.step.push_back(durations[protocol::IndexOf(protocol::Phase::kStep)] / 1e3);
   }
 }
@@ -132,8 +156,17 @@ bool AreAlike(const std::vector<World>& worlds) {
       worlds, [&](const World& world) { return probes::StateHash(*world.engine) == first; });
 }
 
-void RunScene(const LiveScene& live, const std::vector<std::string>& names, int rounds,
-              int cycles) {
+/// The points of all manifolds.
+int Points(world::Engine& engine) {
+  btDispatcher& dispatcher = *engine.world().getDispatcher();
+  int count = 0;
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+    count += dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
+  return count;
+}
+
+void RunScene(const LiveScene& live, const Field& field, int rounds, int cycles) {
+  const std::vector<std::string>& names = field.names;
   plan::Scene scene = live.make();
   tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
   tests::SetWorld(scene, "record", schema::WordList{"timing"});
@@ -141,44 +174,49 @@ void RunScene(const LiveScene& live, const std::vector<std::string>& names, int 
   layouts::InitialState state = layouts::DrawObjects(scene);
   layouts::Place(scene, state);
   if (yaml::HasPile(scene)) worker::SettlePiles(scene, state);
-  std::vector<std::vector<double>> broad(names.size()), step(names.size());
+  std::vector<std::vector<double>> phase(names.size()), step(names.size());
   bool are_alike = true;
-  std::vector<int> pairs(names.size());
+  std::vector<int> pairs(names.size()), points(names.size());
+  std::vector<std::string> hashes(names.size());
   for (int round = 0; round < rounds; ++round) {
     std::vector<World> worlds;
-    for (const std::string& name : names) worlds.push_back(MakeWorld(name, scene, state));
-    for (World& world : worlds) RunBlock(world, live.warmup, false);
+    for (const std::string& name : names) worlds.push_back(MakeWorld(field, name, scene, state));
+    for (World& world : worlds) RunBlock(world, field.phase, live.warmup, false);
     for (int block = 0; block * kBlock < cycles; ++block) {
       for (std::size_t i = 0; i < worlds.size(); ++i)
-        RunBlock(worlds[(i + static_cast<std::size_t>(block + round)) % worlds.size()], kBlock,
-                 true);
-      are_alike = are_alike && AreAlike(worlds);
+        RunBlock(worlds[(i + static_cast<std::size_t>(block + round)) % worlds.size()], field.phase,
+                 kBlock, true);
+      are_alike = are_alike && (field.IsNarrow() || AreAlike(worlds));
     }
     for (std::size_t i = 0; i < worlds.size(); ++i) {
-      broad[i].push_back(Median(worlds[i].broad));
+      phase[i].push_back(Median(worlds[i].phase));
       step[i].push_back(Median(worlds[i].step));
       pairs[i] = worlds[i].engine->world().getPairCache()->getNumOverlappingPairs();
+      points[i] = Points(*worlds[i].engine);
+      hashes[i] = probes::StateHash(*worlds[i].engine).substr(0, 8);
     }
   }
   fmt::print("\n{}{}\n", live.name, are_alike ? "" : ": the worlds went different ways");
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::vector<double> ratios, steps;
-    for (std::size_t round = 0; round < broad[i].size(); ++round) {
-      ratios.push_back(broad[0][round] / broad[i][round]);
+    for (std::size_t round = 0; round < phase[i].size(); ++round) {
+      ratios.push_back(phase[0][round] / phase[i][round]);
       steps.push_back(step[0][round] / step[i][round]);
     }
     const auto [least, most] = std::ranges::minmax(ratios);
-    fmt::print("  {:<14} {:>9.1f} {:>8} {:>7.2f} ({:.2f} .. {:.2f}) {:>10.1f} {:>6.2f}\n", names[i],
-               Median(broad[i]), pairs[i], Median(ratios), least, most, Median(step[i]),
-               Median(steps));
+    fmt::print(
+        "  {:<14} {:>9.1f} {:>8} {:>8} {:>7.2f} ({:.2f} .. {:.2f}) {:>10.1f} {:>6.2f} {:>9}\n",
+        names[i], Median(phase[i]), pairs[i], points[i], Median(ratios), least, most,
+        Median(step[i]), Median(steps), hashes[i]);
   }
   std::fflush(stdout);
 }
 
 int Main(int argc, char** argv) {
   int rounds = 3, cycles = 96;
-  std::vector<std::string> names = {"dbvt"}, only;
-  for (int option; (option = getopt(argc, argv, "r:c:d:s:")) != -1;) {
+  Field field;
+  std::vector<std::string> only;
+  for (int option; (option = getopt(argc, argv, "r:c:d:n:s:")) != -1;) {
     switch (option) {
       case 'r':
         rounds = std::atoi(optarg);
@@ -187,7 +225,11 @@ int Main(int argc, char** argv) {
         cycles = std::atoi(optarg);
         break;
       case 'd':
-        names.push_back(optarg);
+        field.names.push_back(optarg);
+        break;
+      case 'n':
+        field.names.push_back(optarg);
+        field.phase = protocol::Phase::kNarrow;
         break;
       case 's':
         only.push_back(optarg);
@@ -196,15 +238,18 @@ int Main(int argc, char** argv) {
         return 2;
     }
   }
-  if (names.size() == 1) names = {"dbvt", "sap32", kThrough, "auto"};
+  if (field.names.empty()) field.names = {"sap32", kThrough, "auto"};
+  const std::string base = field.IsNarrow() ? "bullet" : "dbvt";
+  field.names.insert(field.names.begin(), base);
   fmt::print(
-      "{} precision, {} rounds of {} cycles; medians, and dbvt's to them with the range of "
-      "the rounds\n  {:<14} {:>9} {:>8} {:>7} {:>26} {:>6}\n",
-      world::EnginePrecision(), rounds, cycles, "", "broad us", "pairs", "dbvt/", "step us",
-      "dbvt/");
+      "{} precision, {} rounds of {} cycles; medians, and {}'s to them with the range of "
+      "the rounds\n  {:<14} {:>9} {:>8} {:>8} {:>7} {:>26} {:>6} {:>9}\n",
+      world::EnginePrecision(), rounds, cycles, base, "",
+      field.IsNarrow() ? "narrow us" : "broad us", "pairs", "points", base + "/", "step us",
+      base + "/", "state");
   for (const LiveScene& live : Scenes())
     if (only.empty() || std::ranges::count(only, live.name) > 0)
-      RunScene(live, names, rounds, cycles);
+      RunScene(live, field, rounds, cycles);
   return 0;
 }
 

@@ -107,26 +107,45 @@ class Batch final : public Detector {
       const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
       const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
-      const auto before = std::ssize(contacts);
+      if (of_a.count == 1 && of_b.count == 1) {
+        FindPoints(pair, row, {*of_a.first, pose_a}, {*of_b.first, pose_b}, 0, 0, contacts);
+        continue;
+      }
+      if (AreFar(of_a, pose_a, of_b, pose_b)) continue;
+      const std::size_t before = contacts.size();
       for (std::uint32_t i = 0; i < of_a.count; ++i)
-        for (std::uint32_t j = 0; j < of_b.count; ++j) {
-          const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
-          if (of_a.count * of_b.count > 1 && AreFar(one, other)) continue;
-          manifold_.Clear();
-          row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
-          for (const Point& point : manifold_.points())
-            if (IsFinite(point))
-              contacts.push_back(ContactOf(pair, pose_a.position, point, row.is_swapped));
-        }
-      // Bullet replaces the points of a manifold by later ones nearby: the deepest comes last.
-      if (std::ssize(contacts) > before + 1)
-        std::stable_sort(
-            contacts.begin() + before, contacts.end(),
-            [](const Contact& x, const Contact& y) { return x.distance > y.distance; });
+        for (std::uint32_t j = 0; j < of_b.count; ++j)
+          if (const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
+              !AreFar(one, other))
+            FindPoints(pair, row, one, other, i, j, contacts);
+      SortByDepth(std::span(contacts).subspan(before), &Contact::distance);
     }
   }
 
  private:
+  /// Of pieces i and j, which come in the order of the row.
+  void FindPoints(const Pair& pair, const Row& row, const Placed& one, const Placed& other,
+                  std::uint32_t i, std::uint32_t j, std::vector<Contact>& contacts) {
+    manifold_.Clear();
+    row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
+    const std::span<Point> points = manifold_.points();
+    if (points.empty()) return;
+    SortByDepth(points, &Point::gap);
+    for (const Point& point : points)
+      if (IsFinite(point))
+        contacts.push_back(ContactOf(pair, one.pose.position, point, row.is_swapped));
+  }
+
+  /// By balls about their positions; a plane comes second.
+  static bool AreFar(const BodyPieces& a, const Pose& pose_a, const BodyPieces& b,
+                     const Pose& pose_b) {
+    const Vec3 between = pose_a.position - pose_b.position;
+    if (b.kind == Kind::kPlane)
+      return Dot(AxesOf(pose_b) * b.first->normal, between) >
+             a.reach + std::max(kNear, kNear * a.reach);
+    const double reach = a.reach + b.reach + kNear;
+    return SquaredNorm(between) > reach * reach;
+  }
   /// By the balls around them.
   static bool AreFar(const Placed& a, const Placed& b) {
     if (b.piece.kind == Kind::kPlane) return false;
@@ -139,6 +158,19 @@ class Batch final : public Detector {
   static bool IsFinite(const Point& point) {
     const auto& [x, y, z] = point.on_b;
     return std::isfinite(x + y + z + point.gap + point.normal.x + point.normal.y + point.normal.z);
+  }
+  /// The deepest comes last: the solver ends with it, and where points accumulate, later ones
+  /// replace those nearby. Stable; for the few points of a pair.
+  template <typename T>
+  static void SortByDepth(std::span<T> points, double T::*distance) {
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      if (!(points[i].*distance > points[i - 1].*distance)) continue;
+      const T moved = points[i];
+      std::size_t to = i;
+      for (; to > 0 && moved.*distance > points[to - 1].*distance; --to)
+        points[to] = points[to - 1];
+      points[to] = moved;
+    }
   }
   static Contact ContactOf(const Pair& pair, const Vec3& origin, const Point& point,
                            bool is_swapped) {

@@ -164,7 +164,7 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   if (AreApartAlong(a, b, hint, kNear)) return;
   const BoxAxes axes(a, b);
   const Best best = axes.FindBest();
-  hint = {.box_axis = best.axis};
+  hint = {.box_axis = best.gap > kNear ? best.axis : -1};
   if (best.gap > kNear || best.axis < 0) return;  // none of a pose that is not finite
   const double tolerance = kSameGap * std::min(a.piece.bound, b.piece.bound);
   if (best.axis < 6) {

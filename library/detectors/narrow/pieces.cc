@@ -224,8 +224,10 @@ void Pieces::Prepare(const Scene& scene) {
       forms_.push_back({shape, std::make_unique<const std::vector<Piece>>(PiecesOf(shape))});
     const Form& form = is_new ? forms_.back() : *last;
     const std::vector<Piece>& pieces = *form.pieces;
-    of_body_.push_back({pieces.data(), static_cast<std::uint32_t>(pieces.size()),
-                        pieces.empty() ? Kind::kOther : pieces.front().kind});
+    BodyPieces& body = of_body_.emplace_back();
+    if (pieces.empty()) continue;
+    body = {pieces.data(), static_cast<std::uint32_t>(pieces.size()), pieces.front().kind, 0};
+    for (const Piece& piece : pieces) body.reach = std::max(body.reach, piece.reach);
   }
 }
 

@@ -54,6 +54,7 @@ struct BodyPieces {
   const Piece* first = nullptr;
   std::uint32_t count = 0;
   Kind kind = Kind::kOther;  ///< of the pieces; kOther if there are none
+  double reach = 0;          ///< the greatest of theirs
 };
 
 /// The pieces of every body; equal shapes share them. Threads: any, after Prepare.

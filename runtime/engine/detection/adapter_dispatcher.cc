@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <new>
-#include <numeric>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
-#include "dsl/text/check.h"
-#include "library/detectors/bullet/vectors.h"
+#include "runtime/engine/detection/kept_contacts.h"
 
 namespace cdb::detection {
 namespace {
@@ -19,89 +18,56 @@ constexpr double kUnit = 1e-3;           ///< a normal's length is off by no mor
 constexpr double kSizeTolerance = 1e-3;  ///< points and distance disagree by no more, in sizes
 constexpr double kFarTolerance = 1e-6;   ///< and this part of the coordinates
 
-/// Whose pair it is, in a field that Bullet sets to 0 with a new one and does not use.
+/// Whose pair it is, in a field that Bullet sets to 0 with a new one and does not use. Of a
+/// detector's pair, the sum of kDetector and its place among all that it is asked for, in cycles in
+/// which that is looked for.
 enum Owner { kNobody = 0, kBullet = 1, kDetector = 2 };
 
-/// Stands in a pair for what found its contacts, so that Bullet's own clean-up frees them with the
-/// pair.
-class KeptContacts final : public btCollisionAlgorithm {
- public:
-  KeptContacts(btDispatcher& dispatcher, const btCollisionObject* a, const btCollisionObject* b)
-      : manifold_(dispatcher.getNewManifold(a, b)) {
-    m_dispatcher = &dispatcher;
-  }
-  ~KeptContacts() override { m_dispatcher->releaseManifold(manifold_); }
-  btPersistentManifold* manifold() const { return manifold_; }
-  std::uint64_t asked_in = 0;  ///< the last cycle in which the detector was asked,
-  std::size_t place = 0;       ///< and the pair's place among all that it was asked for
+double SquaredNorm(const Vec3& v) { return v.x * v.x + v.y * v.y + v.z * v.z; }
 
-  void processCollision(const btCollisionObjectWrapper*, const btCollisionObjectWrapper*,
-                        const btDispatcherInfo&, btManifoldResult*) override {
-    CDB_CHECK(false);  // AdapterDispatcher's, for all of them at once
-  }
-  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
-                                 btManifoldResult*) override {
-    return 1;
-  }
-  void getAllContactManifolds(btManifoldArray& manifolds) override {
-    manifolds.push_back(manifold_);
-  }
-
- private:
-  btPersistentManifold* manifold_;
-};
-
-Eigen::Map<const Eigen::Vector3d> AsEigen(const Vec3& v) {
-  return Eigen::Map<const Eigen::Vector3d>(&v.x);
+double Greatest(const Vec3& v) {
+  return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
 }
 
-/// Bullet's way into a manifold.
-class Into {
- public:
-  explicit Into(btPersistentManifold* manifold)
-      : a_(nullptr, manifold->getBody0()->getCollisionShape(), manifold->getBody0(),
-           manifold->getBody0()->getWorldTransform(), -1, -1),
-        b_(nullptr, manifold->getBody1()->getCollisionShape(), manifold->getBody1(),
-           manifold->getBody1()->getWorldTransform(), -1, -1),
-        result_(&a_, &b_) {
-    result_.setPersistentManifold(manifold);
-  }
-  void Add(const Contact& contact) {
-    result_.addContactPoint(bullet::ToBullet(contact.normal), bullet::ToBullet(contact.on_b),
-                            static_cast<btScalar>(contact.distance));
-  }
-  void Refresh() { result_.refreshContactPoints(); }
+bool IsFinite(const Contact& contact) {
+  const auto is_finite = [](const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  return is_finite(contact.on_a) && is_finite(contact.on_b) && is_finite(contact.normal) &&
+         std::isfinite(contact.distance);
+}
 
- private:
-  const btCollisionObjectWrapper a_, b_;
-  btManifoldResult result_;
-};
+/// By how much the first point is not where it should be from the second.
+Vec3 Contradiction(const Contact& contact) {
+  const Vec3 &a = contact.on_a, &b = contact.on_b, &normal = contact.normal;
+  const double distance = contact.distance;
+  return {a.x - b.x - distance * normal.x, a.y - b.y - distance * normal.y,
+          a.z - b.z - distance * normal.z};
+}
+
+/// Passes nothing that AdapterDispatcher::Check refuses, and nearly all else. Numbers that are not
+/// finite fail one of the comparisons.
+bool IsSound(const Contact& contact, double tolerance) {
+  return std::fabs(SquaredNorm(contact.normal) - 1) < kUnit &&
+         SquaredNorm(Contradiction(contact)) <= tolerance * tolerance;
+}
+
+/// As btCollisionDispatcher::needsCollision, inline.
+bool NeedCollision(const btCollisionObject& a, const btCollisionObject& b) {
+  return (a.isActive() || b.isActive()) && a.checkCollideWith(&b) && b.checkCollideWith(&a);
+}
+
+KeptContacts* KeptOf(const btBroadphasePair& pair) {
+  return static_cast<KeptContacts*>(pair.m_algorithm);
+}
 
 }  // namespace
-
-class AdapterDispatcher::Visitor final : public btOverlapCallback {
- public:
-  Visitor(AdapterDispatcher& dispatcher, const btDispatcherInfo& info)
-      : dispatcher_(dispatcher), info_(info) {}
-  bool processOverlap(btBroadphasePair& pair) override {
-    dispatcher_.Visit(pair, info_);
-    return false;
-  }
-
- private:
-  AdapterDispatcher& dispatcher_;
-  const btDispatcherInfo& info_;
-};
 
 AdapterDispatcher::AdapterDispatcher(btCollisionConfiguration* configuration,
                                      NamedDetector detector, SceneView& view)
     : btCollisionDispatcher(configuration), detector_(std::move(detector)), view_(view) {
   const Scene scene = view_.For(false);
-  for (Id id = 0; id < view_.size(); ++id) {
-    is_ball_.push_back(view_.body(id).getCollisionShape()->getShapeType() ==
-                       SPHERE_SHAPE_PROXYTYPE);
-    sizes_.push_back(2 * AsEigen(scene.shapes[id].half).maxCoeff());
-  }
+  for (const Shape& shape : scene.shapes) sizes_.push_back(2 * Greatest(shape.half));
 }
 
 void AdapterDispatcher::Prepare() {
@@ -114,74 +80,106 @@ void AdapterDispatcher::Prepare() {
 
 void AdapterDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* cache,
                                                   const btDispatcherInfo& info,
-                                                  btDispatcher* dispatcher) {
+                                                  btDispatcher* /*dispatcher*/) {
   asked_.clear();
-  manifolds_.clear();
+  places_.clear();
   contacts_.clear();
-  Visitor visitor(*this, info);
-  cache->processAllOverlappingPairs(&visitor, dispatcher, info);
+  cache_ = static_cast<OrderedPairCache*>(cache);
+  cache_->ForEach(info.m_deterministicOverlappingPairs,
+                  [&](const Pair& bodies, btBroadphasePair& pair) { Visit(bodies, pair, info); });
   try {
-    Ask(*cache);
+    Ask();
   } catch (...) {
     Blame(detector_, "FindContacts", view_.cycle());
   }
-  Keep();
 }
 
-void AdapterDispatcher::Visit(btBroadphasePair& pair, const btDispatcherInfo& info) {
-  const auto* a = static_cast<const btCollisionObject*>(pair.m_pProxy0->m_clientObject);
-  const auto* b = static_cast<const btCollisionObject*>(pair.m_pProxy1->m_clientObject);
-  const Pair bodies = {static_cast<Id>(pair.m_pProxy0->m_uniqueId - 1),
-                       static_cast<Id>(pair.m_pProxy1->m_uniqueId - 1)};
-  if (pair.m_internalTmpValue == kNobody) {
-    try {
-      const bool handles = detector_.detector->Handles(view_.For(true), bodies.a, bodies.b);
-      pair.m_internalTmpValue = handles ? kDetector : kBullet;
-    } catch (...) {
-      Blame(detector_, "Handles", view_.cycle());
-    }
-  }
+void AdapterDispatcher::Visit(const Pair& bodies, btBroadphasePair& pair,
+                              const btDispatcherInfo& info) {
+  if (pair.m_internalTmpValue == kNobody)
+    pair.m_internalTmpValue = Handles(bodies) ? kDetector : kBullet;
   if (pair.m_internalTmpValue == kBullet) return getNearCallback()(pair, *this, info);
-  if (!needsCollision(a, b)) return;
-  if (pair.m_algorithm == nullptr)
-    pair.m_algorithm =
-        new (allocateCollisionAlgorithm(sizeof(KeptContacts))) KeptContacts(*this, a, b);
-  auto& kept = static_cast<KeptContacts&>(*pair.m_algorithm);
-  kept.asked_in = view_.cycle();
-  kept.place = asked_.size();
+  if (!NeedCollision(view_.body(bodies.a), view_.body(bodies.b))) return;
+  if (pair.m_algorithm == nullptr && !info.m_deterministicOverlappingPairs) Make(pair);
   asked_.push_back(bodies);
-  manifolds_.push_back(kept.manifold());
+  places_.push_back({&pair, 0, 0});
+}
+
+bool AdapterDispatcher::Handles(const Pair& bodies) {
+  try {
+    return detector_.detector->Handles(view_.For(true), bodies.a, bodies.b);
+  } catch (...) {
+    Blame(detector_, "Handles", view_.cycle());
+  }
+}
+
+KeptContacts& AdapterDispatcher::Make(btBroadphasePair& pair) {
+  const auto body = [](const btBroadphaseProxy* proxy) -> const btCollisionObject& {
+    return *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+  };
+  auto* kept = new (allocateCollisionAlgorithm(sizeof(KeptContacts)))
+      KeptContacts(*this, body(pair.m_pProxy0), body(pair.m_pProxy1));
+  pair.m_algorithm = kept;
+  return *kept;
 }
 
 bool AdapterDispatcher::IsDetectors(const btBroadphasePair& pair) {
-  return pair.m_internalTmpValue == kDetector;
+  return pair.m_internalTmpValue >= kDetector;
 }
 
-void AdapterDispatcher::Ask(btOverlappingPairCache& cache) {
+void AdapterDispatcher::Ask() {
   detector_.detector->FindContacts(view_.For(true), asked_, contacts_);
-  places_.clear();
-  for (const Contact& contact : contacts_) {
-    places_.push_back(PlaceOf(contact, cache));
-    Check(contact);
-  }
+  AssignContacts();
+  Keep();
 }
 
-// Most detectors answer in the order in which they are asked: soon after the last one.
-std::size_t AdapterDispatcher::PlaceOf(const Contact& contact,
-                                       btOverlappingPairCache& cache) const {
-  constexpr std::size_t kSoon = 16;
+/// Finds the contacts of each pair. Those in another order than the pairs are sorted first; those
+/// of a pair keep their order.
+void AdapterDispatcher::AssignContacts() {
+  if (AreInOrder()) return;
+  are_indexed_ = false;
+  for (Place& place : places_) place.count = 0;
+  for (const Contact& contact : contacts_) ++places_[Look(contact)].count;
+  std::uint32_t first = 0;
+  for (Place& place : places_) {
+    place.first = first;
+    first += place.count;
+  }
+  in_order_.resize(contacts_.size());
+  for (const Contact& contact : contacts_) in_order_[places_[Look(contact)].first++] = contact;
+  for (Place& place : places_) place.first -= place.count;
+  contacts_.swap(in_order_);
+}
+
+/// Finds the contacts of each pair if they are in the order of the pairs, as most detectors list
+/// them.
+bool AdapterDispatcher::AreInOrder() {
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const std::size_t first = next;
+    while (next < contacts_.size() && asked_[i] == Pair{contacts_[next].a, contacts_[next].b})
+      ++next;
+    places_[i].first = static_cast<std::uint32_t>(first);
+    places_[i].count = static_cast<std::uint32_t>(next - first);
+  }
+  return next == contacts_.size();
+}
+
+/// The place of a contact's pair, wherever it is.
+std::size_t AdapterDispatcher::Look(const Contact& contact) {
+  if (!are_indexed_)
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      places_[i].pair->m_internalTmpValue = kDetector + static_cast<int>(i);
+  are_indexed_ = true;
   const Pair pair = {contact.a, contact.b};
-  const std::size_t last = places_.empty() ? 0 : places_.back();
-  for (std::size_t i = last; i < std::min(last + kSoon, asked_.size()); ++i)
-    if (asked_[i] == pair) return i;
   if (pair.a < pair.b && pair.b < view_.size()) {
-    const btBroadphasePair* found = cache.findPair(view_.body(pair.a).getBroadphaseHandle(),
-                                                   view_.body(pair.b).getBroadphaseHandle());
-    if (found != nullptr && found->m_internalTmpValue == kDetector &&
-        found->m_algorithm != nullptr) {
-      const auto& kept = static_cast<const KeptContacts&>(*found->m_algorithm);
-      if (kept.asked_in == view_.cycle()) return kept.place;
-    }
+    const btBroadphasePair* found = cache_->findPair(view_.body(pair.a).getBroadphaseHandle(),
+                                                     view_.body(pair.b).getBroadphaseHandle());
+    // A pair that was not given in this cycle may hold its place in an earlier one.
+    if (found != nullptr && IsDetectors(*found))
+      if (const auto place = static_cast<std::size_t>(found->m_internalTmpValue - kDetector);
+          place < asked_.size() && asked_[place] == pair)
+        return place;
   }
   throw std::invalid_argument(
       fmt::format("it returns a contact of the bodies {} and {}, a pair that it was not given",
@@ -193,18 +191,13 @@ void AdapterDispatcher::Check(const Contact& contact) const {
     throw std::invalid_argument(
         fmt::format("the contact of the bodies {} and {} {}", contact.a, contact.b, what));
   };
-  const auto on_a = AsEigen(contact.on_a), on_b = AsEigen(contact.on_b);
-  const auto normal = AsEigen(contact.normal);
-  if (!on_a.allFinite() || !on_b.allFinite() || !normal.allFinite() ||
-      !std::isfinite(contact.distance))
-    refuse("has a number that is not finite");
-  if (std::fabs(normal.norm() - 1) > kUnit)
-    refuse(fmt::format("has a normal of length {:.6g}; it must be 1", normal.norm()));
-  const double size = std::min(sizes_[contact.a], sizes_[contact.b]);
-  const double apart = (on_a - on_b - contact.distance * normal).norm();
-  const double tolerance =
-      kSizeTolerance * size +
-      kFarTolerance * std::max(on_a.cwiseAbs().maxCoeff(), on_b.cwiseAbs().maxCoeff());
+  if (!IsFinite(contact)) refuse("has a number that is not finite");
+  const double length = std::sqrt(SquaredNorm(contact.normal));
+  if (std::fabs(length - 1) > kUnit)
+    refuse(fmt::format("has a normal of length {:.6g}; it must be 1", length));
+  const double apart = std::sqrt(SquaredNorm(Contradiction(contact)));
+  const double tolerance = kSizeTolerance * SmallerSize(contact) +
+                           kFarTolerance * std::max(Greatest(contact.on_a), Greatest(contact.on_b));
   if (apart > tolerance)
     refuse(
         fmt::format("contradicts itself by {:.3g} m: its point on the first body has to be that "
@@ -214,11 +207,16 @@ void AdapterDispatcher::Check(const Contact& contact) const {
 }
 
 void AdapterDispatcher::Keep() {
-  for (std::size_t i = 0; i < asked_.size(); ++i)
-    if (AreBalls(asked_[i])) manifolds_[i]->clearManifold();
-  for (std::size_t i = 0; i < contacts_.size(); ++i) Into(manifolds_[places_[i]]).Add(contacts_[i]);
-  for (std::size_t i = 0; i < asked_.size(); ++i)
-    if (!AreBalls(asked_[i])) Into(manifolds_[i]).Refresh();
+  for (const Place& place : places_) {
+    if (place.pair->m_algorithm == nullptr && place.count == 0) continue;
+    const std::span<const Contact> contacts =
+        std::span(contacts_).subspan(place.first, place.count);
+    for (const Contact& contact : contacts)
+      if (!IsSound(contact, kSizeTolerance * SmallerSize(contact))) Check(contact);
+    KeptContacts& kept =
+        place.pair->m_algorithm != nullptr ? *KeptOf(*place.pair) : Make(*place.pair);
+    kept.Update(contacts, detector_.lists_all_points);
+  }
 }
 
 }  // namespace cdb::detection

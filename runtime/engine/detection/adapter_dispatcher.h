@@ -3,25 +3,32 @@
 
 #include <btBulletCollisionCommon.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "runtime/engine/detection/detectors.h"
+#include "runtime/engine/detection/ordered_pair_cache.h"
 #include "runtime/engine/detection/scene_view.h"
 
 namespace cdb::detection {
 
+class KeptContacts;
+
 /// The pairs that the detector handles go to one call of FindContacts per cycle, the others to
 /// Bullet. Bullet keeps all contacts: friction, restitution and warm starting are Bullet's.
 ///
-/// Existing contacts of a pair are treated as by Bullet 3.24: those of two balls are discarded in
-/// each cycle, others persist while the bodies stay close at the point.
+/// Contacts of a detector that lists all points of a pair replace those of the last cycle. Others
+/// accumulate as in Bullet 3.24; see KeptContacts. A pair gets a manifold with
+/// its first contact if pairs are in the order `sorted`, in which manifolds without contacts have
+/// no effect in Bullet; else at once, since Bullet then solves contacts in the order of manifolds.
 ///
 /// Throws library::SceneError, from within a step, if the detector throws or returns a contact of a
 /// pair that was not requested, with a NaN, with a normal that is not a unit vector, or with
 /// inconsistent points and distance.
 class AdapterDispatcher final : public btCollisionDispatcher {
  public:
-  /// `view` must outlive it; `configuration` too, as for Bullet's own.
+  /// `view` must outlive it; `configuration` too, as for Bullet's own. The pairs of its world must
+  /// be those of an AdapterBroadPhase with the same view.
   AdapterDispatcher(btCollisionConfiguration* configuration, NamedDetector detector,
                     SceneView& view);
 
@@ -36,24 +43,34 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   static bool IsDetectors(const btBroadphasePair& pair);
 
  private:
-  class Visitor;
+  /// A pair that the detector is asked for.
+  struct Place {
+    btBroadphasePair* pair;
+    std::uint32_t first, count;  ///< of its contacts
+  };
 
-  void Visit(btBroadphasePair& pair, const btDispatcherInfo& info);
-  void Ask(btOverlappingPairCache& cache);
-  std::size_t PlaceOf(const Contact& contact, btOverlappingPairCache& cache) const;
+  void Visit(const Pair& bodies, btBroadphasePair& pair, const btDispatcherInfo& info);
+  bool Handles(const Pair& bodies);
+  KeptContacts& Make(btBroadphasePair& pair);
+  void Ask();
+  void AssignContacts();
+  bool AreInOrder();
+  std::size_t Look(const Contact& contact);
+  double SmallerSize(const Contact& contact) const {
+    return std::min(sizes_[contact.a], sizes_[contact.b]);
+  }
   void Check(const Contact& contact) const;
   void Keep();
-  bool AreBalls(const Pair& pair) const { return is_ball_[pair.a] && is_ball_[pair.b]; }
 
   const NamedDetector detector_;
   SceneView& view_;
-  std::vector<char> is_ball_;  ///< by body
   std::vector<double> sizes_;  ///< by body, m: the longest side; infinite for planes
   // Of the current cycle.
+  OrderedPairCache* cache_ = nullptr;
   std::vector<Pair> asked_;
-  std::vector<btPersistentManifold*> manifolds_;  ///< of the requested pairs
-  std::vector<Contact> contacts_;
-  std::vector<std::size_t> places_;  ///< among those pairs, of each contact
+  std::vector<Place> places_;  ///< of the requested pairs
+  std::vector<Contact> contacts_, in_order_;
+  bool are_indexed_ = false;  ///< the pairs hold their places
 };
 
 }  // namespace cdb::detection

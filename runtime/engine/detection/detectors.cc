@@ -76,7 +76,8 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
   NamedDetector made{.name = std::string(name),
                      .phases = entry->phases,
                      .max_bodies = entry->max_bodies,
-                     .detector = nullptr};
+                     .detector = nullptr,
+                     .lists_all_points = !is_plugin && builtin::ListsAllPoints(name)};
   const auto failed = [&](std::string_view why) {
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };

@@ -17,6 +17,8 @@ struct NamedDetector {
   Phases phases = {};
   std::uint64_t max_bodies = 0;  ///< walls included; 0 means no limit
   std::shared_ptr<Detector> detector;
+  /// As a narrow phase it lists all contact points of a pair in each cycle, not one of them.
+  bool lists_all_points = false;
 
   explicit operator bool() const { return detector != nullptr; }
   bool WantsPoses() const { return HasAny(phases, cdb::kNarrow | cdb::kNeedsPoses); }

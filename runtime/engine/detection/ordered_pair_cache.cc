@@ -10,12 +10,6 @@ namespace {
 /// The longest row that is searched linearly.
 constexpr std::uint32_t kShortRow = 16;
 
-void Prefetch([[maybe_unused]] const void* at) {
-#if defined(__GNUC__)
-  __builtin_prefetch(at);
-#endif
-}
-
 /// The end of the pairs from `begin` on that have its first body.
 std::size_t RowEnd(std::span<const Pair> pairs, std::size_t begin) {
   std::size_t end = begin + 1;
@@ -236,24 +230,10 @@ void OrderedPairCache::processAllOverlappingPairs(btOverlapCallback* callback,
                                                   const btDispatcherInfo& info) {
   if (!info.m_deterministicOverlappingPairs)
     return processAllOverlappingPairs(callback, dispatcher);
-  const auto entries = [this](std::size_t row) {
-    return std::span(entries_).subspan(rows_[row].begin, rows_[row].size);
-  };
-  const auto pair_at = [this](const Entry& entry) -> btBroadphasePair& {
-    return pairs_[static_cast<int>(entry.place)];
-  };
-  // Rows are short, so fetch the pairs two rows ahead and their algorithms one row ahead.
-  for (std::size_t row = rows_.size(); row-- > 0;) {
-    if (row > 1)
-      for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry));
-    if (row > 0)
-      for (const Entry& entry : entries(row - 1)) Prefetch(pair_at(entry).m_algorithm);
-    const std::span<Entry> own = entries(row);
-    for (auto entry = own.rbegin(); entry != own.rend(); ++entry) {
-      const bool is_removed = callback->processOverlap(pair_at(*entry));
-      CDB_CHECK(!is_removed);  // no callback in this order removes pairs
-    }
-  }
+  ForEach(true, [callback](const Pair&, btBroadphasePair& pair) {
+    const bool is_removed = callback->processOverlap(pair);
+    CDB_CHECK(!is_removed);  // no callback in this order removes pairs
+  });
 }
 
 }  // namespace cdb::detection

@@ -25,6 +25,10 @@ class OrderedPairCache final : public btOverlappingPairCache {
   void Add(std::span<const Pair> pairs);
   /// The same; passes over those that are not there.
   void Remove(std::span<const Pair> pairs, btDispatcher* dispatcher);
+  /// Calls visit(pair, btBroadphasePair&) with each, a < b, in the order of
+  /// processAllOverlappingPairs. `visit` adds and removes none.
+  template <typename Visit>
+  void ForEach(bool is_sorted, Visit visit);
   bool Has(const Pair& pair) const { return Find(pair) != kNone; }
   std::vector<Pair> List() const;
 
@@ -81,6 +85,11 @@ class OrderedPairCache final : public btOverlappingPairCache {
   void MakeRoom(Row& row, std::size_t count);
   void TidyRows();
   void RemoveAt(std::uint32_t place, btDispatcher* dispatcher);
+  static void Prefetch([[maybe_unused]] const void* at) {
+#if defined(__GNUC__)
+    __builtin_prefetch(at);
+#endif
+  }
   void FetchAhead(std::size_t at, btDispatcher* dispatcher);
 
   btBroadphaseProxy* first_;
@@ -93,5 +102,30 @@ class OrderedPairCache final : public btOverlappingPairCache {
   std::vector<std::uint32_t> leaving_;  ///< entries, of a call of Remove
   btManifoldArray manifolds_;           ///< of a call of FetchAhead
 };
+
+template <typename Visit>
+void OrderedPairCache::ForEach(bool is_sorted, Visit visit) {
+  const auto pair_at = [this](std::uint32_t place) -> btBroadphasePair& {
+    return pairs_[static_cast<int>(place)];
+  };
+  if (!is_sorted) {
+    for (int i = 0; i < pairs_.size(); ++i)
+      visit(PairOf(pairs_[i].m_pProxy0, pairs_[i].m_pProxy1), pairs_[i]);
+    return;
+  }
+  const auto entries = [this](std::size_t row) {
+    return std::span(entries_).subspan(rows_[row].begin, rows_[row].size);
+  };
+  // Rows are short, so fetch the pairs two rows ahead and their algorithms one row ahead.
+  for (std::size_t row = rows_.size(); row-- > 0;) {
+    if (row > 1)
+      for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry.place));
+    if (row > 0)
+      for (const Entry& entry : entries(row - 1)) Prefetch(pair_at(entry.place).m_algorithm);
+    const std::span<Entry> own = entries(row);
+    for (auto entry = own.rbegin(); entry != own.rend(); ++entry)
+      visit(Pair{static_cast<Id>(row), entry->second}, pair_at(entry->place));
+  }
+}
 
 }  // namespace cdb::detection
