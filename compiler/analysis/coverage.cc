@@ -140,6 +140,15 @@ Reason WhyNotFriction(const Scene& scene) {
       FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); });
   if (surface != nullptr)
     return fmt::format("sliding on surfaces, such as group {}, is not examined", surface->name);
+  if (const Group* moving = FindGroup(scene, HasKinematic))
+    return fmt::format("sliding on moving ground, such as group {}, is not examined", moving->name);
+  const auto spins = [](const Group& group) {
+    return !IsFixed(group) && group.settings.WordOr("type") != "sphere" &&
+           !IsZero(group.settings.Get("angular_velocity"));
+  };
+  if (const Group* group = FindGroup(scene, spins))
+    return fmt::format("group {} spins, and how its weight is spread under a face is not known",
+                       group->name);
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",
                        held);

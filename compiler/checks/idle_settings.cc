@@ -49,6 +49,14 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "remove it, or write mass kinematic: such objects move with their velocity, whatever "
            "they meet");
     }
+    if (!IsZero(group.settings.Get("spinning_friction")))
+      Look(configuration, {group.name, schema::GroupParameter("spinning_friction").get()},
+           std::ranges::all_of(scene.groups,
+                               [](const plan::Group& other) {
+                                 return IsZero(other.settings.Get("rolling_friction"));
+                               }),
+           "Bullet applies spinning friction only at contacts that also have rolling friction",
+           "add a rolling_friction, however small: rolling_friction 1e-6");
     if (analysis::HasKinematic(group))
       Look(configuration, {group.name, schema::GroupParameter("mass").get()}, IsStill(group),
            fmt::format("'{}' is kinematic, and nothing moves it", group.name),

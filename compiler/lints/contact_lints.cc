@@ -307,8 +307,12 @@ std::optional<Estimate> RollingGain(const SceneFacts& scene, const GroupFacts& o
       scene.groups, [&](const GroupFacts& group) { return !group.moves || may_roll(group); });
   if (!all_roll || scene.rests || !scene.are_gains_judged || !scene.HasWeight(objects))
     return std::nullopt;
-  const bool is_tilted = scene.pull && std::hypot(scene.pull->x(), scene.pull->z()) > 0;
-  const double speed = std::hypot(objects.velocity.x(), objects.velocity.z());
+  const bool has_slope = std::ranges::any_of(scene.groups, [](const GroupFacts& group) {
+    const auto turn = ConstantOf(group.settings->Get("orientation"));
+    return !group.moves && (!turn || turn->x() != 0 || turn->z() != 0);
+  });
+  const bool is_tilted = PullAlongFloor(scene) > 0 || has_slope;
+  const double speed = SpeedAlongFloor(objects);
   if (!is_tilted && !(speed > 0)) return std::nullopt;
   if (speed > std::sqrt(scene.g * objects.longest_side)) return std::nullopt;
   const bool open = true;  // it may slide, or stop

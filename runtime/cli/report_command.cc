@@ -66,7 +66,8 @@ void DeclareReport(options::Subcommand& command) {
                    "write the figures of the page to this folder, as SVG drawn by Chromium");
   command.Optional(
       "--size", arguments->choices.size,
-      "with --svg: screen (default), or column or page of print, 8.5 and 17.5 cm wide");
+      "with --svg: screen (default), or column or page of print, 8.5 and 17.5 cm wide, or a "
+      "width such as 84mm");
   command.Optional("--view", arguments->choices.view,
                    "with --svg: what the address of the page has after #: quantity=time:broad");
   command.Action([arguments] {

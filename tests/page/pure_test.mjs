@@ -11,7 +11,7 @@ import {
 } from '../../runtime/pages/page/report/document.js';
 import { count, csv, number, short } from '../../runtime/pages/page/report/format.js';
 import { entriesOf, thin } from '../../runtime/pages/page/report/pooled.js';
-import { assign, decode, defaultRoles, defaultView, encode } from '../../runtime/pages/page/report/state.js';
+import { assign, decode, defaultRoles, defaultView, encode, unknownEntry } from '../../runtime/pages/page/report/state.js';
 import { documentOf, first, large, mixed, numbers, texts } from './fixtures.mjs';
 
 test('numbers have three digits, and exponents where they are far from one', () => {
@@ -103,6 +103,14 @@ test('the address has what differs from the defaults, and reads back', () => {
     at: [1, 0, 1],
   };
   assert.deepEqual(decode(doc, encode(doc, changed)), changed);
+});
+
+test('an entry of an address that no view takes is named', () => {
+  const doc = openDocument(first());
+  for (const known of ['', 'quantity=time:narrow&statistic=p95', 'role.detector=x&at.quantity=1', 'mapX=detector', 'section=times'])
+    assert.equal(unknownEntry([doc], known), null, known);
+  for (const unknown of ['nonsense=abc', 'quantity=time:detekt', 'role.detector=nonsense', 'at.quantity=99', 'mapX=other'])
+    assert.equal(unknownEntry([doc], unknown), unknown);
 });
 
 test('an address that does not apply is as by default', () => {

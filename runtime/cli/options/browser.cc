@@ -14,6 +14,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "dsl/text/utf8.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/sweep/cluster/slurm.h"
 
@@ -113,9 +114,17 @@ bool IsFigureName(std::string_view name) {
 /// What follows `#` in the address of a page that shall draw its figures.
 std::string FragmentOf(const FigureChoices& choices) {
   constexpr std::string_view kSizes[] = {"screen", "column", "page"};
-  if (std::ranges::find(kSizes, choices.size) == std::end(kSizes))
-    throw CommandError(fmt::format("--size cannot be '{}'; it is one of {}", choices.size,
-                                   fmt::join(kSizes, ", ")));
+  constexpr int kLeastWidth = 40, kMostWidth = 1000;
+  const std::string& size = choices.size;
+  const bool is_width = size.ends_with("mm") && size.size() <= 6 &&
+                        std::all_of(size.begin(), size.end() - 2,
+                                    [](unsigned char c) { return std::isdigit(c) != 0; });
+  const int width = is_width ? std::atoi(size.c_str()) : kLeastWidth;
+  if ((!is_width && std::ranges::find(kSizes, size) == std::end(kSizes)) || width < kLeastWidth ||
+      width > kMostWidth)
+    throw CommandError(
+        fmt::format("--size cannot be '{}'; it is one of {}, or a width from {}mm to {}mm", size,
+                    fmt::join(kSizes, ", "), kLeastWidth, kMostWidth));
   std::string_view view = choices.view;
   if (view.starts_with('#')) view.remove_prefix(1);
   const auto is_of_address = [](unsigned char c) {
@@ -186,6 +195,11 @@ std::vector<std::pair<std::string, std::string>> DrawFigures(const fs::path& pag
   if (!json.is_object())
     throw CommandError(fmt::format("{} did not draw the figures of {}{}", browser, page.string(),
                                    end ? fmt::format(" (exit status {})", end->status) : ""));
+  if (const auto unknown = json.find("unknown"); unknown != json.end() && unknown->is_string())
+    throw CommandError(
+        fmt::format("--view: no figure takes '{}'; choose the view on the page, and copy what its "
+                    "address then has after #",
+                    text::Printable(unknown->get<std::string>())));
   std::vector<std::pair<std::string, std::string>> drawn;
   for (const auto& [name, svg] : json.items())
     if (svg.is_string() && IsFigureName(name)) drawn.emplace_back(name, svg.get<std::string>());

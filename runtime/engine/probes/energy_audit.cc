@@ -21,6 +21,8 @@ constexpr double kImpact = 4;
 /// Of the energy of rebounds, half as much excess is a gain: they do not tremble. Balls that drop
 /// from 0.1 to 10 m with contact faithful have an excess of 0.000.
 constexpr double kReboundWeight = 2;
+/// Of the kinetic energy: impacts with less are the rocking of what slides.
+constexpr double kLeastImpacts = 0.05;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 /// s: the time in which friction stops an object that would stop anyway.
@@ -84,7 +86,8 @@ double EnergyAudit::Gained(double kinetic, double energy, double sagged, double 
   const double risen = energy - lowest_;
   peak_without_gain_ = std::max(peak_without_gain_, kinetic - risen);
   return std::max((risen - given_ - rounded_) / (peak_without_gain_ + kLeastRise * scale_),
-                  kReboundWeight * excess_ / (approached_ + kLeastRise * scale_));
+                  kReboundWeight * excess_ /
+                      (approached_ + kLeastImpacts * peak_without_gain_ + kLeastRise * scale_));
 }
 
 /// J: of all objects that a contact may lift by its depth, which are those connected with it, and

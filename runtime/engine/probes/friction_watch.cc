@@ -63,9 +63,10 @@ FrictionWatch::Seen FrictionWatch::After(const BodyStates& before, const BodySta
     } else {
       Judge(i, before[i], now[i]);
     }
-    object.is_twisted = object.is_twisted || std::abs(object.turned) > kTwisted;
+    const double turned = std::abs(object.turned + object.FalseTurn());
+    object.is_twisted = object.is_twisted || turned > kTwisted;
     seen.twisted += object.is_twisted;
-    seen.false_turn = std::max(seen.false_turn, std::abs(object.turned));
+    seen.false_turn = std::max(seen.false_turn, turned);
     if (object.due > object.least_due)
       seen.friction_error = std::fmax(seen.friction_error, object.error.norm() / object.due);
   }
@@ -123,17 +124,21 @@ void FrictionWatch::Judge(std::size_t object, const BodyState& before, const Bod
     return std::pair(along, Vector3d(all - along * normal));
   };
   const auto [first_spin, first_rocking] = split(before.spin);
+  const Vector3d in_body = turn.conjugate() * normal;
   if (!was_flat) {
+    moving.turned += moving.FalseTurn();
+    moving.turns = 0;
     moving.least_spin = std::abs(first_spin);
     moving.first_rocking = first_rocking.norm();
+    moving.first_normal = in_body;
   }
-  const auto [spin, rocking] = split(now.spin);
+  const double spin = split(now.spin).first;
   const layouts::ObjectState& state = engine_.initial_state().objects[object];
   const Vector3d inertia = state.solid.InertiaPerMass();
-  const double about_normal = inertia.dot((turn.conjugate() * normal).cwiseAbs2());
-  const double allowed = moving.least_spin + moving.friction * inertia.maxCoeff() / about_normal *
-                                                 (moving.first_rocking + rocking.norm());
-  moving.turned += timestep * std::copysign(std::max(0.0, std::abs(spin) - allowed), spin);
+  const double lever = moving.friction * inertia.maxCoeff() / inertia.dot(in_body.cwiseAbs2());
+  const double allowed = moving.least_spin + lever * moving.first_rocking;
+  moving.turns += timestep * std::copysign(std::max(0.0, std::abs(spin) - allowed), spin);
+  moving.excused = lever * (in_body - moving.first_normal).norm();
   moving.least_spin = std::min(moving.least_spin, std::abs(spin));
 
   const Vector3d pulled =
@@ -147,6 +152,10 @@ void FrictionWatch::Judge(std::size_t object, const BodyState& before, const Bod
   const double due = std::clamp(moving.friction * (velocity - pulled).dot(normal), 0.0, speed);
   moving.error += velocity - velocity.dot(normal) * normal - (1 - due / speed) * across;
   moving.due += due;
+}
+
+double FrictionWatch::Moving::FalseTurn() const {
+  return std::copysign(std::max(0.0, std::abs(turns) - excused), turns);
 }
 
 bool FrictionWatch::LiesFlat(std::size_t object, const Eigen::Quaterniond& turn) {

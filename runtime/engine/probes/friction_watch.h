@@ -18,7 +18,8 @@ namespace cdb::probes {
 ///
 /// - the spin about n does not grow, but for mu times what the rocking changes: the forces that
 /// turn
-///   the object about its direction of motion are those whose friction turns it about n;
+///   the object about its direction of motion are those whose friction turns it about n. That
+///   excuses mu times the rocking with which it came to lie flat, and mu times the tilt since then;
 /// - the velocity along the ground changes by mu times the change of that along n, or to 0.
 ///
 /// All of it from velocities and the scene's coefficients, not from Bullet's contacts, which only
@@ -54,11 +55,16 @@ class FrictionWatch {
     Eigen::Vector3d normal;                    ///< of the ground, unit
     double friction = 0;                       ///< mu
     double least_spin = 0, first_rocking = 0;  ///< rad/s: about the normal; across it at the start
+    Eigen::Vector3d first_normal;              ///< in the body's axes
+    double turns = 0;                          ///< rad, signed: by a spin that is not allowed
+    double excused = 0;                        ///< rad: as much of this as the present tilt excuses
     // Since the first cycle.
-    double turned = 0;                                ///< rad, signed
+    double turned = 0;                                ///< rad, signed: before it lay flat
     Eigen::Vector3d error = Eigen::Vector3d::Zero();  ///< m/s
     double due = 0;                                   ///< m/s
     bool is_twisted = false;
+    /// rad, signed: while it lies flat.
+    double FalseTurn() const;
     // The last face that was looked for, by the normal in the body's axes.
     Eigen::Vector3d face_normal = Eigen::Vector3d::Zero();
     bool has_face = false;

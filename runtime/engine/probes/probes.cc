@@ -492,8 +492,10 @@ bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Suppo
   const double slow = kRests * std::sqrt(pull * 2 * HalfOf(object));
   const bool hardly_moved =
       fell_asleep_unseen ? !state.solid.IsBall() : std::max(speed, spin * HalfOf(object)) < slow;
+  // Rolling friction balances a torque of its lever arm times the weight.
+  const double rolls = state.numbers["rolling_friction"] / HalfOf(object);
   if (hardly_moved || Residual(support.normals, weight, 3) < kSlopes)
-    return Residual(support.cones, weight, 6) < kTips;
+    return Residual(support.cones, weight, 6) < kTips + rolls;
   if (Residual(support.cones, weight, 3) > kSlides) return false;
   return state.numbers["rolling_friction"] > 0 || Residual(support.cones, weight, 6) < kRolls;
 }

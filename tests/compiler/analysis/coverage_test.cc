@@ -71,6 +71,13 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
        "energy, losses, passing, edges, sleep", ""},
       {"objects a { quantity 3; type cuboid }", "energy, losses, passing, friction, sleep", ""},
+      {"objects a { quantity 3; type cuboid; angular_velocity (0, 1, 0) }",
+       "energy, losses, passing, sleep",
+       "friction: group a spins, and how its weight is spread under a face is not known"},
+      {"objects a { quantity 3; type cuboid } objects belt { quantity 1; mass kinematic }",
+       "passing, sleep",
+       "energy: group belt is kinematic; losses: group belt is kinematic; friction: sliding on "
+       "moving ground, such as group belt, is not examined"},
       {"objects a { quantity 3; type cuboid; friction 0 }", "energy, losses, passing, sleep", ""},
       {"objects a { quantity 3; type cuboid } world.wall_friction 0",
        "energy, losses, passing, sleep", ""},

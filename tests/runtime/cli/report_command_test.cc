@@ -127,8 +127,17 @@ TEST_F(ReportCommand, WritesFiguresThatABrowserDraws) {
       0);
   EXPECT_NE(program_.Read("asked").find("#figures&size=column&quantity=time:broad&statistic=p95\n"),
             std::string::npos);
-  for (const char* unknown : {"--size small", "--view 'a b'"})
+  for (const char* unknown : {"--size small", "--size 5mm", "--view 'a b'"})
     EXPECT_EQ(Report("", std::string("--svg figures ") + unknown).status, 2) << unknown;
+
+  EXPECT_EQ(Report("", "--svg figures --size 84mm").status, 0);
+  EXPECT_NE(program_.Read("asked").find("#figures&size=84mm&\n"), std::string::npos);
+
+  WriteProgram("chromium",
+               "echo '<pre id=\"figures\">{\"unknown\":\"a=b\",\"s-times.svg\":\"x\"}</pre>'");
+  const Finished wrong = Report("", "--svg figures --view a=b");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("--view: no figure takes 'a=b'"), std::string::npos) << wrong.err;
 
   for (const char* fails :
        {"exit 7", "echo '<pre id=\"figures\">{\"s-times.svg\":'", "kill -9 $$"}) {

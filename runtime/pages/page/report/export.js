@@ -12,6 +12,8 @@ export const sizes = {
   column: { label: 'one column: 8.5 cm, 8 pt', cm: 8.5, pt: 8 },
   page: { label: 'two columns: 17.5 cm, 8 pt', cm: 17.5, pt: 8 },
 };
+/** A size by its name, or a width in print: `84mm`. */
+export const sizeOf = (name) => sizes[name] ?? { label: name, cm: parseFloat(name) / 10, pt: 8 };
 const screenWidth = 820; // px
 const smallText = 11; // px, of labels
 const pixelRatio = { screen: 2, print: 4 };

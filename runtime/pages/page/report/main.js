@@ -5,7 +5,7 @@ import { openDocument } from './document.js';
 import { bdi, h } from './dom.js';
 import { describeDistributions, describeRepeats } from './distributions.js';
 import { describeErrors } from './errors.js';
-import { sizes } from './export.js';
+import { sizeOf } from './export.js';
 import { createFigure, replaceControls } from './figure.js';
 import { short } from './format.js';
 import { describeOverAxes } from './over_axes.js';
@@ -14,7 +14,7 @@ import { describePhases } from './phases.js';
 import { describeRatios } from './ratios.js';
 import * as parts from './sections.js';
 import { describeStability } from './stability.js';
-import { decode, encode } from './state.js';
+import { decode, encode, unknownEntry } from './state.js';
 import { suiteParts } from './suite.js';
 
 const page = document.getElementById('page');
@@ -247,8 +247,12 @@ function follow() {
  * address has their size, and a view as that of the page.
  */
 function writeFigures() {
-  const size = sizes[new URLSearchParams(location.hash.slice(1)).get('size') ?? 'screen'];
+  const entries = new URLSearchParams(location.hash.slice(1));
+  const size = sizeOf(entries.get('size') ?? 'screen');
+  for (const own of ['figures', 'size']) entries.delete(own);
   const files = {};
+  const unknown = unknownEntry(documents, entries.toString());
+  if (unknown) files.unknown = unknown;
   documents.forEach((doc, i) => {
     show(i);
     const stem = documents.length > 1 && short(doc.raw.sources?.[0]?.file ?? '', 60).replace(/\.h5$/, '');

@@ -154,6 +154,23 @@ export function encode(doc, view) {
   return entries.toString();
 }
 
+/** The first entry of an address that no part of a view takes: `quantity=time:detekt`; null if there is none. */
+export function unknownEntry(docs, text) {
+  for (const [key, value] of new URLSearchParams(text)) {
+    const fits = (doc) => {
+      const [prefix, name] = key.split(/\.(.*)/);
+      const axis = doc.axes.find((candidate) => candidate.name === name);
+      if (prefix === 'role') return axis && roleNames.includes(value);
+      if (prefix === 'at') return axis && /^\d+$/.test(value) && Number(value) < axis.values.length;
+      if (['mapX', 'mapY'].includes(key)) return doc.axes.some((candidate) => candidate.name === value);
+      if (key === 'highlight') return /^\d+$/.test(value);
+      return key === 'section' || Boolean(choices(doc)[key]?.includes(value));
+    };
+    if (!docs.some(fits)) return `${key}=${value}`;
+  }
+  return null;
+}
+
 /** Decodes the parts of an address that apply to the document; the rest has defaults. @returns {View} */
 export function decode(doc, text) {
   const entries = new URLSearchParams(text);

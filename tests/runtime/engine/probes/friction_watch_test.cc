@@ -75,7 +75,7 @@ TEST(FrictionWatch, FindsWhatAPlaneDoesToABox) {
         SCOPED_TRACE(fmt::format("mu {}, {} m/s at {} Hz", mu, speed, hz));
         const SlidingRun slid = RunSliding(Braked(mu, speed, hz, "wall_shape plane"));
         // Where it rocks, some of the turning is not proven false.
-        EXPECT_LE(slid.false_turn, std::abs(slid.turned) + 0.02);
+        EXPECT_LE(slid.false_turn, std::abs(slid.turned) + 0.05);
         if (std::abs(slid.turned) > 0.2 && hz > 60) {
           EXPECT_EQ(slid.twisted, 1);
           ++twisted;
@@ -93,6 +93,23 @@ TEST(FrictionWatch, FindsWhatAPlaneDoesToABox) {
       }
   EXPECT_GT(twisted, 6) << "Bullet has become better";
   EXPECT_GT(off, 2) << "Bullet has become better";
+}
+
+TEST(FrictionWatch, FindsTheTurnOfADiscThatRocks) {
+  // The disc is symmetric about its motion. With the cycles in which it rocks excused altogether,
+  // little of the turn was found.
+  for (const double speed : {5., 9.}) {
+    const SlidingRun slid = RunSliding(fmt::format(
+        "cycles 300; world {{ side 80; walls floor; wall_friction 1; wall_shape box }}\n"
+        "objects {{ quantity 1; type cylinder; size 1; aspect 1 : 0.5 : 1; friction 0.2\n"
+        "location at(-20, -39.75, 0); linear_velocity ({}, 0, 0) }}",
+        speed));
+    EXPECT_LE(slid.false_turn, std::abs(slid.turned) + 0.05) << speed;
+    if (std::abs(slid.turned) > 0.2) {
+      EXPECT_GT(slid.false_turn, 0.1) << speed;
+      EXPECT_EQ(slid.verdict, protocol::Verdict::kDrifting);
+    }
+  }
 }
 
 TEST(FrictionWatch, LetsFrictionTakeASpin) {
