@@ -110,7 +110,7 @@ struct ParameterTable {
      .also = "narrowphase narrow contacts_by",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference},
     {.name = "pair_order", .type = kWord, .first_default = "listed", .words = "listed sorted",
-     .doc = "order in which pairs are processed: as the detector lists them, or sorted by body, so that detectors that list the same pairs move every object identically, to the last bit",
+     .doc = "order in which pairs are processed: as the detector lists them, or sorted by body, so that detectors that list the same pairs, or all with sleeping off, move every object identically, to the last bit",
      .also = "order deterministic",
      .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace},
     {.name = "threads", .type = kCount, .domain = kCountFromOne, .first_default = "1",

@@ -294,11 +294,33 @@ bool IsOfBullet(const std::string& detector) {
   return info != nullptr && info->source == "Bullet";
 }
 
-bool SortsPairs(const results::ResultFile& file) {
+namespace {
+
+bool AnyWorld(const results::ResultFile& file, auto holds) {
   const auto plan = ReadPlan(file);
-  return plan && std::ranges::any_of(plan->runs, [](const plan::Run& run) {
-           return run.scene.world.WordOr("pair_order") == "sorted";
-         });
+  return plan && std::ranges::any_of(plan->runs,
+                                     [&](const plan::Run& run) { return holds(run.scene.world); });
+}
+
+/// What keeps the motion alike under all detectors; empty if it is set already.
+std::string RemedyOfMotion(const results::ResultFile& file) {
+  const bool sorts = SortsPairs(file);
+  const bool sleeps =
+      AnyWorld(file, [](const plan::WorldSettings& world) { return world.On("sleeping"); });
+  if (sorts && !sleeps) return {};
+  if (sorts)
+    return "; pairs that do not touch decide which objects sleep together: `sleeping off` keeps it "
+           "alike";
+  return sleeps ? "; `pair_order sorted` and `sleeping off` keep it alike"
+                : "; `pair_order sorted` keeps it alike";
+}
+
+}  // namespace
+
+bool SortsPairs(const results::ResultFile& file) {
+  return AnyWorld(file, [](const plan::WorldSettings& world) {
+    return world.WordOr("pair_order") == "sorted";
+  });
 }
 
 std::string SameMotionText(const results::ResultFile& file) {
@@ -337,7 +359,7 @@ std::string SameMotionText(const results::ResultFile& file) {
                                  ? ", and so do the verdicts"
                                  : fmt::format(", and the verdict at {}", verdicts);
   return fmt::format("The motion differs between detectors{}{}{}.", where, judged,
-                     SortsPairs(file) ? "" : "; `pair_order sorted` keeps it alike");
+                     RemedyOfMotion(file));
 }
 
 std::string SortingText(const results::ResultFile& file) {

@@ -250,10 +250,11 @@ constexpr LintExample kExamples[] = {
      "rest\n"
      "  objects { quantity 5; type cuboid; size 0.2; location stack }\n}\n"},
     {Lint::kSlidingBox,
-     "benchmark b {\n  cycles 300\n  world { side 40; walls floor }\n"
+     "benchmark b {\n  timestep 1 / 240\n  cycles 720\n  world { side 40; walls floor }\n"
      "  objects {\n    quantity 1; type cuboid; size 0.5; friction 0.4\n"
      "    location at(-10, -19.75, 0); linear_velocity (5, 0, 0)\n  }\n}\n",
-     "benchmark b {\n  cycles 300\n  world { side 40; walls floor; wall_shape box }\n"
+     "benchmark b {\n  timestep 1 / 240\n  cycles 720\n  world { side 40; walls floor; wall_shape "
+     "box }\n"
      "  objects {\n    quantity 1; type cuboid; size 0.5; friction 0.4\n"
      "    location at(-10, -19.75, 0); linear_velocity (5, 0, 0)\n  }\n}\n"},
 };

@@ -227,7 +227,9 @@ void KnownCatalogue::NotCrushing() {
     KnownBody ball = Standing("sphere", one, 0.5, 1);
     ball.at.x() = -4;
     ball.velocity.x() = speed;
+    // Boxes that slide on a plane turn.
     Add(fmt::format("{} m/s", speed), KnownBuilder(20, "floor", 240)
+                                          .World("world.wall_shape", Word("box"))
                                           .Add(ball)
                                           .Add(Standing("cuboid", one, 0, 1))
                                           .Add(Standing("cuboid", one, 1, 1)));

@@ -405,8 +405,8 @@ TEST(ErrorOrder, IsNotToldFromAnIntervalThatHasAnySign) {
   const Conclusion few = OrderOf({{0.4, 0.1, 0.09}}, kAllSound);
   EXPECT_EQ(few.answer,
             "It falls with each shorter time step, but the order cannot be told from so few or "
-            "such scattered errors: as the time step to the power 1.08 (95 % interval -5.67 .. "
-            "7.82).");
+            "such scattered errors: as the time step to the power 1.08 (95 % interval -5.70 .. "
+            "7.85).");
   EXPECT_EQ(few.certainty, Certainty::kUnknown);
 }
 
@@ -514,7 +514,7 @@ TEST(Conclusions, SayWhetherDetectorsMoveObjectsAlike) {
   };
   const std::string differing = answer(by_detector, 0);
   EXPECT_NE(differing.find(" The motion differs between detectors at 2 of 3 points; `pair_order "
-                           "sorted` keeps it alike."),
+                           "sorted` and `sleeping off` keep it alike."),
             differing.npos)
       << differing;
   const std::string verdicts = answer(by_detector, 1);
