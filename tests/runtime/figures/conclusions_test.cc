@@ -514,7 +514,7 @@ TEST(Conclusions, SayWhetherDetectorsMoveObjectsAlike) {
   };
   const std::string differing = answer(by_detector, 0);
   EXPECT_NE(differing.find(" The motion differs between detectors at 2 of 3 points; `pair_order "
-                           "sorted` and `sleeping off` keep it alike."),
+                           "sorted` keeps it alike."),
             differing.npos)
       << differing;
   const std::string verdicts = answer(by_detector, 1);
