@@ -47,8 +47,8 @@ std::string AllParameters() {
   table.AddColumn("unit", false);
   table.AddColumn("", false);
   for (const Parameter& parameter : schema::Schema())
-    table.AddRow({parameter.FullName(), std::string(parameter.DefaultText()),
-                  parameter.UnitText(), std::string(parameter.doc)});
+    table.AddRow({parameter.FullName(), std::string(parameter.DefaultText()), parameter.UnitText(),
+                  std::string(parameter.doc)});
   return table.Text();
 }
 
