@@ -23,9 +23,11 @@ function styleAxes(doc, view, rows) {
   return { colour, varied };
 }
 
+/** A value of an axis: 1/60 is 0.01667. */
+const valueText = (value) => (typeof value === 'number' ? number(value, 4) : short(value, 24));
 const atText = (at) =>
   Object.entries(at ?? {})
-    .map(([name, value]) => `${name} ${short(value, 24)}`)
+    .map(([name, value]) => `${name} ${valueText(value)}`)
     .join(', ');
 
 const corners = [
@@ -92,7 +94,7 @@ function marksOf(rows, theme) {
 /** Names of the configurations on the front. */
 function nameMarks(rows, { theme, x, y, width, height }) {
   const front = rows.filter((row) => row.onFront).sort((a, b) => a.speed - b.speed);
-  const named = rows.length <= mostNamed ? labels(front.slice(0, mostLabels), x, y, width - 72, height - 66) : [];
+  const named = rows.length <= mostNamed ? labels(front.slice(0, mostLabels), x, y, width - 82, height - 66) : [];
   return corners.map(({ side, dy }) =>
     Plot.text(named, {
       x: 'speed',
@@ -124,7 +126,7 @@ function panelOf(rows, { theme, x, y, label }) {
       width,
       height,
       marginLeft: 58,
-      marginRight: 14,
+      marginRight: 24, // half of the last tick's text
       marginTop: 26,
       marginBottom: 40,
       x: { ...common, domain: x, ticks: ticks.x, label: speedLabel, labelAnchor: 'right', labelArrow: 'right' },
@@ -143,7 +145,7 @@ function panelOf(rows, { theme, x, y, label }) {
 /** The coordinates that distinguish a configuration from others of the same colour: `hz 60`. */
 function nameOf(row, varied, colour) {
   const others = varied.filter((each) => each !== colour);
-  const text = ({ axis }) => (axis.isText ? row.at[axis.name] : `${axis.name} ${row.at[axis.name]}`);
+  const text = ({ axis }) => (axis.isText ? row.at[axis.name] : `${axis.name} ${valueText(row.at[axis.name])}`);
   return (others.length ? others : varied).map(text).join(', ');
 }
 
@@ -251,7 +253,7 @@ function legendOf(rows, colour, theme, orders) {
     .map((value, i) => ({ value, i }))
     .filter(({ i }) => rows.some((row) => row.colour === i))
     .map(({ value, i }) => ({
-      label: [`${colour.axis.name} ${value}`, orders.ofValue?.get(value)].filter(Boolean).join(': '),
+      label: [`${colour.axis.name} ${valueText(value)}`, orders.ofValue?.get(value)].filter(Boolean).join(': '),
       colour: style(theme, i).colour,
       symbol: style(theme, i).symbol,
     }));
