@@ -138,9 +138,7 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
   double taken = 0;
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
-    // Points beyond the threshold had no impulse in this cycle, and keep an old one.
-    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
-    if (point.m_appliedImpulse == 0) continue;
+    if (!world::HasImpulse(manifold, point)) continue;
     const auto relative = [&](const BodyStates& states) -> Vector3d {
       return velocity_in(states, manifold.getBody0(), world::ToEigen(point.getPositionWorldOnA())) -
              velocity_in(states, manifold.getBody1(), world::ToEigen(point.getPositionWorldOnB()));

@@ -90,9 +90,7 @@ void FrictionWatch::FindSupports() {
     const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
     for (int j = 0; j < manifold.getNumContacts(); ++j) {
       const btManifoldPoint& point = manifold.getContactPoint(j);
-      if (point.getDistance() > manifold.getContactProcessingThreshold() ||
-          point.m_appliedImpulse == 0)
-        continue;
+      if (!world::HasImpulse(manifold, point)) continue;
       add(a, b, point.m_normalWorldOnB);
       add(b, a, -point.m_normalWorldOnB);
     }

@@ -133,8 +133,8 @@ void NormalWatch::Check(const btPersistentManifold& manifold, const BodyStates& 
   const double most_depth = kMostDepth * 2 * state[other].solid.LeastHalfExtent();
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
+    if (!world::HasImpulse(manifold, point)) continue;
     const double impulse = static_cast<double>(point.m_appliedImpulse);
-    if (point.getDistance() > manifold.getContactProcessingThreshold() || impulse == 0) continue;
     const Vector3d normal =
         ((is_first ? -1.0 : 1.0) * world::ToEigen(point.m_normalWorldOnB)).normalized();
     const double depth =

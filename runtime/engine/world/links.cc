@@ -169,6 +169,12 @@ void Links::AddLinks(const plan::Group& group, const layouts::ObjectState& objec
     AddLink(group.settings, *objects[i], *objects[i + 1], place(i));
 }
 
+void Links::MakeBall(btRigidBody& first, btRigidBody& second, Link& link) {
+  link.kind = Kind::kBall;
+  link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
+                                                              link.pivot_in_second);
+}
+
 void Links::AddLink(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
                     const btVector3& from) {
   if (first.isStaticOrKinematicObject() && second.isStaticOrKinematicObject()) return;
@@ -180,9 +186,7 @@ void Links::AddLink(const plan::GroupSettings& settings, btRigidBody& first, btR
   link.pivot_in_first = InBody(first, pivot);
   link.pivot_in_second = InBody(second, pivot);
   if (type == "ball") {
-    link.kind = Kind::kBall;
-    link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
-                                                                link.pivot_in_second);
+    MakeBall(first, second, link);
   } else if (type == "hinge") {
     link.kind = Kind::kHinge;
     const btVector3 axis(0, 0, 1);
@@ -238,9 +242,7 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
   link.line_in_first = to_first.getBasis() * axis;
   const std::string_view type = settings.WordOr("joints.type");
   if (type == "ball") {
-    link.kind = Kind::kBall;
-    link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
-                                                                link.pivot_in_second);
+    MakeBall(first, second, link);
   } else if (type == "hinge") {
     link.kind = Kind::kHinge;
     // It turns about z.

@@ -23,4 +23,10 @@ inline auto TouchingManifolds(btCollisionWorld& world) {
              [](const btPersistentManifold& manifold) { return manifold.getNumContacts() > 0; });
 }
 
+/// True if the point had an impulse in the last cycle: those beyond the threshold keep an old one.
+inline bool HasImpulse(const btPersistentManifold& manifold, const btManifoldPoint& point) {
+  return point.getDistance() <= manifold.getContactProcessingThreshold() &&
+         point.m_appliedImpulse != 0;
+}
+
 }  // namespace cdb::world
