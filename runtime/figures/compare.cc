@@ -213,26 +213,8 @@ class SceneDifferences {
  public:
   void Add(const plan::Scene& a, const plan::Scene& b) {
     AddSettings("", a.world, b.world);
-    const std::size_t groups = std::max(a.groups.size(), b.groups.size());
-    for (std::size_t i = 0; i < groups; ++i) {
-      const std::string name_a = i < a.groups.size() ? a.groups[i].name : "none",
-                        name_b = i < b.groups.size() ? b.groups[i].name : "none";
-      if (name_a != name_b) {
-        AddTexts("group of objects", name_a, name_b);
-      } else {
-        AddSettings(name_a + ".", a.groups[i].settings, b.groups[i].settings);
-      }
-    }
-    const std::size_t joints = std::max(a.joints.size(), b.joints.size());
-    for (std::size_t i = 0; i < joints; ++i) {
-      const std::string name_a = i < a.joints.size() ? a.joints[i].name : "none",
-                        name_b = i < b.joints.size() ? b.joints[i].name : "none";
-      if (name_a != name_b) {
-        AddTexts("joint", name_a, name_b);
-      } else {
-        AddSettings(name_a + ".", a.joints[i].settings, b.joints[i].settings);
-      }
-    }
+    AddNamed("group of objects", a.groups, b.groups);
+    AddNamed("joint", a.joints, b.joints);
     // The streams follow from the distributions, and their seeds from `seed`.
     if (a.seeds != b.seeds && a.world.Count("seed") == b.world.Count("seed"))
       AddTexts("random streams", StreamsOnlyIn(a, b), StreamsOnlyIn(b, a));
@@ -256,6 +238,19 @@ class SceneDifferences {
   }
 
  private:
+  /// Groups or joints.
+  template <typename Part>
+  void AddNamed(const std::string& what, const std::vector<Part>& a, const std::vector<Part>& b) {
+    for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+      const std::string name_a = i < a.size() ? a[i].name : "none",
+                        name_b = i < b.size() ? b[i].name : "none";
+      if (name_a != name_b) {
+        AddTexts(what, name_a, name_b);
+      } else {
+        AddSettings(name_a + ".", a[i].settings, b[i].settings);
+      }
+    }
+  }
   static constexpr std::size_t kMostTexts = 4;
 
   static std::string Joined(const std::vector<std::string>& texts) {

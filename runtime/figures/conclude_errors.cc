@@ -337,33 +337,30 @@ class Order {
 
   std::string Sentences() const {
     std::string all;
-    for (const std::string& text : {Falling(), WithoutOrder(), NotFalling(), NotJudged(), Rises()})
+    for (const std::string& text :
+         {Told(Answer::kYes, "Yes", ""),
+          // The fit of a few steps tells nothing.
+          Told(Answer::kNoOrder, "It falls with each shorter time step",
+               ", but the order cannot be told from so few or such scattered errors"),
+          NotFalling(), NotJudged(), Rises()})
       if (!text.empty()) all += (all.empty() ? "" : " ") + text;
     return all;
   }
 
-  std::string Falling() const {
-    const Places* yes = Find(Answer::kYes);
-    return yes == nullptr ? std::string() : fmt::format("Yes{}: {}.", Where(*yes), PowerText(*yes));
-  }
-
-  /// The fit of a few steps tells nothing.
-  std::string WithoutOrder() const {
-    const Places* falls = Find(Answer::kNoOrder);
-    if (falls == nullptr) return {};
-    return fmt::format(
-        "It falls with each shorter time step{}, but the order cannot be told from so few or such "
-        "scattered errors: {}.",
-        Where(*falls), PowerText(*falls));
+  /// A sentence on the cases with this answer: `begin`, where they are, `end` and their powers.
+  std::string Told(Answer answer, std::string_view begin, std::string_view end) const {
+    const Places* places = Find(answer);
+    if (places == nullptr) return {};
+    return fmt::format("{}{}{}: {}.", begin, Where(*places), end, PowerText(*places));
   }
 
   std::string NotFalling() const {
-    const Places* no = Find(Answer::kNo);
-    if (no == nullptr) return {};
-    return fmt::format(
-        "No{}: {}. Where it does not fall, something else makes the error: the iterations of the "
-        "solver, contact settings or margins, walls that are planes, or chaotic motion.",
-        Where(*no), PowerText(*no));
+    std::string text = Told(Answer::kNo, "No", "");
+    if (!text.empty())
+      text +=
+          " Where it does not fall, something else makes the error: the iterations of the solver, "
+          "contact settings or margins, walls that are planes, or chaotic motion.";
+    return text;
   }
 
   std::string NotJudged() const {

@@ -296,17 +296,19 @@ bool IsOfBullet(const std::string& detector) {
 
 namespace {
 
-bool AnyWorld(const results::ResultFile& file, auto holds) {
-  const auto plan = ReadPlan(file);
+bool AnyWorld(const std::optional<plan::Plan>& plan, auto holds) {
   return plan && std::ranges::any_of(plan->runs,
                                      [&](const plan::Run& run) { return holds(run.scene.world); });
 }
 
+bool Sorts(const plan::WorldSettings& world) { return world.WordOr("pair_order") == "sorted"; }
+
 /// What keeps the motion alike under all detectors; empty if it is set already.
 std::string RemedyOfMotion(const results::ResultFile& file) {
-  const bool sorts = SortsPairs(file);
+  const auto plan = ReadPlan(file);
+  const bool sorts = AnyWorld(plan, Sorts);
   const bool sleeps =
-      AnyWorld(file, [](const plan::WorldSettings& world) { return world.On("sleeping"); });
+      AnyWorld(plan, [](const plan::WorldSettings& world) { return world.On("sleeping"); });
   if (sorts && !sleeps) return {};
   if (sorts)
     return "; pairs that do not touch decide which objects sleep together: `sleeping off` keeps it "
@@ -317,11 +319,7 @@ std::string RemedyOfMotion(const results::ResultFile& file) {
 
 }  // namespace
 
-bool SortsPairs(const results::ResultFile& file) {
-  return AnyWorld(file, [](const plan::WorldSettings& world) {
-    return world.WordOr("pair_order") == "sorted";
-  });
-}
+bool SortsPairs(const results::ResultFile& file) { return AnyWorld(ReadPlan(file), Sorts); }
 
 std::string SameMotionText(const results::ResultFile& file) {
   const auto axis = DetectorAxis(file);
