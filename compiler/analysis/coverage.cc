@@ -182,9 +182,8 @@ constexpr QuestionInfo kQuestions[] = {
      "contacts at the edges between coplanar faces have the normals of these faces", false,
      EdgesArise, WhyNotEdges},
     {Question::kFriction, "friction",
-     "friction brakes objects that slide flat on fixed ground by its coefficient, and does not "
-     "turn "
-     "them",
+     "friction brakes objects that slide flat on fixed ground as its coefficient says, and turns "
+     "none of them",
      false, FrictionArises, WhyNotFriction},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      AlwaysChecked},

@@ -31,7 +31,7 @@ std::string TimesText(std::uint64_t count) {
   return count == 1 ? "once" : count == 2 ? "twice" : fmt::format("{} times", count);
 }
 
-/// The number at the begin of `12345 kB`; NaN if there is none.
+/// The number at the beginning of `12345 kB`; NaN if there is none.
 double KilosIn(const std::string& text) {
   double value = figures::kNone;
   std::from_chars(text.data(), text.data() + text.size(), value);
