@@ -33,8 +33,7 @@ RollingRun RunRolling(const std::string& text) {
     largest = std::fmax(largest, error);
   return {Velocity(*run.engine).x(),
           -static_cast<double>(run.engine->objects()[0]->getAngularVelocity().z()),
-          run.recording.Reals("rolling_error").back(),
-          largest,
+          run.recording.Reals("rolling_error").back(), largest,
           protocol::Judge(scene, run.recording, scene.world.Count("cycles")).verdict};
 }
 
