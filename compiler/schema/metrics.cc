@@ -102,7 +102,7 @@ const std::vector<ResultNames>& ReservedNames() {
       {"a fact of each run in the results",
        NamesOf({"status", "verdict", "first_bad_cycle", "bad_objects", "n_cycles", "started",
                 "load_average", "noise", "noise_cause", "state_hash", "run_id", "host", "message",
-                "omitted", "needs", "checked", "unchecked"},
+                "omitted", "needs", "criterion", "checked", "unchecked"},
                kRunScalars)},
       {"a group of the results", {"run", "accuracy", "provenance"}},
       {"an array of /accuracy in the results", {"sample", "horizon", "step_size", "truth"}, true},

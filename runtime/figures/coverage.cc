@@ -121,8 +121,7 @@ std::string UnsoundText(const results::ResultFile& file, const Row& row) {
     if (judgement.verdict <= protocol::Verdict::kStable) continue;
     ++unsound;
     const std::string objects = BadObjectsText(file, worst);
-    text = std::string(protocol::VerdictName(judgement.verdict)) +
-           (objects.empty() ? "" : ", " + objects);
+    text = protocol::VerdictText(judgement) + (objects.empty() ? "" : ", " + objects);
   }
   if (unsound == 0 || row.points.size() == 1) return text;
   return fmt::format("{} of {} not stable", unsound, row.points.size());

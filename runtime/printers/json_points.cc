@@ -119,6 +119,10 @@ class PointColumns {
       return point.measured == nullptr ? 0 : point.measured->cells.size();
     });
     all["verdict"] = Column([](const GridPoint& point) -> Json { return point.ending.Word(); });
+    all["criterion"] = Column([](const GridPoint& point) -> Json {
+      const std::string& series = point.ending.judgement.criterion;
+      return series.empty() ? Json(nullptr) : Json(series);
+    });
     all["first_bad_cycle"] =
         Column([](const GridPoint& point) { return CycleOrNull(point.ending); });
     const auto count = [](double value) {

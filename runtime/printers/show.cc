@@ -276,10 +276,12 @@ class Head {
       if (verdict <= protocol::Verdict::kStable) continue;
       unsound += runs.size();
       const std::string objects = figures::BadObjectsText(file_, runs[0].cell);
+      const std::string criterion = file_.ReadJudgement(runs[0].cell).criterion;
       doubts.push_back(fmt::format(
-          "  {} {}: {} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
-          figures::PlaceText(file_, runs[0].cell), runs[0].first_bad_cycle,
-          objects.empty() ? "" : ", " + objects, runs.size() > 1 ? "; and others" : ""));
+          "  {} {}: {}{} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
+          figures::PlaceText(file_, runs[0].cell), criterion.empty() ? "" : " by " + criterion,
+          runs[0].first_bad_cycle, objects.empty() ? "" : ", " + objects,
+          runs.size() > 1 ? "; and others" : ""));
     }
     const auto stable = groups_.verdicts.find(protocol::Verdict::kStable);
     const std::size_t sound = stable == groups_.verdicts.end() ? 0 : stable->second.size();

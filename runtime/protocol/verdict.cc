@@ -56,7 +56,13 @@ constexpr VerdictInfo kVerdicts[] = {
     {kCrashed, "crashed", "the process of the run ended abnormally"},
 };
 
-/// Applies every criterion to one run. Each returns the first bad cycle, or -1.
+/// A criterion: the series that it judges, and the first bad cycle, or -1.
+struct Found {
+  std::string_view series;
+  std::int64_t cycle = -1;
+};
+
+/// Applies every criterion to one run.
 class Case {
  public:
   Case(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles)
@@ -69,33 +75,12 @@ class Case {
         expectation_(analysis::ExpectationOf(scene)),
         energy_scales_(EnergyScales()) {}
 
-  std::int64_t First(Verdict verdict) const {
-    switch (verdict) {
-      case kNonFinite:
-        return FirstCount("non_finite");
-      case kRemoved:
-        return FirstCount("removed");
-      case kFrozen:
-        return FirstShare("frozen", kFrozenPart);
-      case kExploded:
-        return FirstRise(kExplosion);
-      case kTunnelled:
-        return Earlier(LastStretch("escaped"), FirstCount("passed"));
-      case kClamped:
-        return Earlier(FirstWhere("turn_ratio", [](double x) { return x < kLeastTurn; }),
-                       FirstCount("frozen"));
-      case kCollapsed:
-        return Earlier(Earlier(LastStretch("inverted"), FirstCount("unheld")),
-                       MustRest() ? FirstShare("displaced", kCollapsedPart) : -1);
-      case kPenetrating:
-        return Earlier(Earlier(LateAbove("penetration_ratio", kLateDepth), LooseJoints()),
-                       Earlier(FirstCount("pressed"),
-                               MustRest() ? FirstAbove("penetration_ratio", kPeakDepth) : -1));
-      case kDrifting:
-        return Drifting();
-      default:
-        CDB_CHECK(false);
-    }
+  /// The criterion that is met first. A later one of the list counts only if it is met earlier.
+  Found First(Verdict verdict) const {
+    Found first;
+    for (const Found& found : CriteriaOf(verdict))
+      if (found.cycle >= 0 && (first.cycle < 0 || found.cycle < first.cycle)) first = found;
+    return first;
   }
 
   /// The largest of the counts of this verdict's criteria in a cycle; -1 if it applies to no single
@@ -108,6 +93,74 @@ class Case {
   }
 
  private:
+  std::vector<Found> CriteriaOf(Verdict verdict) const {
+    switch (verdict) {
+      case kNonFinite:
+        return {Count("non_finite")};
+      case kRemoved:
+        return {Count("removed")};
+      case kFrozen:
+        return {Share("frozen", kFrozenPart)};
+      case kExploded:
+        return {{"energy", FirstRise(kExplosion)}};
+      case kTunnelled:
+        return {{"escaped", LastStretch("escaped")}, Count("passed")};
+      case kClamped:
+        return {Where("turn_ratio", [](double x) { return x < kLeastTurn; }), Count("frozen")};
+      case kCollapsed:
+        return IfResting({{"inverted", LastStretch("inverted")}, Count("unheld")},
+                         {Share("displaced", kCollapsedPart)});
+      case kPenetrating:
+        return IfResting(
+            {Late("penetration_ratio", kLateDepth),
+             Late("joint_gap", kLateDepth * scales_.least_side), Late("joint_bend", kBend),
+             Late("joint_stretch", kStretch), Count("pressed")},
+            {Above("penetration_ratio", kPeakDepth)});
+      case kDrifting: {
+        std::vector<Found> all =
+            IfResting({{"energy", FirstRise(kDrift)},
+                       Above("lost_energy", kLost),
+                       Count("deflected"),
+                       Above("gained_energy", kGained),
+                       Above("friction_error", kFrictionError),
+                       Count("twisted"),
+                       Where("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; })},
+                      {Late("max_speed", kLateSpeed * scales_.speed_scale), Count("displaced")});
+        if (!MustRest()) all.push_back(Above("rolling_error", kFrictionError));
+        if (expectation_ == Expectation::kEnergy) {
+          all.push_back({"energy", FirstChange(n_, kDrift)});
+        } else if (analysis::FliesFreely(scene_)) {
+          const auto touch = FirstCount("contacts");
+          const std::size_t end = touch < 0 ? n_ : static_cast<std::size_t>(touch);
+          all.push_back({"energy", FirstChange(end, kSpinDrift)});
+        }
+        return all;
+      }
+      default:
+        CDB_CHECK(false);
+    }
+  }
+
+  /// With those of a scene that must rest.
+  std::vector<Found> IfResting(std::vector<Found> always, const std::vector<Found>& resting) const {
+    if (MustRest()) always.insert(always.end(), resting.begin(), resting.end());
+    return always;
+  }
+  Found Count(schema::IntSeries series) const { return {series.name(), FirstCount(series)}; }
+  Found Share(schema::IntSeries series, double share) const {
+    return {series.name(), FirstShare(series, share)};
+  }
+  Found Above(schema::RealSeries series, double limit) const {
+    return Where(series, [limit](double x) { return x > limit; });
+  }
+  Found Late(schema::RealSeries series, double limit) const {
+    return {series.name(), LateAbove(series, limit)};
+  }
+  /// "No value" is never bad.
+  Found Where(schema::RealSeries series, auto is_bad) const {
+    return {series.name(), FirstIn(Reals(series), is_bad)};
+  }
+
   std::vector<schema::IntSeries> CountsOf(Verdict verdict) const {
     switch (verdict) {
       case kNonFinite:
@@ -143,11 +196,6 @@ class Case {
     return all.first(std::min(all.size(), n_));
   }
 
-  static std::int64_t Earlier(std::int64_t a, std::int64_t b) {
-    if (a < 0 || b < 0) return std::max(a, b);
-    return std::min(a, b);
-  }
-
   template <typename Values, typename IsBad>
   static std::int64_t FirstIn(const Values& values, IsBad is_bad, std::size_t from = 0) {
     if (from >= values.size()) return -1;
@@ -155,14 +203,6 @@ class Case {
     return found == values.end() ? -1 : found - values.begin();
   }
 
-  /// "No value" is never bad.
-  template <typename IsBad>
-  std::int64_t FirstWhere(schema::RealSeries series, IsBad is_bad) const {
-    return FirstIn(Reals(series), is_bad);
-  }
-  std::int64_t FirstAbove(schema::RealSeries series, double limit) const {
-    return FirstWhere(series, [limit](double x) { return x > limit; });
-  }
   std::int64_t FirstCount(schema::IntSeries series) const {
     return FirstIn(Ints(series), [](std::int32_t count) { return count > 0; });
   }
@@ -187,11 +227,6 @@ class Case {
     if (!(*middle > limit)) return -1;
     return FirstIn(
         values, [limit](double x) { return x > limit; }, late_);
-  }
-
-  std::int64_t LooseJoints() const {
-    return Earlier(LateAbove("joint_gap", kLateDepth * scales_.least_side),
-                   Earlier(LateAbove("joint_bend", kBend), LateAbove("joint_stretch", kStretch)));
   }
 
   /// J, by cycle. The scale of energies is that of the start, or the largest kinetic energy so far
@@ -241,27 +276,6 @@ class Case {
     return counts.rend() - none;
   }
 
-  std::int64_t Drifting() const {
-    std::int64_t first = FirstRise(kDrift);
-    if (expectation_ == Expectation::kEnergy) {
-      first = Earlier(first, FirstChange(n_, kDrift));
-    } else if (analysis::FliesFreely(scene_)) {
-      const auto touch = FirstCount("contacts");
-      first =
-          Earlier(first, FirstChange(touch < 0 ? n_ : static_cast<std::size_t>(touch), kSpinDrift));
-    }
-    first = Earlier(first, Earlier(FirstAbove("lost_energy", kLost), FirstCount("deflected")));
-    first = Earlier(first, FirstAbove("gained_energy", kGained));
-    first = Earlier(first,
-                    Earlier(FirstAbove("friction_error", kFrictionError), FirstCount("twisted")));
-    if (!MustRest()) first = Earlier(first, FirstAbove("rolling_error", kFrictionError));
-    first = Earlier(
-        first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));
-    if (!MustRest()) return first;
-    return Earlier(first, Earlier(LateAbove("max_speed", kLateSpeed * scales_.speed_scale),
-                                  FirstCount("displaced")));
-  }
-
   const plan::Scene& scene_;
   const Recording& recording_;
   const VerdictScales& scales_;
@@ -280,6 +294,11 @@ std::string_view VerdictName(Verdict verdict) {
   return info.name;
 }
 
+std::string VerdictText(const Judgement& judgement) {
+  std::string text(VerdictName(judgement.verdict));
+  return judgement.criterion.empty() ? text : text + " (" + judgement.criterion + ")";
+}
+
 Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,
                 Verdict outcome) {
   if (outcome != kUnknown) return {outcome, static_cast<std::int64_t>(n_cycles)};
@@ -287,8 +306,10 @@ Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint6
   const Case here(scene, recording, n_cycles);
   for (auto verdict = static_cast<std::int8_t>(kNonFinite);
        verdict > static_cast<std::int8_t>(kStable); --verdict) {
-    const std::int64_t first = here.First(Verdict{verdict});
-    if (first >= 0) return {Verdict{verdict}, first, here.BadObjects(Verdict{verdict})};
+    const Found first = here.First(Verdict{verdict});
+    if (first.cycle >= 0)
+      return {Verdict{verdict}, first.cycle, here.BadObjects(Verdict{verdict}),
+              std::string(first.series)};
   }
   return {kStable, -1};
 }

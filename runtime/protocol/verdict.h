@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "compiler/plan/plan.h"
@@ -49,7 +50,12 @@ struct Judgement {
   /// The number of objects, or pairs of them, to which the verdict applies; -1 for a verdict on the
   /// scene as a whole, such as a gain of energy.
   std::int64_t bad_objects = -1;
+  /// The series that shows it: of the criteria of the verdict, that which was met first. Empty if
+  /// there is none, or in results of earlier versions.
+  std::string criterion = {};
 };
+/// `drifting (friction_error)`.
+std::string VerdictText(const Judgement& judgement);
 
 /// Judges a run from the recording of its first `n_cycles` cycles. `outcome` is the ending of its
 /// process if that is a verdict (kTimedOut, kCrashed), else kUnknown. The first bad cycle of a

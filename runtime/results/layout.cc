@@ -506,6 +506,8 @@ const std::vector<RunText>& RunTexts() {
       {"run/host", "the machine that the run ran on", [](const Run&, R r) { return r.host; }},
       {"run/message", "why the run did not end well, or the first pair that its detector missed",
        [](const Run&, R r) { return r.message; }},
+      {"run/criterion", "the series that shows why the verdict is not stable",
+       [](const Run&, R r) { return r.judgement.criterion; }},
       {"run/noise_cause", "what disturbed a noisy run",
        [](const Run&, R r) { return r.noise.why; }},
       {"run/omitted", "parts of the engine that the run omitted, separated by spaces",

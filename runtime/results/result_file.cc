@@ -115,6 +115,11 @@ struct ResultFile::Impl {
     return found->second[FlatIndex(cell)];
   }
 
+  std::string TextAt(std::string_view dataset, const Cell& cell) {
+    return AtCell(texts, dataset, cell,
+                  [](const hdf5::Dataset& array) { return array.ReadText(); });
+  }
+
   double Number(std::string_view dataset, const Cell& cell) {
     return AtCell(numbers, dataset, cell, [&](const hdf5::Dataset& array) {
       std::vector<double> values = array.Read();
@@ -344,10 +349,10 @@ protocol::Judgement ResultFile::ReadJudgement(const Cell& cell) const {
           fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
                       "is: use the cdb that wrote it",
                       impl_->name, verdict));
-    return {
-        static_cast<protocol::Verdict>(verdict),
-        static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell)),
-        Has("bad_objects") ? static_cast<std::int64_t>(impl_->Number("bad_objects", cell)) : -1};
+    return {static_cast<protocol::Verdict>(verdict),
+            static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell)),
+            Has("bad_objects") ? static_cast<std::int64_t>(impl_->Number("bad_objects", cell)) : -1,
+            Has("criterion") ? impl_->TextAt("criterion", cell) : ""};
   });
 }
 
@@ -356,10 +361,7 @@ std::uint64_t ResultFile::ReadCycleCount(const Cell& cell) const {
 }
 
 std::string ResultFile::ReadText(std::string_view dataset, const Cell& cell) const {
-  return impl_->Reading([&] {
-    return impl_->AtCell(impl_->texts, dataset, cell,
-                         [](const hdf5::Dataset& array) { return array.ReadText(); });
-  });
+  return impl_->Reading([&] { return impl_->TextAt(dataset, cell); });
 }
 
 double ResultFile::ReadReal(std::string_view dataset, const Cell& cell) const {

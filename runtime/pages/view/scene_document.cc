@@ -125,6 +125,7 @@ Json RunOf(const SceneRecording& recording) {
               {"is_run", recording.is_run},
               {"status", std::string(results::StatusName(recording.status))},
               {"verdict", std::string(protocol::VerdictName(recording.judgement.verdict))},
+              {"criterion", recording.judgement.criterion},
               {"first_bad_cycle", recording.judgement.first_bad_cycle},
               {"message", recording.message},
               {"timestep", world.Real("timestep")},

@@ -321,7 +321,7 @@ std::string FaultOf(const plan::Run& run, const results::RunResult& result) {
   const protocol::Judgement& judgement = result.judgement;
   if (result.status != results::Status::kDone || judgement.verdict <= protocol::Verdict::kStable)
     return {};
-  std::string text(protocol::VerdictName(judgement.verdict));
+  std::string text = protocol::VerdictText(judgement);
   if (judgement.first_bad_cycle >= 0)
     text += fmt::format(" from {:.3g} s on", static_cast<double>(judgement.first_bad_cycle + 1) *
                                                  run.scene.world.Real("timestep"));

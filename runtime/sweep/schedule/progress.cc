@@ -32,8 +32,7 @@ std::string Ended(const results::RunResult& result, double wall_s) {
   if (result.outcome().IsGood()) return "done in " + DurationText(wall_s);
   if (result.status == results::Status::kDone)
     return fmt::format("{} from cycle {} on: its timings do not count",
-                       protocol::VerdictName(result.judgement.verdict),
-                       result.judgement.first_bad_cycle);
+                       protocol::VerdictText(result.judgement), result.judgement.first_bad_cycle);
   return fmt::format("{}: {}",
                      result.status == results::Status::kTimedOut
                          ? std::string_view("timed out")

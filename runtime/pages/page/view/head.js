@@ -9,7 +9,7 @@ function chip(run) {
   if (run.verdict === 'unknown') return element('span', { class: 'chip' }, 'no verdict: record has no stability');
   const from = run.first_bad_cycle >= 0 ? ` from cycle ${run.first_bad_cycle}` : '';
   return element('span', { class: `chip ${kSound[run.verdict] ? 'good' : 'bad'}` },
-    `${kSound[run.verdict] ? '✓' : '✗'} ${run.verdict}${from}`);
+    `${kSound[run.verdict] ? '✓' : '✗'} ${run.verdict}${run.criterion ? ` (${run.criterion})` : ''}${from}`);
 }
 
 function lineOf(recording, index, isOne) {
