@@ -64,7 +64,8 @@ struct Robot {
   /// Pairs of links that do not collide, by their names: of an SRDF file.
   std::vector<std::pair<std::string, std::string>> disabled;
   std::vector<std::string> notes;     ///< about what was changed
-  std::vector<std::string> left_out;  ///< `12 visual`, `mimic of finger_2`
+  std::vector<std::string> left_out;  ///< `12 visual`
+  std::string summary;                ///< of `cdb check`: lines
 };
 
 struct RobotOptions {
@@ -73,10 +74,17 @@ struct RobotOptions {
   bool merges = true;    ///< links held by fixed joints become one; otherwise only frames do
   /// Takes inertias of which one moment is more than the sum of the others.
   bool takes_any_inertia = false;
+  bool operator==(const RobotOptions&) const = default;
 };
 
 struct RobotFault {
+  enum class Kind {
+    kWrong,
+    kMissing,      ///< a file is not on this machine
+    kUnavailable,  ///< this build reads no robots
+  };
   std::string cause, remedy;  ///< `cause` begins with the file and the line
+  Kind kind = Kind::kWrong;
 };
 
 /// Reads the robot of a file; nullopt if it has faults. A function, so that the compiler knows no

@@ -11,7 +11,8 @@ std::optional<analysis::Robot> ParseUrdf(const std::string&, const std::string& 
                                          const analysis::RobotOptions&,
                                          std::vector<analysis::RobotFault>& faults) {
   faults.push_back({fmt::format("{}: this build reads no robots", path),
-                    "install liburdfdom-dev, or run `./setup --import`, and build cdb again"});
+                    "install liburdfdom-dev and build cdb again (`./setup --import`)",
+                    analysis::RobotFault::Kind::kUnavailable});
   return std::nullopt;
 }
 

@@ -21,9 +21,14 @@ std::optional<Robot> ReadUrdf(const std::string& path, const RobotOptions& optio
                               std::vector<RobotFault>& faults) {
   std::string why;
   const auto text = plan::ReadInputFile(path, why, kMaxRobotBytes);
-  if (text) return ParseUrdf(*text, path, options, faults);
+  if (text) {
+    auto robot = ParseUrdf(*text, path, options, faults);
+    if (robot) robot->summary = SummaryOf(*robot, path);
+    return robot;
+  }
   faults.push_back({fmt::format("cannot read '{}': {}", path, why),
-                    "the path is relative to the folder of the .cdb file"});
+                    "the path is relative to the folder of the .cdb file",
+                    RobotFault::Kind::kMissing});
   return std::nullopt;
 }
 

@@ -89,6 +89,7 @@ options::ExitStatus Check(const CheckArguments& arguments) {
     for (const grid::Grid& grid : result.grids)
       terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
                                   grid.run_count() == 1 ? "run" : "runs"));
+    for (const std::string& robot : result.scenario->RobotTexts()) terminal::Print(robot);
     for (const std::string& model : result.scenario->ModelTexts())
       terminal::Print(fmt::format("  {}\n", model));
   }
