@@ -1,6 +1,7 @@
 #include "compiler/scenario/robot_blocks.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -13,7 +14,7 @@
 
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/scenario/scenario.h"
-#include "compiler/schema/number.h"
+#include "compiler/scenario/syntax_maker.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::scenario {
@@ -59,62 +60,6 @@ constexpr std::string_view kOfBase[] = {"quantity", "location", "orientation", "
 /// Of a link that has mass, but no shape or no extent, m.
 constexpr double kMarker = 0.01;
 
-// Builds syntax, all of it at the place of the robot's block.
-
-class Syntax {
- public:
-  explicit Syntax(const text::Span& span) : span_(span) {}
-
-  ExprPtr Make(ExprKind kind, std::string text = {}) const {
-    auto expr = std::make_unique<Expr>();
-    expr->kind = kind;
-    expr->span = span_;
-    expr->text_span = span_;
-    expr->text = std::move(text);
-    return expr;
-  }
-  ExprPtr Number(double value) const {
-    if (std::abs(value) < 1e-14) value = 0;  // rounding of turned frames
-    auto number = Make(ExprKind::kNumber, schema::FormatReal(std::abs(value)));
-    if (value >= 0) return number;
-    auto negated = Make(ExprKind::kNegate);
-    negated->items.push_back(std::move(number));
-    negated->height = 2;
-    return negated;
-  }
-  ExprPtr Vector(const Vector3d& value) const {
-    auto vector = Make(ExprKind::kVector);
-    for (const double part : value) vector->items.push_back(Number(part));
-    vector->height = 3;
-    return vector;
-  }
-  ExprPtr Word(std::string word) const { return Make(ExprKind::kPath, std::move(word)); }
-  ExprPtr Text(std::string text) const { return Make(ExprKind::kText, std::move(text)); }
-  static void Add(Expr& call, ExprPtr value, const char* name = nullptr) {
-    call.height = std::max(call.height, value->height + 1);
-    dsl::Argument argument;
-    if (name != nullptr) argument.name = dsl::Name{name, call.span};
-    argument.value = std::move(value);
-    call.arguments.push_back(std::move(argument));
-  }
-
-  dsl::Statement Setting(std::string path, ExprPtr value) const {
-    std::vector<ExprPtr> values;
-    values.push_back(std::move(value));
-    return Setting(std::move(path), std::move(values));
-  }
-  dsl::Statement Setting(std::string path, std::vector<ExprPtr> values) const {
-    return {span_, dsl::Setting{{std::move(path), span_}, std::move(values)}};
-  }
-  dsl::Group Block(const char* kind, std::string label) const {
-    return {{kind, span_}, dsl::Name{std::move(label), span_}, {span_, {}}};
-  }
-  dsl::Statement Statement(dsl::Group group) const { return {span_, std::move(group)}; }
-
- private:
-  text::Span span_;
-};
-
 Vector3d TurnOf(const Matrix3d& turn) {
   const Eigen::AngleAxisd about(turn);
   return about.angle() * about.axis();
@@ -150,6 +95,7 @@ class Expansion {
     is_fixed_ = Word("base", IsOnWorld() ? "fixed" : "free") == "fixed";
     NameAll();
     for (std::size_t i = 0; i < robot_->links.size(); ++i) AddLink(i);
+    RefuseMassless();
     for (const RobotJoint& joint : robot_->joints) AddJoint(joint);
     if (!good_) return std::nullopt;
     PlaceGiven();
@@ -262,23 +208,37 @@ class Expansion {
     if (!good_) return false;
     std::vector<analysis::RobotFault> faults;
     robot_ = scenario_.RobotAt(path, options, faults);
-    for (const analysis::RobotFault& fault : faults)
+    if (!faults.empty()) {
+      const analysis::RobotFault& fault = faults[0];
       Refuse(fault.kind == analysis::RobotFault::Kind::kMissing       ? kNoSuchFile
              : fault.kind == analysis::RobotFault::Kind::kUnavailable ? kUnavailable
                                                                       : kOutOfDomain,
-             file.span, fault.cause, fault.remedy);
+             file.span, fault.cause + AndMore(faults.size(), path), fault.remedy);
+    }
     if (robot_ == nullptr) return false;
     path_ = path;
-    for (const RobotLink& link : robot_->links)
-      for (const RobotShape& shape : link.shapes)
-        if (shape.is_missing)
-          Refuse(kNoSuchFile, file.span,
-                 fmt::format("{}:{}: link {} has the mesh '{}', but there is no file '{}'", path,
-                             link.line, link.name, shape.written, shape.file),
-                 shape.written.find("://") != std::string::npos
-                     ? "write packages \"FOLDER\", the folder that its package is in"
-                     : "its path is relative to the folder of the URDF file");
+    RefuseMissing(file);
     return good_;
+  }
+
+  static std::string AndMore(std::size_t count, const std::string& path) {
+    if (count < 2) return {};
+    return fmt::format(" (and {} more: `cdb check {}` lists them)", count - 1, path);
+  }
+
+  void RefuseMissing(const Expr& file) {
+    std::size_t count = 0;
+    std::string first, remedy;
+    for (const RobotLink& link : robot_->links)
+      for (const RobotShape& shape : link.shapes) {
+        if (!shape.is_missing || count++ > 0) continue;
+        first = fmt::format("{}:{}: link {} has the mesh '{}', but there is no file '{}'", path_,
+                            link.line, link.name, shape.written, shape.file);
+        remedy = shape.written.find("://") != std::string::npos
+                     ? "write packages \"FOLDER\", the folder that its package is in"
+                     : "its path is relative to the folder of the URDF file";
+      }
+    if (count > 0) Refuse(kNoSuchFile, file.span, first + AndMore(count, path_), remedy);
   }
 
   bool IsOnWorld() const {
@@ -316,7 +276,7 @@ class Expansion {
       settings.push_back(syntax_.Setting(name, std::move(value)));
     };
     const bool is_base = index == 0, is_held = is_base && is_fixed_;
-    if (!is_held && !CheckMass(link)) return;
+    if (!is_held && !HasMass(link)) return;
     set("type", TypeOf(link, is_held));
     set("size", syntax_.Word("native"));
     set("mass", MassOf(link, is_held));
@@ -327,7 +287,7 @@ class Expansion {
       };
       if (!is_given("location")) {
         auto at = syntax_.Make(ExprKind::kCall, "at");
-        for (int i = 0; i < 3; ++i) Syntax::Add(*at, syntax_.Number(0));
+        for (int i = 0; i < 3; ++i) SyntaxMaker::Add(*at, syntax_.Number(0));
         set("location", std::move(at));
       } else if (!is_given("quantity") && !ListsPlaces()) {
         set("quantity", syntax_.Number(1));
@@ -335,8 +295,8 @@ class Expansion {
     } else {
       const RobotJoint& joint = robot_->joints[index - 1];
       auto location = syntax_.Make(ExprKind::kCall, "relative_to");
-      Syntax::Add(*location, syntax_.Word(result_.groups[joint.parent]));
-      Syntax::Add(*location, syntax_.Vector(turn_ * joint.origin.translation()));
+      SyntaxMaker::Add(*location, syntax_.Word(result_.groups[joint.parent]));
+      SyntaxMaker::Add(*location, syntax_.Vector(turn_ * joint.origin.translation()));
       set("location", std::move(location));
       const Vector3d orientation = TurnOf(turn_ * joint.origin.linear() * turn_.transpose());
       if (orientation.norm() > 1e-14) set("orientation", syntax_.Vector(orientation));
@@ -354,22 +314,36 @@ class Expansion {
     return false;
   }
 
-  bool CheckMass(const RobotLink& link) {
+  /// Whether the link can move as a body; other ones are refused together.
+  bool HasMass(const RobotLink& link) {
     const bool has_density = Find("density") != nullptr;
-    if (link.inertia || (has_density && !link.shapes.empty())) {
-      if (!link.inertia || link.inertia->tensor.trace() > 0) return true;
-      Refuse(
-          kOutOfDomain, at_,
-          fmt::format("{}:{}: link {} has a mass, but the inertia 0", path_, link.line, link.name),
-          "give it an <inertia>: Bullet would not turn it");
+    if (!link.inertia && !(has_density && !link.shapes.empty())) {
+      massless_.push_back(&link);
       return false;
     }
+    if (!link.inertia || link.inertia->tensor.trace() > 0) return true;
     Refuse(kOutOfDomain, at_,
-           fmt::format("{}:{}: link {} can move, but has no mass", path_, link.line, link.name),
-           link.shapes.empty()
-               ? "give it an <inertial>, or make its joint fixed"
-               : "give it an <inertial>, or write `density 1000` in the block of the robot");
+           fmt::format("{}:{}: link {} has a mass, but the inertia 0", path_, link.line, link.name),
+           "give it an <inertia>: Bullet would not turn it");
     return false;
+  }
+
+  void RefuseMassless() {
+    if (massless_.empty()) return;
+    std::vector<std::string_view> names;
+    bool have_shapes = true;
+    for (const RobotLink* link : massless_) {
+      names.push_back(link->name);
+      have_shapes = have_shapes && !link->shapes.empty();
+    }
+    const bool is_base = massless_[0] == &robot_->links[0];
+    Refuse(kOutOfDomain, at_,
+           fmt::format("{}:{}: link{} {} can move, but {} no mass", path_, massless_[0]->line,
+                       names.size() == 1 ? "" : "s", fmt::join(names, ", "),
+                       names.size() == 1 ? "has" : "have"),
+           fmt::format("write <inertial> in the file{}{}",
+                       have_shapes ? ", or `density 1000` in the block of the robot" : "",
+                       is_base ? ", or `base fixed`" : ""));
   }
 
   ExprPtr MassOf(const RobotLink& link, bool is_held) {
@@ -381,22 +355,22 @@ class Expansion {
       Refuse(kWrongKind, given.span, "the density of a robot is a number", "in kg/m^3");
       return syntax_.Number(1);
     }
-    Syntax::Add(*density, syntax_.Make(ExprKind::kNumber, given.text));
+    SyntaxMaker::Add(*density, syntax_.Make(ExprKind::kNumber, given.text));
     return density;
   }
 
   ExprPtr TypeOf(const RobotLink& link, bool is_held) {
     auto type = syntax_.Make(ExprKind::kCall, "compound");
-    for (const RobotShape& shape : link.shapes) Syntax::Add(*type, PartOf(shape));
+    for (const RobotShape& shape : link.shapes) SyntaxMaker::Add(*type, PartOf(shape));
     if (link.shapes.empty()) AddMarker(link, *type);
     if (!link.inertia || is_held) return type;
     const analysis::RobotInertia& inertia = *link.inertia;
     const Matrix3d tensor = turn_ * inertia.tensor * turn_.transpose() / inertia.mass;
-    Syntax::Add(*type, syntax_.Vector(turn_ * inertia.centre), "centre");
-    Syntax::Add(*type, syntax_.Vector(tensor.diagonal()), "inertia");
+    SyntaxMaker::Add(*type, syntax_.Vector(turn_ * inertia.centre), "centre");
+    SyntaxMaker::Add(*type, syntax_.Vector(tensor.diagonal()), "inertia");
     const Vector3d products(tensor(0, 1), tensor(0, 2), tensor(1, 2));
     if (products.cwiseAbs().maxCoeff() > 1e-12 * tensor.trace())
-      Syntax::Add(*type, syntax_.Vector(products), "products");
+      SyntaxMaker::Add(*type, syntax_.Vector(products), "products");
     return type;
   }
 
@@ -413,21 +387,21 @@ class Expansion {
       const std::string relative = folder.empty() || file.is_absolute() != folder.is_absolute()
                                        ? file.string()
                                        : file.lexically_relative(folder).string();
-      Syntax::Add(*hull, syntax_.Text(relative));
-      Syntax::Add(*part, std::move(hull));
-      if (sides != Vector3d::Ones()) Syntax::Add(*part, syntax_.Vector(sides), "scale");
+      SyntaxMaker::Add(*hull, syntax_.Text(relative));
+      SyntaxMaker::Add(*part, std::move(hull));
+      if (sides != Vector3d::Ones()) SyntaxMaker::Add(*part, syntax_.Vector(sides), "scale");
     } else {
       constexpr const char* kTypes[] = {"cuboid", "sphere", "cylinder"};
-      Syntax::Add(*part, syntax_.Word(kTypes[static_cast<int>(shape.kind)]));
-      Syntax::Add(*part, syntax_.Vector(sides));
+      SyntaxMaker::Add(*part, syntax_.Word(kTypes[static_cast<int>(shape.kind)]));
+      SyntaxMaker::Add(*part, syntax_.Vector(sides));
     }
     const Vector3d at = turn_ * shape.pose.translation();
-    if (at.norm() > 1e-14) Syntax::Add(*part, syntax_.Vector(at), "at");
+    if (at.norm() > 1e-14) SyntaxMaker::Add(*part, syntax_.Vector(at), "at");
     Matrix3d turn = turn_ * shape.pose.linear();
     if (is_turned) turn = turn * ZToY().transpose();
     const Vector3d about = TurnOf(turn);
     if (about.norm() > 1e-14 && shape.kind != RobotShape::Kind::kSphere)
-      Syntax::Add(*part, syntax_.Vector(about), "turn");
+      SyntaxMaker::Add(*part, syntax_.Vector(about), "turn");
     return part;
   }
 
@@ -447,11 +421,11 @@ class Expansion {
       about = TurnOf(axes);
     }
     auto part = syntax_.Make(ExprKind::kCall, "part");
-    Syntax::Add(*part, syntax_.Word("cuboid"));
-    Syntax::Add(*part, syntax_.Vector(sides));
-    Syntax::Add(*part, syntax_.Vector(at), "at");
-    Syntax::Add(*part, syntax_.Vector(about), "turn");
-    Syntax::Add(type, std::move(part));
+    SyntaxMaker::Add(*part, syntax_.Word("cuboid"));
+    SyntaxMaker::Add(*part, syntax_.Vector(sides));
+    SyntaxMaker::Add(*part, syntax_.Vector(at), "at");
+    SyntaxMaker::Add(*part, syntax_.Vector(about), "turn");
+    SyntaxMaker::Add(type, std::move(part));
   }
 
   void AddCollisions(const RobotLink& link, std::vector<dsl::Statement>& settings) {
@@ -549,11 +523,12 @@ class Expansion {
   const std::function<bool(const std::string&)>& is_word_;
   dsl::Diagnostics& diagnostics_;
   const text::Span at_;
-  const Syntax syntax_;
+  const SyntaxMaker syntax_;
   bool good_ = true;
   std::map<std::string_view, const dsl::Setting*> own_;
   std::vector<std::pair<const dsl::Setting*, const schema::Parameter*>> of_objects_;
   std::vector<const dsl::Setting*> positions_;
+  std::vector<const RobotLink*> massless_;
   std::shared_ptr<const Robot> robot_;
   std::string path_;
   Matrix3d turn_ = Matrix3d::Identity();

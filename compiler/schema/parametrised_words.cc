@@ -203,6 +203,7 @@ std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info) {
   std::vector<std::string_view> names;
   for (const Parameter& argument : info.arguments)
     if (argument.first_default.empty()) names.push_back(argument.name);
+  if (info.takes_parts) names.push_back(kPartOfList.name);
   return names;
 }
 

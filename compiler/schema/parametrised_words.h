@@ -36,7 +36,7 @@ const ParametrisedWord* FindParametrisedWord(std::string_view name);
 /// The arguments of empirical( ), which is no parameter's word but a distribution; its values, not
 /// its arguments, are in plans.
 const ParametrisedWord& EmpiricalTable();
-/// The arguments without a default, in order.
+/// The arguments without a default, in order; `part` for a list of parts.
 std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info);
 /// The word with all arguments at their defaults; nullopt if one has none.
 std::optional<Call> WithDefaults(const ParametrisedWord& info);

@@ -451,6 +451,7 @@ std::optional<Robot> Parse(const std::string& text, const std::string& path,
   try {
     model = urdf::parseURDF(document.reduced());
     errors = log.errors();
+    if (!errors.empty()) model = nullptr;  // it goes on without what it cannot read
   } catch (const std::exception& error) {
     model = nullptr;
     errors = log.errors();
