@@ -17,7 +17,7 @@ using Fault = std::optional<JointFault>;
 
 constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
 constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
-constexpr auto kPosition = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.position");
+constexpr auto kStart = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.start");
 constexpr auto kLower = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.lower");
 constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.upper");
 
@@ -100,7 +100,7 @@ Fault FindTypeFault(const plan::Joint& joint) {
     const char* what;
   };
   constexpr std::array<Part, 9> kParts = {{{"joints.axis", "axis"},
-                                           {"joints.position", "position"},
+                                           {"joints.start", "start"},
                                            {"joints.limits.lower", "limits"},
                                            {"joints.limits.upper", "limits"},
                                            {"joints.damping", "damping"},
@@ -131,20 +131,20 @@ Fault FindLimitFault(const plan::Joint& joint) {
         fmt::format("the upper limit of {}, {}, is not above the lower one, {}", TextOf(joint),
                     schema::FormatReal(upper), schema::FormatReal(lower)),
         lower == upper ? "write type fixed if it cannot move" : "exchange them"};
-  const double position = joint.settings.Real(kPosition);
-  if (lower > position || upper < position)
-    return JointFault{lower > position ? kLower : kUpper,
+  const double start = joint.settings.Real(kStart);
+  if (lower > start || upper < start)
+    return JointFault{lower > start ? kLower : kUpper,
                       fmt::format("{} starts at {}, outside its limits", TextOf(joint),
-                                  schema::FormatReal(position)),
-                      position == 0 ? "limits are measured from the initial poses"
-                                    : "position and limits are measured from the pose that the "
-                                      "layout of the child gives it"};
+                                  schema::FormatReal(start)),
+                      start == 0 ? "limits are measured from the initial poses"
+                                 : "`start` and limits are measured from the pose that the "
+                                   "layout of the child gives it"};
   return std::nullopt;
 }
 
-/// The position turns or moves the child from where its layout places it.
-Fault FindPositionFault(const plan::Scene& scene, const plan::Joint& joint) {
-  if (joint.settings.Real(kPosition) == 0) return std::nullopt;
+/// The start turns or moves the child from where its layout places it.
+Fault FindStartFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (joint.settings.Real(kStart) == 0) return std::nullopt;
   const Sides sides(scene, joint);
   const schema::Call* layout = sides.of_child == nullptr
                                    ? nullptr
@@ -152,8 +152,8 @@ Fault FindPositionFault(const plan::Scene& scene, const plan::Joint& joint) {
   if (layout != nullptr && layout->name == schema::kRelativeCall &&
       std::get<schema::Word>(schema::ArgumentOf(*layout, "group")).text == sides.parent)
     return std::nullopt;
-  return JointFault{kPosition,
-                    fmt::format("{} has a position, but {} is not located relative to {}",
+  return JointFault{kStart,
+                    fmt::format("{} does not start at 0, but {} is not located relative to {}",
                                 TextOf(joint), sides.child, sides.parent),
                     sides.parent == plan::kWorldWord
                         ? "place the child where the joint shall start"
@@ -201,7 +201,7 @@ std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::J
   if (Fault fault = FindSideFault(scene, joint)) return fault;
   if (Fault fault = FindTypeFault(joint)) return fault;
   if (Fault fault = FindLimitFault(joint)) return fault;
-  if (Fault fault = FindPositionFault(scene, joint)) return fault;
+  if (Fault fault = FindStartFault(scene, joint)) return fault;
   return FindMotorFault(joint);
 }
 

@@ -90,6 +90,11 @@ class Expansion {
     const dsl::Expr* file = Find("file");
     if (good_ && file == nullptr)
       Refuse(kBadArguments, at_, "the robot has no file", "write file \"robot.urdf\"");
+    if (const dsl::Expr* srdf = Find("srdf");
+        srdf != nullptr && Word("self_collision", "off") == "off")
+      Refuse(kContradiction, srdf->span,
+             "an SRDF file names pairs of links that do not collide, but none do",
+             "write self_collision on, or remove it");
     if (!good_ || !ReadFile(*file)) return std::nullopt;
     if (Word("up", "z") == "z") turn_ = ZToY();
     is_fixed_ = Word("base", IsOnWorld() ? "fixed" : "free") == "fixed";
@@ -477,12 +482,12 @@ class Expansion {
         const auto [lower, upper] = *joint.limits;
         set("limits.lower", syntax_.Number(lower));
         set("limits.upper", syntax_.Number(upper));
-        if (lower > 0 || upper < 0) set("position", syntax_.Number((lower + upper) / 2));
+        if (lower > 0 || upper < 0) set("start", syntax_.Number((lower + upper) / 2));
       }
       if (joint.damping > 0) set("damping", syntax_.Number(joint.damping));
       if (joint.friction > 0) set("friction", syntax_.Number(joint.friction));
       if (joint.effort > 0 && Word("hold", "off") == "on") {
-        set("motor.position", syntax_.Word(name + ".position"));
+        set("motor.position", syntax_.Word(name + ".start"));
         set("motor.effort", syntax_.Number(joint.effort));
       }
     }
@@ -496,7 +501,7 @@ class Expansion {
       for (std::size_t i = 0; i < (is_of_base ? 1 : result_.groups.size()); ++i)
         result_.given.push_back({setting, result_.groups[i], parameter});
     }
-    const schema::Parameter* position = schema::FindParameter("joints.position", true);
+    const schema::Parameter* position = schema::FindParameter("joints.start", true);
     for (const dsl::Setting* setting : positions_) {
       const std::string& name = setting->path.text;
       std::size_t i = 0;

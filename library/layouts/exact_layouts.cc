@@ -225,7 +225,7 @@ class ExactPlacer {
     for (const plan::Joint& joint : scene_.joints)
       if (joint.settings.WordOr("joints.child") == range_.group->name &&
           joint.settings.WordOr("joints.parent") == parent &&
-          joint.settings.Real("joints.position") != 0)
+          joint.settings.Real("joints.start") != 0)
         return &joint;
     return nullptr;
   }
@@ -233,7 +233,7 @@ class ExactPlacer {
   /// Moves the child of the joint to its position; `parent` is the frame of the joint's parent.
   static void MoveAbout(const plan::Joint& joint, const objects::Pose& parent,
                         objects::Pose& child) {
-    const double position = joint.settings.Real("joints.position");
+    const double position = joint.settings.Real("joints.start");
     const Vector3d axis =
         parent.orientation * joint.settings.Vector("joints.axis").stableNormalized();
     if (joint.settings.WordOr("joints.type") == "slider") {

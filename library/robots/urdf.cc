@@ -100,7 +100,7 @@ class Document {
   std::vector<std::string> LeftOut() const {
     std::vector<std::string> texts;
     if (!mimics_.empty())
-      texts.push_back(fmt::format("mimic of {}, which move freely", fmt::join(mimics_, ", ")));
+      texts.push_back(fmt::format("mimic of {} (free to move)", fmt::join(mimics_, ", ")));
     for (const auto& [name, count] : left_out_)
       texts.push_back(count == 1 ? name : fmt::format("{} {}", count, name));
     return texts;
@@ -169,6 +169,11 @@ class Builder {
     AddLink(*model.getRoot());
     if (robot_.links.size() < model.links_.size()) ReportUnreached(model);
     robot_.left_out = document_.LeftOut();
+    const auto limits = std::ranges::count_if(
+        robot_.joints, [](const RobotJoint& joint) { return joint.velocity > 0; });
+    if (limits > 0)
+      robot_.left_out.push_back(limits == 1 ? "1 velocity limit"
+                                            : fmt::format("{} velocity limits", limits));
     if (faults_.size() > before) return std::nullopt;
     return std::move(robot_);
   }

@@ -78,7 +78,13 @@ void AxisDrive::getInfo2(btConstraintInfo2* info) {
                           of_second.dot(m_rbB.getAngularVelocity()) -
                           of_first.dot(m_rbA.getAngularVelocity());
     const btScalar impulse = -static_cast<btScalar>(settings_.damping) * rate / info->fps;
-    add({0, impulse, impulse});
+    // The velocity that a unit impulse gives the two bodies, if nothing else holds them.
+    const btScalar mobility = linear.length2() * (m_rbA.getInvMass() + m_rbB.getInvMass()) +
+                              of_first.dot(m_rbA.getInvInertiaTensorWorld() * of_first) +
+                              of_second.dot(m_rbB.getInvInertiaTensorWorld() * of_second);
+    const bool may_reverse = static_cast<btScalar>(settings_.damping) * mobility > info->fps;
+    add(may_reverse ? Row{0, std::min(impulse, btScalar(0)), std::max(impulse, btScalar(0))}
+                    : Row{0, impulse, impulse});
   }
   if (settings_.friction != 0) {
     const btScalar most = static_cast<btScalar>(settings_.friction) / info->fps;

@@ -11,7 +11,8 @@ namespace cdb::world {
 /// position q of the second relative to the first, which is 0 at the start: a way in m, or an angle
 /// in rad, of any number of turns. SI units; impulses of a step are those of a force F times dt.
 ///
-///   damping  -c dq/dt with the state at the start of the step, neither limited nor softened
+///   damping  -c dq/dt with the state at the start of the step; where that could reverse the motion
+///            of the two bodies, at most what stops it
 ///   friction whatever makes dq/dt 0, up to the friction
 ///   motor    whatever makes dq/dt the velocity, up to the effort; with a target, the velocity by
 ///            which the solver's error reduction approaches it

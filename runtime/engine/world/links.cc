@@ -70,7 +70,7 @@ AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
   drive.velocity = number("joints.motor.velocity", 0);
   drive.effort = number("joints.motor.effort", 0);
   // The drive counts from the initial poses.
-  const double start = settings.Real("joints.position");
+  const double start = settings.Real("joints.start");
   if (const schema::Number* target = schema::AsNumber(settings.Get("joints.motor.position")))
     drive.target = target->AsReal() - start;
   drive.lower = number("joints.limits.lower", drive.lower + start) - start;

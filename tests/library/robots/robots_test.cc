@@ -238,7 +238,7 @@ TEST_F(Robots, ShapesAreThoseOfTheFile) {
   EXPECT_EQ(scene.joints[0].settings.Real("joints.damping"), 0.2);
   EXPECT_EQ(scene.joints[0].settings.Real("joints.friction"), 0.1);
   EXPECT_EQ(scene.joints[1].settings.WordOr("joints.type"), "slider");
-  EXPECT_EQ(scene.joints[2].settings.Real("joints.position"), 1) << "the middle of its limits";
+  EXPECT_EQ(scene.joints[2].settings.Real("joints.start"), 1) << "the middle of its limits";
 }
 
 TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
@@ -251,7 +251,7 @@ TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
             "odd.urdf: robot odd & turned: 4 bodies, 5.1 kg; joints: 2 hinge, 1 slider; shapes: 1 "
             "box, 2 cylinder, 1 sphere\n"
             "  held by fixed joints, and one body: size (world), slide (camera)\n"
-            "  not taken over: mimic of rail2, which move freely\n");
+            "  not taken over: mimic of rail2 (free to move), 2 velocity limits\n");
 }
 
 /// A robot of two links and a joint; `NAME` in `parts` replaces the default of that name.
@@ -361,6 +361,7 @@ TEST_F(Robots, AreRefusedInScenarios) {
   write("mass.urdf", RobotText({{"inertial", ""}}));
   write("mesh.urdf", RobotText({{"geometry", "<mesh filename=\"package://p/b.stl\"/>"}}));
   write("good.urdf", RobotText({}));
+  write("r.srdf", "<robot><disable_collisions link1=\"a\" link2=\"c\"/></robot>");
   const std::pair<const char*, const char*> cases[] = {
       {"robot r { }", "the robot has no file"},
       {"robot r { file \"none.urdf\" }", "cannot read '"},
@@ -373,6 +374,10 @@ TEST_F(Robots, AreRefusedInScenarios) {
       {"robot r { file \"mesh.urdf\" }",
        "link b has the mesh 'package://p/b.stl', but there is no file '"},
       {"robot r { file \"good.urdf\"; base up }", "'base' takes free or fixed"},
+      {"robot r { file \"good.urdf\"; base fixed; srdf \"r.srdf\" }",
+       "write self_collision on, or remove it"},
+      {"robot r { file \"good.urdf\"; base fixed; self_collision on; srdf \"r.srdf\" }",
+       "r.srdf:1: there is no link c"},
       {"robot r { file \"good.urdf\"; postions { } }", "only settings and positions { … }"},
       {"robot r { file \"good.urdf\"; frixtion 1 }", "did you mean 'friction'?"},
       {"robot r { file \"good.urdf\"; mass 1 }", "the file of a robot determines 'mass'"},

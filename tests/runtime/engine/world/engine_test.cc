@@ -122,7 +122,7 @@ std::vector<Variations> AllVariations() {
            {"joints.damping", Joints("joints.damping", 10.0)},
            {"joints.friction", Joints("joints.friction", 10.0)},
        }},
-      {bent, {{"joints.position", Joints("joints.position", 0.5)}}},
+      {bent, {{"joints.start", Joints("joints.start", 0.5)}}},
       {held, {{"joints.motor.position", Joints("joints.motor.position", 0.5)}}},
       {limited,
        {
