@@ -65,9 +65,10 @@ TEST_F(RobotsInTheEngine, AnArmSwingsWithItsEnergy) {
       "0.4; elbow 0.3; wrist 0.05 } }\n"
       "shoulder.damping 0; shoulder.friction 0");
   for (plan::Joint& joint : scene.joints)
-    for (const char* limit : {"joints.limits.lower", "joints.limits.upper"})
-      joint.settings.Set(*schema::FindParameter(limit, true), Word("none"));
-  scene.joints[2].settings.Set(*schema::FindParameter("joints.type", true), Word("fixed"));
+    for (const auto limit : std::initializer_list<schema::GroupParameter>{"joints.limits.lower",
+                                                                          "joints.limits.upper"})
+      joint.settings.Set(limit, Word("none"));
+  scene.joints[2].settings.Set("joints.type", Word("fixed"));
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
   const double start = EnergyOf(engine);
   double least = 1e9, most = -1e9, height = Position(engine, 3).y();
@@ -99,6 +100,7 @@ TEST_F(RobotsInTheEngine, HoldKeepsThePositions) {
 TEST_F(RobotsInTheEngine, ACartDrives) {
   const plan::Scene scene = RobotScene(
       "timestep 1/240; robot cart { file \"cart.urdf\"; location at(0, -10, 0) }\n"
+      "body.friction 0\n"
       "left_axle.motor.velocity 5; left_axle.motor.effort 2\n"
       "right_axle.motor.velocity 5; right_axle.motor.effort 2");
   world::Engine engine = WholeEngine(scene, layouts::MakeInitialState(scene));
@@ -111,7 +113,7 @@ TEST_F(RobotsInTheEngine, ACartDrives) {
 }
 
 /// A cuboid of 1 m and 1 kg on a joint to the world, turning at 1 rad/s about z.
-plan::Scene SpinScene(const char* parameter, double value) {
+plan::Scene SpinScene(schema::GroupParameter parameter, double value) {
   plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -124,7 +126,7 @@ plan::Scene SpinScene(const char* parameter, double value) {
   plan::GroupSettings& joint = scene.joints.emplace_back(plan::Joint{"axle", {}}).settings;
   joint.Set("joints.parent", Word("world"));
   joint.Set("joints.child", Word("objects"));
-  joint.Set(*schema::FindParameter(parameter, true), value);
+  joint.Set(parameter, value);
   return scene;
 }
 
