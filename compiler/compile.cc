@@ -29,7 +29,7 @@ Compilation Compile(const std::string& path, const scenario::ReadFile& read,
   Compilation result;
   const auto scenario = std::make_shared<const scenario::Scenario>(
       path, options.library, read, options.plugins, options.read_trace, options.read_poses,
-      options.read_model, result.diagnostics);
+      options.read_model, options.read_robot, result.diagnostics);
   result.scenario = scenario;
   if (scenario->main() == nullptr) return result;
   const auto benchmarks = scenario->Benchmarks();

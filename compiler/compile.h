@@ -31,6 +31,7 @@ struct CompileOptions {
   analysis::FindSceneFault find_fault = {};
   analysis::ReadPoses read_poses = {};  ///< if empty, no `location poses("file")` can be read
   analysis::ReadModel read_model = {};  ///< if empty, meshes are not checked
+  analysis::ReadRobot read_robot = {};  ///< if empty, no robot can be read
   /// Fills Compilation::plans; a benchmark with more than kMostListed runs is then an error.
   bool lists_runs = true;
 };

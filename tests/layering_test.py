@@ -46,6 +46,7 @@ EXTERNAL = [
     (r"(hdf5|H5.*)\.h$", ("runtime/results/hdf5/",)),
     (r"^zlib", ("runtime/results/hdf5/", "library/meshes/importer/")),
     (r"^assimp/", ("library/meshes/importer/",)),
+    (r"^(urdf_\w+|console_bridge)/", ("library/robots/urdf.cc",)),
     (r"^sqlite3", ("runtime/results/journal/database.",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),

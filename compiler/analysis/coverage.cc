@@ -73,7 +73,10 @@ Reason WhyNotLosses(const Scene& scene) {
     if (const Group* group = FindGroup(scene, sink.is_in))
       return fmt::format("group {} has {}", group->name, sink.text);
   if (const plan::Joint* joint = FindLosses(scene))
-    return fmt::format("{} has {}", TextOf(*joint), HasLimits(*joint) ? "limits" : "damping");
+    return fmt::format("{} has {}", TextOf(*joint),
+                       HasLimits(*joint)                            ? "limits"
+                       : joint->settings.Real("joints.damping") > 0 ? "damping"
+                                                                    : "friction");
   return std::nullopt;
 }
 

@@ -17,6 +17,7 @@ using Fault = std::optional<JointFault>;
 
 constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
 constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
+constexpr auto kStart = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.start");
 constexpr auto kLower = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.lower");
 constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.upper");
 
@@ -98,11 +99,14 @@ Fault FindTypeFault(const plan::Joint& joint) {
     GroupParameter parameter;
     const char* what;
   };
-  constexpr std::array<Part, 6> kParts = {{{"joints.axis", "axis"},
+  constexpr std::array<Part, 9> kParts = {{{"joints.axis", "axis"},
+                                           {"joints.start", "start"},
                                            {"joints.limits.lower", "limits"},
                                            {"joints.limits.upper", "limits"},
                                            {"joints.damping", "damping"},
+                                           {"joints.friction", "friction"},
                                            {"joints.motor.velocity", "motor"},
+                                           {"joints.motor.position", "motor"},
                                            {"joints.motor.effort", "motor"}}};
   for (const Part& part : kParts)
     if (joint.settings.Has(*part.parameter))
@@ -127,21 +131,49 @@ Fault FindLimitFault(const plan::Joint& joint) {
         fmt::format("the upper limit of {}, {}, is not above the lower one, {}", TextOf(joint),
                     schema::FormatReal(upper), schema::FormatReal(lower)),
         lower == upper ? "write type fixed if it cannot move" : "exchange them"};
-  if (lower > 0 || upper < 0)
-    return JointFault{lower > 0 ? kLower : kUpper,
-                      fmt::format("{} starts at 0, outside its limits", TextOf(joint)),
-                      "limits are measured from the initial poses"};
+  const double start = joint.settings.Real(kStart);
+  if (lower > start || upper < start)
+    return JointFault{lower > start ? kLower : kUpper,
+                      fmt::format("{} starts at {}, outside its limits", TextOf(joint),
+                                  schema::FormatReal(start)),
+                      start == 0 ? "limits are measured from the initial poses"
+                                 : "`start` and limits are measured from the pose that the "
+                                   "layout of the child gives it"};
   return std::nullopt;
 }
 
+/// The start turns or moves the child from where its layout places it.
+Fault FindStartFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (joint.settings.Real(kStart) == 0) return std::nullopt;
+  const Sides sides(scene, joint);
+  const schema::Call* layout = sides.of_child == nullptr
+                                   ? nullptr
+                                   : schema::AsCall(sides.of_child->settings.Get("location"));
+  if (layout != nullptr && layout->name == schema::kRelativeCall &&
+      std::get<schema::Word>(schema::ArgumentOf(*layout, "group")).text == sides.parent)
+    return std::nullopt;
+  return JointFault{kStart,
+                    fmt::format("{} does not start at 0, but {} is not located relative to {}",
+                                TextOf(joint), sides.child, sides.parent),
+                    sides.parent == plan::kWorldWord
+                        ? "place the child where the joint shall start"
+                        : fmt::format("write location relative_to({}, (x, y, z))", sides.parent)};
+}
+
 Fault FindMotorFault(const plan::Joint& joint) {
-  const GroupParameter velocity = "joints.motor.velocity", effort = "joints.motor.effort";
-  if (HasNumber(joint, velocity) == HasNumber(joint, effort)) return std::nullopt;
-  if (HasNumber(joint, velocity))
-    return JointFault{velocity, fmt::format("the motor of {} has no effort", TextOf(joint)),
+  const GroupParameter velocity = "joints.motor.velocity", position = "joints.motor.position",
+                       effort = "joints.motor.effort";
+  if (HasNumber(joint, velocity) && HasNumber(joint, position))
+    return JointFault{position,
+                      fmt::format("the motor of {} seeks a velocity and a position", TextOf(joint)),
+                      "remove one of them"};
+  if (HasMotor(joint) == HasNumber(joint, effort)) return std::nullopt;
+  if (HasMotor(joint))
+    return JointFault{HasNumber(joint, velocity) ? velocity : position,
+                      fmt::format("the motor of {} has no effort", TextOf(joint)),
                       "state its largest torque or force: motor.effort"};
   return JointFault{effort, fmt::format("the motor of {} is off", TextOf(joint)),
-                    "give it a velocity, or remove the effort"};
+                    "give it a velocity or a position, or remove the effort"};
 }
 
 }  // namespace
@@ -152,13 +184,16 @@ std::string TextOf(const plan::Joint& joint) {
 
 bool HasLimits(const plan::Joint& joint) { return HasNumber(joint, kLower); }
 
-bool HasMotor(const plan::Joint& joint) { return HasNumber(joint, "joints.motor.velocity"); }
+bool HasMotor(const plan::Joint& joint) {
+  return HasNumber(joint, "joints.motor.velocity") || HasNumber(joint, "joints.motor.position");
+}
 
 const plan::Joint* FindMotor(const plan::Scene& scene) { return FindJoint(scene, HasMotor); }
 
 const plan::Joint* FindLosses(const plan::Scene& scene) {
   return FindJoint(scene, [](const plan::Joint& joint) {
-    return HasLimits(joint) || joint.settings.Real("joints.damping") > 0;
+    return HasLimits(joint) || joint.settings.Real("joints.damping") > 0 ||
+           joint.settings.Real("joints.friction") > 0;
   });
 }
 
@@ -166,6 +201,7 @@ std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::J
   if (Fault fault = FindSideFault(scene, joint)) return fault;
   if (Fault fault = FindTypeFault(joint)) return fault;
   if (Fault fault = FindLimitFault(joint)) return fault;
+  if (Fault fault = FindStartFault(scene, joint)) return fault;
   return FindMotorFault(joint);
 }
 

@@ -125,6 +125,27 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                                       : fmt::format("did you mean '{}'?", near));
 }
 
+/// Adds the parts of the list to the call, which has its arguments.
+bool EvaluateParts(const Expr& expr, const schema::ParametrisedWord& info,
+                   const scenario::Scope& scope, Evaluator& evaluator, schema::Call& call) {
+  const schema::Parameter& parameter = schema::PartParameter();
+  scenario::Scope inner = scope;
+  inner.parameter = &parameter;
+  bool good = true, has_part = false;
+  for (const dsl::Argument& argument : expr.arguments) {
+    if (argument.name) continue;
+    has_part = true;
+    auto value = evaluator.Evaluate(*argument.value, inner);
+    if (value) value = evaluator.ConvertFor(parameter, *value, *argument.value, inner);
+    good = good && value;
+    if (value) call.arguments.push_back(*value);
+  }
+  if (!has_part)
+    evaluator.Error(scenario::kBadArguments, expr.span, fmt::format("'{}' needs a part", info.name),
+                    "write compound(part(cuboid, (1, 2, 3))), for example");
+  return good && has_part;
+}
+
 }  // namespace
 
 std::optional<schema::Call> EvaluateArguments(const Expr& expr,
@@ -152,6 +173,7 @@ std::optional<schema::Call> EvaluateArguments(const Expr& expr,
     good = good && value;
     if (value) call.arguments.push_back(*value);
   }
+  if (info.takes_parts) good = EvaluateParts(expr, info, scope, evaluator, call) && good;
   // A misspelt name explains a missing argument.
   if (given.good() && !missing.empty())
     ReportMissingArguments(info, missing, expr.span, evaluator.diagnostics());

@@ -332,7 +332,8 @@ void ReportMissingArguments(const schema::ParametrisedWord& info,
                             dsl::Diagnostics& diagnostics) {
   std::string usage;
   for (const std::string_view name : schema::RequiredArguments(info))
-    usage += fmt::format("{}{}: …", usage.empty() ? "" : ", ", name);
+    usage += fmt::format("{}{}", usage.empty() ? "" : ", ",
+                         info.takes_parts ? std::string("part(…)") : fmt::format("{}: …", name));
   diagnostics.Report(scenario::kBadArguments, span,
                      fmt::format("'{}' needs {}", info.name, fmt::join(missing, ", ")),
                      fmt::format("write {}({})", info.name, usage));

@@ -94,7 +94,7 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
                                                 : "model")
                      : fmt::format("'{}' is {}, {}", name, kind,
                                    is_heights ? "not a height field that cdb reads"
-                                              : "which cdb does not read"),
+                                              : "not a model that cdb reads"),
         kind.empty() ? fmt::format("its name ends in {}", fmt::join(formats, ", ")) : remedy);
     return false;
   }

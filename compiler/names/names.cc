@@ -127,6 +127,7 @@ using dsl::Expr;
 const schema::Parameter* ArgumentAt(const schema::ParametrisedWord& info, const Expr& call,
                                     std::size_t i) {
   const auto& name = call.arguments[i].name;
+  if (!name && info.takes_parts) return &schema::PartParameter();
   if (!name) return i < info.arguments.size() ? &info.arguments[i] : nullptr;
   const auto row = std::ranges::find(info.arguments, name->text, &schema::Parameter::name);
   return row == info.arguments.end() ? nullptr : &*row;
@@ -158,8 +159,10 @@ GivenArguments::GivenArguments(const Expr& call, const schema::ParametrisedWord&
       ReportNoSuch(argument);
     } else if (named && !argument.name) {
       Report(argument.value->span, "values without names must precede those with names",
-             fmt::format("write {}: before it, if it is this argument", slot->name));
-    } else {
+             slot == &schema::PartParameter()
+                 ? "write the parts first"
+                 : fmt::format("write {}: before it, if it is this argument", slot->name));
+    } else if (slot != &schema::PartParameter()) {
       Take(argument, *slot);
     }
   }

@@ -8,6 +8,7 @@
 
 #include "compiler/analysis/pruning.h"
 #include "compiler/scenario/diagnostic_kinds.h"
+#include "compiler/schema/language_words.h"
 #include "compiler/schema/value.h"
 
 namespace cdb::scenario {
@@ -99,6 +100,7 @@ LayeredBenchmark::LayeredBenchmark(const Scenario& scenario, const BenchmarkRef&
   for (const BenchmarkRef& layer : chain_) damage_ = std::max(damage_, layer.benchmark->damage);
   if (!is_readable()) return;
   for (const BenchmarkRef& layer : chain_) CollectLabels(layer.benchmark->block);
+  ExpandRobots();
   for (const BenchmarkRef& layer : chain_) {
     Place place;
     place.file = layer.file;
@@ -150,6 +152,67 @@ void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
     } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
       for (const dsl::Case& one : cases->cases) CollectLabels(one.block);
     }
+  }
+}
+
+void LayeredBenchmark::ExpandRobots() {
+  std::vector<const dsl::Group*> found;
+  const auto collect = [&](const dsl::Block& block, const auto& again) -> void {
+    for (const dsl::Statement& statement : block.statements)
+      if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
+        if (group->kind.text == kRobotBlock) found.push_back(group);
+      } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
+        for (const dsl::Case& one : cases->cases) again(one.block, again);
+      }
+  };
+  for (const BenchmarkRef& layer : chain_) collect(layer.benchmark->block, collect);
+  const auto is_word = [&](const std::string& name) {
+    return HasBlock("", false, name) || HasBlock("", true, name) ||
+           schema::FindParameter(name, false) != nullptr || name == kUnnamedGroup ||
+           name == kJointsBlock || name == plan::kWorldWord || name == "walls" ||
+           schema::FindLanguageWord(name) != nullptr ||
+           IsWordOfTheLanguage(name, scenario_.plugins());
+  };
+  // Robots name the groups that they collide with, those of one another too.
+  std::vector<std::string> labels = labels_;
+  if (has_unnamed_block_) labels.emplace_back(kUnnamedGroup);
+  std::map<const dsl::Group*, std::vector<std::string>> groups;
+  dsl::Diagnostics later;
+  for (const dsl::Group* robot : found)
+    if (const auto blocks = ExpandRobot(scenario_, *robot, labels, is_word, later))
+      groups[robot] = blocks->groups;
+  for (const dsl::Group* robot : found) {
+    std::vector<std::string> others = labels;
+    for (const auto& [other, names] : groups)
+      if (other != robot) others.insert(others.end(), names.begin(), names.end());
+    if (auto blocks = ExpandRobot(scenario_, *robot, others, is_word, diagnostics_)) {
+      labels_.insert(labels_.end(), blocks->groups.begin(), blocks->groups.end());
+      joint_labels_.insert(joint_labels_.end(), blocks->joints.begin(), blocks->joints.end());
+      robots_.emplace(robot, *std::move(blocks));
+    } else {
+      damage_ = std::max(damage_, dsl::Damage::kLost);
+    }
+  }
+}
+
+void LayeredBenchmark::WalkRobot(const dsl::Group& robot, const Place& place) {
+  if (!place.group.empty() || !place.block.empty()) return ReportBlock(robot.kind, place);
+  const auto found = robots_.find(&robot);
+  if (found == robots_.end()) return;  // reported by ExpandRobots
+  Place inner = place;
+  inner.layer = layers_++;
+  Walk(found->second.block, inner);
+  for (const RobotBlocks::Given& given : found->second.given) {
+    Entry entry;
+    entry.case_axis = place.case_axis;
+    entry.case_index = place.case_index;
+    entry.key = {given.group, given.parameter};
+    entry.setting = {given.setting,
+                     {place.file, given.group,
+                      given.parameter->IsOfJoints() ? std::string(kJointsBlock) : std::string(),
+                      given.parameter},
+                     order_};
+    entries_.push_back(std::move(entry));
   }
 }
 
@@ -231,6 +294,7 @@ void LayeredBenchmark::EnterGroup(const dsl::Group& group, Place& place) {
 
 void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
   const std::string& kind = group.kind.text;
+  if (kind == kRobotBlock) return WalkRobot(group, place);
   Place inner = place;
   if ((kind == kUnnamedGroup || kind == kJointsBlock) && place.group.empty() &&
       place.block.empty()) {
@@ -253,14 +317,14 @@ void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
   const std::string where = NameOf(place.group, place.block);
   const auto blocks = schema::BlocksIn(place.block, in_group);
   std::vector<std::string_view> kinds(blocks.begin(), blocks.end());
-  if (outermost) kinds.insert(kinds.begin(), {kUnnamedGroup, kJointsBlock});
+  if (outermost) kinds.insert(kinds.begin(), {kUnnamedGroup, kJointsBlock, kRobotBlock});
   const std::string_view near = dsl::DidYouMean(kind.text, kinds);
   if (outermost && HasBlock("", true, kind.text)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is a block of objects", kind.text),
                         fmt::format("write objects {{ {} {{ … }} }}", kind.text));
   } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup ||
-                            kind.text == kJointsBlock)) {
+                            kind.text == kJointsBlock || kind.text == kRobotBlock)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is not allowed inside '{}'", kind.text, where),
                         kind.text == kJointsBlock && in_group

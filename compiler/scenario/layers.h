@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/scenario/robot_blocks.h"
 #include "compiler/scenario/scenario.h"
 #include "compiler/schema/schema.h"
 
@@ -109,10 +110,14 @@ class LayeredBenchmark {
   /// Reports the reason why `from` gives nothing.
   void ReportBase(const dsl::Name& from, const ScenarioFile& file, bool is_circle);
   void CollectLabels(const dsl::Block& block);
+  /// Finds what the robots of all layers stand for, and their labels.
+  void ExpandRobots();
   void Walk(const dsl::Block& block, const Place& place);
   void WalkGroup(const dsl::Group& group, const Place& place);
   /// Enters `objects NAME { }` or `joints NAME { }`.
   void EnterGroup(const dsl::Group& group, Place& place);
+  /// Walks what the robot stands for as a layer below that of the place, which may override it.
+  void WalkRobot(const dsl::Group& robot, const Place& place);
   void WalkCases(const dsl::Cases& cases, const Place& place);
   void WalkSetting(const dsl::Setting& setting, const Place& place);
   void WalkLet(const dsl::Let& let, const Place& place);
@@ -135,6 +140,7 @@ class LayeredBenchmark {
   };
   std::vector<std::string> labels_, joint_labels_;
   bool has_unnamed_block_ = false;  ///< `objects { … }`
+  std::map<const dsl::Group*, RobotBlocks> robots_;
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;

@@ -41,13 +41,14 @@ void ForEachItem(const ScenarioFile& file, Visit visit) {
 Scenario::Scenario(const std::string& path, const std::string& library, const ReadFile& read,
                    const PluginSource& plugins, const analysis::ReadTrace& read_trace,
                    const analysis::ReadPoses& read_poses, const analysis::ReadModel& read_model,
-                   dsl::Diagnostics& diagnostics)
+                   const analysis::ReadRobot& read_robot, dsl::Diagnostics& diagnostics)
     : library_(library),
       read_(read),
       describe_(plugins.describe),
       read_trace_(read_trace),
       read_poses_(read_poses),
-      read_model_(read_model) {
+      read_model_(read_model),
+      read_robot_(read_robot) {
   for (const std::string& file : plugins.files) LoadPlugin(file, nullptr, diagnostics);
   main_ = Load(path, nullptr, diagnostics);
 }
@@ -287,6 +288,30 @@ std::optional<analysis::ModelFacts> Scenario::ModelAt(const schema::Value& type,
   if (is_new && read_model_) model->second.facts = read_model_(type, model->second.why);
   why = model->second.why;
   return model->second.facts;
+}
+
+std::shared_ptr<const analysis::Robot> Scenario::RobotAt(
+    const std::string& path, const analysis::RobotOptions& options,
+    std::vector<analysis::RobotFault>& faults) const {
+  auto read = std::ranges::find_if(robots_, [&](const RobotRead& known) {
+    return known.path == path && known.options == options;
+  });
+  if (read == robots_.end()) {
+    read = robots_.insert(read, {path, options, nullptr, {}});
+    if (!read_robot_)
+      read->faults.push_back({fmt::format("{}: robots cannot be read here", path), ""});
+    else if (auto robot = read_robot_(path, options, read->faults))
+      read->robot = std::make_shared<const analysis::Robot>(*std::move(robot));
+  }
+  faults = read->faults;
+  return read->robot;
+}
+
+std::vector<std::string> Scenario::RobotTexts() const {
+  std::vector<std::string> texts;
+  for (const RobotRead& read : robots_)
+    if (read.robot != nullptr) texts.push_back(read.robot->summary);
+  return texts;
 }
 
 std::vector<std::string> Scenario::ModelTexts() const {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "compiler/analysis/model.h"
+#include "compiler/analysis/robot.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/catalogue.h"
 #include "dsl/diagnostics.h"
@@ -67,7 +68,7 @@ class Scenario {
   Scenario(const std::string& path, const std::string& library, const ReadFile& read,
            const PluginSource& plugins, const analysis::ReadTrace& read_trace,
            const analysis::ReadPoses& read_poses, const analysis::ReadModel& read_model,
-           dsl::Diagnostics& diagnostics);
+           const analysis::ReadRobot& read_robot, dsl::Diagnostics& diagnostics);
 
   /// Reports lets and benchmarks that share a name in one file.
   void CheckNames(dsl::Diagnostics& diagnostics) const;
@@ -109,6 +110,12 @@ class Scenario {
   /// reason if the type is no solid. Not thread-safe.
   std::optional<analysis::ModelFacts> ModelAt(const schema::Value& type,
                                               analysis::ModelFault& why) const;
+  /// The robot of a file, read once; null and its faults if it cannot be used. Not thread-safe.
+  std::shared_ptr<const analysis::Robot> RobotAt(const std::string& path,
+                                                 const analysis::RobotOptions& options,
+                                                 std::vector<analysis::RobotFault>& faults) const;
+  /// The summaries of the robots read so far.
+  std::vector<std::string> RobotTexts() const;
   /// The texts about the models read so far, in the order of their types.
   std::vector<std::string> ModelTexts() const;
   /// The text of the main file, then of each used file under a comment with its name.
@@ -160,6 +167,14 @@ class Scenario {
     analysis::ModelFault why;
   };
   mutable std::map<std::string, ModelRead> models_;  ///< by the type as text
+  analysis::ReadRobot read_robot_;
+  struct RobotRead {
+    std::string path;
+    analysis::RobotOptions options;
+    std::shared_ptr<const analysis::Robot> robot;
+    std::vector<analysis::RobotFault> faults;
+  };
+  mutable std::vector<RobotRead> robots_;
 };
 
 }  // namespace cdb::scenario

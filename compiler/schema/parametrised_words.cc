@@ -25,6 +25,7 @@ struct ArgumentOptions {
   bool distribution = false;
   WordSource word_source = WordSource::kOwn;
   bool omitted_at_default = false;
+  std::string_view calls = {};
 };
 
 constexpr Parameter Argument(std::string_view name, ParameterType type, Domain domain,
@@ -41,6 +42,7 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.word_source = options.word_source;
   parameter.doc = doc;
   parameter.omitted_at_default = options.omitted_at_default;
+  parameter.calls = options.calls;
   return parameter;
 }
 
@@ -129,6 +131,17 @@ constexpr Parameter kHeights[] = {
     Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is that of the file, or 1", {.first_default = "unit", .words = "unit"}),
     Argument("scale", kVector, kNotZero, "m", "of a cell along x, of one unit of height, and of a cell along z; instead of cell", {.first_default = "file", .words = "file", .omitted_at_default = true}),
     Argument("no_data", kReal, kAny, "", "the height where the file has none, in its unit; lowest is that of the file, refuse is an error", {.first_default = "refuse", .words = "refuse lowest", .omitted_at_default = true})};
+constexpr Parameter kPart[] = {
+    Argument("type", kWord, kAny, "", "a closed form, or a mesh or its hull", {.words = "sphere cuboid cylinder cone capsule tetrahedron", .calls = "mesh hull"}),
+    Argument("sides", kVector, kPositive, "m", "full extents along its own x, y and z; native are those of the mesh", {.first_default = "native", .words = "native", .omitted_at_default = true}),
+    Argument("at", kVector, kAny, "m", "its centre of mass, or the origin of its mesh, in the frame of the compound", {.first_default = "origin", .words = "origin", .omitted_at_default = true}),
+    Argument("turn", kVector, kAny, "rad", "of its axes: an axis times an angle", {.first_default = "none", .words = "none", .omitted_at_default = true}),
+    Argument("scale", kVector, kNotZero, "", "factors of its x, y and z, before it is turned; negative ones mirror it", {.first_default = "none", .words = "none", .omitted_at_default = true})};
+constexpr Parameter kCompound[] = {
+    Argument("centre", kVector, kAny, "m", "of mass, in the frame of the compound; fit is that of the parts with equal density", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
+    Argument("inertia", kVector, kPositive, "m^2", "moments of inertia ixx, iyy, izz about the centre of mass, along the axes of the compound, for a mass of 1 kg; fit is that of the parts with equal density", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
+    Argument("products", kVector, kAny, "m^2", "ixy, ixz, iyz of the same tensor", {.first_default = "none", .words = "none", .omitted_at_default = true})};
+constexpr Parameter kPartOfList = Argument("part", kWord, kAny, "", "a part( )", {.calls = "part"});
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
     Argument("sha256", kText, kAny, "", "of its boxes; a different trace is refused", {.first_default = "any", .words = "any"})};
@@ -165,6 +178,8 @@ constexpr ParametrisedWord kCalls[] = {
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},
+    {"compound", "one body of several parts, compound(part(…), part(…)), each at its own place; the origin of its frame is the point that layouts place", kCompound, false, true},
+    {"part", "of a compound: a closed form, or the hulls of a mesh", kPart},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},
     {"density", "the density of an object, from which its mass is computed", kDensity},
@@ -188,6 +203,7 @@ std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info) {
   std::vector<std::string_view> names;
   for (const Parameter& argument : info.arguments)
     if (argument.first_default.empty()) names.push_back(argument.name);
+  if (info.takes_parts) names.push_back(kPartOfList.name);
   return names;
 }
 
@@ -203,6 +219,24 @@ std::optional<Call> WithDefaults(const ParametrisedWord& info) {
   return call;
 }
 
+const Parameter& PartParameter() { return kPartOfList; }
+
+std::span<const Value> PartsOf(const Call& call) {
+  const ParametrisedWord* info = FindParametrisedWord(call.name);
+  if (info == nullptr || !info->takes_parts) return {};
+  return std::span(call.arguments).subspan(info->arguments.size());
+}
+
+std::vector<std::string_view> FilesOf(const Call& call) {
+  const ParametrisedWord* info = FindParametrisedWord(call.name);
+  std::vector<std::string_view> files;
+  if (info != nullptr && NamesFile(*info)) files.push_back(std::get<Text>(call.arguments[0]).text);
+  for (const Value& part : PartsOf(call))
+    if (const Call* type = AsCall(ArgumentOf(*AsCall(part), "type")))
+      files.push_back(std::get<Text>(ArgumentOf(*type, "file")).text);
+  return files;
+}
+
 bool ListsPoints(const Call& call) {
   return !call.arguments.empty() && AsVector(call.arguments[0]) != nullptr &&
          FindParametrisedWord(call.name)->takes_points;
@@ -211,7 +245,8 @@ bool ListsPoints(const Call& call) {
 const Value& ArgumentOf(const Call& call, std::string_view argument) {
   const ParametrisedWord* info =
       call.name == kEmpiricalWord.name ? &kEmpiricalWord : FindParametrisedWord(call.name);
-  CDB_CHECK(info != nullptr && info->arguments.size() == call.arguments.size());
+  CDB_CHECK(info != nullptr && (info->arguments.size() == call.arguments.size() ||
+                                (info->takes_parts && info->arguments.size() < call.arguments.size())));
   const auto row = std::ranges::find(info->arguments, argument, &Parameter::name);
   CDB_CHECK(row != info->arguments.end());
   return call.arguments[static_cast<std::size_t>(row - info->arguments.begin())];

@@ -22,6 +22,9 @@ struct ParametrisedWord {
   std::span<const Parameter> arguments;
   /// Also takes a list of points instead of its arguments: `at((0, 0, 0), (1, 2, 3))`.
   bool takes_points = false;
+  /// Also takes a list of parts, without names, before its arguments: `compound(part(…), …)`. In a
+  /// Call, they follow the arguments.
+  bool takes_parts = false;
 };
 
 /// The unit of an argument that is a value of the parameter itself: `every(60, (0, -9.8, 0))`.
@@ -33,7 +36,7 @@ const ParametrisedWord* FindParametrisedWord(std::string_view name);
 /// The arguments of empirical( ), which is no parameter's word but a distribution; its values, not
 /// its arguments, are in plans.
 const ParametrisedWord& EmpiricalTable();
-/// The arguments without a default, in order.
+/// The arguments without a default, in order; `part` for a list of parts.
 std::vector<std::string_view> RequiredArguments(const ParametrisedWord& info);
 /// The word with all arguments at their defaults; nullopt if one has none.
 std::optional<Call> WithDefaults(const ParametrisedWord& info);
@@ -53,6 +56,12 @@ inline constexpr std::string_view kHeightsCall = "heights";
 inline constexpr std::string_view kPathCall = "path";
 /// The layout at the objects of another group.
 inline constexpr std::string_view kRelativeCall = "relative_to";
+/// A part of a list, as the parameter that its scope has.
+const Parameter& PartParameter();
+/// The parts of a call, each a Call; empty for words that take none.
+std::span<const Value> PartsOf(const Call& call);
+/// The files that the call, or a part of it, names.
+std::vector<std::string_view> FilesOf(const Call& call);
 /// True if the arguments are a list of points, each a vector, instead of those of its row.
 bool ListsPoints(const Call& call);
 /// The argument of a call in the plan that lists no points; a name that its row does not have is an

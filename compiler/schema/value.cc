@@ -51,9 +51,10 @@ std::string CallText(const Call& call) {
   const ParametrisedWord* info = FindParametrisedWord(call.name);
   CDB_CHECK(info != nullptr);
   if (ListsPoints(call)) return PointsText(call);
-  CDB_CHECK(info->arguments.size() == call.arguments.size());
   std::string text;
-  for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+  for (const Value& part : PartsOf(call))
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", ToText(part));
+  for (std::size_t i = 0; i < info->arguments.size(); ++i) {
     const Parameter& argument = info->arguments[i];
     const std::string value = ToText(call.arguments[i]);
     if (value == argument.DefaultText()) continue;
@@ -68,6 +69,8 @@ std::string CallText(const Call& call) {
 Call WithoutHash(Call call) {
   const ParametrisedWord& info = *FindParametrisedWord(call.name);
   if (NamesFile(info)) call.arguments[1] = DefaultOf(info.arguments[1]);
+  for (Value& argument : call.arguments)
+    if (const Call* inner = AsCall(argument)) argument = WithoutHash(*inner);
   return call;
 }
 

@@ -43,13 +43,18 @@ struct WriteValue {
       return;
     }
     out << YAML::BeginMap;
-    for (std::size_t i = 0; i < call.arguments.size(); ++i) {
+    for (std::size_t i = 0; i < info.arguments.size(); ++i) {
       const schema::Parameter& argument = info.arguments[i];
       if (argument.omitted_at_default &&
           schema::ToText(call.arguments[i]) == argument.DefaultText())
         continue;
       out << YAML::Key << std::string(argument.name) << YAML::Value;
       Write(call.arguments[i]);
+    }
+    if (info.takes_parts) {
+      out << YAML::Key << "parts" << YAML::Value << YAML::BeginSeq;
+      for (const schema::Value& part : schema::PartsOf(call)) Write(part);
+      out << YAML::EndSeq;
     }
     out << YAML::EndMap << YAML::EndMap;
   }

@@ -169,7 +169,7 @@ class ValueReader : public Nodes {
     };
     if (!arguments.IsMap() || arguments.size() + static_cast<std::size_t>(std::ranges::count_if(
                                                      info.arguments, is_omitted)) !=
-                                  info.arguments.size())
+                                  info.arguments.size() + (info.takes_parts ? 1 : 0))
       Fail(node.Mark(), fmt::format("expected a map with the {} arguments of `{}`",
                                     info.arguments.size(), info.name));
     schema::Call call{std::string(info.name), {}};
@@ -178,6 +178,12 @@ class ValueReader : public Nodes {
           is_omitted(argument)
               ? schema::DefaultOf(argument)
               : ReadValue(Member(arguments, std::string(argument.name).c_str()), argument));
+    if (!info.takes_parts) return call;
+    const YAML::Node parts = Member(arguments, "parts");
+    if (!parts.IsSequence() || parts.size() == 0)
+      Fail(node.Mark(), fmt::format("`{}` needs a list of parts", info.name));
+    for (const YAML::Node& part : parts)
+      call.arguments.push_back(ReadValue(part, schema::PartParameter()));
     return call;
   }
 

@@ -30,8 +30,9 @@ bool AreFilesHere(const plan::Group& group) {
   return std::ranges::none_of(analysis::TypesOf(group.settings), [](const schema::Value& type) {
     const schema::Call* call = schema::AsCall(type);
     return call != nullptr &&
-           !plan::WhyNotReadable(std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text)
-                .empty();
+           std::ranges::any_of(schema::FilesOf(*call), [](std::string_view file) {
+             return !plan::WhyNotReadable(std::string(file)).empty();
+           });
   });
 }
 
@@ -86,7 +87,9 @@ void CheckPiles(const plan::Scene& scene) {
 void CheckPlacement(plan::Scene scene, std::uint64_t& draws) {
   std::set<std::string> left_out;
   for (plan::Group& group : scene.groups) {
-    if (IsMadeAtOnce(group) && !left_out.contains(layouts::GroupOfRegion(group))) continue;
+    if (IsMadeAtOnce(group) && !left_out.contains(layouts::GroupOfRegion(group)) &&
+        !left_out.contains(layouts::GroupOfLayout(group)))
+      continue;
     left_out.insert(group.name);
     group.settings.Set("quantity", schema::Number::Whole(0));
   }

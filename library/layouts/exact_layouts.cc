@@ -12,6 +12,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "dsl/text/check.h"
 #include "library/distributions/draw.h"
+#include "library/layouts/initial_state.h"
 #include "library/layouts/region.h"
 #include "library/objects/distance.h"
 
@@ -207,15 +208,43 @@ class ExactPlacer {
               fmt::format("places one at each of the {} of `{}`", others.size(), name),
               fmt::format("remove the quantity: it is that of `{}`", name));
     const auto& offset = std::get<Vector3d>(schema::ArgumentOf(layout_, "offset"));
+    const plan::Joint* joint = JointTo(name);
     for (std::size_t i = 0; i < range_.size(); ++i) {
       const ObjectState& other = bodies_.object(others.first + (others.size() == 1 ? 0 : i));
       const ObjectState& object = bodies_.object(range_.first + i);
       const objects::Pose frame = objects::OriginOf(other.solid, other.pose);
       const Eigen::Quaterniond turn = objects::OriginOf(object.solid, object.pose).orientation;
-      bodies_.MoveTo(range_.first + i,
-                     objects::BodyOf(object.solid, {frame.position + frame.orientation * offset,
-                                                    frame.orientation * turn}));
+      objects::Pose origin{frame.position + frame.orientation * offset, frame.orientation * turn};
+      if (joint != nullptr) MoveAbout(*joint, frame, origin);
+      bodies_.MoveTo(range_.first + i, objects::BodyOf(object.solid, origin));
     }
+  }
+
+  /// The joint of the group to `parent` that does not start at 0; null if there is none.
+  const plan::Joint* JointTo(std::string_view parent) const {
+    for (const plan::Joint& joint : scene_.joints)
+      if (joint.settings.WordOr("joints.child") == range_.group->name &&
+          joint.settings.WordOr("joints.parent") == parent &&
+          joint.settings.Real("joints.start") != 0)
+        return &joint;
+    return nullptr;
+  }
+
+  /// Moves the child of the joint to its position; `parent` is the frame of the joint's parent.
+  static void MoveAbout(const plan::Joint& joint, const objects::Pose& parent,
+                        objects::Pose& child) {
+    const double position = joint.settings.Real("joints.start");
+    const Vector3d axis =
+        parent.orientation * joint.settings.Vector("joints.axis").stableNormalized();
+    if (joint.settings.WordOr("joints.type") == "slider") {
+      child.position += position * axis;
+      return;
+    }
+    const Vector3d pivot =
+        parent.position + parent.orientation * joint.settings.Vector("joints.at");
+    const Eigen::Quaterniond turn = TurnAbout(position * axis);
+    child.position = pivot + turn * (child.position - pivot);
+    child.orientation = turn * child.orientation;
   }
 
   /// DrawObjects has already set their positions.

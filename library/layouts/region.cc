@@ -101,6 +101,12 @@ std::string GroupOfRegion(const plan::Group& group) {
   return std::get<schema::Word>(schema::ArgumentOf(*call, "group")).text;
 }
 
+std::string GroupOfLayout(const plan::Group& group) {
+  const schema::Call* call = schema::AsCall(group.settings.Get("location"));
+  if (call == nullptr || call->name != schema::kRelativeCall) return {};
+  return std::get<schema::Word>(schema::ArgumentOf(*call, "group")).text;
+}
+
 const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std::string_view name,
                               std::string_view parameter) {
   const auto refuse = [&](const std::string& cause, const std::string& remedy) {

@@ -24,6 +24,8 @@ struct Region {
 
 /// The group about whose objects the region is; empty if it is about none.
 std::string GroupOfRegion(const plan::Group& group);
+/// The group whose objects the layout of this one refers to; empty if there is none.
+std::string GroupOfLayout(const plan::Group& group);
 
 /// The gap below an object that stands, as a fraction of its height.
 inline constexpr double kStandingGap = 1e-3;

@@ -21,6 +21,7 @@
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
 #include "library/objects/models.h"
+#include "library/objects/parts.h"
 #include "library/objects/surface.h"
 #include "library/scene_error.h"
 
@@ -232,17 +233,21 @@ ConvexDecomposition FormOfFile(const schema::Call& call, const Reading& reading)
   return form;
 }
 
-using Form = std::shared_ptr<const ConvexDecomposition>;
-
 plan::FileMemo<Form>& KeptForms() {
   static plan::FileMemo<Form> kept;
   return kept;
 }
 
+constexpr std::string_view kCompoundWord = "compound";
+
 /// Null for a type with a closed form.
 Form FormOf(const schema::Value& type, const Reading& reading = {}) {
   const std::string key = schema::ToText(type) + (reading.decomposes ? "" : " read only");
-  if (const schema::Call* call = schema::AsCall(type))
+  const schema::Call* call = schema::AsCall(type);
+  if (call != nullptr && call->name == kCompoundWord)
+    return std::make_shared<const ConvexDecomposition>(MakeCompoundOfParts(
+        *call, [&](const schema::Value& part) { return FormOf(part, reading); }));
+  if (call != nullptr)
     return KeptForms().Of(std::get<schema::Text>(ArgumentOf(*call, "file")).text, key, [&] {
       return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
     });
@@ -258,7 +263,13 @@ Form FormOf(const schema::Value& type, const Reading& reading = {}) {
 }  // namespace
 
 bool IsDecomposed(const schema::Value& type) {
-  if (const schema::Call* call = schema::AsCall(type)) return !analysis::IsSurface(*call);
+  if (const schema::Call* call = schema::AsCall(type)) {
+    if (call->name != kCompoundWord) return !analysis::IsSurface(*call);
+    return std::ranges::any_of(schema::PartsOf(*call), [](const schema::Value& part) {
+      const schema::Call* mesh = schema::AsCall(ArgumentOf(*schema::AsCall(part), "type"));
+      return mesh != nullptr && mesh->name == "mesh";
+    });
+  }
   const auto* word = std::get_if<schema::Word>(&type);
   return word != nullptr && FindModel(word->text) != nullptr;
 }
@@ -344,9 +355,11 @@ namespace {
 /// The file of the type, if it has one that is not on this machine.
 analysis::ModelFault MissingFile(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) {
-    const std::string& file = std::get<schema::Text>(ArgumentOf(*call, "file")).text;
-    const std::string fault = plan::WhyNotReadable(file);
-    return {fault.empty() ? "" : fmt::format("{}: {}", file, fault), "", !fault.empty()};
+    for (const std::string_view file : schema::FilesOf(*call)) {
+      const std::string fault = plan::WhyNotReadable(std::string(file));
+      if (!fault.empty()) return {fmt::format("{}: {}", file, fault), "", true};
+    }
+    return {};
   }
   const Model* model = FindModel(std::get<schema::Word>(type).text);
   if (model == nullptr) return {};
@@ -386,6 +399,7 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
   if (form->PieceCount() == 0) return facts;
   facts.hulls = form->pieces.size();
   if (!form->IsSurface()) facts.iou = form->iou;
+  if (call != nullptr && call->name == kCompoundWord) return facts;  // without a file to describe
   facts.text = fmt::format("{}: {}", form->name, TextOf(*form));
   if (facts.has_size)
     facts.text += fmt::format("; {:.4g} x {:.4g} x {:.4g} m at `size native`", facts.sides.x(),

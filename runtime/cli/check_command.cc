@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compiler/grid/part.h"
+#include "library/robots/urdf.h"
 #include "runtime/cli/check_stored.h"
 #include "runtime/cli/options/diagnostics_json.h"
 #include "runtime/cli/options/inputs.h"
@@ -48,9 +49,24 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
   return why.empty();
 }
 
+options::ExitStatus CheckRobot(const std::string& file) {
+  std::vector<analysis::RobotFault> faults;
+  const auto robot = robots::ReadUrdf(file, {}, faults);
+  for (const analysis::RobotFault& fault : faults)
+    terminal::Say(fault.remedy.empty() ? fmt::format("{}\n", fault.cause)
+                                       : fmt::format("{}; {}\n", fault.cause, fault.remedy));
+  if (!robot) return options::ExitStatus::kScenarioError;
+  terminal::Print(robots::SummaryOf(*robot, file));
+  return options::ExitStatus::kGood;
+}
+
 options::ExitStatus Check(const CheckArguments& arguments) {
   options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
+    if (name.ends_with(".urdf") && !arguments.json) {
+      status = std::max(status, CheckRobot(name));
+      continue;
+    }
     if (name != "-" && IsStored(name)) {
       if (arguments.json)
         throw options::CommandError(fmt::format(
@@ -73,6 +89,7 @@ options::ExitStatus Check(const CheckArguments& arguments) {
     for (const grid::Grid& grid : result.grids)
       terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
                                   grid.run_count() == 1 ? "run" : "runs"));
+    for (const std::string& robot : result.scenario->RobotTexts()) terminal::Print(robot);
     for (const std::string& model : result.scenario->ModelTexts())
       terminal::Print(fmt::format("  {}\n", model));
   }

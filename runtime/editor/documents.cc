@@ -351,7 +351,10 @@ class SymbolCollector {
         expr.kind == dsl::ExprKind::kCall ? schema::FindParametrisedWord(expr.text) : nullptr;
     for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
       Place inner = place;
-      if (word != nullptr && i < word->arguments.size()) inner.parameter = &word->arguments[i];
+      if (word != nullptr && word->takes_parts && !expr.arguments[i].name)
+        inner.parameter = &schema::PartParameter();
+      else if (word != nullptr && i < word->arguments.size())
+        inner.parameter = &word->arguments[i];
       Refer(*expr.arguments[i].value, inner);
       if (expr.arguments[i].weight) Refer(*expr.arguments[i].weight, inner);
     }

@@ -151,7 +151,7 @@ using schema::ParametrisedWord;
 
 /// `stack(height: all, gap: fit, spacing: fit)`, `at(x, y, z)`.
 std::string Signature(const ParametrisedWord& info) {
-  std::string text;
+  std::string text = info.takes_parts ? "part(…), …" : "";
   for (const Parameter& argument : info.arguments) {
     if (!text.empty()) text += ", ";
     text += argument.name;

@@ -79,12 +79,13 @@ class Maker {
     if (!is_driven) return;
     if (Below(2) == 0) set("axis", Constant(*schema::GroupParameter("joints.axis")));
     if (Below(2) == 0) set("damping", ValueOf(*schema::GroupParameter("joints.damping")));
+    if (Below(2) == 0) set("friction", ValueOf(*schema::GroupParameter("joints.friction")));
     if (Below(2) == 0) {
       set("limits.lower", "-0.5");
       set("limits.upper", "0.25 * 2");
     }
     if (Below(2) == 0) {
-      set("motor.velocity", "-3");
+      set(Below(2) == 0 ? "motor.velocity" : "motor.position", "-3");
       set("motor.effort", "2");
     }
   }
@@ -176,6 +177,9 @@ class Maker {
 
   /// Gives some arguments by position, then some by name; the others have defaults.
   std::string CallText(const schema::ParametrisedWord& info) {
+    if (info.takes_parts)
+      return fmt::format("{}(part(cuboid, (1, 2, 3)), part(sphere, (2, 2, 2), at: (0, {}, 0)))",
+                         info.name, Below(3));
     std::string text;
     bool by_place = true;
     for (const schema::Parameter& argument : info.arguments) {

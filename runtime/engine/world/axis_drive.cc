@@ -50,8 +50,8 @@ double AxisDrive::Excess() const {
 }
 
 void AxisDrive::getInfo1(btConstraintInfo1* info) {
-  info->m_numConstraintRows = (settings_.damping != 0 ? 1 : 0) + (settings_.effort != 0 ? 1 : 0) +
-                              (settings_.HasLimits() ? 2 : 0);
+  info->m_numConstraintRows = (settings_.damping != 0 ? 1 : 0) + (settings_.friction != 0 ? 1 : 0) +
+                              (settings_.effort != 0 ? 1 : 0) + (settings_.HasLimits() ? 2 : 0);
   info->nub = 0;
 }
 
@@ -78,11 +78,25 @@ void AxisDrive::getInfo2(btConstraintInfo2* info) {
                           of_second.dot(m_rbB.getAngularVelocity()) -
                           of_first.dot(m_rbA.getAngularVelocity());
     const btScalar impulse = -static_cast<btScalar>(settings_.damping) * rate / info->fps;
-    add({0, impulse, impulse});
+    // The velocity that a unit impulse gives the two bodies, if nothing else holds them.
+    const btScalar mobility = linear.length2() * (m_rbA.getInvMass() + m_rbB.getInvMass()) +
+                              of_first.dot(m_rbA.getInvInertiaTensorWorld() * of_first) +
+                              of_second.dot(m_rbB.getInvInertiaTensorWorld() * of_second);
+    const bool may_reverse = static_cast<btScalar>(settings_.damping) * mobility > info->fps;
+    add(may_reverse ? Row{0, std::min(impulse, btScalar(0)), std::max(impulse, btScalar(0))}
+                    : Row{0, impulse, impulse});
+  }
+  if (settings_.friction != 0) {
+    const btScalar most = static_cast<btScalar>(settings_.friction) / info->fps;
+    add({0, -most, most});
   }
   if (settings_.effort != 0) {
     const btScalar most = static_cast<btScalar>(settings_.effort) / info->fps;
-    add({static_cast<btScalar>(settings_.velocity), -most, most});
+    const btScalar velocity =
+        settings_.target
+            ? (static_cast<btScalar>(*settings_.target) - last_) * info->erp * info->fps
+            : static_cast<btScalar>(settings_.velocity);
+    add({velocity, -most, most});
   }
   if (!settings_.HasLimits()) return;
   const auto approach = [&](double limit, btScalar inside) {

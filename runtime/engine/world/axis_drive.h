@@ -3,14 +3,19 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <optional>
+
 namespace cdb::world {
 
 /// Acts along (slider) or about (hinge) an axis that turns with the first of two bodies, on the
 /// position q of the second relative to the first, which is 0 at the start: a way in m, or an angle
 /// in rad, of any number of turns. SI units; impulses of a step are those of a force F times dt.
 ///
-///   damping  -c dq/dt with the state at the start of the step, neither limited nor softened
-///   motor    whatever makes dq/dt the velocity, up to the effort
+///   damping  -c dq/dt with the state at the start of the step; where that could reverse the motion
+///            of the two bodies, at most what stops it
+///   friction whatever makes dq/dt 0, up to the friction
+///   motor    whatever makes dq/dt the velocity, up to the effort; with a target, the velocity by
+///            which the solver's error reduction approaches it
 ///   limits   what keeps q within them after the step, inelastically; what is beyond a limit is
 ///            corrected by the solver's error reduction
 ///
@@ -20,11 +25,13 @@ class AxisDrive : public btTypedConstraint {
   struct Settings {
     bool turns = false;  ///< about the axis
     double damping = 0;
-    double velocity = 0, effort = 0;  ///< no motor if the effort is 0
-    double lower = 1, upper = -1;     ///< no limits if lower > upper
+    double friction = 0;
+    double velocity = 0, effort = 0;    ///< no motor if the effort is 0
+    std::optional<double> target = {};  ///< of q, for the motor
+    double lower = 1, upper = -1;       ///< no limits if lower > upper
 
     bool HasLimits() const { return lower <= upper; }
-    bool IsIdle() const { return damping == 0 && effort == 0 && !HasLimits(); }
+    bool IsIdle() const { return damping == 0 && friction == 0 && effort == 0 && !HasLimits(); }
   };
 
   /// The axis, a unit vector, and the pivot are in the frame of the body named; their bodies are at

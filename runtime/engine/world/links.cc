@@ -66,10 +66,15 @@ AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
   };
   drive.turns = settings.WordOr("joints.type") == "hinge";
   drive.damping = settings.Real("joints.damping");
+  drive.friction = settings.Real("joints.friction");
   drive.velocity = number("joints.motor.velocity", 0);
   drive.effort = number("joints.motor.effort", 0);
-  drive.lower = number("joints.limits.lower", drive.lower);
-  drive.upper = number("joints.limits.upper", drive.upper);
+  // The drive counts from the initial poses.
+  const double start = settings.Real("joints.start");
+  if (const schema::Number* target = schema::AsNumber(settings.Get("joints.motor.position")))
+    drive.target = target->AsReal() - start;
+  drive.lower = number("joints.limits.lower", drive.lower + start) - start;
+  drive.upper = number("joints.limits.upper", drive.upper + start) - start;
   return drive;
 }
 

