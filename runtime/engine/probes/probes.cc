@@ -171,6 +171,8 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("false_turn", cycle, seen.friction.false_turn);
   recording_.Put("twisted", cycle, seen.friction.twisted);
   recording_.Put("friction_error", cycle, seen.friction.friction_error);
+  recording_.Put("impact_error", cycle, seen.impacts.error);
+  recording_.Put("unjudged_impacts", cycle, seen.impacts.unjudged);
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -509,6 +511,8 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       sleepers_(engine),
       normals_(engine),
       friction_(engine, scene.world.Real("world.wall_friction")),
+      impacts_(engine, scene.world.Real("world.wall_restitution"),
+               scene.world.Real("world.wall_friction")),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
   if (analysis::AreGainsJudged(scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
@@ -529,7 +533,7 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
   if (!are_losses_judged_) audited.lost = kNone;
   const Seen seen{passes_.After(before_, now_),   pressed.pressed, pressed.inverted,
                   sleepers_.After(before_, now_), audited,         normals_.After(before_, now_),
-                  friction_.After(before_, now_)};
+                  friction_.After(before_, now_), impacts_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

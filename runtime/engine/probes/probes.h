@@ -12,6 +12,7 @@
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/probes/energy_audit.h"
 #include "runtime/engine/probes/friction_watch.h"
+#include "runtime/engine/probes/impact_watch.h"
 #include "runtime/engine/probes/motion_watch.h"
 #include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
@@ -74,6 +75,7 @@ class Soundness {
     EnergyAudit::Seen energy;  ///< NaN if not judged (analysis::Question, AreGainsJudged)
     NormalWatch::Seen normals;
     FrictionWatch::Seen friction;
+    ImpactWatch::Seen impacts;
   };
   /// Call after each cycle, with the energies at its end, J.
   Seen After(double kinetic, double energy);
@@ -86,6 +88,7 @@ class Soundness {
   SleepWatch sleepers_;
   NormalWatch normals_;
   FrictionWatch friction_;
+  ImpactWatch impacts_;
   const bool are_losses_judged_;
   std::optional<EnergyAudit> audit_;
 };
