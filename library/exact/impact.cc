@@ -92,7 +92,28 @@ struct Plane {
   Vector3d Out(const Vector2d& point) const { return origin + point.x() * x + point.y() * y; }
 };
 
-/// Counterclockwise: support points along directions in order, each a little farther.
+/// Their convex hull, counterclockwise (Andrew's monotone chain).
+Polygon Hull(Polygon points) {
+  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  Polygon hull;
+  for (int side = 0; side < 2; ++side, std::ranges::reverse(points)) {
+    const std::size_t first = hull.size();
+    for (const Vector2d& point : points) {
+      const auto turns_right = [&] {
+        const Vector2d from = hull[hull.size() - 2], along = hull.back() - from, to = point - from;
+        return along.x() * to.y() - along.y() * to.x() <= 0;
+      };
+      while (hull.size() > first + 1 && turns_right()) hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+  }
+  return hull;
+}
+
+/// Counterclockwise: support points along directions around, each a little farther.
 Polygon FaceOf(const Solid& solid, const Pose& pose, const Vector3d& outward, double tilt,
                double thickness, const Plane& plane) {
   Polygon face;
@@ -105,7 +126,7 @@ Polygon FaceOf(const Solid& solid, const Pose& pose, const Vector3d& outward, do
     const Vector3d corner = pose.position + pose.orientation * solid.Support(back * direction);
     face.push_back(plane.In(corner) + thickness * way);
   }
-  return face;
+  return Hull(std::move(face));
 }
 
 /// The part of a polygon in a convex one, both counterclockwise (Sutherland and Hodgman).
@@ -175,7 +196,24 @@ void Push(ImpactBody& body, const Vector3d& point, const Vector3d& impulse) {
   body.spin += body.inverse_inertia * (point - body.centre).cross(impulse);
 }
 
-/// The impulse of one contact that moves its point at `free` without it.
+/// The impulse of one contact that moves its point at `free` without it, with friction along a unit
+/// vector.
+Vector3d ImpulseAlong(const Vector3d& slip, const ImpactContact& contact, const Matrix3d& yield,
+                      const Vector3d& free) {
+  const Vector3d& n = contact.normal;
+  if (free.dot(n) >= contact.rebound) return Vector3d::Zero();
+  Eigen::Matrix<double, 3, 2> axes;
+  axes << n, slip;
+  const Eigen::Matrix2d inner = axes.transpose() * yield * axes;
+  const Vector2d sticks =
+      inner.inverse() * Vector2d(contact.rebound - free.dot(n), -free.dot(slip));
+  if (sticks.x() > 0 && std::abs(sticks.y()) <= contact.friction * sticks.x()) return axes * sticks;
+  const Vector3d unit = n + std::copysign(contact.friction, sticks.y()) * slip;
+  const double gain = n.dot(yield * unit);
+  return gain > 0 ? Vector3d((contact.rebound - free.dot(n)) / gain * unit) : Vector3d::Zero();
+}
+
+/// The same with friction in any direction.
 Vector3d ImpulseOf(const ImpactContact& contact, const Matrix3d& yield, const Matrix3d& inverse,
                    const Vector3d& free) {
   const Vector3d& n = contact.normal;
@@ -207,16 +245,21 @@ Vector3d VelocityAt(const ImpactBody& body, const Vector3d& point) {
   return body.velocity + body.spin.cross(point - body.centre);
 }
 
-void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts) {
+void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts, Slip slip) {
   struct Row {
     Matrix3d yield, inverse;
+    Vector3d first;  ///< unit: the direction of sliding
     Vector3d impulse = Vector3d::Zero();
   };
   std::vector<Row> rows;
   for (const ImpactContact& contact : contacts) {
     const Matrix3d yield =
         Yield(bodies[contact.a], contact.point) + Yield(bodies[contact.b], contact.point);
-    rows.push_back({yield, yield.inverse()});
+    const Vector3d motion =
+        VelocityAt(bodies[contact.a], contact.point) - VelocityAt(bodies[contact.b], contact.point);
+    const Vector3d across = motion - motion.dot(contact.normal) * contact.normal;
+    rows.push_back({yield, yield.inverse(),
+                    across.norm() > 0 ? across.normalized() : contact.normal.unitOrthogonal()});
   }
   for (int round = 0; round < kMostRounds; ++round) {
     double largest = 0, change = 0;
@@ -226,7 +269,9 @@ void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> co
       Row& row = rows[i];
       const Vector3d free = VelocityAt(a, contact.point) - VelocityAt(b, contact.point) -
                             row.yield * row.impulse;
-      const Vector3d impulse = ImpulseOf(contact, row.yield, row.inverse, free);
+      const Vector3d impulse = slip == Slip::kFirst
+                                   ? ImpulseAlong(row.first, contact, row.yield, free)
+                                   : ImpulseOf(contact, row.yield, row.inverse, free);
       const Vector3d added = impulse - row.impulse;
       Push(a, contact.point, added);
       Push(b, contact.point, -added);

@@ -62,10 +62,17 @@ struct ImpactContact {
 /// The velocity of a point of a body, m/s.
 Eigen::Vector3d VelocityAt(const ImpactBody& body, const Eigen::Vector3d& point);
 
+/// The direction of friction in an impact. The two differ only where the yield of the bodies turns
+/// the sliding, as at the corner of a box; rigid bodies have neither exactly.
+enum class Slip {
+  kLeft,   ///< against the motion that is left; it stops all sliding if the coefficient is enough
+  kFirst,  ///< along that before the impact only
+};
+
 /// Gives the bodies the velocities after impacts in all contacts at once: each separates at its
-/// rebound or faster; friction is Coulomb's, against the motion that is left. Threads: any. Source:
-/// J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988, with
-/// Newton's restitution; solved by Gauss-Seidel iterations over the contacts.
-void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts);
+/// rebound or faster, with Coulomb's friction. Threads: any. Source: J. J. Moreau, Unilateral
+/// contact and dry friction in finite freedom dynamics, 1988, with Newton's restitution; solved by
+/// Gauss-Seidel iterations over the contacts.
+void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts, Slip slip);
 
 }  // namespace cdb::exact

@@ -18,18 +18,27 @@ using exact::ImpactBody;
 constexpr double kImpactFall = 0.05, kImpactFalls = 4;
 /// 1/s: without gravity, of the least side.
 constexpr double kImpactRate = 0.1;
+/// Of the largest sum of momenta so far: counts as true impulses, so that one impact of many objects
+/// is not the whole.
+constexpr double kPrior = 0.1;
 /// In which an impact may be completed: Bullet brings two close before they touch.
 constexpr int kMostCycles = 4;
 /// Of the true impulse: an impact with less is completed.
 constexpr double kExact = 0.01;
-/// rad: faces that are as parallel meet at once; those that are not, but as parallel as this, or
-/// come so close within the cycle, do not.
-constexpr double kParallel = 2e-3, kNearlyParallel = 0.05, kMostTilt = 0.5;
+/// Of the approach: an impact that leaves less is completed.
+constexpr double kComplete = 0.1;
+/// Of a cycle: further points that follow within this time touch at once; points that follow later,
+/// but within the other, are another impact, which the first one changes.
+constexpr double kAtOnce = 0.25, kAmbiguous = 1.5;
+/// rad: at most, between faces of which all points touch at once; of which any do; at rest.
+constexpr double kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
 /// Regions of contact, in least half extents and relative to each other.
 constexpr double kPoint = 0.1, kSameRegion = 0.8;
 /// In least sides: contacts at rest are as deep. Where the shortest way out of one has another
 /// direction (a cosine) than the touch, it is not known which counts.
 constexpr double kShallow = 0.05, kOtherWay = 0.9;
+/// Bullet's shapes may be rounded, and touch later by a way of so many least sides; in cycles.
+constexpr double kRounded = 0.06, kMostLate = 50;
 /// In cycles, beyond the one in which contacts are found.
 constexpr double kForeseen = 2;
 
@@ -74,14 +83,20 @@ ImpactWatch::ImpactWatch(world::Engine& engine, double wall_restitution, double 
 
 ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now) {
   ReadPairs();
-  std::erase_if(events_, [&](Event& event) { return !Continue(event, now); });
+  std::erase_if(events_, [&](Event& event) { return !Continue(event, before, now); });
   for (const Pair& pair : pairs_)
     if (!TouchedBefore(pair)) Begin(pair, before, now);
   pairs_.swap(last_);
-  return {impulse_ > 0 ? error_ / impulse_ : std::numeric_limits<double>::quiet_NaN(), unjudged_};
+  double momentum = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i)
+    momentum += bodies_[i].mass * world::ToEigen(now[i].velocity).norm();
+  if (momentum > momentum_) momentum_ = momentum;
+  return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
+                       : std::numeric_limits<double>::quiet_NaN(),
+          unjudged_};
 }
 
-bool ImpactWatch::ReadPairs() {
+void ImpactWatch::ReadPairs() {
   pairs_.clear();
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     Vector3d impulse = Vector3d::Zero();
@@ -115,7 +130,6 @@ bool ImpactWatch::ReadPairs() {
     touching_[pair.a].push_back(pair.b);
     if (!IsWall(pair.b)) touching_[pair.b].push_back(pair.a);
   }
-  return !pairs_.empty();
 }
 
 bool ImpactWatch::TouchedBefore(const Pair& pair) const {
@@ -149,10 +163,12 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
   const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
   const exact::Motion motion = ColliderOf(pair.a, before).motion;
   const exact::Collider other = ColliderOf(pair.b, before);
-  const auto touch = exact::FindTouch(solid, motion, other, -1, kForeseen);
+  const double side = IsWall(pair.b) ? body.least_side
+                                     : std::min(body.least_side, bodies_[pair.b].least_side);
+  const double rate = (motion.way - other.motion.way).norm();
+  const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
+  const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
   if (!touch) {
-    const double mass = a.inverse_mass + b.inverse_mass;
-    if (pair.impulse.norm() * mass > least) ++unjudged_;
     return;
   }
   const auto at_touch = [&](ImpactBody state) {
@@ -160,7 +176,10 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
     return exact::VelocityAt(state, touch->point);
   };
   if (-(at_touch(a) - at_touch(b)).dot(touch->normal) < least) return;
-  // TODO other way
+  if (touch->part < 0 && !IsRound(pair) && LeavesAnotherWay(pair, *touch, before)) {
+    ++unjudged_;
+    return;
+  }
   if (judged == Judged::kWhole) {
     if (auto event = MakeEvent(pair, *touch, before, now)) {
       Compare(*event, now);
@@ -192,7 +211,7 @@ std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
   const auto region = [&](double tilt) {
     return exact::ContactRegion(objects[pair.a].solid, pose, other.solid, other_pose, touch, tilt);
   };
-  Event event{pair.a, pair.b, {pair.a, pair.b}, {}, {}};
+  Event event{{pair.a, pair.b}, {}, {}};
   const ImpactBody start[2] = {BodyOf(pair.a, before), BodyOf(pair.b, before)};
   const auto approach_at = [&](const Vector3d& point) {
     ImpactBody a = start[0], b = start[1];
@@ -204,14 +223,12 @@ std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
       (IsWall(pair.b) ? bodies_[pair.a].least_side
                       : std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side)) /
       2;
-  const bool is_round = objects[pair.a].solid.shape == objects::Shape::kEllipsoid ||
-                        (other.solid && other.solid->shape == objects::Shape::kEllipsoid);
   std::vector<Vector3d> points = {touch.point};
-  if (!is_round) {
-    const double tilt = std::clamp(approach_at(touch.point) * timestep_ / half, kNearlyParallel, kMostTilt);
-    const double widest = Diameter(region(tilt));
+  if (!IsRound(pair)) {
+    const double tilt = approach_at(touch.point) * timestep_ / half;
+    const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
     if (widest > kPoint * half) {
-      std::vector<Vector3d> flat = region(kParallel);
+      std::vector<Vector3d> flat = region(std::min(kParallel, kAtOnce * tilt));
       if (Diameter(flat) < kSameRegion * widest) return std::nullopt;
       points = std::move(flat);
     }
@@ -247,16 +264,16 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
                   : exact::DistanceOf(solid, pose, other.plane);
   const exact::Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
   std::vector<Vector3d> points = {touch.point};
-  const bool is_round = solid.shape == objects::Shape::kEllipsoid ||
-                        (other.solid && other.solid->shape == objects::Shape::kEllipsoid);
-  if (!is_round)
+  if (!IsRound({object, ground}))
     if (auto region = exact::ContactRegion(solid, pose, other.solid, other_pose, touch, kNearlyParallel);
         !region.empty())
       points = std::move(region);
-  const std::size_t self = object == event.a ? 0 : 1, index = event.bodies.size();
+  const std::size_t self = object == event.bodies[0] ? 0 : 1, index = event.bodies.size();
   event.bodies.push_back(ground);
   const ImpactBody a = BodyOf(object, before), b = BodyOf(ground, now);
-  const double restitution = RestitutionOf(object, ground), least = LeastApproach({object, ground});
+  // The velocities of later cycles are not those of the true impact.
+  const double restitution = event.cycles == 0 ? RestitutionOf(object, ground) : 0,
+               least = LeastApproach({object, ground});
   for (const Vector3d& point : points) {
     const double approach =
         -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
@@ -267,22 +284,29 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
 }
 
 /// Returns false if it is over.
-bool ImpactWatch::Continue(Event& event, const BodyStates& now) {
-  const auto still = [&] {
-    if (event.cycles >= kMostCycles) return false;
+bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodyStates& now) {
+  const auto is_interrupted = [&] {
     for (int i = 0; i < 2; ++i) {
-      const std::uint32_t self = i == 0 ? event.a : event.b;
+      const std::uint32_t self = event.bodies[i];
       if (!IsFree(self)) continue;
       for (const std::uint32_t other : touching_[self])
-        if (std::ranges::find(event.bodies, other) == event.bodies.end()) return false;
-      if (std::ranges::find(touching_[self], i == 0 ? event.b : event.a) == touching_[self].end())
-        return false;
+        if (std::ranges::find(event.bodies, other) == event.bodies.end() &&
+            (IsFree(other) || !AddSupport(event, self, other, before, now)))
+          return true;
     }
-    return true;
+    return false;
   };
-  if (still()) {
-    Compare(event, now);
-    if (event.error > kExact * event.impulse) return true;
+  const std::uint32_t one = IsFree(event.bodies[0]) ? 0 : 1;
+  const auto& others = touching_[event.bodies[one]];
+  const bool touches = std::ranges::find(others, event.bodies[1 - one]) != others.end();
+  if ((touches || !event.is_complete) && event.cycles < kMostCycles) {
+    if (!is_interrupted()) {
+      Compare(event, now);
+      if (event.error > kExact * event.impulse) return true;
+    } else if (!event.is_complete) {
+      ++unjudged_;
+      return false;
+    }
   }
   Count(event.error, event.impulse);
   return false;
@@ -299,7 +323,31 @@ void ImpactWatch::Compare(Event& event, const BodyStates& now) {
       bodies.push_back(BodyOf(event.bodies[i], now));
     }
   }
-  exact::SolveImpact(bodies, event.contacts);
+  const bool has_friction = std::ranges::any_of(
+      event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
+  const auto start = bodies;
+  for (const exact::Slip slip : {exact::Slip::kLeft, exact::Slip::kFirst}) {
+    if (slip == exact::Slip::kFirst && !has_friction) break;
+    bodies = start;
+    exact::SolveImpact(bodies, event.contacts, slip);
+    CompareWith(bodies, event, now, event.cycles == 1 && slip == exact::Slip::kLeft);
+  }
+  event.is_complete = true;
+  const ImpactBody ends[2] = {BodyOf(event.bodies[0], now), BodyOf(event.bodies[1], now)};
+  for (const exact::ImpactContact& contact : event.contacts) {
+    if (contact.a != 0 || contact.b != 1) continue;
+    const auto leaving = [&](const ImpactBody& a, const ImpactBody& b) {
+      return (exact::VelocityAt(a, contact.point) - exact::VelocityAt(b, contact.point))
+          .dot(contact.normal);
+    };
+    if (leaving(ends[0], ends[1]) < kComplete * leaving(event.first[0], event.first[1]))
+      event.is_complete = false;
+  }
+}
+
+/// `bodies`: after the true impact.
+void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
+                              const BodyStates& now, bool is_first) {
   double error = 0, change = 0, inverse_mass = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::uint32_t object = event.bodies[i];
@@ -317,7 +365,7 @@ void ImpactWatch::Compare(Event& event, const BodyStates& now) {
   }
   error = std::sqrt(error / inverse_mass);
   change = std::sqrt(change / inverse_mass);
-  if (event.cycles == 1 || error * event.impulse < event.error * change) {
+  if (is_first || error * event.impulse < event.error * change) {
     event.error = error;
     event.impulse = change;
   }
@@ -326,6 +374,26 @@ void ImpactWatch::Compare(Event& event, const BodyStates& now) {
 void ImpactWatch::Count(double error, double impulse) {
   error_ += error;
   impulse_ += impulse;
+}
+
+bool ImpactWatch::IsRound(const Pair& pair) const {
+  const auto is_ellipsoid = [&](std::uint32_t body) {
+    return !IsWall(body) &&
+           engine_.initial_state().objects[body].solid.shape == objects::Shape::kEllipsoid;
+  };
+  return is_ellipsoid(pair.a) || is_ellipsoid(pair.b);
+}
+
+/// Whether they overlap no more than contacts at rest do, and part sooner across the touch.
+bool ImpactWatch::LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
+                                   const BodyStates& before) const {
+  const exact::Collider other = ColliderOf(pair.b, before);
+  if (other.solid == nullptr) return false;
+  const exact::SignedDistance distance =
+      exact::DistanceOf(engine_.initial_state().objects[pair.a].solid,
+                        world::ToPose(before[pair.a].pose), *other.solid, other.motion.from);
+  const double side = std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side);
+  return distance.Depth() < kShallow * side && distance.normal.dot(touch.normal) < kOtherWay;
 }
 
 double ImpactWatch::FrictionOf(std::uint32_t a, std::uint32_t b) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "library/exact/impact.h"
@@ -55,19 +56,21 @@ class ImpactWatch {
   };
   /// An impact that may take further cycles.
   struct Event {
-    std::uint32_t a, b;
-    std::vector<std::uint32_t> bodies;  ///< user indices; the first two are a and b
+    std::vector<std::uint32_t> bodies;  ///< user indices; the first two are the pair
     std::vector<exact::ImpactContact> contacts;
     exact::ImpactBody first[2];  ///< the velocities that gravity and damping alone give a and b
     int cycles = 0;
-    double error = 0, impulse = 0;  ///< of the cycle with the least ratio
+    double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
+    bool is_complete = false;  ///< after the last cycle: they no longer approach
   };
 
-  bool ReadPairs();
+  void ReadPairs();
   bool TouchedBefore(const Pair& pair) const;
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
-  bool Continue(Event& event, const BodyStates& now);
+  bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
   void Compare(Event& event, const BodyStates& now);
+  void CompareWith(std::span<const exact::ImpactBody> bodies, Event& event, const BodyStates& now,
+                   bool is_first);
   std::optional<Event> MakeEvent(const Pair& pair, const exact::Touch& touch,
                                  const BodyStates& before, const BodyStates& now);
   bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
@@ -76,6 +79,9 @@ class ImpactWatch {
 
   bool IsWall(std::uint32_t body) const { return body >= bodies_.size(); }
   bool IsFree(std::uint32_t body) const { return !IsWall(body) && bodies_[body].mass > 0; }
+  bool IsRound(const Pair& pair) const;
+  bool LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
+                        const BodyStates& before) const;
   double FrictionOf(std::uint32_t a, std::uint32_t b) const;
   double RestitutionOf(std::uint32_t a, std::uint32_t b) const;
   exact::Collider ColliderOf(std::uint32_t body, const BodyStates& states) const;
@@ -89,7 +95,7 @@ class ImpactWatch {
   std::vector<Pair> pairs_, last_;   ///< with an impulse in this cycle and the last; sorted
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
   std::vector<Event> events_;
-  double error_ = 0, impulse_ = 0;  ///< kg m/s
+  double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s
   std::int32_t unjudged_ = 0;
 };
 
