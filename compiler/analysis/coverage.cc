@@ -155,6 +155,15 @@ Reason WhyNotFriction(const Scene& scene) {
   return std::nullopt;
 }
 
+Reason WhyNotImpacts(const Scene& scene) {
+  if (const Group* surface =
+          FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); }))
+    return fmt::format("impacts on surfaces, such as group {}, are not examined", surface->name);
+  if (const Group* soft = FindGroup(scene, IsSoft))
+    return fmt::format("group {} has soft contacts", soft->name);
+  return std::nullopt;
+}
+
 bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
 
 Reason WhyNotSleep(const Scene& scene) {
@@ -185,6 +194,9 @@ constexpr QuestionInfo kQuestions[] = {
      "friction brakes objects that slide flat on fixed ground as its coefficient says, and turns "
      "none of them",
      false, FrictionArises, WhyNotFriction},
+    {Question::kImpacts, "impacts",
+     "objects that meet part as their shapes, velocities and coefficients say", false, Always,
+     WhyNotImpacts},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      AlwaysChecked},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},

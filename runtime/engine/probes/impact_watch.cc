@@ -22,7 +22,7 @@ constexpr double kImpactRate = 0.1;
 /// is not the whole.
 constexpr double kPrior = 0.1;
 /// In which an impact may be completed: Bullet brings two close before they touch.
-constexpr int kMostCycles = 4;
+constexpr int kMostCycles = 12;
 /// Of the true impulse: an impact with less is completed.
 constexpr double kExact = 0.01;
 /// Of the approach: an impact that leaves less is completed.
