@@ -161,6 +161,22 @@ Reason WhyNotImpacts(const Scene& scene) {
     return fmt::format("impacts on surfaces, such as group {}, are not examined", surface->name);
   if (const Group* soft = FindGroup(scene, IsSoft))
     return fmt::format("group {} has soft contacts", soft->name);
+  if (const Group* driven = FindGroup(
+          scene, [](const Group& group) { return HasSchedule(group) && !HasKinematic(group); }))
+    return fmt::format("a schedule moves group {}", driven->name);
+  // The rest is examined in part.
+  if (const std::string held = scene.PulledGroup(); !held.empty())
+    return fmt::format("only the direction is examined of objects with links or joints, as of group {}",
+                       held);
+  if (const Group* rolls = FindGroup(scene, [](const Group& group) {
+        return !IsZero(group.settings.Get("rolling_friction")) ||
+               !IsZero(group.settings.Get("spinning_friction"));
+      }))
+    return fmt::format("only the direction is examined with rolling or spinning friction, as of group {}",
+                       rolls->name);
+  if (const Group* mesh = FindGroup(
+          scene, [](const Group& group) { return MayBeMesh(group.settings.Get("type")); }))
+    return fmt::format("only the direction is examined of meshes, as in group {}", mesh->name);
   return std::nullopt;
 }
 

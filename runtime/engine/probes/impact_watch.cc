@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "compiler/analysis/expectation.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
 
@@ -56,10 +57,10 @@ bool IsFinite(const BodyState& state) {
 
 }  // namespace
 
-ImpactWatch::ImpactWatch(world::Engine& engine, double wall_restitution, double wall_friction)
+ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine)
     : engine_(engine),
-      wall_restitution_(wall_restitution),
-      wall_friction_(wall_friction),
+      wall_restitution_(scene.world.Real("world.wall_restitution")),
+      wall_friction_(scene.world.Real("world.wall_friction")),
       timestep_(static_cast<double>(engine.timestep())),
       touching_(engine.objects().size()) {
   std::vector<char> linked(touching_.size(), 0);
@@ -71,6 +72,8 @@ ImpactWatch::ImpactWatch(world::Engine& engine, double wall_restitution, double 
     if (state.solid.compound || linked[i] != 0 || state.numbers["rolling_friction"] > 0 ||
         state.numbers["spinning_friction"] > 0)
       judged = Judged::kCone;
+    const plan::Group& group = scene.groups[state.group];
+    if (analysis::HasSchedule(group) && !state.is_kinematic) judged = Judged::kNot;
     if (state.solid.IsSurface() || std::isfinite(state.numbers["contact_stiffness"]))
       judged = Judged::kNot;
     bodies_.push_back({state.mass, state.mass * state.solid.InertiaPerMass(),

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "compiler/plan/plan.h"
 #include "library/exact/impact.h"
 #include "runtime/engine/probes/body_states.h"
 
@@ -29,8 +30,7 @@ namespace cdb::probes {
 /// touch only in passing. The engine must outlive it. Not thread-safe.
 class ImpactWatch {
  public:
-  /// Of the walls.
-  ImpactWatch(world::Engine& engine, double wall_restitution, double wall_friction);
+  ImpactWatch(const plan::Scene& scene, world::Engine& engine);
 
   struct Seen {
     double error;           ///< sum of the errors so far over the sum of true impulses; NaN if none

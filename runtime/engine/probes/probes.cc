@@ -511,8 +511,7 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       sleepers_(engine),
       normals_(engine),
       friction_(engine, scene.world.Real("world.wall_friction")),
-      impacts_(engine, scene.world.Real("world.wall_restitution"),
-               scene.world.Real("world.wall_friction")),
+      impacts_(scene, engine),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
   if (analysis::AreGainsJudged(scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
