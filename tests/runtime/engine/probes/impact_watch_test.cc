@@ -40,7 +40,7 @@ ImpactRun RunImpact(const std::string& text) {
 std::string Balls(double speed, double offset, double start, double e, int hz,
                   const std::string& more = "friction 0") {
   return fmt::format(
-      "timestep 1/{0}; cycles {0}; acceleration 0; contact faithful; world {{ side 200; walls none }}\n"
+      "timestep 1/{0}; cycles 2 * {0}; acceleration 0; contact faithful; world {{ side 200; walls none }}\n"
       "objects a {{ quantity 1; size 1; restitution {1}; {5}; location at({2}, 0, 0)\n"
       "linear_velocity ({3}, 0, 0) }}\n"
       "objects b {{ quantity 1; size 1; restitution 1; {5}; location at(0, {4}, 0) }}",
@@ -58,8 +58,10 @@ TEST(ImpactWatch, FindsTheDirectionInWhichBallsPart) {
           const Vector3d normal(-std::sqrt(1 - offset * offset), offset, 0);
           const Vector3d impulse = -(1 + e) / 2 * speed * normal.x() * normal;
           const double error = (run.first - Vector3d(speed, 0, 0) - impulse).norm();
-          // A tenth of the momentum counts as impulse, too.
-          EXPECT_NEAR(run.error, error / (impulse.norm() + 0.1 * speed), 2e-3);
+          // A tenth of the largest sum of momenta counts as impulse, too.
+          const double momenta =
+              std::max(speed, run.first.norm() + (Vector3d(speed, 0, 0) - run.first).norm());
+          EXPECT_NEAR(run.error, error / (impulse.norm() + 0.1 * momenta), 5e-4);
           EXPECT_EQ(run.error > 0.1, run.verdict == protocol::Verdict::kDrifting);
           off += run.error > 0.1;
         }
@@ -67,7 +69,8 @@ TEST(ImpactWatch, FindsTheDirectionInWhichBallsPart) {
 }
 
 TEST(ImpactWatch, FindsErrorsThatFallWithTheTimeStep) {
-  for (const char* type : {"sphere", "cuboid"}) {
+  // Order 1 gives a factor of 8; single edges of cubes are met otherwise with another step.
+  for (const auto& [type, factor] : {std::pair("sphere", 6), {"cuboid", 2}}) {
     double sums[2] = {};
     for (int fine = 0; fine < 2; ++fine) {
       std::mt19937 random(7);
@@ -86,8 +89,7 @@ TEST(ImpactWatch, FindsErrorsThatFallWithTheTimeStep) {
       }
     }
     EXPECT_GT(sums[0], 0.1) << type;
-    // Order 1 gives a factor of 8.
-    EXPECT_LT(sums[1], sums[0] / 4) << type;
+    EXPECT_LT(sums[1], sums[0] / factor) << type;
   }
 }
 
@@ -155,7 +157,7 @@ TEST(ImpactWatch, JudgesNothingAtRest) {
   const ImpactRun stack = RunImpact(
       "cycles 120; world { side 40; walls floor; wall_shape box }\n"
       "objects { quantity 5; type cuboid; size 1; location stack }");
-  EXPECT_TRUE(std::isnan(stack.error));
+  EXPECT_FALSE(stack.error > 0.01) << stack.error;
   // Nor what slides over edges of the ground, which is no impact.
   const ImpactRun slides = RunImpact(
       "cycles 120; world { side 100; walls none }\n"
@@ -174,7 +176,7 @@ TEST(ImpactWatch, ExaminesDirectionsInACrowd) {
       "objects a { quantity 1; size 1; restitution 1; friction 0; location at(-3.05, 0.5, 0)\n"
       "linear_velocity (12, 0, 0) }\n"
       "objects b { quantity 2; size 1; restitution 1; friction 0\n"
-      "location at((0, 0, 0), (0.999, 0, 0)) }");
+      "location at((0, 0, 0), (1.0005, 0, 0)) }");
   EXPECT_GT(run.error, 0.05);
 }
 
