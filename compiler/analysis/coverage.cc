@@ -166,14 +166,15 @@ Reason WhyNotImpacts(const Scene& scene) {
     return fmt::format("a schedule moves group {}", driven->name);
   // The rest is examined in part.
   if (const std::string held = scene.PulledGroup(); !held.empty())
-    return fmt::format("only the direction is examined of objects with links or joints, as of group {}",
-                       held);
+    return fmt::format(
+        "only the direction is examined of objects with links or joints, as of group {}", held);
   if (const Group* rolls = FindGroup(scene, [](const Group& group) {
         return !IsZero(group.settings.Get("rolling_friction")) ||
                !IsZero(group.settings.Get("spinning_friction"));
       }))
-    return fmt::format("only the direction is examined with rolling or spinning friction, as of group {}",
-                       rolls->name);
+    return fmt::format(
+        "only the direction is examined with rolling or spinning friction, as of group {}",
+        rolls->name);
   if (const Group* mesh = FindGroup(
           scene, [](const Group& group) { return MayBeMesh(group.settings.Get("type")); }))
     return fmt::format("only the direction is examined of meshes, as in group {}", mesh->name);

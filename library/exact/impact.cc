@@ -50,8 +50,8 @@ Vector3d Rate(const Motion& motion, double part, const Vector3d& point) {
 
 std::optional<Touch> FindTouch(const Solid& a, const Motion& motion, const Collider& b, double from,
                                double to) {
-  const double side =
-      2 * (b.solid ? std::min(a.LeastHalfExtent(), b.solid->LeastHalfExtent()) : a.LeastHalfExtent());
+  const double side = 2 * (b.solid ? std::min(a.LeastHalfExtent(), b.solid->LeastHalfExtent())
+                                   : a.LeastHalfExtent());
   const double tolerance = kTouches * side;
   double part = from, apart = from;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -159,8 +159,8 @@ std::vector<Vector3d> ContactRegion(const Solid& a, const Pose& pose_a, const So
       b ? std::min(a.LeastHalfExtent(), b->LeastHalfExtent()) : a.LeastHalfExtent();
   Polygon region = FaceOf(a, pose_a, -touch.normal, tilt, kThickness * least, plane);
   if (b != nullptr)
-    region = Clip(std::move(region),
-                  FaceOf(*b, pose_b, touch.normal, tilt, kThickness * least, plane));
+    region =
+        Clip(std::move(region), FaceOf(*b, pose_b, touch.normal, tilt, kThickness * least, plane));
   std::vector<Vector3d> corners;
   for (const Vector2d& point : region) {
     const Vector3d corner = plane.Out(point);
@@ -267,8 +267,8 @@ void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> co
       const ImpactContact& contact = contacts[i];
       ImpactBody &a = bodies[contact.a], &b = bodies[contact.b];
       Row& row = rows[i];
-      const Vector3d free = VelocityAt(a, contact.point) - VelocityAt(b, contact.point) -
-                            row.yield * row.impulse;
+      const Vector3d free =
+          VelocityAt(a, contact.point) - VelocityAt(b, contact.point) - row.yield * row.impulse;
       const Vector3d impulse = slip == Slip::kFirst
                                    ? ImpulseAlong(row.first, contact, row.yield, free)
                                    : ImpulseOf(contact, row.yield, row.inverse, free);

@@ -44,11 +44,11 @@ std::vector<Eigen::Vector3d> ContactRegion(const objects::Solid& a, const object
                                            const Touch& touch, double tilt);
 
 struct ImpactBody {
-  double inverse_mass = 0;                                      ///< 1/kg; 0: nothing moves it
-  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();    ///< 1/(kg m^2), in world axes
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();             ///< m, of mass
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();           ///< m/s
-  Eigen::Vector3d spin = Eigen::Vector3d::Zero();               ///< rad/s
+  double inverse_mass = 0;                                    ///< 1/kg; 0: nothing moves it
+  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();  ///< 1/(kg m^2), in world axes
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();           ///< m, of mass
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();         ///< m/s
+  Eigen::Vector3d spin = Eigen::Vector3d::Zero();             ///< rad/s
 };
 
 struct ImpactContact {

@@ -19,8 +19,8 @@ using exact::ImpactBody;
 constexpr double kImpactFall = 0.05, kImpactFalls = 4;
 /// 1/s: without gravity, of the least side.
 constexpr double kImpactRate = 0.1;
-/// Of the largest sum of momenta so far: counts as true impulses, so that one impact of many objects
-/// is not the whole.
+/// Of the largest sum of momenta so far, of more than two objects: counts as true impulses, so that
+/// one impact of many objects is not the whole.
 constexpr double kPrior = 0.1;
 /// In which an impact may be completed: Bullet brings two close before they touch.
 constexpr int kMostCycles = 12;
@@ -91,8 +91,12 @@ ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates&
     if (!TouchedBefore(pair)) Begin(pair, before, now);
   pairs_.swap(last_);
   double momentum = 0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
+  double moving = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
     momentum += bodies_[i].mass * world::ToEigen(now[i].velocity).norm();
+    moving += bodies_[i].mass > 0;
+  }
+  momentum *= std::max(0.0, 1 - 2 / moving);
   if (momentum > momentum_) momentum_ = momentum;
   return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
                        : std::numeric_limits<double>::quiet_NaN(),
@@ -151,23 +155,25 @@ double ImpactWatch::LeastApproach(const Pair& pair) const {
 
 void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodyStates& now) {
   const Body& body = bodies_[pair.a];
-  const Judged judged = IsWall(pair.b) ? body.judged : std::min(body.judged, bodies_[pair.b].judged);
+  const Judged judged =
+      IsWall(pair.b) ? body.judged : std::min(body.judged, bodies_[pair.b].judged);
   if (judged == Judged::kNot || !IsFinite(before[pair.a])) return;
   if (!IsWall(pair.b) && !IsFinite(before[pair.b])) return;
   const ImpactBody a = BodyOf(pair.a, before), b = BodyOf(pair.b, before);
   const double least = LeastApproach(pair);
   const auto surface_speed = [&](std::uint32_t object, const ImpactBody& state) {
-    return IsWall(object) ? 0
-                          : state.spin.norm() *
-                                engine_.initial_state().objects[object].solid.OuterRadius();
+    return IsWall(object)
+               ? 0
+               : state.spin.norm() * engine_.initial_state().objects[object].solid.OuterRadius();
   };
-  if ((a.velocity - b.velocity).norm() + surface_speed(pair.a, a) + surface_speed(pair.b, b) < least)
+  if ((a.velocity - b.velocity).norm() + surface_speed(pair.a, a) + surface_speed(pair.b, b) <
+      least)
     return;
   const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
   const exact::Motion motion = ColliderOf(pair.a, before).motion;
   const exact::Collider other = ColliderOf(pair.b, before);
-  const double side = IsWall(pair.b) ? body.least_side
-                                     : std::min(body.least_side, bodies_[pair.b].least_side);
+  const double side =
+      IsWall(pair.b) ? body.least_side : std::min(body.least_side, bodies_[pair.b].least_side);
   const double rate = (motion.way - other.motion.way).norm();
   const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
   const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
@@ -247,8 +253,7 @@ std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
     event.first[i].centre += touch.part * timestep_ * start[i].velocity;
     if (!IsFree(self)) continue;
     for (const std::uint32_t ground : touching_[self])
-      if (ground != pair.a && ground != pair.b &&
-          !AddSupport(event, self, ground, before, now))
+      if (ground != pair.a && ground != pair.b && !AddSupport(event, self, ground, before, now))
         return std::nullopt;
   }
   return event;
@@ -268,7 +273,8 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
   const exact::Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
   std::vector<Vector3d> points = {touch.point};
   if (!IsRound({object, ground}))
-    if (auto region = exact::ContactRegion(solid, pose, other.solid, other_pose, touch, kNearlyParallel);
+    if (auto region =
+            exact::ContactRegion(solid, pose, other.solid, other_pose, touch, kNearlyParallel);
         !region.empty())
       points = std::move(region);
   const std::size_t self = object == event.bodies[0] ? 0 : 1, index = event.bodies.size();
@@ -362,8 +368,8 @@ void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
     };
     error += energy(bodies[i].velocity - world::ToEigen(now[object].velocity),
                     bodies[i].spin - world::ToEigen(now[object].spin));
-    change += energy(bodies[i].velocity - event.first[i].velocity,
-                     bodies[i].spin - event.first[i].spin);
+    change +=
+        energy(bodies[i].velocity - event.first[i].velocity, bodies[i].spin - event.first[i].spin);
     inverse_mass += 1 / body.mass;
   }
   error = std::sqrt(error / inverse_mass);
@@ -433,7 +439,8 @@ ImpactBody ImpactWatch::BodyOf(std::uint32_t body, const BodyStates& states) con
   if (!IsFree(body)) return result;
   result.inverse_mass = 1 / bodies_[body].mass;
   const Eigen::Matrix3d turn = world::ToEigen(state.pose.getBasis());
-  result.inverse_inertia = turn * bodies_[body].inertia.cwiseInverse().asDiagonal() * turn.transpose();
+  result.inverse_inertia =
+      turn * bodies_[body].inertia.cwiseInverse().asDiagonal() * turn.transpose();
   return result;
 }
 

@@ -13,8 +13,8 @@
 
 namespace cdb::probes {
 
-/// An impact is the first impulse of a pair of bodies that approach faster than by a fall of 0.05 of
-/// the lesser least side, or of four cycles. The two are moved back along their velocities, or
+/// An impact is the first impulse of a pair of bodies that approach faster than by a fall of 0.05
+/// of the lesser least side, or of four cycles. The two are moved back along their velocities, or
 /// forward, if Bullet foresaw the impact, to where they touch; the normal and the points there, and
 /// the restitution and friction of the scene, give the velocities after it (exact::SolveImpact).
 /// Bullet has up to four cycles to reach them.
@@ -22,7 +22,8 @@ namespace cdb::probes {
 /// - Pairs that touch no other body that is free to move: the whole change of their velocities is
 /// compared. Fixed
 ///   bodies that they touch take part.
-/// - Other pairs, and those whose faces are nearly parallel, so that further points touch within the
+/// - Other pairs, and those whose faces are nearly parallel, so that further points touch within
+/// the
 ///   cycle: the impulse must lie in the cone of friction about the true normal.
 ///
 /// Errors are impulses: of the changes of all velocities, sqrt(sum m v^2 + I w^2) times the root of
@@ -42,8 +43,8 @@ class ImpactWatch {
  private:
   enum class Judged : char { kNot, kCone, kWhole };
   struct Body {
-    double mass;  ///< kg; 0: nothing moves it
-    Eigen::Vector3d inertia;  ///< kg m^2, principal
+    double mass;                   ///< kg; 0: nothing moves it
+    Eigen::Vector3d inertia;       ///< kg m^2, principal
     double damping, spin_damping;  ///< factors in a cycle
     double friction, restitution;
     double least_side;  ///< m
@@ -61,7 +62,7 @@ class ImpactWatch {
     exact::ImpactBody first[2];  ///< the velocities that gravity and damping alone give a and b
     int cycles = 0;
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
-    bool is_complete = false;  ///< after the last cycle: they no longer approach
+    bool is_complete = false;       ///< after the last cycle: they no longer approach
   };
 
   void ReadPairs();
@@ -91,8 +92,8 @@ class ImpactWatch {
 
   world::Engine& engine_;
   const double wall_restitution_, wall_friction_, timestep_;
-  std::vector<Body> bodies_;         ///< by object
-  std::vector<Pair> pairs_, last_;   ///< with an impulse in this cycle and the last; sorted
+  std::vector<Body> bodies_;        ///< by object
+  std::vector<Pair> pairs_, last_;  ///< with an impulse in this cycle and the last; sorted
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
   std::vector<Event> events_;
   double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s

@@ -530,9 +530,14 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
   EnergyAudit::Seen audited{kNone, kNone};
   if (audit_) audited = audit_->After(before_, now_, kinetic, energy);
   if (!are_losses_judged_) audited.lost = kNone;
-  const Seen seen{passes_.After(before_, now_),   pressed.pressed, pressed.inverted,
-                  sleepers_.After(before_, now_), audited,         normals_.After(before_, now_),
-                  friction_.After(before_, now_), impacts_.After(before_, now_)};
+  const Seen seen{passes_.After(before_, now_),
+                  pressed.pressed,
+                  pressed.inverted,
+                  sleepers_.After(before_, now_),
+                  audited,
+                  normals_.After(before_, now_),
+                  friction_.After(before_, now_),
+                  impacts_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

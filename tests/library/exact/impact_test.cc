@@ -47,7 +47,8 @@ TEST(Touch, OfBallsIsWhereTheirDistanceIsTheSumOfRadii) {
     EXPECT_LT((touch->point - Vector3d(x, offset, 0) / 2).norm(), 1e-3);
   }
   // They pass each other; they overlap at the first part; the touch is later.
-  for (const auto& [offset, from, to] : {std::tuple(1.1, -3., 2.), {0.3, -0.5, 2.}, {0.3, -3., -2.}})
+  for (const auto& [offset, from, to] :
+       {std::tuple(1.1, -3., 2.), {0.3, -0.5, 2.}, {0.3, -3., -2.}})
     EXPECT_FALSE(exact::FindTouch(kBall, Moving({-0.5, offset, 0}, {0.4, 0, 0}),
                                   At(kBall, Vector3d::Zero()), from, to));
 }
@@ -149,8 +150,7 @@ TEST(SolveImpact, KeepsMomentaAndLosesEnergy) {
     const auto [linear_after, angular_after, energy_after] = momenta();
     EXPECT_LT((linear - linear_after).norm() + (angular - angular_after).norm(), 1e-9);
     EXPECT_LT(energy_after, energy);
-    const Vector3d left =
-        exact::VelocityAt(bodies[0], point) - exact::VelocityAt(bodies[1], point);
+    const Vector3d left = exact::VelocityAt(bodies[0], point) - exact::VelocityAt(bodies[1], point);
     EXPECT_NEAR(left.dot(normal), 1, 1e-6);
     // Friction is against the sliding that is left.
     const Vector3d impulse = bodies[0].velocity - Vector3d(4, 1, 0);
