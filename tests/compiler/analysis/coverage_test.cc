@@ -23,7 +23,7 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
   };
   constexpr Case kCases[] = {
       {"objects a { quantity 3 }", "energy, losses, passing, impacts, sleep", ""},
-      {"objects a { quantity 3; } sleeping off", "energy, losses, passing", ""},
+      {"objects a { quantity 3; } sleeping off", "energy, losses, passing, impacts", ""},
       {"objects a { quantity 3; location stack }", "energy, losses, rest, passing, impacts, sleep",
        ""},
       {"objects a { quantity 3; location stack } objects top { quantity 1; location at(0, 4, 0) }",
