@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 namespace cdb::exact {
@@ -18,7 +20,10 @@ using objects::Solid;
 
 /// Of the lesser least side.
 constexpr double kTouches = 1e-4;
-constexpr int kMostSteps = 30;
+constexpr int kMostSteps = 100;
+/// rad.
+constexpr double kMostTurn = 0.1;
+constexpr double kFar = std::numeric_limits<double>::infinity();
 
 SignedDistance DistanceOfBalls(const Solid& a, const Vector3d& at_a, const Solid& b,
                                const Vector3d& at_b) {
@@ -67,8 +72,12 @@ std::optional<Touch> FindTouch(const Solid& a, const Motion& motion, const Colli
     Vector3d rate = Rate(motion, part, distance.on_a);
     if (b.solid != nullptr) rate -= Rate(b.motion, part, distance.on_b);
     const double approach = -rate.dot(distance.normal);
-    part += (distance.gap - tolerance / 2) / approach;
-    if (!(approach > 0) || part > to) return std::nullopt;
+    const double turn = motion.turn.norm() + b.motion.turn.norm();
+    if (!(approach > 0 || turn > 0)) return std::nullopt;
+    // Where they turn, rates last only so long.
+    const double room = approach > 0 ? (distance.gap - tolerance / 2) / approach : kFar;
+    part += turn > 0 ? std::min(room, kMostTurn / turn) : room;
+    if (part > to) return std::nullopt;
   }
   return std::nullopt;
 }
@@ -175,7 +184,8 @@ std::vector<Vector3d> ContactRegion(const Solid& a, const Pose& pose_a, const So
 namespace {
 
 constexpr int kMostRounds = 400;
-constexpr int kSlipSteps = 20;
+/// rad: the accuracy of the direction of friction.
+constexpr double kSameSlip = 1e-6;
 /// Of the largest impulse: changes below it end the iterations.
 constexpr double kSettled = 1e-7;
 
@@ -222,19 +232,32 @@ Vector3d ImpulseOf(const ImpactContact& contact, const Matrix3d& yield, const Ma
   const Vector3d sticks = inverse * (contact.rebound * n - free);
   const double press = sticks.dot(n), hold = along(sticks).norm();
   if (press > 0 && hold <= contact.friction * press) return sticks;
-  // It slips: friction is against what is left of the motion.
-  Vector3d way = hold > 0 ? Vector3d(along(sticks) / hold) : Vector3d::Zero();
-  Vector3d impulse = Vector3d::Zero();
-  for (int step = 0; step < kSlipSteps; ++step) {
-    const Vector3d unit = n + contact.friction * way;
+  // It slips: the direction in which friction is against what is left of the motion.
+  const Vector3d x = n.unitOrthogonal(), y = n.cross(x);
+  const auto at = [&](double angle) -> std::pair<double, Vector3d> {
+    const Vector3d way = std::cos(angle) * x + std::sin(angle) * y,
+                   unit = n + contact.friction * way;
     const double gain = n.dot(yield * unit);
-    if (!(gain > 0)) break;
-    impulse = (contact.rebound - free.dot(n)) / gain * unit;
+    if (!(gain > 0)) return {-2, Vector3d::Zero()};
+    const Vector3d impulse = (contact.rebound - free.dot(n)) / gain * unit;
     const Vector3d left = along(free + yield * impulse);
-    if (!(left.norm() > 0) || contact.friction == 0) break;
-    const Vector3d next = (way - left.normalized()).normalized();
-    if ((next - way).norm() < 1e-9) break;
-    way = next;
+    return {left.norm() > 0 ? -way.dot(left) / left.norm() : 1, impulse};
+  };
+  if (contact.friction == 0) return at(0).second;
+  double best = std::atan2(sticks.dot(y), sticks.dot(x));
+  auto [cosine, impulse] = at(best);
+  const auto seek = [&](double angle) {
+    const auto found = at(angle);
+    if (found.first <= cosine) return false;
+    best = angle;
+    std::tie(cosine, impulse) = found;
+    return true;
+  };
+  for (double step = std::numbers::pi / 8; step > kSameSlip; step /= 2) {
+    while (seek(best + step)) {
+    }
+    while (seek(best - step)) {
+    }
   }
   return impulse;
 }
