@@ -36,7 +36,7 @@ FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 
 # A file that a comment names; NAME stands for any, 20b.cdb for a scenario of the reader's.
 CITED = re.compile(r"(?<![\w./$*{-])(?!NAME)((?:[\w-]+/)*(?!NAME)[\w-]+\.(?:h|cc|js|py|md))(?![\w*])")
-FOREIGN = {"linux/landlock.h", "cdb/detector.h"}  # of the system; as installed
+FOREIGN = {"linux/landlock.h", "cdb/detector.h", "cdb/detector_c.h"}  # of the system; as installed
 
 WHOLE_COMPILER = ("runtime/cli/", "runtime/editor/", "runtime/manual/")
 CONTRACT = ("compiler/schema", "compiler/plan", "compiler/analysis", "compiler/yaml")

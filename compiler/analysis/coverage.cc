@@ -39,6 +39,15 @@ Reason WhyNotEnergy(const Scene& scene) {
   return driver.empty() ? Reason() : driver;
 }
 
+bool IsDamped(const Group& group) {
+  return !IsZero(group.settings.Get("linear_damping")) ||
+         !IsZero(group.settings.Get("angular_damping"));
+}
+
+bool HasRollingFriction(const Group& group) {
+  return !IsZero(group.settings.Get("rolling_friction"));
+}
+
 bool IsSoft(const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }
 
 Reason WhyNotLosses(const Scene& scene) {
@@ -49,18 +58,13 @@ Reason WhyNotLosses(const Scene& scene) {
     bool (*is_in)(const Group& group);
   };
   static constexpr Sink kSinks[] = {
-      {"damping",
-       [](const Group& group) {
-         return !IsZero(group.settings.Get("linear_damping")) ||
-                !IsZero(group.settings.Get("angular_damping"));
-       }},
+      {"damping", IsDamped},
       {"springs with damping",
        [](const Group& group) {
          return group.settings.WordOr("links.type") == "spring" &&
                 !IsZero(group.settings.Get("links.damping"));
        }},
-      {"rolling friction",
-       [](const Group& group) { return !IsZero(group.settings.Get("rolling_friction")); }},
+      {"rolling friction", HasRollingFriction},
       {"spinning friction",
        [](const Group& group) { return !IsZero(group.settings.Get("spinning_friction")); }},
       {"soft contacts", IsSoft},
@@ -152,6 +156,13 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",
                        held);
+  const auto resists = [](const Group& group) {
+    return !IsFixed(group) && MayRoll(group.settings.Get("type")) &&
+           (IsDamped(group) || HasRollingFriction(group));
+  };
+  if (const Group* group = FindGroup(scene, resists))
+    return fmt::format("rolling with {}, as of group {}, is not examined",
+                       IsDamped(*group) ? "damping" : "rolling friction", group->name);
   return std::nullopt;
 }
 
@@ -209,7 +220,7 @@ constexpr QuestionInfo kQuestions[] = {
      EdgesArise, WhyNotEdges},
     {Question::kFriction, "friction",
      "friction brakes objects that slide flat on fixed ground as its coefficient says, and turns "
-     "none of them",
+     "none of them; what rolls keeps its speed",
      false, FrictionArises, WhyNotFriction},
     {Question::kImpacts, "impacts",
      "objects that meet part as their shapes, velocities and coefficients say", false, Always,
@@ -224,6 +235,10 @@ const QuestionInfo& InfoOf(Question question) {
 }
 
 }  // namespace
+
+bool MayRoll(const schema::Value& type) {
+  return MayBe(type, "cylinder") || MayBe(type, "capsule");
+}
 
 std::span<const QuestionInfo> Questions() { return kQuestions; }
 

@@ -52,6 +52,9 @@ struct Coverage {
 /// All questions are open if the scene does not record stability; none arises if nothing can move.
 Coverage CoverageOf(const plan::Scene& scene);
 
+/// True if objects of this type may roll on their round side, which Bullet does not support well.
+bool MayRoll(const schema::Value& type);
+
 /// True if the question arises in the scene and is checked.
 bool IsChecked(Question question, const plan::Scene& scene);
 

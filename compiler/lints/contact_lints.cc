@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/lints/lint_facts.h"
 
@@ -299,8 +300,7 @@ std::optional<Estimate> LossyBounce(const SceneFacts& scene, const GroupFacts& o
 
 std::optional<Estimate> RollingGain(const SceneFacts& scene, const GroupFacts& objects) {
   const auto may_roll = [](const GroupFacts& group) {
-    const schema::Value& type = group.settings->Get("type");
-    return MayBe(type, "cylinder") || MayBe(type, "capsule");
+    return analysis::MayRoll(group.settings->Get("type"));
   };
   // Beside others, what it gains is small.
   const bool all_roll = std::ranges::all_of(

@@ -294,14 +294,6 @@ bool IsBall(const GroupFacts& objects) {
   return type != nullptr && type->text == "sphere" && objects.least_side == objects.longest_side;
 }
 
-bool MayBe(const schema::Value& value, std::string_view word) {
-  if (const auto* one = std::get_if<schema::Word>(&value)) return one->text == word;
-  const auto* drawn = std::get_if<schema::Distribution>(&value);
-  return drawn != nullptr &&
-         std::ranges::any_of(drawn->arguments,
-                             [&](const schema::Value& choice) { return MayBe(choice, word); });
-}
-
 bool MayBeOn(const GroupFacts& objects, schema::GroupParameter name) {
   const auto* on = std::get_if<bool>(&objects.settings->Get(name));
   return on == nullptr || *on;

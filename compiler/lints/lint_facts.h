@@ -126,8 +126,6 @@ std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);
 std::optional<Eigen::Vector3d> ConstantOf(const schema::Value& value);
 /// True if all objects of the group are spheres with equal sides.
 bool IsBall(const GroupFacts& objects);
-/// True if `value` is `word`, or may draw it.
-bool MayBe(const schema::Value& value, std::string_view word);
 /// True if the switch is on, or drawn.
 bool MayBeOn(const GroupFacts& objects, schema::GroupParameter name);
 

@@ -121,7 +121,7 @@ constexpr LintInfo kLints[] = {
      .remedy = "a mass of {} kg or less, or precision double",
      .about = "mass precision"},
     {.lint = Lint::kEarlySleep, .kind = {"W0319", "early-sleep"},
-     .number = "0.8 m/s / speed or 1 rad/s / spin, of an object in flight, or of a ball on a slope, for 2 s",
+     .number = "0.8 m/s / speed or 1 rad/s / spin, of an object in flight, without friction, or of a ball that rolls, for 2 s",
      .threshold = "1",
      .predicts = "objects {} fall asleep in motion",
      .remedy = "sleeping off",

@@ -110,12 +110,31 @@ std::optional<Estimate> RollsSlowly(const SceneFacts& scene, const GroupFacts& o
   return Estimate{slow, 1, 0, open};
 }
 
+/// Of an object that nothing brakes on the floor: a ball, which rolls or spins, or any without
+/// friction.
+std::optional<Estimate> KeepsMoving(const SceneFacts& scene, const GroupFacts& objects) {
+  if (!scene.HasWeight(objects) || !scene.pull) return std::nullopt;
+  const auto has = [&](const char* name) { return BoundsOf(*objects.settings, name).most > 0; };
+  const bool resists = has("linear_damping") || has("angular_damping") || has("rolling_friction") ||
+                       has("spinning_friction") || (!IsBall(objects) && has("friction"));
+  if (resists) return std::nullopt;
+  const double speed = std::hypot(objects.velocity.x(), objects.velocity.z());
+  // Friction may turn all of the speed of a ball into rolling, and all of its spin into speed.
+  const double spin = std::max(objects.spin, has("friction") ? 2 * speed / objects.least_side : 0);
+  if (!(std::max(speed, spin) > 0)) return std::nullopt;
+  const double slow = std::min(kSlowSpeed / speed, kSlowSpin / spin);
+  if (slow < 1) return std::nullopt;
+  const bool open = true;  // it may bounce, or meet others
+  return Estimate{slow, 1, 0, open};
+}
+
 }  // namespace
 
 std::optional<Estimate> EarlySleep(const SceneFacts& scene, const GroupFacts& objects) {
   if (!scene.world->On("sleeping") || scene.Time() < kSleepAfter || (scene.rests && scene.g > 0))
     return std::nullopt;
   if (const auto rolling = RollsSlowly(scene, objects)) return rolling;
+  if (const auto moving = KeepsMoving(scene, objects)) return moving;
   const double speed = objects.speed + scene.g * kSleepAfter;
   if (!(speed > 0 || objects.spin > 0)) return std::nullopt;
   // Objects that hit something earlier are not in flight.

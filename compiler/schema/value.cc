@@ -150,6 +150,14 @@ bool Formula::operator==(const Formula& other) const {
   return op == other.op && setting == other.setting && arguments == other.arguments;
 }
 
+bool MayBe(const Value& value, std::string_view word) {
+  if (const Word* one = AsWord(value)) return one->text == word;
+  const Distribution* drawn = AsDistribution(value);
+  return drawn != nullptr && std::ranges::any_of(drawn->arguments, [&](const Value& choice) {
+           return MayBe(choice, word);
+         });
+}
+
 bool IsIdentical(const Value& a, const Value& b) {
   if (!(a == b)) return false;
   const auto have_same_signs = [](const Eigen::Vector3d& x, const Eigen::Vector3d& y) {

@@ -102,6 +102,9 @@ class Value : public std::variant<bool, Number, Word, Eigen::Vector3d, Ratio, Wo
   bool operator==(const Value&) const = default;
 };
 
+/// True if `value` is `word`, or may draw it.
+bool MayBe(const Value& value, std::string_view word);
+
 /// Equal, and zeros have the same sign, which == ignores but texts show.
 bool IsIdentical(const Value& a, const Value& b);
 

@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include "library/detectors/c_detector.h"
 #include "library/detectors/detector.h"
 
 namespace cdb::detectors {
@@ -25,14 +26,38 @@ bool IsName(std::string_view text) {
   return !text.empty() && !(text[0] >= '0' && text[0] <= '9') && std::ranges::all_of(text, is_word);
 }
 
+/// None if they are not written as CDB_PHASES_... are.
+Phases PhasesOf(const cdb_detector& row) {
+  const std::string_view text = row.phases;
+  const Phases poses = row.needs_poses != 0 ? kNeedsPoses : Phases{};
+  if (text == CDB_PHASES_BROAD) return kBroad | poses;
+  if (text == CDB_PHASES_NARROW) return kNarrow | poses;
+  if (text == CDB_PHASES_BOTH) return kBroad | kNarrow | poses;
+  return poses;
+}
+
+bool IsComplete(const DetectorEntry& entry) {
+  return entry.name != nullptr && entry.doc != nullptr && entry.make != nullptr &&
+         HasAny(entry.phases, kBroad | kNarrow);
+}
+
+bool IsComplete(const cdb_detector& row) {
+  if (row.name == nullptr || row.phases == nullptr || row.functions == nullptr) return false;
+  const Phases phases = PhasesOf(row);
+  return HasAny(phases, kBroad | kNarrow) &&
+         (!HasAny(phases, kBroad) || row.functions->find_pairs != nullptr) &&
+         (!HasAny(phases, kNarrow) || row.functions->find_contacts != nullptr);
+}
+
 }  // namespace
 
-void CheckAbi(std::uint32_t abi, const std::string& path) {
-  if (abi != kDetectorAbi)
-    throw PluginError(
-        fmt::format("'{}' was built for detector interface {}, but this cdb has {}; rebuild it "
-                    "with this cdb's cdb/detector.h",
-                    path, abi, kDetectorAbi));
+void CheckAbi(std::uint32_t abi, std::uint32_t own, const std::string& path) {
+  if (abi == own) return;
+  const bool is_c = own == CDB_C_ABI;
+  throw PluginError(
+      fmt::format("'{}' was built for {}detector interface {}, but this cdb has {}; rebuild it "
+                  "with this cdb's cdb/{}",
+                  path, is_c ? "C " : "", abi, own, is_c ? "detector_c.h" : "detector.h"));
 }
 
 void CheckName(std::string_view name, const std::string& shown, const std::string& path) {
@@ -49,47 +74,74 @@ void RefuseBuild(const std::string& build, const std::string& path) {
                   path, build, DetectorBuild()));
 }
 
-const Plugin& LoadPlugin(const std::string& path) {
+LoadedDetector::LoadedDetector(const DetectorEntry& entry)
+    : name(entry.name),
+      phases(entry.phases),
+      max_bodies(entry.max_bodies),
+      make([function = entry.make](const Options& options) {
+        return std::unique_ptr<Detector>(function(options));
+      }) {}
+
+LoadedDetector::LoadedDetector(const cdb_detector& row)
+    : name(row.name),
+      phases(PhasesOf(row)),
+      max_bodies(row.max_bodies),
+      make([&row](const Options& options) { return MakeCDetector(row, options); }) {}
+
+std::vector<LoadedDetector> LoadPlugin(const std::string& path) {
   // The initializers of libraries linked with -ffast-math flush denormals to zero.
   const KeepsFloatingPoint keeps;
   // A name without a slash would be searched for in the system's folders.
   const std::string file = path.find('/') == std::string::npos ? "./" + path : path;
   void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw PluginError(fmt::format("cannot load '{}': {}", path, dlerror()));
-  const auto get = reinterpret_cast<const Plugin* (*)()>(dlsym(handle, "cdb_plugin"));
-  if (get == nullptr)
+  std::vector<LoadedDetector> loaded;
+  const auto add = [&](const auto* rows, std::size_t count) {
+    for (const auto& row : std::span(rows, rows == nullptr ? 0 : count)) {
+      if (!IsComplete(row))
+        throw PluginError(
+            fmt::format("'{}' has a detector without name, line, phase or function", path));
+      CheckName(row.name, row.name, path);
+      if (FindDetector(loaded, row.name) != nullptr)
+        throw PluginError(fmt::format("'{}' has two detectors called '{}'", path, row.name));
+      loaded.emplace_back(row);
+    }
+  };
+  if (const auto get = reinterpret_cast<const Plugin* (*)()>(dlsym(handle, "cdb_plugin"))) {
+    const Plugin* plugin = get();
+    if (plugin == nullptr) throw PluginError(fmt::format("'{}': cdb_plugin returns nothing", path));
+    CheckAbi(plugin->abi, kDetectorAbi, path);
+    if (plugin->build == nullptr || std::string_view(plugin->build) != DetectorBuild())
+      RefuseBuild(plugin->build == nullptr ? "nothing named" : plugin->build, path);
+    add(plugin->entries, plugin->count);
+  } else if (const auto get_c =
+                 reinterpret_cast<const cdb_c_plugin* (*)()>(dlsym(handle, "cdb_c_plugin_table"))) {
+    const cdb_c_plugin* plugin = get_c();
+    if (plugin == nullptr)
+      throw PluginError(fmt::format("'{}': cdb_c_plugin_table returns nothing", path));
+    CheckAbi(plugin->abi, CDB_C_ABI, path);
+    add(plugin->detectors, plugin->count);
+  } else {
     throw PluginError(
         fmt::format("'{}' has no detectors: it has no function cdb_plugin; write CDB_DETECTORS "
-                    "once in it (cdb/detector.h)",
+                    "once in it (cdb/detector.h), or CDB_C_DETECTORS (cdb/detector_c.h)",
                     path));
-  const Plugin* plugin = get();
-  if (plugin == nullptr) throw PluginError(fmt::format("'{}': cdb_plugin returns nothing", path));
-  CheckAbi(plugin->abi, path);
-  if (plugin->build == nullptr || std::string_view(plugin->build) != DetectorBuild())
-    RefuseBuild(plugin->build == nullptr ? "nothing named" : plugin->build, path);
-  if (plugin->entries == nullptr || plugin->count == 0)
-    throw PluginError(fmt::format("'{}' has no detectors: its array is empty", path));
-  const std::span entries(plugin->entries, plugin->count);
-  for (const DetectorEntry& entry : entries) {
-    if (entry.name == nullptr || entry.doc == nullptr || entry.make == nullptr ||
-        !HasAny(entry.phases, kBroad | kNarrow))
-      throw PluginError(
-          fmt::format("'{}' has a detector without name, line, phase or function", path));
-    CheckName(entry.name, entry.name, path);
-    if (FindEntry(*plugin, entry.name) != &entry)
-      throw PluginError(fmt::format("'{}' has two detectors called '{}'", path, entry.name));
   }
-  return *plugin;
+  if (loaded.empty())
+    throw PluginError(fmt::format("'{}' has no detectors: its array is empty", path));
+  return loaded;
 }
 
-const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name) {
-  for (const DetectorEntry& entry : std::span(plugin.entries, plugin.count))
-    if (name == entry.name) return &entry;
-  return nullptr;
+const LoadedDetector* FindDetector(const std::vector<LoadedDetector>& detectors,
+                                   std::string_view name) {
+  const auto found = std::ranges::find(detectors, name, &LoadedDetector::name);
+  return found == detectors.end() ? nullptr : &*found;
 }
 
 namespace {
 
+/// In place of a build, as CDB_MANIFEST_HEAD has it.
+constexpr std::string_view kCBuild = "C";
 constexpr std::size_t kMostBytes = 1 << 20;
 
 /// Reads a structure at an offset of the file; nullopt if it is not entirely inside.
@@ -170,11 +222,12 @@ void CheckInterface(std::string_view& text, const std::string& path) {
   std::string_view line = TakeUntil(text, '\n');
   const auto abi = WholeNumber<std::uint32_t>(TakeUntil(line, '\t'));
   if (!abi)
-    throw PluginError(
-        fmt::format("'{}': its list of detectors cannot be read; write "
-                    "CDB_DETECTORS once in it (cdb/detector.h)",
-                    path));
-  CheckAbi(*abi, path);
+    throw PluginError(fmt::format(
+        "'{}': its list of detectors cannot be read; write "
+        "CDB_DETECTORS once in it (cdb/detector.h), or CDB_C_DETECTORS (cdb/detector_c.h)",
+        path));
+  if (line == kCBuild) return CheckAbi(*abi, CDB_C_ABI, path);
+  CheckAbi(*abi, kDetectorAbi, path);
   if (line != DetectorBuild()) RefuseBuild(Shown(line), path);
 }
 

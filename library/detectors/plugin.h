@@ -3,6 +3,8 @@
 
 #include <cfenv>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,6 +12,7 @@
 
 #include "compiler/schema/catalogue.h"
 #include "library/detectors/detector.h"
+#include "library/detectors/detector_c.h"
 
 namespace cdb::detectors {
 
@@ -19,22 +22,35 @@ class PluginError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A detector of either interface, C++ or C.
+struct LoadedDetector {
+  explicit LoadedDetector(const DetectorEntry& entry);
+  explicit LoadedDetector(const cdb_detector& row);
+
+  std::string name;
+  Phases phases{};
+  std::uint64_t max_bodies = 0;
+  std::function<std::unique_ptr<Detector>(const Options&)> make;  ///< may return null, or throw
+};
+
 /// Loads `path` and checks its ABI. The library stays loaded until the process ends. Throws
-/// PluginError if there is no such file, no cdb_plugin in it, another ABI or standard library, or
-/// an entry without name, function or phase or with an invalid or duplicate name. Runs the
-/// initializers of the library, which may do anything; the caller's floating-point environment is
-/// restored after them. Threads: any.
-const Plugin& LoadPlugin(const std::string& path);
+/// PluginError if there is no such file, no list of detectors in it, another ABI or standard
+/// library, or a detector without name, function or phase or with an invalid or duplicate name.
+/// Runs the initializers of the library, which may do anything; the caller's floating-point
+/// environment is restored after them. Threads: any.
+std::vector<LoadedDetector> LoadPlugin(const std::string& path);
 
 // The checks of LoadPlugin, and of ReadManifest on the file: each throws PluginError
 // if it fails.
-void CheckAbi(std::uint32_t abi, const std::string& path);
+/// `own`: kDetectorAbi or CDB_C_ABI.
+void CheckAbi(std::uint32_t abi, std::uint32_t own, const std::string& path);
 /// `shown`: a printable form of the name for messages.
 void CheckName(std::string_view name, const std::string& shown, const std::string& path);
 [[noreturn]] void RefuseBuild(const std::string& build, const std::string& path);
 
 /// Null if there is none with this name.
-const DetectorEntry* FindEntry(const Plugin& plugin, std::string_view name);
+const LoadedDetector* FindDetector(const std::vector<LoadedDetector>& detectors,
+                                   std::string_view name);
 
 }  // namespace cdb::detectors
 
@@ -77,9 +93,10 @@ class KeepsFloatingPoint {
 // run any code, and a scenario that is only inspected must not do that.
 
 /// The detectors of the library with these bytes, in its order, without path and hash, from the
-/// text that CDB_DETECTORS stores in its section kManifestSection. `path` is for messages. Throws
-/// PluginError if it is not an ELF file for this machine, has no such text, or has one of another
-/// interface, of another standard library, or with an invalid or duplicate name. Threads: any.
+/// text that CDB_DETECTORS or CDB_C_DETECTORS stores in its section kManifestSection. `path` is for
+/// messages. Throws PluginError if it is not an ELF file for this machine, has no such text, or has
+/// one of another interface, of another standard library, or with an invalid or duplicate name.
+/// Threads: any.
 std::vector<schema::PluginDetector> ReadManifest(std::string_view bytes, const std::string& path);
 
 }  // namespace cdb::detectors

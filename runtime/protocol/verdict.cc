@@ -21,7 +21,8 @@ constexpr double kLeastTurn = 0.9;
 constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kGained = 0.1, kSpinDrift = 0.03;
 constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
-constexpr double kFrictionError = 0.05, kImpactError = 0.125;
+constexpr double kFrictionError = 0.05;  ///< and of rolling
+constexpr double kImpactError = 0.125;
 constexpr double kBend = 0.05, kStretch = 0.02;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
@@ -32,10 +33,10 @@ constexpr VerdictInfo kVerdicts[] = {
     {kStable, "stable", "none of the above"},
     {kDrifting, "drifting",
      "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
-     "object; friction was off by 0.05, or turned an object by > 0.1 rad that lay flat; impacts "
-     "were "
-     "off by an eighth; if the "
-     "scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
+     "object; friction or rolling was off by 0.05, or friction turned an object by > 0.1 rad that "
+     "lay flat; impacts were off by an eighth; if the scene must rest, late speed > 0.02 sqrt(g "
+     "S), "
+     "or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
      "pressed in, or, if the scene must rest, any depth > 0.25 "
@@ -255,6 +256,7 @@ class Case {
     first = Earlier(first, FirstAbove("gained_energy", kGained));
     first = Earlier(first,
                     Earlier(FirstAbove("friction_error", kFrictionError), FirstCount("twisted")));
+    if (!MustRest()) first = Earlier(first, FirstAbove("rolling_error", kFrictionError));
     first = Earlier(first, FirstAbove("impact_error", kImpactError));
     first = Earlier(
         first, FirstWhere("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; }));

@@ -148,7 +148,7 @@ double Patience() { return RUNNING_ON_VALGRIND ? 2000 : 20; }
 
 std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bodies) {
   std::vector<Competitor> competitors;
-  const auto add = [&](const char* name, bool is_builtin, const auto& make) {
+  const auto add = [&](const std::string& name, bool is_builtin, const auto& make) {
     Competitor competitor;
     competitor.name = name;
     competitor.is_builtin = is_builtin;
@@ -157,22 +157,22 @@ std::vector<Competitor> MakeCompetitors(const Settings& settings, std::size_t bo
     competitor.totals.resize(settings.repeats);
     competitors.push_back(std::move(competitor));
   };
-  const auto add_entry = [&](const DetectorEntry& entry, bool is_builtin) {
+  const auto add_entry = [&](const detectors::LoadedDetector& entry, bool is_builtin) {
     const bool is_asked =
         settings.only.empty() || std::ranges::count(settings.only, entry.name) > 0;
     if (!is_asked || !HasAny(entry.phases, kBroad)) return;
     if (entry.max_bodies != 0 && bodies > entry.max_bodies) return;
-    add(entry.name, is_builtin,
-        [&] { return std::unique_ptr<Detector>(entry.make(settings.options)); });
+    add(entry.name, is_builtin, [&] { return entry.make(settings.options); });
   };
   if (!settings.grows) {
     add("dbvt", false, [] { return std::make_unique<Dbvt>(false); });
     add("dbvt, listed", false, [] { return std::make_unique<Dbvt>(true); });
   }
-  for (const DetectorEntry& entry : builtin::BuiltinDetectors()) add_entry(entry, true);
+  for (const DetectorEntry& entry : builtin::BuiltinDetectors())
+    add_entry(detectors::LoadedDetector(entry), true);
   for (const std::string& path : settings.libraries) {
-    const Plugin& plugin = detectors::LoadPlugin(path);
-    for (std::size_t i = 0; i < plugin.count; ++i) add_entry(plugin.entries[i], false);
+    const auto all = detectors::LoadPlugin(path);
+    for (const detectors::LoadedDetector& loaded : all) add_entry(loaded, false);
   }
   return competitors;
 }

@@ -91,8 +91,8 @@ class Library {
   std::unique_ptr<Detector> Make(const char* part, const char* name) const {
     const std::string file = fmt::format("{}/cdb-detectors-{}.so", folder_, part);
     if (access(file.c_str(), R_OK) != 0) return nullptr;
-    return std::unique_ptr<Detector>(
-        detectors::FindEntry(detectors::LoadPlugin(file), name)->make({}));
+    const auto all = detectors::LoadPlugin(file);
+    return detectors::FindDetector(all, name)->make({});
   }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <system_error>
 
@@ -17,6 +18,7 @@
 namespace cdb::detection {
 namespace {
 
+using detectors::LoadedDetector;
 using library::SceneError;
 
 const DetectorEntry* Find(std::span<const DetectorEntry> entries, std::string_view name) {
@@ -37,9 +39,9 @@ std::string FileOf(const schema::DetectorPart& part) {
   return {};
 }
 
-const DetectorEntry* FindInPart(std::string_view name, std::string_view part_name) {
+std::optional<LoadedDetector> FindInPart(std::string_view name, std::string_view part_name) {
   const schema::DetectorPart* part = schema::FindDetectorPart(part_name);
-  if (part == nullptr) return nullptr;
+  if (part == nullptr) return std::nullopt;
   const std::string file = FileOf(*part);
   if (file.empty())
     throw SceneError(fmt::format(
@@ -50,17 +52,19 @@ const DetectorEntry* FindInPart(std::string_view name, std::string_view part_nam
                                      part->name)
                        : fmt::format("install {} and build cdb again", part->package)));
   try {
-    return detectors::FindEntry(detectors::LoadPlugin(file), name);
+    const auto all = detectors::LoadPlugin(file);
+    const LoadedDetector* loaded = detectors::FindDetector(all, name);
+    return loaded == nullptr ? std::nullopt : std::optional(*loaded);
   } catch (const detectors::PluginError& error) {
     throw SceneError(fmt::format("detector `{}`: {}", name, error.what()));
   }
 }
 
-const DetectorEntry* FindAnywhere(std::string_view name) {
-  if (const DetectorEntry* entry = Find(builtin::BuiltinDetectors(), name)) return entry;
-  if (const DetectorEntry* entry = Find(bullet::BulletDetectors(), name)) return entry;
+std::optional<LoadedDetector> FindAnywhere(std::string_view name) {
+  for (const auto entries : {builtin::BuiltinDetectors(), bullet::BulletDetectors()})
+    if (const DetectorEntry* entry = Find(entries, name)) return LoadedDetector(*entry);
   const schema::DetectorInfo* info = schema::FindDetector(name);
-  return info == nullptr ? nullptr : FindInPart(name, info->part);
+  return info == nullptr ? std::nullopt : FindInPart(name, info->part);
 }
 
 }  // namespace
@@ -70,20 +74,19 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
   const auto plugin = std::ranges::find(scene.plugins, name, &schema::PluginDetector::name);
   const bool is_plugin = plugin != scene.plugins.end();
   const auto index = static_cast<std::size_t>(plugin - scene.plugins.begin());
-  const DetectorEntry* entry = is_plugin ? &LoadPluginDetector(scene, index) : FindAnywhere(name);
-  if (entry == nullptr)
-    throw SceneError(fmt::format("detector `{}` does not exist in this version", name));
+  const std::optional<LoadedDetector> loaded =
+      is_plugin ? LoadPluginDetector(scene, index) : FindAnywhere(name);
+  if (!loaded) throw SceneError(fmt::format("detector `{}` does not exist in this version", name));
   NamedDetector made{.name = std::string(name),
-                     .phases = entry->phases,
-                     .max_bodies = entry->max_bodies,
+                     .phases = loaded->phases,
+                     .max_bodies = loaded->max_bodies,
                      .detector = nullptr,
                      .lists_all_points = !is_plugin && builtin::ListsAllPoints(name)};
   const auto failed = [&](std::string_view why) {
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };
   try {
-    made.detector = is_plugin ? MakePluginDetector(index, *entry, options)
-                              : std::unique_ptr<Detector>(entry->make(options));
+    made.detector = is_plugin ? MakePluginDetector(index, *loaded, options) : loaded->make(options);
   } catch (const std::exception& error) {
     throw failed(error.what());
   } catch (...) {

@@ -103,7 +103,7 @@ class WatchedDetector final : public Detector {
 NotesPluginCalls::NotesPluginCalls(std::atomic<std::uint32_t>& place) { noted_in = &place; }
 NotesPluginCalls::~NotesPluginCalls() { noted_in = nullptr; }
 
-const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t index) {
+detectors::LoadedDetector LoadPluginDetector(const plan::Scene& scene, std::size_t index) {
   const PluginDetector& plugin = scene.plugins[index];
   if (HashOf(plugin) != plugin.sha256)
     throw SceneError(
@@ -112,21 +112,21 @@ const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t in
                     plugin.name, plugin.path));
   const WatchedCall call(protocol::PluginCall::kLoad, index);
   try {
-    const DetectorEntry* entry =
-        detectors::FindEntry(detectors::LoadPlugin(plugin.path), plugin.name);
-    if (entry != nullptr) return *entry;
+    const auto all = detectors::LoadPlugin(plugin.path);
+    if (const auto* loaded = detectors::FindDetector(all, plugin.name)) return *loaded;
   } catch (const detectors::PluginError& error) {
     throw SceneError(fmt::format("detector `{}`: {}", plugin.name, error.what()));
   }
   throw SceneError(fmt::format("'{}' has no detector `{}`", plugin.path, plugin.name));
 }
 
-std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
+std::unique_ptr<Detector> MakePluginDetector(std::size_t index,
+                                             const detectors::LoadedDetector& loaded,
                                              const Options& options) {
   std::unique_ptr<Detector> detector;
   {
     const WatchedCall call(protocol::PluginCall::kMake, index);
-    detector.reset(entry.make(options));
+    detector = loaded.make(options);
     call.Check();
   }
   if (detector == nullptr) return nullptr;

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "compiler/plan/plan.h"
-#include "library/detectors/detector.h"
+#include "library/detectors/plugin.h"
 
 namespace cdb::detection {
 
@@ -23,10 +23,11 @@ class NotesPluginCalls {
 
 /// Loads the library of plug-in `index` of the scene, after checking its hash. Throws
 /// library::SceneError if the file does not exist, has changed, or is refused by LoadPlugin.
-const DetectorEntry& LoadPluginDetector(const plan::Scene& scene, std::size_t index);
+detectors::LoadedDetector LoadPluginDetector(const plan::Scene& scene, std::size_t index);
 
-/// Makes its detector. Returns null or throws if the function of the entry does.
-std::unique_ptr<Detector> MakePluginDetector(std::size_t index, const DetectorEntry& entry,
+/// Makes its detector. Returns null or throws if its function does.
+std::unique_ptr<Detector> MakePluginDetector(std::size_t index,
+                                             const detectors::LoadedDetector& loaded,
                                              const Options& options);
 
 }  // namespace cdb::detection

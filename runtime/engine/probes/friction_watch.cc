@@ -5,15 +5,12 @@
 #include <limits>
 
 #include "runtime/engine/world/conversions.h"
-#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::probes {
 namespace {
 
 using Eigen::Vector3d;
 
-/// rad: normals and faces that differ by less are the same.
-constexpr double kFlat = 0.05;
 /// Of an object's least half extent: how far a face reaches around the centre of mass.
 constexpr double kFace = 0.1;
 constexpr int kFaceDirections = 8;
@@ -30,17 +27,12 @@ constexpr double kLeastChangeFall = 0.1;
 }  // namespace
 
 FrictionWatch::FrictionWatch(world::Engine& engine, double wall_friction)
-    : engine_(engine),
-      wall_friction_(wall_friction),
-      has_ground_(!engine.walls().empty()),
-      supports_(engine.objects().size()),
-      objects_(engine.objects().size()) {
+    : engine_(engine), wall_friction_(wall_friction), objects_(engine.objects().size()) {
   const double pull = engine.acceleration().norm();
   std::vector<char> linked(objects_.size(), 0);
   engine.links().MarkHeld(linked, 1);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const layouts::ObjectState& state = engine.initial_state().objects[i];
-    has_ground_ = has_ground_ || (state.IsFixed() && !state.is_kinematic);
     objects_[i].is_judged = !state.IsFixed() && linked[i] == 0 && !state.solid.IsBall();
     objects_[i].damping = std::pow(1 - static_cast<double>(engine.objects()[i]->getLinearDamping()),
                                    static_cast<double>(engine.timestep()));
@@ -49,17 +41,17 @@ FrictionWatch::FrictionWatch(world::Engine& engine, double wall_friction)
   }
 }
 
-FrictionWatch::Seen FrictionWatch::After(const BodyStates& before, const BodyStates& now) {
+FrictionWatch::Seen FrictionWatch::After(const BodyStates& before, const BodyStates& now,
+                                         const Supports& supports) {
   Seen seen = {0, 0, std::numeric_limits<double>::quiet_NaN()};
-  if (!has_ground_) return seen;
-  FindSupports();
+  if (!supports.has_ground()) return seen;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Moving& object = objects_[i];
     if (!object.is_judged) continue;
     if (now[i].is_asleep) {
       object.is_flat = false;
     } else {
-      Judge(i, before[i], now[i]);
+      Judge(i, before[i], now[i], supports.Of(i));
     }
     const double turned = std::abs(object.turned + object.FalseTurn());
     object.is_twisted = object.is_twisted || turned > kTwisted;
@@ -71,33 +63,9 @@ FrictionWatch::Seen FrictionWatch::After(const BodyStates& before, const BodySta
   return seen;
 }
 
-void FrictionWatch::FindSupports() {
-  std::ranges::fill(supports_, Support{});
-  const auto add = [&](const btCollisionObject& body, const btCollisionObject& other,
-                       const btVector3& normal) {
-    const auto index = static_cast<std::size_t>(body.getUserIndex());
-    if (index >= objects_.size() || !objects_[index].is_judged) return;
-    Support& support = supports_[index];
-    if (support.ground == nullptr) {
-      support = {&other, normal};
-    } else if (support.ground != &other || support.normal.dot(normal) < std::cos(kFlat)) {
-      support.is_single = false;
-    }
-  };
-  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
-    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
-    for (int j = 0; j < manifold.getNumContacts(); ++j) {
-      const btManifoldPoint& point = manifold.getContactPoint(j);
-      if (!world::HasImpulse(manifold, point)) continue;
-      add(a, b, point.m_normalWorldOnB);
-      add(b, a, -point.m_normalWorldOnB);
-    }
-  }
-}
-
-void FrictionWatch::Judge(std::size_t object, const BodyState& before, const BodyState& now) {
+void FrictionWatch::Judge(std::size_t object, const BodyState& before, const BodyState& now,
+                          const Support& support) {
   Moving& moving = objects_[object];
-  const Support& support = supports_[object];
   const bool was_flat = moving.is_flat;
   if (support.ground != nullptr) {
     const auto ground = static_cast<std::size_t>(support.ground->getUserIndex());
@@ -166,7 +134,7 @@ bool FrictionWatch::LiesFlat(std::size_t object, const Eigen::Quaterniond& turn)
   for (int i = 0; i < kFaceDirections; ++i)
     directions[i] = Eigen::AngleAxisd(2 * M_PI * i / kFaceDirections, normal) * across;
   for (const Vector3d& direction : directions) {
-    const Vector3d corner = solid.Support(kFlat * direction - normal);
+    const Vector3d corner = solid.Support(kSameNormal * direction - normal);
     for (int i = 0; i < kFaceDirections; ++i)
       reaches[i] = std::max(reaches[i], directions[i].dot(corner));
   }

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "runtime/engine/probes/body_states.h"
+#include "runtime/engine/probes/supports.h"
 
 namespace cdb::probes {
 
@@ -37,15 +37,9 @@ class FrictionWatch {
                             ///< change of velocity that it demands; NaN if nothing slid
   };
   /// Call after each cycle, with the states at its start and end.
-  Seen After(const BodyStates& before, const BodyStates& now);
+  Seen After(const BodyStates& before, const BodyStates& now, const Supports& supports);
 
  private:
-  /// What pushes an object in a cycle.
-  struct Support {
-    const btCollisionObject* ground = nullptr;  ///< null: nothing does
-    btVector3 normal;                           ///< unit, towards the object
-    bool is_single = true;
-  };
   struct Moving {
     double damping = 1;     ///< factor of the velocity in a cycle
     double least_due = 0;   ///< m/s: from this change on, a deviation counts
@@ -70,16 +64,14 @@ class FrictionWatch {
     bool has_face = false;
   };
 
-  void FindSupports();
-  void Judge(std::size_t object, const BodyState& before, const BodyState& now);
+  void Judge(std::size_t object, const BodyState& before, const BodyState& now,
+             const Support& support);
   bool LiesFlat(std::size_t object, const Eigen::Quaterniond& turn);
   double FrictionOf(const btCollisionObject& body) const;
 
   world::Engine& engine_;
   const double wall_friction_;
-  bool has_ground_ = false;
-  std::vector<Support> supports_;  ///< by object, of this cycle
-  std::vector<Moving> objects_;    ///< by object
+  std::vector<Moving> objects_;  ///< by object
 };
 
 }  // namespace cdb::probes

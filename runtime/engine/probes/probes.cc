@@ -171,6 +171,7 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("false_turn", cycle, seen.friction.false_turn);
   recording_.Put("twisted", cycle, seen.friction.twisted);
   recording_.Put("friction_error", cycle, seen.friction.friction_error);
+  recording_.Put("rolling_error", cycle, seen.rolling_error);
   recording_.Put("impact_error", cycle, seen.impacts.error);
   recording_.Put("unjudged_impacts", cycle, seen.impacts.unjudged);
 }
@@ -510,7 +511,9 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
       sleepers_(engine),
       normals_(engine),
+      supports_(engine),
       friction_(engine, scene.world.Real("world.wall_friction")),
+      rolling_(engine),
       impacts_(scene, engine),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
   if (analysis::AreGainsJudged(scene))
@@ -530,13 +533,15 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
   EnergyAudit::Seen audited{kNone, kNone};
   if (audit_) audited = audit_->After(before_, now_, kinetic, energy);
   if (!are_losses_judged_) audited.lost = kNone;
+  supports_.Find();
   const Seen seen{passes_.After(before_, now_),
                   pressed.pressed,
                   pressed.inverted,
                   sleepers_.After(before_, now_),
                   audited,
                   normals_.After(before_, now_),
-                  friction_.After(before_, now_),
+                  friction_.After(before_, now_, supports_),
+                  rolling_.After(before_, now_, supports_),
                   impacts_.After(before_, now_)};
   before_.swap(now_);
   return seen;

@@ -17,6 +17,7 @@
 #include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
 #include "runtime/engine/probes/press_watch.h"
+#include "runtime/engine/probes/roll_watch.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 
@@ -75,6 +76,7 @@ class Soundness {
     EnergyAudit::Seen energy;  ///< NaN if not judged (analysis::Question, AreGainsJudged)
     NormalWatch::Seen normals;
     FrictionWatch::Seen friction;
+    double rolling_error;
     ImpactWatch::Seen impacts;
   };
   /// Call after each cycle, with the energies at its end, J.
@@ -87,7 +89,9 @@ class Soundness {
   PressWatch presses_;
   SleepWatch sleepers_;
   NormalWatch normals_;
+  Supports supports_;
   FrictionWatch friction_;
+  RollWatch rolling_;
   ImpactWatch impacts_;
   const bool are_losses_judged_;
   std::optional<EnergyAudit> audit_;

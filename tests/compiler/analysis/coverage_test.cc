@@ -92,6 +92,14 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "passing, impacts, sleep",
        "energy: group belt is kinematic; losses: group belt is kinematic; friction: sliding on "
        "moving ground, such as group belt, is not examined"},
+      {"objects a { quantity 3; type any(cuboid, cylinder); linear_damping 0.1 }",
+       "energy, passing, impacts, sleep",
+       "losses: group a has damping; friction: rolling with damping, as of group a, is not "
+       "examined"},
+      {"objects a { quantity 3; type capsule; rolling_friction 0.1 }", "energy, passing, sleep",
+       "losses: group a has rolling friction; friction: rolling with rolling friction, as of group "
+       "a, is not examined; impacts: only the direction is examined with rolling or spinning "
+       "friction, as of group a"},
       {"objects a { quantity 3; type cuboid; friction 0 }",
        "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3; type cuboid } world.wall_friction 0",

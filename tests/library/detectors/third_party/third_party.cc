@@ -27,13 +27,13 @@ std::unique_ptr<Detector> MakeThirdParty(const schema::DetectorInfo& info) {
   if (!part->is_built) return nullptr;
   const std::string module = "cdb-detectors-" + std::string(info.part) + ".so";
   const std::string path = BuildFolder() / "detectors" / module;
-  const Plugin& plugin = detectors::LoadPlugin(path);
-  const DetectorEntry* entry = detectors::FindEntry(plugin, info.name);
+  const auto all = detectors::LoadPlugin(path);
+  const detectors::LoadedDetector* entry = detectors::FindDetector(all, info.name);
   if (entry == nullptr) throw std::runtime_error(std::string(info.name) + " is not in its part");
   EXPECT_EQ(HasAny(entry->phases, kBroad), info.HasPhase("broad"));
   EXPECT_EQ(HasAny(entry->phases, kNarrow), info.HasPhase("narrow"));
   EXPECT_EQ(entry->max_bodies, info.max_bodies);
-  return std::unique_ptr<Detector>(entry->make({}));
+  return entry->make({});
 }
 
 }  // namespace cdb::tests
