@@ -169,6 +169,32 @@ Reason WhyNotFriction(const Scene& scene) {
   return std::nullopt;
 }
 
+Reason WhyNotImpacts(const Scene& scene) {
+  if (const Group* surface =
+          FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); }))
+    return fmt::format("impacts on surfaces, such as group {}, are not examined", surface->name);
+  if (const Group* soft = FindGroup(scene, IsSoft))
+    return fmt::format("group {} has soft contacts", soft->name);
+  if (const Group* driven = FindGroup(
+          scene, [](const Group& group) { return HasSchedule(group) && !HasKinematic(group); }))
+    return fmt::format("a schedule moves group {}", driven->name);
+  // The rest is examined in part.
+  if (const std::string held = scene.PulledGroup(); !held.empty())
+    return fmt::format(
+        "only the direction is examined of objects with links or joints, as of group {}", held);
+  if (const Group* rolls = FindGroup(scene, [](const Group& group) {
+        return !IsZero(group.settings.Get("rolling_friction")) ||
+               !IsZero(group.settings.Get("spinning_friction"));
+      }))
+    return fmt::format(
+        "only the direction is examined with rolling or spinning friction, as of group {}",
+        rolls->name);
+  if (const Group* mesh = FindGroup(
+          scene, [](const Group& group) { return MayBeMesh(group.settings.Get("type")); }))
+    return fmt::format("only the direction is examined of meshes, as in group {}", mesh->name);
+  return std::nullopt;
+}
+
 bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
 
 Reason WhyNotSleep(const Scene& scene) {
@@ -199,6 +225,9 @@ constexpr QuestionInfo kQuestions[] = {
      "friction brakes objects that slide flat on fixed ground as its coefficient says, and turns "
      "none of them; what rolls keeps its speed",
      false, FrictionArises, WhyNotFriction},
+    {Question::kImpacts, "impacts",
+     "objects that meet part as their shapes, velocities and coefficients say", false, Always,
+     WhyNotImpacts},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      AlwaysChecked},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},

@@ -20,6 +20,7 @@ enum class Question {
   kPassing,
   kEdges,
   kFriction,
+  kImpacts,
   kJoints,
   kSleep,
 };

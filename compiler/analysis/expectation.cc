@@ -15,11 +15,6 @@ namespace {
 
 using schema::IsZero;
 
-bool HasSchedule(const plan::Group& group) {
-  return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
-         schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
-}
-
 bool IsDriven(const plan::Scene& scene) { return !DriverText(scene).empty(); }
 
 /// The reason why the settings of the scene do not make it rest.
@@ -156,6 +151,11 @@ bool MayBeKinematic(const schema::Value& mass) {
 }
 
 }  // namespace
+
+bool HasSchedule(const plan::Group& group) {
+  return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
+         schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
+}
 
 bool HasKinematic(const plan::Group& group) {
   return group.settings.Count("quantity") > 0 && MayBeKinematic(group.settings.Get("mass"));

@@ -163,6 +163,8 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "twisted", .records = "stability", .type = kInt32, .doc = "objects so far for which this angle is more than 0.1"},
     {.name = "friction_error", .records = "stability", .doc = "largest deviation so far of the change of velocity by friction from that by the coefficients of the scene, relative to it, of objects that slid flat on fixed ground", .may_be_none = true},
     {.name = "rolling_error", .records = "stability", .doc = "largest deviation of the speed at which a ball, cylinder or capsule rolls on a wall or a fixed cuboid, by its angular momentum about the line of contact, relative to its largest speed so far", .may_be_none = true},
+    {.name = "impact_error", .records = "stability", .doc = "deviation of the impulses of impacts so far from those by the shapes, velocities and coefficients of the scene, relative to the sum of these", .may_be_none = true},
+    {.name = "unjudged_impacts", .records = "stability", .type = kInt32, .doc = "impacts so far that were not compared"},
     {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth},
     {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots", .may_be_none = true},
     {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes, or past a limit", .may_be_none = true},

@@ -22,6 +22,7 @@ constexpr double kExplosion = 1, kDrift = 0.01;
 constexpr double kLost = 0.1, kGained = 0.1, kSpinDrift = 0.03;
 constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
 constexpr double kFrictionError = 0.05;  ///< and of rolling
+constexpr double kImpactError = 0.125;
 constexpr double kBend = 0.05, kStretch = 0.02;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
@@ -33,8 +34,9 @@ constexpr VerdictInfo kVerdicts[] = {
     {kDrifting, "drifting",
      "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
      "object; friction or rolling was off by 0.05, or friction turned an object by > 0.1 rad that "
-     "lay "
-     "flat; if the scene must rest, late speed > 0.02 sqrt(g S), or an object moved by > 0.25 S"},
+     "lay flat; impacts were off by an eighth; if the scene must rest, late speed > 0.02 sqrt(g "
+     "S), "
+     "or an object moved by > 0.25 S"},
     {kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
      "pressed in, or, if the scene must rest, any depth > 0.25 "
@@ -124,6 +126,7 @@ class Case {
                        Above("gained_energy", kGained),
                        Above("friction_error", kFrictionError),
                        Count("twisted"),
+                       Above("impact_error", kImpactError),
                        Where("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; })},
                       {Late("max_speed", kLateSpeed * scales_.speed_scale), Count("displaced")});
         if (!MustRest()) all.push_back(Above("rolling_error", kFrictionError));

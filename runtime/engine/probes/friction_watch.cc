@@ -23,8 +23,6 @@ constexpr double kTwisted = 0.1;
 constexpr double kSpins = 0.1;
 /// Of an object's least side: the fall whose speed is the least change by friction that counts.
 constexpr double kLeastChangeFall = 0.1;
-/// Bullet limits the coefficient of a contact.
-constexpr double kMostFriction = 10;
 
 }  // namespace
 
@@ -76,7 +74,7 @@ void FrictionWatch::Judge(std::size_t object, const BodyState& before, const Bod
         (ground >= objects_.size() || !engine_.initial_state().objects[ground].solid.IsSurface());
     moving.normal = world::ToEigen(support.normal).normalized();
     moving.friction = std::min(FrictionOf(*support.ground) * FrictionOf(*engine_.objects()[object]),
-                               kMostFriction);
+                               world::kMostFriction);
   }
   const Eigen::Quaterniond turn = world::ToEigen(before.pose.getRotation());
   moving.is_flat = moving.is_flat && LiesFlat(object, turn);

@@ -172,6 +172,8 @@ void Probes::RecordSoundness(std::uint64_t cycle) {
   recording_.Put("twisted", cycle, seen.friction.twisted);
   recording_.Put("friction_error", cycle, seen.friction.friction_error);
   recording_.Put("rolling_error", cycle, seen.rolling_error);
+  recording_.Put("impact_error", cycle, seen.impacts.error);
+  recording_.Put("unjudged_impacts", cycle, seen.impacts.unjudged);
 }
 
 void Probes::RecordManifolds(std::uint64_t cycle) {
@@ -512,6 +514,7 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       supports_(engine),
       friction_(engine, scene.world.Real("world.wall_friction")),
       rolling_(engine),
+      impacts_(scene, engine),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
   if (analysis::AreGainsJudged(scene))
     audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
@@ -538,7 +541,8 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
                   audited,
                   normals_.After(before_, now_),
                   friction_.After(before_, now_, supports_),
-                  rolling_.After(before_, now_, supports_)};
+                  rolling_.After(before_, now_, supports_),
+                  impacts_.After(before_, now_)};
   before_.swap(now_);
   return seen;
 }

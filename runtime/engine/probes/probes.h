@@ -12,6 +12,7 @@
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/probes/energy_audit.h"
 #include "runtime/engine/probes/friction_watch.h"
+#include "runtime/engine/probes/impact_watch.h"
 #include "runtime/engine/probes/motion_watch.h"
 #include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
@@ -76,6 +77,7 @@ class Soundness {
     NormalWatch::Seen normals;
     FrictionWatch::Seen friction;
     double rolling_error;
+    ImpactWatch::Seen impacts;
   };
   /// Call after each cycle, with the energies at its end, J.
   Seen After(double kinetic, double energy);
@@ -90,6 +92,7 @@ class Soundness {
   Supports supports_;
   FrictionWatch friction_;
   RollWatch rolling_;
+  ImpactWatch impacts_;
   const bool are_losses_judged_;
   std::optional<EnergyAudit> audit_;
 };

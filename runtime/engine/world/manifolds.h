@@ -23,6 +23,9 @@ inline auto TouchingManifolds(btCollisionWorld& world) {
              [](const btPersistentManifold& manifold) { return manifold.getNumContacts() > 0; });
 }
 
+/// Bullet limits the coefficient of a contact.
+inline constexpr double kMostFriction = 10;
+
 /// True if the point had an impulse in the last cycle: those beyond the threshold keep an old one.
 inline bool HasImpulse(const btPersistentManifold& manifold, const btManifoldPoint& point) {
   return point.getDistance() <= manifold.getContactProcessingThreshold() &&

@@ -22,98 +22,118 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
     const char *statements, *checked, *unchecked;
   };
   constexpr Case kCases[] = {
-      {"objects a { quantity 3 }", "energy, losses, passing, sleep", ""},
-      {"objects a { quantity 3; } sleeping off", "energy, losses, passing", ""},
-      {"objects a { quantity 3; location stack }", "energy, losses, rest, passing, sleep", ""},
+      {"objects a { quantity 3 }", "energy, losses, passing, impacts, sleep", ""},
+      {"objects a { quantity 3; } sleeping off", "energy, losses, passing, impacts", ""},
+      {"objects a { quantity 3; location stack }", "energy, losses, rest, passing, impacts, sleep",
+       ""},
       {"objects a { quantity 3; location stack } objects top { quantity 1; location at(0, 4, 0) }",
-       "energy, losses, passing, sleep", "rest: group top is placed by at"},
+       "energy, losses, passing, impacts, sleep", "rest: group top is placed by at"},
       {"objects a { quantity 3; location stack; linear_velocity (1, 0, 0) }",
-       "energy, losses, passing, sleep", "rest: group a moves at the start"},
+       "energy, losses, passing, impacts, sleep", "rest: group a moves at the start"},
       {"objects a { quantity 3; location stack } acceleration (1, -9, 0)",
-       "energy, losses, passing, sleep", "rest: gravity does not point straight down"},
+       "energy, losses, passing, impacts, sleep", "rest: gravity does not point straight down"},
       {"objects a { quantity 3; location stack } expect rest; acceleration (1, -9, 0)",
-       "energy, losses, rest, passing, sleep", ""},
-      {"objects a { quantity 3; location stack } expect anything", "energy, passing, sleep",
+       "energy, losses, rest, passing, impacts, sleep", ""},
+      {"objects a { quantity 3; location stack } expect anything",
+       "energy, passing, impacts, sleep",
        "losses: the scene says expect anything; rest: the scene says expect anything"},
-      {"objects a { quantity 3; linear_damping 0.1 }", "energy, passing, sleep",
+      {"objects a { quantity 3; linear_damping 0.1 }", "energy, passing, impacts, sleep",
        "losses: group a has damping"},
       {"objects a { quantity 3; rolling_friction 0.1 }", "energy, passing, sleep",
-       "losses: group a has rolling friction"},
+       "losses: group a has rolling friction; impacts: only the direction is examined with rolling "
+       "or spinning friction, as of group a"},
       {"objects a { quantity 3; spinning_friction 0.1 }", "energy, passing, sleep",
-       "losses: group a has spinning friction"},
+       "losses: group a has spinning friction; impacts: only the direction is examined with "
+       "rolling "
+       "or spinning friction, as of group a"},
       {"objects a { quantity 3; contact_stiffness 1000 }", "energy, passing, sleep",
-       "losses: group a has soft contacts"},
-      {"objects a { quantity 3 } objects blade { quantity 1; mass kinematic }", "passing, sleep",
+       "losses: group a has soft contacts; impacts: group a has soft contacts"},
+      {"objects a { quantity 3 } objects blade { quantity 1; mass kinematic }",
+       "passing, impacts, sleep",
        "energy: group blade is kinematic; losses: group blade is kinematic"},
       {"objects a { quantity 3; linear_velocity every(60, (0, 1, 0)) }", "passing, sleep",
-       "energy: a schedule moves group a; losses: a schedule moves group a"},
-      {"objects a { quantity 3 } acceleration every(60, (0, 1, 0))", "passing, sleep",
+       "energy: a schedule moves group a; losses: a schedule moves group a; impacts: a schedule "
+       "moves "
+       "group a"},
+      {"objects a { quantity 3 } acceleration every(60, (0, 1, 0))", "passing, impacts, sleep",
        "energy: a schedule changes the acceleration; losses: a schedule changes the acceleration"},
       {"objects a { quantity 3; links { type ball } }", "energy, losses, passing, joints",
+       "impacts: only the direction is examined of objects with links or joints, as of group a; "
        "sleep: links may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } joints { child a; type ball }", "energy, losses, passing, joints",
+       "impacts: only the direction is examined of objects with links or joints, as of group a; "
        "sleep: joints may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } joints elbow { child a; damping 1 }", "energy, passing, joints",
-       "losses: the joint elbow has damping; sleep: joints may hold the objects of group a, and "
+       "losses: the joint elbow has damping; impacts: only the direction is examined of objects "
+       "with links or joints, as of group a; sleep: joints may hold the objects of group a, and "
        "their forces are not judged"},
       {"objects a { quantity 3 } joints { child a; limits { lower -1; upper 1 } }",
        "energy, passing, joints",
-       "losses: the joint has limits; sleep: joints may hold the objects of group a, and their "
+       "losses: the joint has limits; impacts: only the direction is examined of objects with "
+       "links or joints, as of group a; sleep: joints may hold the objects of group a, and their "
        "forces are not judged"},
       {"objects a { quantity 3 } joints elbow { child a; motor { velocity 1; effort 2 } }",
        "passing, joints",
-       "energy: a motor drives the joint elbow; losses: a motor drives the joint elbow; sleep: "
+       "energy: a motor drives the joint elbow; losses: a motor drives the joint elbow; impacts: "
+       "only the direction is examined of objects with links or joints, as of group a; sleep: "
        "joints may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } objects b { quantity 0 } joints elbow { parent b; child a; "
        "damping "
        "1 }",
-       "energy, losses, passing, sleep", ""},
+       "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass fixed }",
-       "energy, losses, passing, edges, sleep", ""},
-      {"objects a { quantity 3; type cuboid }", "energy, losses, passing, friction, sleep", ""},
+       "energy, losses, passing, edges, impacts, sleep", ""},
+      {"objects a { quantity 3; type cuboid }", "energy, losses, passing, friction, impacts, sleep",
+       ""},
       {"objects a { quantity 3; type cuboid; angular_velocity (0, 1, 0) }",
-       "energy, losses, passing, sleep",
+       "energy, losses, passing, impacts, sleep",
        "friction: group a spins, and how its weight is spread under a face is not known"},
       {"objects a { quantity 3; type cuboid } objects belt { quantity 1; mass kinematic }",
-       "passing, sleep",
+       "passing, impacts, sleep",
        "energy: group belt is kinematic; losses: group belt is kinematic; friction: sliding on "
        "moving ground, such as group belt, is not examined"},
       {"objects a { quantity 3; type any(cuboid, cylinder); linear_damping 0.1 }",
-       "energy, passing, sleep",
+       "energy, passing, impacts, sleep",
        "losses: group a has damping; friction: rolling with damping, as of group a, is not "
        "examined"},
       {"objects a { quantity 3; type capsule; rolling_friction 0.1 }", "energy, passing, sleep",
        "losses: group a has rolling friction; friction: rolling with rolling friction, as of group "
-       "a, is not examined"},
-      {"objects a { quantity 3; type cuboid; friction 0 }", "energy, losses, passing, sleep", ""},
+       "a, is not examined; impacts: only the direction is examined with rolling or spinning "
+       "friction, as of group a"},
+      {"objects a { quantity 3; type cuboid; friction 0 }",
+       "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3; type cuboid } world.wall_friction 0",
-       "energy, losses, passing, sleep", ""},
+       "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3; type cuboid } objects ground { quantity 1; size 20; mass fixed\n"
        "type heights(\"flat.csv\"); edges smooth; location at(0, 0, 0) }",
        "energy, losses, passing, edges, sleep",
-       "friction: sliding on surfaces, such as group ground, is not examined"},
+       "friction: sliding on surfaces, such as group ground, is not examined; impacts: impacts on "
+       "surfaces, such as group ground, are not examined"},
       {"objects a { quantity 3 } objects floor { quantity 9; type cuboid; mass kinematic }",
-       "passing, sleep",
+       "passing, impacts, sleep",
        "energy: group floor is kinematic; losses: group floor is kinematic; edges: group floor is "
        "kinematic, and only fixed ground is examined"},
       {"objects a { quantity 3 } objects floor { quantity 1; type cuboid; mass fixed }",
-       "energy, losses, passing, sleep", ""},
+       "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3 } objects ground { quantity 2; type heights(\"flat.csv\"); mass "
        "fixed }",
        "energy, losses, passing, sleep",
-       "edges: seams between surfaces of group ground are not examined"},
+       "edges: seams between surfaces of group ground are not examined; impacts: impacts on "
+       "surfaces, such as group ground, are not examined"},
       {"objects a { quantity 3 } objects ground { quantity 1; type heights(\"flat.csv\"); mass "
        "fixed }"
        "objects slab { quantity 1; type cuboid; mass fixed }",
        "energy, losses, passing, sleep",
-       "edges: seams between groups ground and slab are not examined"},
+       "edges: seams between groups ground and slab are not examined; impacts: impacts on "
+       "surfaces, such as group ground, are not examined"},
       {"objects a { quantity 3 } objects hill { quantity 2; type cuboid; mass fixed; overlap on }",
-       "energy, losses, passing, sleep",
+       "energy, losses, passing, impacts, sleep",
        "edges: seams between group hill and the walls are not examined"},
       {"objects floor { quantity 2; mass fixed }", "", ""},
       {"objects a { quantity 3; location stack } record timing", "",
        "energy: record lacks stability; losses: record lacks stability; rest: record lacks "
-       "stability; passing: record lacks stability; sleep: record lacks stability"},
+       "stability; passing: record lacks stability; impacts: record lacks stability; sleep: record "
+       "lacks stability"},
   };
   for (const Case& row : kCases) {
     const analysis::Coverage coverage = CoverageOf(row.statements);

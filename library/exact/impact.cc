@@ -1,0 +1,309 @@
+#include "library/exact/impact.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+namespace cdb::exact {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using objects::Pose;
+using objects::Solid;
+
+/// Of the lesser least side.
+constexpr double kTouches = 1e-4;
+constexpr int kMostSteps = 100;
+/// rad.
+constexpr double kMostTurn = 0.1;
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+SignedDistance DistanceOfBalls(const Solid& a, const Vector3d& at_a, const Solid& b,
+                               const Vector3d& at_b) {
+  const Vector3d way = at_a - at_b;
+  const double distance = way.norm(), radius_a = a.sides.x() / 2, radius_b = b.sides.x() / 2;
+  SignedDistance result;
+  if (distance > 0) result.normal = way / distance;
+  result.gap = result.lower = result.upper = distance - radius_a - radius_b;
+  result.on_a = at_a - radius_a * result.normal;
+  result.on_b = at_b + radius_b * result.normal;
+  return result;
+}
+
+SignedDistance DistanceAt(const Solid& a, const Motion& motion, const Collider& b, double part) {
+  const Pose pose_a = motion.At(part);
+  if (b.solid == nullptr) return DistanceOf(a, pose_a, b.plane);
+  const Pose pose_b = b.motion.At(part);
+  if (a.IsBall() && b.solid->IsBall())
+    return DistanceOfBalls(a, pose_a.position, *b.solid, pose_b.position);
+  return DistanceOf(a, pose_a, *b.solid, pose_b);
+}
+
+/// m per cycle.
+Vector3d Rate(const Motion& motion, double part, const Vector3d& point) {
+  return motion.way + motion.turn.cross(point - motion.from.position - part * motion.way);
+}
+
+}  // namespace
+
+std::optional<Touch> FindTouch(const Solid& a, const Motion& motion, const Collider& b, double from,
+                               double to) {
+  const double side = 2 * (b.solid ? std::min(a.LeastHalfExtent(), b.solid->LeastHalfExtent())
+                                   : a.LeastHalfExtent());
+  const double tolerance = kTouches * side;
+  double part = from, apart = from;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const SignedDistance distance = DistanceAt(a, motion, b, part);
+    if (distance.gap < -tolerance) {
+      if (step == 0) return std::nullopt;
+      part = (apart + part) / 2;  // turns may overshoot
+      continue;
+    }
+    if (distance.gap <= tolerance)
+      return Touch{part, distance.normal, (distance.on_a + distance.on_b) / 2};
+    apart = part;
+    Vector3d rate = Rate(motion, part, distance.on_a);
+    if (b.solid != nullptr) rate -= Rate(b.motion, part, distance.on_b);
+    const double approach = -rate.dot(distance.normal);
+    const double turn = motion.turn.norm() + b.motion.turn.norm();
+    if (!(approach > 0 || turn > 0)) return std::nullopt;
+    // Where they turn, rates last only so long.
+    const double room = approach > 0 ? (distance.gap - tolerance / 2) / approach : kFar;
+    part += turn > 0 ? std::min(room, kMostTurn / turn) : room;
+    if (part > to) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+constexpr int kDirections = 12;
+/// Of the least half extent: lines are as thick, so that all regions are polygons.
+constexpr double kThickness = 1e-3;
+/// Of the least half extent: corners that are closer are one.
+constexpr double kSameCorner = 0.01;
+
+using Polygon = std::vector<Vector2d>;
+
+/// The coordinates in a plane, relative to a point.
+struct Plane {
+  Vector3d origin, x, y;
+  Vector2d In(const Vector3d& point) const {
+    return {(point - origin).dot(x), (point - origin).dot(y)};
+  }
+  Vector3d Out(const Vector2d& point) const { return origin + point.x() * x + point.y() * y; }
+};
+
+/// Their convex hull, counterclockwise (Andrew's monotone chain).
+Polygon Hull(Polygon points) {
+  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  Polygon hull;
+  for (int side = 0; side < 2; ++side, std::ranges::reverse(points)) {
+    const std::size_t first = hull.size();
+    for (const Vector2d& point : points) {
+      const auto turns_right = [&] {
+        const Vector2d from = hull[hull.size() - 2], along = hull.back() - from, to = point - from;
+        return along.x() * to.y() - along.y() * to.x() <= 0;
+      };
+      while (hull.size() > first + 1 && turns_right()) hull.pop_back();
+      hull.push_back(point);
+    }
+    hull.pop_back();
+  }
+  return hull;
+}
+
+/// Counterclockwise: support points along directions around, each a little farther.
+Polygon FaceOf(const Solid& solid, const Pose& pose, const Vector3d& outward, double tilt,
+               double thickness, const Plane& plane) {
+  Polygon face;
+  const Eigen::Quaterniond back = pose.orientation.conjugate();
+  for (int i = 0; i < kDirections; ++i) {
+    // Not along the axes, where faces have their edges.
+    const double angle = 2 * std::numbers::pi * (i + 0.37) / kDirections;
+    const Vector2d way(std::cos(angle), std::sin(angle));
+    const Vector3d direction = outward + tilt * (way.x() * plane.x + way.y() * plane.y);
+    const Vector3d corner = pose.position + pose.orientation * solid.Support(back * direction);
+    face.push_back(plane.In(corner) + thickness * way);
+  }
+  return Hull(std::move(face));
+}
+
+/// The part of a polygon in a convex one, both counterclockwise (Sutherland and Hodgman).
+Polygon Clip(Polygon polygon, const Polygon& by) {
+  for (std::size_t i = 0; i < by.size() && !polygon.empty(); ++i) {
+    const Vector2d from = by[i], along = by[(i + 1) % by.size()] - from;
+    const auto inside = [&](const Vector2d& point) {
+      return along.x() * (point.y() - from.y()) - along.y() * (point.x() - from.x());
+    };
+    Polygon kept;
+    for (std::size_t j = 0; j < polygon.size(); ++j) {
+      const Vector2d &here = polygon[j], &next = polygon[(j + 1) % polygon.size()];
+      const double at_here = inside(here), at_next = inside(next);
+      if (at_here >= 0) kept.push_back(here);
+      if ((at_here < 0) != (at_next < 0))
+        kept.push_back(here + at_here / (at_here - at_next) * (next - here));
+    }
+    polygon = std::move(kept);
+  }
+  return polygon;
+}
+
+}  // namespace
+
+std::vector<Vector3d> ContactRegion(const Solid& a, const Pose& pose_a, const Solid* b,
+                                    const Pose& pose_b, const Touch& touch, double tilt) {
+  const Vector3d x = touch.normal.unitOrthogonal();
+  const Plane plane{touch.point, x, touch.normal.cross(x)};
+  const double least =
+      b ? std::min(a.LeastHalfExtent(), b->LeastHalfExtent()) : a.LeastHalfExtent();
+  Polygon region = FaceOf(a, pose_a, -touch.normal, tilt, kThickness * least, plane);
+  if (b != nullptr)
+    region =
+        Clip(std::move(region), FaceOf(*b, pose_b, touch.normal, tilt, kThickness * least, plane));
+  std::vector<Vector3d> corners;
+  for (const Vector2d& point : region) {
+    const Vector3d corner = plane.Out(point);
+    if (std::ranges::none_of(corners, [&](const Vector3d& other) {
+          return (other - corner).norm() < kSameCorner * least;
+        }))
+      corners.push_back(corner);
+  }
+  return corners;
+}
+
+namespace {
+
+constexpr int kMostRounds = 400;
+/// rad: the accuracy of the direction of friction.
+constexpr double kSameSlip = 1e-6;
+/// Of the largest impulse: changes below it end the iterations.
+constexpr double kSettled = 1e-7;
+
+Matrix3d Cross(const Vector3d& v) {
+  Matrix3d cross;
+  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return cross;
+}
+
+/// The change of velocity of a point by an impulse there.
+Matrix3d Yield(const ImpactBody& body, const Vector3d& point) {
+  const Matrix3d arm = Cross(point - body.centre);
+  return body.inverse_mass * Matrix3d::Identity() - arm * body.inverse_inertia * arm;
+}
+
+void Push(ImpactBody& body, const Vector3d& point, const Vector3d& impulse) {
+  body.velocity += body.inverse_mass * impulse;
+  body.spin += body.inverse_inertia * (point - body.centre).cross(impulse);
+}
+
+/// The impulse of one contact that moves its point at `free` without it, with friction along a unit
+/// vector.
+Vector3d ImpulseAlong(const Vector3d& slip, const ImpactContact& contact, const Matrix3d& yield,
+                      const Vector3d& free) {
+  const Vector3d& n = contact.normal;
+  if (free.dot(n) >= contact.rebound) return Vector3d::Zero();
+  Eigen::Matrix<double, 3, 2> axes;
+  axes << n, slip;
+  const Eigen::Matrix2d inner = axes.transpose() * yield * axes;
+  const Vector2d sticks =
+      inner.inverse() * Vector2d(contact.rebound - free.dot(n), -free.dot(slip));
+  if (sticks.x() > 0 && std::abs(sticks.y()) <= contact.friction * sticks.x()) return axes * sticks;
+  const Vector3d unit = n + std::copysign(contact.friction, sticks.y()) * slip;
+  const double gain = n.dot(yield * unit);
+  return gain > 0 ? Vector3d((contact.rebound - free.dot(n)) / gain * unit) : Vector3d::Zero();
+}
+
+/// The same with friction in any direction.
+Vector3d ImpulseOf(const ImpactContact& contact, const Matrix3d& yield, const Matrix3d& inverse,
+                   const Vector3d& free) {
+  const Vector3d& n = contact.normal;
+  if (free.dot(n) >= contact.rebound) return Vector3d::Zero();
+  const auto along = [&](const Vector3d& v) -> Vector3d { return v - v.dot(n) * n; };
+  const Vector3d sticks = inverse * (contact.rebound * n - free);
+  const double press = sticks.dot(n), hold = along(sticks).norm();
+  if (press > 0 && hold <= contact.friction * press) return sticks;
+  // It slips: the direction in which friction is against what is left of the motion.
+  const Vector3d x = n.unitOrthogonal(), y = n.cross(x);
+  const auto at = [&](double angle) -> std::pair<double, Vector3d> {
+    const Vector3d way = std::cos(angle) * x + std::sin(angle) * y,
+                   unit = n + contact.friction * way;
+    const double gain = n.dot(yield * unit);
+    if (!(gain > 0)) return {-2, Vector3d::Zero()};
+    const Vector3d impulse = (contact.rebound - free.dot(n)) / gain * unit;
+    const Vector3d left = along(free + yield * impulse);
+    return {left.norm() > 0 ? -way.dot(left) / left.norm() : 1, impulse};
+  };
+  if (contact.friction == 0) return at(0).second;
+  double best = std::atan2(sticks.dot(y), sticks.dot(x));
+  auto [cosine, impulse] = at(best);
+  const auto seek = [&](double angle) {
+    const auto found = at(angle);
+    if (found.first <= cosine) return false;
+    best = angle;
+    std::tie(cosine, impulse) = found;
+    return true;
+  };
+  for (double step = std::numbers::pi / 8; step > kSameSlip; step /= 2) {
+    while (seek(best + step)) {
+    }
+    while (seek(best - step)) {
+    }
+  }
+  return impulse;
+}
+
+}  // namespace
+
+Vector3d VelocityAt(const ImpactBody& body, const Vector3d& point) {
+  return body.velocity + body.spin.cross(point - body.centre);
+}
+
+void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts, Slip slip) {
+  struct Row {
+    Matrix3d yield, inverse;
+    Vector3d first;  ///< unit: the direction of sliding
+    Vector3d impulse = Vector3d::Zero();
+  };
+  std::vector<Row> rows;
+  for (const ImpactContact& contact : contacts) {
+    const Matrix3d yield =
+        Yield(bodies[contact.a], contact.point) + Yield(bodies[contact.b], contact.point);
+    const Vector3d motion =
+        VelocityAt(bodies[contact.a], contact.point) - VelocityAt(bodies[contact.b], contact.point);
+    const Vector3d across = motion - motion.dot(contact.normal) * contact.normal;
+    rows.push_back({yield, yield.inverse(),
+                    across.norm() > 0 ? across.normalized() : contact.normal.unitOrthogonal()});
+  }
+  for (int round = 0; round < kMostRounds; ++round) {
+    double largest = 0, change = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const ImpactContact& contact = contacts[i];
+      ImpactBody &a = bodies[contact.a], &b = bodies[contact.b];
+      Row& row = rows[i];
+      const Vector3d free =
+          VelocityAt(a, contact.point) - VelocityAt(b, contact.point) - row.yield * row.impulse;
+      const Vector3d impulse = slip == Slip::kFirst
+                                   ? ImpulseAlong(row.first, contact, row.yield, free)
+                                   : ImpulseOf(contact, row.yield, row.inverse, free);
+      const Vector3d added = impulse - row.impulse;
+      Push(a, contact.point, added);
+      Push(b, contact.point, -added);
+      row.impulse = impulse;
+      largest = std::max(largest, impulse.norm());
+      change = std::max(change, added.norm());
+    }
+    if (change <= kSettled * largest) break;
+  }
+}
+
+}  // namespace cdb::exact

@@ -1,0 +1,457 @@
+#include "runtime/engine/probes/impact_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "compiler/analysis/expectation.h"
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/manifolds.h"
+
+namespace cdb::probes {
+namespace {
+
+using Eigen::Vector3d;
+using exact::ImpactBody;
+
+/// An approach by more than such a fall, in least sides, and by so many falls in a cycle.
+constexpr double kImpactFall = 0.05, kImpactFalls = 4;
+/// 1/s: without gravity, of the least side.
+constexpr double kImpactRate = 0.1;
+/// Of the largest sum of momenta so far, of more than two objects: counts as true impulses, so that
+/// one impact of many objects is not the whole.
+constexpr double kPrior = 0.1;
+/// In which an impact may be completed: Bullet brings two close before they touch.
+constexpr int kMostCycles = 12;
+/// Of the true impulse: an impact with less is completed.
+constexpr double kExact = 0.01;
+/// Of the approach: an impact that leaves less is completed.
+constexpr double kComplete = 0.1;
+/// Of a cycle: further points that follow within this time touch at once; points that follow later,
+/// but within the other, are another impact, which the first one changes.
+constexpr double kAtOnce = 0.25, kAmbiguous = 1.5;
+/// rad: at most, between faces of which all points touch at once; of which any do; at rest.
+constexpr double kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
+/// Regions of contact, in least half extents and relative to each other.
+constexpr double kPoint = 0.1, kSameRegion = 0.8;
+/// In least sides: contacts at rest are as deep. Where the shortest way out of one has another
+/// direction (a cosine) than the touch, it is not known which counts.
+constexpr double kShallow = 0.05, kOtherWay = 0.9;
+/// Bullet's shapes may be rounded, and touch later by a way of so many least sides; in cycles.
+constexpr double kRounded = 0.06, kMostLate = 50;
+/// In cycles, beyond the one in which contacts are found.
+constexpr double kForeseen = 2;
+
+double Diameter(const std::vector<Vector3d>& points) {
+  double most = 0;
+  for (const Vector3d& a : points)
+    for (const Vector3d& b : points) most = std::max(most, (a - b).norm());
+  return most;
+}
+
+bool IsFinite(const BodyState& state) {
+  return world::IsFinite(state.pose.getOrigin()) && world::IsFinite(state.velocity) &&
+         world::IsFinite(state.spin);
+}
+
+}  // namespace
+
+ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine)
+    : engine_(engine),
+      wall_restitution_(scene.world.Real("world.wall_restitution")),
+      wall_friction_(scene.world.Real("world.wall_friction")),
+      timestep_(static_cast<double>(engine.timestep())),
+      touching_(engine.objects().size()) {
+  std::vector<char> linked(touching_.size(), 0);
+  engine.links().MarkHeld(linked, 1);
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    const layouts::ObjectState& state = engine.initial_state().objects[i];
+    const btRigidBody& body = *engine.objects()[i];
+    Judged judged = Judged::kWhole;
+    if (state.solid.compound || linked[i] != 0 || state.numbers["rolling_friction"] > 0 ||
+        state.numbers["spinning_friction"] > 0)
+      judged = Judged::kCone;
+    const plan::Group& group = scene.groups[state.group];
+    if (analysis::HasSchedule(group) && !state.is_kinematic) judged = Judged::kNot;
+    if (state.solid.IsSurface() || std::isfinite(state.numbers["contact_stiffness"]))
+      judged = Judged::kNot;
+    bodies_.push_back({state.mass, state.mass * state.solid.InertiaPerMass(),
+                       std::pow(1 - static_cast<double>(body.getLinearDamping()), timestep_),
+                       std::pow(1 - static_cast<double>(body.getAngularDamping()), timestep_),
+                       state.numbers["friction"], state.numbers["restitution"],
+                       2 * state.solid.LeastHalfExtent(), judged});
+  }
+}
+
+ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now) {
+  ReadPairs();
+  std::erase_if(events_, [&](Event& event) { return !Continue(event, before, now); });
+  for (const Pair& pair : pairs_)
+    if (!TouchedBefore(pair)) Begin(pair, before, now);
+  pairs_.swap(last_);
+  double momentum = 0;
+  double moving = 0;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    momentum += bodies_[i].mass * world::ToEigen(now[i].velocity).norm();
+    moving += bodies_[i].mass > 0;
+  }
+  momentum *= std::max(0.0, 1 - 2 / moving);
+  if (momentum > momentum_) momentum_ = momentum;
+  return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
+                       : std::numeric_limits<double>::quiet_NaN(),
+          unjudged_};
+}
+
+void ImpactWatch::ReadPairs() {
+  pairs_.clear();
+  for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
+    Vector3d impulse = Vector3d::Zero();
+    bool pushes = false;
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      if (!world::HasImpulse(manifold, point)) continue;
+      pushes = true;
+      impulse += world::ToEigen(point.m_appliedImpulse * point.m_normalWorldOnB +
+                                point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1);
+    }
+    if (!pushes) continue;
+    const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
+    const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
+    pairs_.push_back(a < b ? Pair{a, b, impulse} : Pair{b, a, -impulse});
+  }
+  const auto key = [](const Pair& pair) { return std::pair(pair.a, pair.b); };
+  std::ranges::sort(pairs_, {}, key);
+  auto kept = pairs_.begin();
+  for (auto pair = pairs_.begin(); pair != pairs_.end(); ++pair) {
+    if (kept != pair && key(*kept) == key(*pair)) {
+      kept->impulse += pair->impulse;
+    } else {
+      if (pair != pairs_.begin()) ++kept;
+      *kept = *pair;
+    }
+  }
+  if (!pairs_.empty()) pairs_.erase(kept + 1, pairs_.end());
+  for (auto& others : touching_) others.clear();
+  for (const Pair& pair : pairs_) {
+    touching_[pair.a].push_back(pair.b);
+    if (!IsWall(pair.b)) touching_[pair.b].push_back(pair.a);
+  }
+}
+
+bool ImpactWatch::TouchedBefore(const Pair& pair) const {
+  const auto key = [](const Pair& each) { return std::pair(each.a, each.b); };
+  return std::ranges::binary_search(last_, key(pair), {}, key);
+}
+
+/// m/s.
+double ImpactWatch::LeastApproach(const Pair& pair) const {
+  double side = bodies_[pair.a].least_side;
+  if (!IsWall(pair.b)) side = std::min(side, bodies_[pair.b].least_side);
+  const double pull = engine_.acceleration().norm();
+  return std::max({std::sqrt(2 * pull * kImpactFall * side), kImpactFalls * pull * timestep_,
+                   kImpactRate * side});
+}
+
+void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodyStates& now) {
+  const Body& body = bodies_[pair.a];
+  const Judged judged =
+      IsWall(pair.b) ? body.judged : std::min(body.judged, bodies_[pair.b].judged);
+  if (judged == Judged::kNot || !IsFinite(before[pair.a])) return;
+  if (!IsWall(pair.b) && !IsFinite(before[pair.b])) return;
+  const ImpactBody a = BodyOf(pair.a, before), b = BodyOf(pair.b, before);
+  const double least = LeastApproach(pair);
+  const auto surface_speed = [&](std::uint32_t object, const ImpactBody& state) {
+    return IsWall(object)
+               ? 0
+               : state.spin.norm() * engine_.initial_state().objects[object].solid.OuterRadius();
+  };
+  if ((a.velocity - b.velocity).norm() + surface_speed(pair.a, a) + surface_speed(pair.b, b) <
+      least)
+    return;
+  const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
+  const exact::Motion motion = ColliderOf(pair.a, before).motion;
+  const exact::Collider other = ColliderOf(pair.b, before);
+  const double side =
+      IsWall(pair.b) ? body.least_side : std::min(body.least_side, bodies_[pair.b].least_side);
+  const double rate = (motion.way - other.motion.way).norm();
+  const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
+  const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
+  if (!touch) {
+    return;
+  }
+  const auto at_touch = [&](ImpactBody state) {
+    state.centre += touch->part * timestep_ * state.velocity;
+    return exact::VelocityAt(state, touch->point);
+  };
+  if (-(at_touch(a) - at_touch(b)).dot(touch->normal) < least) return;
+  if (touch->part < 0 && !IsRound(pair) && LeavesAnotherWay(pair, *touch, before)) {
+    ++unjudged_;
+    return;
+  }
+  if (judged == Judged::kWhole) {
+    if (auto event = MakeEvent(pair, *touch, before, now)) {
+      Compare(*event, now);
+      if (event->error <= kExact * event->impulse)
+        Count(event->error, event->impulse);
+      else
+        events_.push_back(*std::move(event));
+      return;
+    }
+  }
+  const double friction = FrictionOf(pair.a, pair.b), press = pair.impulse.dot(touch->normal);
+  const double across = (pair.impulse - press * touch->normal).norm();
+  const double outside = (across - friction * press) / std::sqrt(1 + friction * friction);
+  Count(std::clamp(outside, 0.0, pair.impulse.norm()), pair.impulse.norm());
+}
+
+std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
+                                                         const exact::Touch& touch,
+                                                         const BodyStates& before,
+                                                         const BodyStates& now) {
+  for (const auto& [self, other] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)})
+    if (IsFree(self))
+      for (const std::uint32_t third : touching_[self])
+        if (third != other && IsFree(third)) return std::nullopt;
+  const auto& objects = engine_.initial_state().objects;
+  const exact::Motion motion = ColliderOf(pair.a, before).motion;
+  const exact::Collider other = ColliderOf(pair.b, before);
+  const objects::Pose pose = motion.At(touch.part), other_pose = other.motion.At(touch.part);
+  const auto region = [&](double tilt) {
+    return exact::ContactRegion(objects[pair.a].solid, pose, other.solid, other_pose, touch, tilt);
+  };
+  Event event{{pair.a, pair.b}, {}, {}};
+  const ImpactBody start[2] = {BodyOf(pair.a, before), BodyOf(pair.b, before)};
+  const auto approach_at = [&](const Vector3d& point) {
+    ImpactBody a = start[0], b = start[1];
+    a.centre += touch.part * timestep_ * a.velocity;
+    b.centre += touch.part * timestep_ * b.velocity;
+    return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
+  };
+  const double half =
+      (IsWall(pair.b) ? bodies_[pair.a].least_side
+                      : std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side)) /
+      2;
+  std::vector<Vector3d> points = {touch.point};
+  if (!IsRound(pair)) {
+    const double tilt = approach_at(touch.point) * timestep_ / half;
+    const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
+    if (widest > kPoint * half) {
+      std::vector<Vector3d> flat = region(std::min(kParallel, kAtOnce * tilt));
+      if (Diameter(flat) < kSameRegion * widest) return std::nullopt;
+      points = std::move(flat);
+    }
+  }
+  const double friction = FrictionOf(pair.a, pair.b), restitution = RestitutionOf(pair.a, pair.b);
+  for (const Vector3d& point : points)
+    event.contacts.push_back(
+        {0, 1, touch.normal, point, friction, restitution * std::max(0.0, approach_at(point))});
+  // Contacts are those of the touch; bodies have moved there.
+  for (int i = 0; i < 2; ++i) {
+    const std::uint32_t self = i == 0 ? pair.a : pair.b;
+    event.first[i] = start[i];
+    event.first[i].centre += touch.part * timestep_ * start[i].velocity;
+    if (!IsFree(self)) continue;
+    for (const std::uint32_t ground : touching_[self])
+      if (ground != pair.a && ground != pair.b && !AddSupport(event, self, ground, before, now))
+        return std::nullopt;
+  }
+  return event;
+}
+
+bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
+                             const BodyStates& before, const BodyStates& now) {
+  if (!IsWall(ground) && bodies_[ground].judged != Judged::kWhole) return false;
+  const auto& objects = engine_.initial_state().objects;
+  const objects::Pose pose = world::ToPose(before[object].pose);
+  const exact::Collider other = ColliderOf(ground, before);
+  const objects::Solid& solid = objects[object].solid;
+  const objects::Pose other_pose = other.motion.from;
+  const exact::SignedDistance distance =
+      other.solid ? exact::DistanceOf(solid, pose, *other.solid, other_pose)
+                  : exact::DistanceOf(solid, pose, other.plane);
+  const exact::Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
+  std::vector<Vector3d> points = {touch.point};
+  if (!IsRound({object, ground}))
+    if (auto region =
+            exact::ContactRegion(solid, pose, other.solid, other_pose, touch, kNearlyParallel);
+        !region.empty())
+      points = std::move(region);
+  const std::size_t self = object == event.bodies[0] ? 0 : 1, index = event.bodies.size();
+  event.bodies.push_back(ground);
+  const ImpactBody a = BodyOf(object, before), b = BodyOf(ground, now);
+  // The velocities of later cycles are not those of the true impact.
+  const double restitution = event.cycles == 0 ? RestitutionOf(object, ground) : 0,
+               least = LeastApproach({object, ground});
+  for (const Vector3d& point : points) {
+    const double approach =
+        -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
+    event.contacts.push_back({self, index, touch.normal, point, FrictionOf(object, ground),
+                              approach > least ? restitution * approach : 0});
+  }
+  return true;
+}
+
+/// Returns false if it is over.
+bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodyStates& now) {
+  const auto is_interrupted = [&] {
+    for (int i = 0; i < 2; ++i) {
+      const std::uint32_t self = event.bodies[i];
+      if (!IsFree(self)) continue;
+      for (const std::uint32_t other : touching_[self])
+        if (std::ranges::find(event.bodies, other) == event.bodies.end() &&
+            (IsFree(other) || !AddSupport(event, self, other, before, now)))
+          return true;
+    }
+    return false;
+  };
+  const std::uint32_t one = IsFree(event.bodies[0]) ? 0 : 1;
+  const auto& others = touching_[event.bodies[one]];
+  const bool touches = std::ranges::find(others, event.bodies[1 - one]) != others.end();
+  if ((touches || !event.is_complete) && event.cycles < kMostCycles) {
+    if (!is_interrupted()) {
+      Compare(event, now);
+      if (event.error > kExact * event.impulse) return true;
+    } else if (!event.is_complete) {
+      ++unjudged_;
+      return false;
+    }
+  }
+  Count(event.error, event.impulse);
+  return false;
+}
+
+void ImpactWatch::Compare(Event& event, const BodyStates& now) {
+  ++event.cycles;
+  std::vector<ImpactBody> bodies;
+  for (std::size_t i = 0; i < event.bodies.size(); ++i) {
+    if (i < 2 && IsFree(event.bodies[i])) {
+      event.first[i] = Pulled(event.bodies[i], event.first[i]);
+      bodies.push_back(event.first[i]);
+    } else {
+      bodies.push_back(BodyOf(event.bodies[i], now));
+    }
+  }
+  const bool has_friction = std::ranges::any_of(
+      event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
+  const auto start = bodies;
+  for (const exact::Slip slip : {exact::Slip::kLeft, exact::Slip::kFirst}) {
+    if (slip == exact::Slip::kFirst && !has_friction) break;
+    bodies = start;
+    exact::SolveImpact(bodies, event.contacts, slip);
+    CompareWith(bodies, event, now, event.cycles == 1 && slip == exact::Slip::kLeft);
+  }
+  event.is_complete = true;
+  const ImpactBody ends[2] = {BodyOf(event.bodies[0], now), BodyOf(event.bodies[1], now)};
+  for (const exact::ImpactContact& contact : event.contacts) {
+    if (contact.a != 0 || contact.b != 1) continue;
+    const auto leaving = [&](const ImpactBody& a, const ImpactBody& b) {
+      return (exact::VelocityAt(a, contact.point) - exact::VelocityAt(b, contact.point))
+          .dot(contact.normal);
+    };
+    if (leaving(ends[0], ends[1]) < kComplete * leaving(event.first[0], event.first[1]))
+      event.is_complete = false;
+  }
+}
+
+/// `bodies`: after the true impact.
+void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
+                              const BodyStates& now, bool is_first) {
+  double error = 0, change = 0, inverse_mass = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::uint32_t object = event.bodies[i];
+    if (!IsFree(object)) continue;
+    const Body& body = bodies_[object];
+    const Eigen::Quaterniond back = world::ToEigen(now[object].pose.getRotation()).conjugate();
+    const auto energy = [&](const Vector3d& velocity, const Vector3d& spin) {
+      return body.mass * velocity.squaredNorm() + body.inertia.dot((back * spin).cwiseAbs2());
+    };
+    error += energy(bodies[i].velocity - world::ToEigen(now[object].velocity),
+                    bodies[i].spin - world::ToEigen(now[object].spin));
+    change +=
+        energy(bodies[i].velocity - event.first[i].velocity, bodies[i].spin - event.first[i].spin);
+    inverse_mass += 1 / body.mass;
+  }
+  error = std::sqrt(error / inverse_mass);
+  change = std::sqrt(change / inverse_mass);
+  if (is_first || error * event.impulse < event.error * change) {
+    event.error = error;
+    event.impulse = change;
+  }
+}
+
+void ImpactWatch::Count(double error, double impulse) {
+  error_ += error;
+  impulse_ += impulse;
+}
+
+bool ImpactWatch::IsRound(const Pair& pair) const {
+  const auto is_ellipsoid = [&](std::uint32_t body) {
+    return !IsWall(body) &&
+           engine_.initial_state().objects[body].solid.shape == objects::Shape::kEllipsoid;
+  };
+  return is_ellipsoid(pair.a) || is_ellipsoid(pair.b);
+}
+
+/// Whether they overlap no more than contacts at rest do, and part sooner across the touch.
+bool ImpactWatch::LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
+                                   const BodyStates& before) const {
+  const exact::Collider other = ColliderOf(pair.b, before);
+  if (other.solid == nullptr) return false;
+  const exact::SignedDistance distance =
+      exact::DistanceOf(engine_.initial_state().objects[pair.a].solid,
+                        world::ToPose(before[pair.a].pose), *other.solid, other.motion.from);
+  const double side = std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side);
+  return distance.Depth() < kShallow * side && distance.normal.dot(touch.normal) < kOtherWay;
+}
+
+double ImpactWatch::FrictionOf(std::uint32_t a, std::uint32_t b) const {
+  return std::min(world::kMostFriction,
+                  bodies_[a].friction * (IsWall(b) ? wall_friction_ : bodies_[b].friction));
+}
+
+double ImpactWatch::RestitutionOf(std::uint32_t a, std::uint32_t b) const {
+  return bodies_[a].restitution * (IsWall(b) ? wall_restitution_ : bodies_[b].restitution);
+}
+
+exact::Collider ImpactWatch::ColliderOf(std::uint32_t body, const BodyStates& states) const {
+  exact::Collider collider;
+  if (IsWall(body)) {
+    const auto wall = body - static_cast<std::uint32_t>(bodies_.size());
+    collider.plane.normal = (wall % 2 == 0 ? 1 : -1) * Vector3d::Unit(wall / 2);
+    collider.plane.offset = -engine_.side() / 2;
+    return collider;
+  }
+  collider.solid = &engine_.initial_state().objects[body].solid;
+  collider.motion = {world::ToPose(states[body].pose),
+                     timestep_ * world::ToEigen(states[body].velocity),
+                     timestep_ * world::ToEigen(states[body].spin)};
+  return collider;
+}
+
+ImpactBody ImpactWatch::BodyOf(std::uint32_t body, const BodyStates& states) const {
+  ImpactBody result;
+  if (IsWall(body)) return result;
+  const BodyState& state = states[body];
+  result.centre = world::ToEigen(state.pose.getOrigin());
+  result.velocity = world::ToEigen(state.velocity);
+  result.spin = world::ToEigen(state.spin);
+  if (!IsFree(body)) return result;
+  result.inverse_mass = 1 / bodies_[body].mass;
+  const Eigen::Matrix3d turn = world::ToEigen(state.pose.getBasis());
+  result.inverse_inertia =
+      turn * bodies_[body].inertia.cwiseInverse().asDiagonal() * turn.transpose();
+  return result;
+}
+
+/// A cycle later, without contacts; Bullet turns the spin as the body turns.
+ImpactBody ImpactWatch::Pulled(std::uint32_t body, const ImpactBody& state) const {
+  ImpactBody pulled = state;
+  const Vector3d momentum = state.inverse_inertia.inverse() * state.spin;
+  pulled.velocity = bodies_[body].damping * state.velocity + timestep_ * engine_.acceleration();
+  pulled.spin = bodies_[body].spin_damping *
+                (state.spin - timestep_ * state.inverse_inertia * state.spin.cross(momentum));
+  return pulled;
+}
+
+}  // namespace cdb::probes

@@ -1,0 +1,181 @@
+// Impacts: what the series say against closed forms, and that the error falls with the time step.
+#include "runtime/engine/probes/impact_watch.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+
+#include "dsl/diagnostics.h"
+#include "runtime/protocol/verdict.h"
+#include "tests/runtime/engine/engine_fixture.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+struct ImpactRun {
+  double error;    ///< the largest; NaN if nothing was judged
+  Vector3d first;  ///< m/s: velocity of the first object at the end
+  protocol::Verdict verdict;
+};
+
+ImpactRun RunImpact(const std::string& text) {
+  const compiler::Compilation compiled =
+      CompileText(fmt::format("benchmark b {{ precision {}; sleeping off; record stability\n{} }}",
+                              world::EnginePrecision(), text));
+  EXPECT_FALSE(compiled.diagnostics.has_errors()) << dsl::Render(compiled.diagnostics);
+  const plan::Scene& scene = compiled.plans.at(0).runs.at(0).scene;
+  const Recorded run = RunHere(scene);
+  EXPECT_TRUE(run.done()) << run.message();
+  double error = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : run.recording.Reals("impact_error")) error = std::fmax(error, value);
+  return {error, Velocity(*run.engine),
+          protocol::Judge(scene, run.recording, scene.world.Count("cycles")).verdict};
+}
+
+/// A ball of 1 kg and 1 m meets another at rest, `offset` beside its path.
+std::string Balls(double speed, double offset, double start, double e, int hz,
+                  const std::string& more = "friction 0") {
+  return fmt::format(
+      "timestep 1/{0}; cycles 2 * {0}; acceleration 0; contact faithful; world {{ side 200; walls "
+      "none }}\n"
+      "objects a {{ quantity 1; size 1; restitution {1}; {5}; location at({2}, 0, 0)\n"
+      "linear_velocity ({3}, 0, 0) }}\n"
+      "objects b {{ quantity 1; size 1; restitution 1; {5}; location at(0, {4}, 0) }}",
+      hz, e, start, speed, -offset, more);
+}
+
+TEST(ImpactWatch, FindsTheDirectionInWhichBallsPart) {
+  int off = 0;
+  for (const double speed : {2., 6., 12.})
+    for (const double offset : {0., 0.3, 0.6, 0.8})
+      for (const double start : {-3., -3.03, -3.07})
+        for (const double e : {0., 0.5, 1.}) {
+          SCOPED_TRACE(fmt::format("{} m/s, {} beside, from {}, e = {}", speed, offset, start, e));
+          const ImpactRun run = RunImpact(Balls(speed, offset, start, e, 60));
+          const Vector3d normal(-std::sqrt(1 - offset * offset), offset, 0);
+          const Vector3d impulse = -(1 + e) / 2 * speed * normal.x() * normal;
+          const double error = (run.first - Vector3d(speed, 0, 0) - impulse).norm();
+          EXPECT_NEAR(run.error, error / impulse.norm(), 5e-4);
+          EXPECT_EQ(run.error > 0.125, run.verdict == protocol::Verdict::kDrifting);
+          off += run.error > 0.1;
+        }
+  EXPECT_GT(off, 3) << "Bullet has become better";
+}
+
+TEST(ImpactWatch, FindsErrorsThatFallWithTheTimeStep) {
+  // Order 1 gives a factor of 8; single edges of cubes are met otherwise with another step.
+  for (const auto& [type, factor] : {std::pair("sphere", 6), {"cuboid", 2}}) {
+    double sums[2] = {};
+    for (int fine = 0; fine < 2; ++fine) {
+      std::mt19937 random(7);
+      const auto between = [&](double from, double to) {
+        return from + (to - from) * (random() / 4294967296.);
+      };
+      for (int scene = 0; scene < 24; ++scene) {
+        const double speed = between(2, 6), offset = between(0, 0.8), start = between(-3, -2.9),
+                     e = between(0, 1);
+        const std::string more =
+            fmt::format("type {}; friction {}; orientation ({}, {}, {})", type, between(0, 1),
+                        between(-3, 3), between(-3, 3), between(-3, 3));
+        const ImpactRun run = RunImpact(Balls(speed, offset, start, e, fine == 1 ? 480 : 60, more));
+        if (!std::isnan(run.error)) sums[fine] += run.error;
+      }
+    }
+    EXPECT_GT(sums[0], 0.1) << type;
+    EXPECT_LT(sums[1], sums[0] / factor) << type;
+  }
+}
+
+/// A ball that hits the wall at x = 10 obliquely.
+std::string AgainstWall(double e, double mu, int hz, const std::string& contact) {
+  return fmt::format(
+      "timestep 1/{0}; cycles {0}; acceleration 0; contact {3}\n"
+      "world {{ side 20; wall_friction 1 }}\n"
+      "objects {{ quantity 1; size 1; restitution {1}; friction {2}; location at(7, 0, 0)\n"
+      "linear_velocity (5, 3, 0) }}",
+      hz, e, mu, contact);
+}
+
+TEST(ImpactWatch, FindsNothingWhereABallMeetsAWall) {
+  for (const double e : {0., 0.5, 1.})
+    for (const double mu : {0., 0.05, 0.2, 1.}) {
+      const ImpactRun run = RunImpact(AgainstWall(e, mu, 60, "faithful"));
+      EXPECT_LT(run.error, 0.01) << e << " " << mu;
+      const double change = std::min(mu * (1 + e) * 5, 2. / 7 * 3);
+      EXPECT_LT((run.first - Vector3d(-5 * e, 3 - change, 0)).norm(), 0.02);
+    }
+}
+
+TEST(ImpactWatch, FindsReboundsWithoutRestitution) {
+  // Bullet pushes shallow overlaps apart by a fifth of their depth in a cycle.
+  const auto met = [](double start, const char* contact) {
+    return RunImpact(
+        fmt::format("timestep 1/60; cycles 120; acceleration 0; contact {}\n"
+                    "world {{ side 200; walls none }}\n"
+                    "objects a {{ quantity 1; size 1; location at({}, 0, 0)\n"
+                    "linear_velocity (2, 0, 0) }}\n"
+                    "objects b {{ quantity 1; size 1; location at(0, 0, 0) }}",
+                    contact, start));
+  };
+  const ImpactRun bad = met(-3, "bullet");
+  EXPECT_NEAR(bad.first.x(), 0.8, 0.01);
+  EXPECT_NEAR(bad.error, 0.2, 0.01);
+  EXPECT_EQ(bad.verdict, protocol::Verdict::kDrifting);
+  EXPECT_LT(met(-3, "faithful").error, 0.01);
+  // Foreseen, it takes two cycles.
+  const ImpactRun foreseen = met(-3.0 - 0.005, "bullet");
+  EXPECT_NEAR(foreseen.error, std::abs(foreseen.first.x() - 1), 0.02);
+}
+
+TEST(ImpactWatch, FindsFlatObjectsThatAreHitBesideTheirMiddle) {
+  const auto meet = [](const char* type, double offset, const char* more) {
+    return RunImpact(fmt::format(
+        "cycles 60; contact faithful; world {{ side 60; walls floor; wall_friction 1; {} }}\n"
+        "objects a {{ quantity 1; type {}; size 1; aspect 1 : 0.5 : 1; restitution 1; friction 0\n"
+        "location at(-3, -29.75, 0); linear_velocity (5, 0, 0) }}\n"
+        "objects b {{ quantity 1; type {}; size 1; aspect 1 : 0.5 : 1; restitution 1; friction 0\n"
+        "location at(0, -29.75, {}) }}",
+        more, type, type, -offset));
+  };
+  for (const char* walls : {"", "wall_shape box"}) {
+    const ImpactRun discs = meet("cylinder", 0.6, walls);
+    EXPECT_GT(discs.error, 0.1) << walls;
+    EXPECT_NE(discs.verdict, protocol::Verdict::kStable);
+  }
+  // A ball meets a ball in the plane of the floor whatever the floor does.
+  EXPECT_LT(meet("capsule", 0, "wall_shape box").error, 0.1);
+}
+
+TEST(ImpactWatch, JudgesNothingAtRest) {
+  const ImpactRun stack = RunImpact(
+      "cycles 120; world { side 40; walls floor; wall_shape box }\n"
+      "objects { quantity 5; type cuboid; size 1; location stack }");
+  EXPECT_FALSE(stack.error > 0.01) << stack.error;
+  // Nor what slides over edges of the ground, which is no impact.
+  const ImpactRun slides = RunImpact(
+      "cycles 120; world { side 100; walls none }\n"
+      "objects a { quantity 1; type cuboid; size 1; friction 0.1; location at(-3, 1, 0.3)\n"
+      "linear_velocity (4, 0, 0) }\n"
+      "objects floor { quantity 3; type cuboid; size 4; aspect 1 : 0.25 : 1; mass fixed\n"
+      "location at((-4, 0, 0), (0, 0, 0), (4, 0, 0)) }");
+  EXPECT_FALSE(slides.error > 0.1) << slides.error;
+}
+
+TEST(ImpactWatch, ExaminesDirectionsInACrowd) {
+  // The middle one of three balls in a row is hit beside the line of centres: it touches another
+  // that is free to move, so that only the direction of the impulse is certain.
+  const ImpactRun run = RunImpact(
+      "timestep 1/60; cycles 60; acceleration 0; contact faithful; world { side 200; walls none }\n"
+      "objects a { quantity 1; size 1; restitution 1; friction 0; location at(-3.05, 0.5, 0)\n"
+      "linear_velocity (12, 0, 0) }\n"
+      "objects b { quantity 2; size 1; restitution 1; friction 0\n"
+      "location at((0, 0, 0), (1.0005, 0, 0)) }");
+  EXPECT_GT(run.error, 0.05);
+}
+
+}  // namespace
+}  // namespace cdb::tests
