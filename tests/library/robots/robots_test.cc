@@ -390,6 +390,9 @@ TEST_F(Robots, AreRefusedInScenarios) {
   for (const auto& [text, wanted] : cases)
     EXPECT_NE(ErrorsOf(text, folder).find(wanted), std::string::npos)
         << ErrorsOf(text, folder) << "instead of " << wanted;
+  EXPECT_EQ(ErrorsOf("robot r { file \"none.urdf\" }\nj.damping 3", folder).find("j.damping"),
+            std::string::npos)
+      << "it may be of the robot";
   EXPECT_EQ(ErrorsOf("robot r { file \"good.urdf\"; base fixed; location at(0, 0, 0) }\n"
                      "robot s { file \"good.urdf\"; base fixed; location at(5, 0, 0); prefix "
                      "\"s_\" }\nj.damping 0.5\ns_b.friction sweep(0, 1)",
