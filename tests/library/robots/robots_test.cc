@@ -250,6 +250,9 @@ TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
   EXPECT_EQ(summary,
             "odd.urdf: robot odd & turned: 4 bodies, 5.1 kg; joints: 2 hinge, 1 slider; shapes: 1 "
             "box, 2 cylinder, 1 sphere\n"
+            "  bodies: size, arm, slide, lens\n"
+            "  hinge: 1st-joint, rail2\n"
+            "  slider: rail\n"
             "  held by fixed joints, and one body: size (world), slide (camera)\n"
             "  not taken over: mimic of rail2 (free to move), 2 velocity limits\n");
 }
