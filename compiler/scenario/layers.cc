@@ -191,6 +191,7 @@ void LayeredBenchmark::ExpandRobots() {
       robots_.emplace(robot, *std::move(blocks));
     } else {
       damage_ = std::max(damage_, dsl::Damage::kLost);
+      lost_robots_ = true;
     }
   }
 }
@@ -449,6 +450,9 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
   if (IsLet(text, place))
     return misplaced(fmt::format("'{}' is a let, not a parameter", text),
                      fmt::format("to change its value, write: let {} = …", text));
+  // It may be of a link or a joint of a robot that could not be read.
+  if (lost_robots_ && !in_group && place.block.empty() && text.find('.') != text.npos)
+    return std::nullopt;
   const std::string where = NameOf(place.group, place.block);
   diagnostics_.Report(kUnknownName, path.span,
                       fmt::format("no parameter{} is called '{}'",

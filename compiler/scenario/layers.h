@@ -141,6 +141,7 @@ class LayeredBenchmark {
   std::vector<std::string> labels_, joint_labels_;
   bool has_unnamed_block_ = false;  ///< `objects { … }`
   std::map<const dsl::Group*, RobotBlocks> robots_;
+  bool lost_robots_ = false;  ///< one has errors
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;

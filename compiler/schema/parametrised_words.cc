@@ -245,8 +245,9 @@ bool ListsPoints(const Call& call) {
 const Value& ArgumentOf(const Call& call, std::string_view argument) {
   const ParametrisedWord* info =
       call.name == kEmpiricalWord.name ? &kEmpiricalWord : FindParametrisedWord(call.name);
-  CDB_CHECK(info != nullptr && (info->arguments.size() == call.arguments.size() ||
-                                (info->takes_parts && info->arguments.size() < call.arguments.size())));
+  CDB_CHECK(info != nullptr &&
+            (info->arguments.size() == call.arguments.size() ||
+             (info->takes_parts && info->arguments.size() < call.arguments.size())));
   const auto row = std::ranges::find(info->arguments, argument, &Parameter::name);
   CDB_CHECK(row != info->arguments.end());
   return call.arguments[static_cast<std::size_t>(row - info->arguments.begin())];

@@ -45,8 +45,10 @@ std::string Counted(const std::map<std::string, int>& counts) {
 std::string SummaryOf(const Robot& robot, const std::string& path) {
   double mass = 0;
   std::map<std::string, int> joints, shapes;
-  std::vector<std::string> massless, merged, missing;
+  std::vector<std::string> names, massless, merged, missing;
+  std::map<std::string, std::vector<std::string>> joint_names;
   for (const RobotLink& link : robot.links) {
+    names.push_back(link.name);
     mass += link.inertia ? link.inertia->mass : 0;
     if (!link.inertia) massless.push_back(link.name);
     if (!link.parts.empty())
@@ -60,7 +62,9 @@ std::string SummaryOf(const Robot& robot, const std::string& path) {
   }
   for (const RobotJoint& joint : robot.joints) {
     constexpr const char* kNames[] = {"fixed", "hinge", "slider", "free"};
-    ++joints[kNames[static_cast<int>(joint.type)]];
+    const char* type = kNames[static_cast<int>(joint.type)];
+    ++joints[type];
+    joint_names[type].push_back(joint.name);
   }
   std::string text =
       fmt::format("{}: robot {}: {} bodies, {:.6g} kg; joints: {}; shapes: {}\n", path, robot.name,
@@ -68,6 +72,8 @@ std::string SummaryOf(const Robot& robot, const std::string& path) {
   const auto list = [&](const char* what, const std::vector<std::string>& items) {
     if (!items.empty()) text += fmt::format("  {}: {}\n", what, fmt::join(items, ", "));
   };
+  list("bodies", names);
+  for (const auto& [type, of_type] : joint_names) list(type.c_str(), of_type);
   list("held by fixed joints, and one body", merged);
   list("without mass", massless);
   list("missing meshes", missing);

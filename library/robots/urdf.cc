@@ -31,6 +31,8 @@ using analysis::RobotShape;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+namespace fs = std::filesystem;
+
 /// Larger lengths, masses and moments are errors of units.
 constexpr double kLargest = 1e9;
 /// By which a moment of inertia may exceed the sum of the others: files have rounded numbers.
@@ -153,6 +155,40 @@ class Document {
   std::map<std::string, int> left_out_;
   std::vector<std::string> mimics_;
 };
+
+/// The mesh file that a robot names. `package://NAME/REST` (and `model://`) is REST in the folder
+/// NAME, which is searched for in `packages` and in each folder above the robot's file, or REST in
+/// `packages` itself. Other names are relative to the folder of the robot's file. A path that does
+/// not exist is the first one where the file should be. Source: http://wiki.ros.org/Packages.
+std::string MeshPath(std::string_view written, const std::string& robot_file,
+                     const std::string& packages) {
+  const fs::path folder = fs::path(robot_file).parent_path();
+  std::vector<fs::path> candidates;
+  const std::size_t scheme = written.find("://");
+  if (scheme == written.npos) {
+    candidates.push_back(folder / written);
+  } else if (written.starts_with("file://")) {
+    candidates.push_back(folder / written.substr(scheme + 3));
+  } else {
+    const fs::path in_package(written.substr(scheme + 3));
+    const fs::path rest = in_package.lexically_relative(*in_package.begin());
+    if (!packages.empty()) {
+      candidates.push_back(fs::path(packages) / in_package);
+      candidates.push_back(fs::path(packages) / rest);
+    }
+    std::error_code error;
+    fs::path above = fs::absolute(folder, error).lexically_normal(), way = folder;
+    for (; !above.empty() && above != above.parent_path(); above = above.parent_path()) {
+      candidates.push_back(way / in_package);
+      if (above.filename() == *in_package.begin()) candidates.push_back(way / rest);
+      way /= "..";
+    }
+  }
+  std::error_code error;
+  for (const fs::path& candidate : candidates)
+    if (fs::is_regular_file(candidate, error)) return candidate.lexically_normal().string();
+  return candidates.empty() ? std::string(written) : candidates[0].lexically_normal().string();
+}
 
 /// Makes a robot of urdfdom's model, and finds its faults.
 class Builder {
@@ -301,6 +337,8 @@ class Builder {
       case urdf::Geometry::MESH:
         TakeMesh(shape, static_cast<const urdf::Mesh&>(*from.geometry));
         break;
+      default:  // of later versions; Document refuses them
+        return;
     }
     const bool is_mesh = shape.kind == RobotShape::Kind::kMesh;
     const double least = is_mesh ? shape.sides.cwiseAbs().minCoeff() : shape.sides.minCoeff();

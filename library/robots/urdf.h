@@ -30,16 +30,6 @@ std::optional<analysis::Robot> ParseUrdf(const std::string& text, const std::str
 /// The text of `cdb check FILE.urdf`: links, joints, masses, shapes, and what was left out.
 std::string SummaryOf(const analysis::Robot& robot, const std::string& path);
 
-// The mesh files that robots name. Source: http://wiki.ros.org/Packages: a package is a folder of
-// its name, in one of several folders.
-
-/// `written`: as the robot's file names it. `package://NAME/REST` (and `model://`) is REST in the
-/// folder NAME, which is searched for in `packages` and in each folder above the robot's file, or
-/// REST in `packages` itself. Other names are relative to the folder of the robot's file. A path
-/// that does not exist is the first one where the file should be.
-std::string MeshPath(std::string_view written, const std::string& robot_file,
-                     const std::string& packages);
-
 // Links that fixed joints hold.
 
 /// The robot without fixed joints: a link and those that fixed joints hold to it are one, with the

@@ -63,15 +63,12 @@ options::ExitStatus CheckRobot(const std::string& file) {
 options::ExitStatus Check(const CheckArguments& arguments) {
   options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
-    if (name.ends_with(".urdf") && !arguments.json) {
-      status = std::max(status, CheckRobot(name));
-      continue;
-    }
-    if (name != "-" && IsStored(name)) {
+    const bool is_robot = name.ends_with(".urdf");
+    if (is_robot || (name != "-" && IsStored(name))) {
       if (arguments.json)
         throw options::CommandError(fmt::format(
             "--json is for scenario files, but '{}' is not one; check it without --json", name));
-      status = std::max(status, CheckStored(name));
+      status = std::max(status, is_robot ? CheckRobot(name) : CheckStored(name));
       continue;
     }
     const std::string file = options::FileOrStandardInput(name);
@@ -98,8 +95,9 @@ options::ExitStatus Check(const CheckArguments& arguments) {
 
 void DeclareCheck(options::Subcommand& command) {
   const auto arguments = std::make_shared<CheckArguments>();
-  command.Required("FILE", arguments->files,
-                   "scenario files (- for standard input), results files, journals or traces");
+  command.Required(
+      "FILE", arguments->files,
+      "scenario files (- for standard input), results files, journals, traces or robots (.urdf)");
   command.Flag("--json", arguments->json,
                "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);

@@ -124,9 +124,10 @@ TEST(Mesh, PlyMayHaveMoreThanItsFacesAndPropertiesThatAreNoNumbers) {
 }
 
 TEST(Mesh, FilesOfOtherKindsAreNamed) {
-  EXPECT_EQ(RefusedFile("<?xml version='1.0'?>\n<!-- by x --><robot name='r'>", "a.obj"),
-            "a.obj: is a robot description (URDF); write `robot NAME { file \"a.obj\" }`, outside of "
-            "objects");
+  EXPECT_EQ(
+      RefusedFile("<?xml version='1.0'?>\n<!-- by x --><robot name='r'>", "a.obj"),
+      "a.obj: is a robot description (URDF); write `robot NAME { file \"a.obj\" }`, outside of "
+      "objects");
   EXPECT_EQ(RefusedFile("$MeshFormat", "some/a.msh"),
             "some/a.msh: is a mesh of Gmsh; convert it: `meshio convert a.msh a.ply`");
   EXPECT_EQ(RefusedFile("version https://git-lfs.github.com/spec/v1\n", "a.stl"),

@@ -250,6 +250,9 @@ TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
   EXPECT_EQ(summary,
             "odd.urdf: robot odd & turned: 4 bodies, 5.1 kg; joints: 2 hinge, 1 slider; shapes: 1 "
             "box, 2 cylinder, 1 sphere\n"
+            "  bodies: size, arm, slide, lens\n"
+            "  hinge: 1st-joint, rail2\n"
+            "  slider: rail\n"
             "  held by fixed joints, and one body: size (world), slide (camera)\n"
             "  not taken over: mimic of rail2 (free to move), 2 velocity limits\n");
 }
@@ -390,6 +393,9 @@ TEST_F(Robots, AreRefusedInScenarios) {
   for (const auto& [text, wanted] : cases)
     EXPECT_NE(ErrorsOf(text, folder).find(wanted), std::string::npos)
         << ErrorsOf(text, folder) << "instead of " << wanted;
+  EXPECT_EQ(ErrorsOf("robot r { file \"none.urdf\" }\nj.damping 3", folder).find("j.damping"),
+            std::string::npos)
+      << "it may be of the robot";
   EXPECT_EQ(ErrorsOf("robot r { file \"good.urdf\"; base fixed; location at(0, 0, 0) }\n"
                      "robot s { file \"good.urdf\"; base fixed; location at(5, 0, 0); prefix "
                      "\"s_\" }\nj.damping 0.5\ns_b.friction sweep(0, 1)",
