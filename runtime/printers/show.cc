@@ -279,7 +279,9 @@ class Head {
       const std::string criterion = file_.ReadJudgement(runs[0].cell).criterion;
       doubts.push_back(fmt::format(
           "  {} {}: {}{} from cycle {} on{}{}", runs.size(), protocol::VerdictName(verdict),
-          figures::PlaceText(file_, runs[0].cell), criterion.empty() ? "" : " by " + criterion,
+          figures::PlaceText(file_, runs[0].cell),
+          criterion.empty() || criterion == protocol::VerdictName(verdict) ? ""
+                                                                           : " by " + criterion,
           runs[0].first_bad_cycle, objects.empty() ? "" : ", " + objects,
           runs.size() > 1 ? "; and others" : ""));
     }

@@ -298,8 +298,9 @@ std::string_view VerdictName(Verdict verdict) {
 }
 
 std::string VerdictText(const Judgement& judgement) {
-  std::string text(VerdictName(judgement.verdict));
-  return judgement.criterion.empty() ? text : text + " (" + judgement.criterion + ")";
+  const std::string name(VerdictName(judgement.verdict));
+  const bool says_more = !judgement.criterion.empty() && judgement.criterion != name;
+  return says_more ? name + " (" + judgement.criterion + ")" : name;
 }
 
 Judgement Judge(const plan::Scene& scene, const Recording& recording, std::uint64_t n_cycles,

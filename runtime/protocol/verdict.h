@@ -54,7 +54,7 @@ struct Judgement {
   /// there is none, or in results of earlier versions.
   std::string criterion = {};
 };
-/// `drifting (friction_error)`.
+/// `drifting (friction_error)`; `frozen`, which is a series of the same name.
 std::string VerdictText(const Judgement& judgement);
 
 /// Judges a run from the recording of its first `n_cycles` cycles. `outcome` is the ending of its

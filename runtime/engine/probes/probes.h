@@ -17,7 +17,6 @@
 #include "runtime/engine/probes/normal_watch.h"
 #include "runtime/engine/probes/pass_watch.h"
 #include "runtime/engine/probes/press_watch.h"
-#include "runtime/engine/probes/roll_watch.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 

@@ -30,7 +30,8 @@ TEST(Verdicts, TimingsThatDoNotCountAreMarked) {
             std::string::npos)
       << shown.out;
   EXPECT_NE(shown.out.find("precision single, rep 0: frozen from cycle 0 on"), std::string::npos);
-  EXPECT_NE(shown.out.find("  Verdict: 1 of 2 stable (checked: energy, losses, passing, sleep).\n"),
+  EXPECT_NE(shown.out.find(
+                "  Verdict: 1 of 2 stable (checked: energy, losses, passing, impacts, sleep).\n"),
             std::string::npos);
   const std::size_t row = shown.out.find("\n  single");
   ASSERT_NE(row, std::string::npos) << shown.out;
@@ -56,7 +57,8 @@ TEST(Verdicts, UnsoundRunsAreNamedAndStay) {
                 "Not stable: 1 of 2 runs; their times are shown, but are those of another motion"),
             std::string::npos)
       << run.out;
-  EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 from cycle "), std::string::npos);
+  EXPECT_NE(run.out.find("1 drifting: linear_damping 0.9, rep 0 by energy from cycle "),
+            std::string::npos);
 }
 
 TEST(Stability, ARatioHasNoUnit) {

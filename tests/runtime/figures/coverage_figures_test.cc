@@ -56,20 +56,22 @@ TEST(OpenQuestions, AreNamedWithTheirReasons) {
   EXPECT_EQ(
       AnswersOf("objects { quantity 2; linear_damping sweep(0, 0.1); rolling_friction 0.5 }", {})
           .open,
-      "Not checked: losses (group objects has rolling friction) in 1 of 2 runs; losses (group "
+      "Not checked: losses (group objects has rolling friction) in 1 of 2 runs; impacts (only the "
+      "direction is examined with rolling or spinning friction, as of group objects); losses "
+      "(group "
       "objects has damping) in 1 of 2 runs.");
 }
 
 TEST(CheckedQuestions, AreThoseThatAllVerdictsAnswer) {
-  EXPECT_EQ(AnswersOf("objects { quantity 2 }", {}).checked, "energy losses passing sleep");
+  EXPECT_EQ(AnswersOf("objects { quantity 2 }", {}).checked, "energy losses passing impacts sleep");
   EXPECT_EQ(AnswersOf("objects { quantity 2; linear_damping sweep(0, 0.1) }", {}).checked,
-            "energy passing sleep");
+            "energy passing impacts sleep");
   EXPECT_EQ(AnswersOf("objects { quantity 2 } record timing", {}).checked, "");
 }
 
 TEST(OpenQuestions, AreAllOfThemWithoutStability) {
   EXPECT_EQ(AnswersOf("objects { quantity 2 } record timing", {}).open,
-            "Not checked: energy, losses, passing, sleep (record lacks stability).");
+            "Not checked: energy, losses, passing, impacts, sleep (record lacks stability).");
 }
 
 TEST(BadObjects, AreCountedOfThoseThatMove) {

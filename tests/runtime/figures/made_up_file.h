@@ -36,7 +36,7 @@ using MakeUp = std::function<MadeUp(const plan::Run&)>;
 
 /// Ends a conclusion that made-up runs are stable, since their plans record no stability.
 inline const std::string kNothingChecked =
-    " Not checked: energy, losses, passing, sleep (record lacks stability).";
+    " Not checked: energy, losses, passing, impacts, sleep (record lacks stability).";
 
 /// Cycles of each run.
 inline constexpr std::uint64_t kMadeUpCycles = 4;

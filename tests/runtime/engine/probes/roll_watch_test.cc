@@ -1,5 +1,5 @@
 // What rolls on fixed ground: rolling_error against the speed of closed forms.
-#include "runtime/engine/probes/roll_watch.h"
+#include "runtime/engine/probes/friction_watch.h"
 
 #include <fmt/format.h>
 
