@@ -15,6 +15,9 @@ namespace {
 
 /// Least cosine of the normals of triangles in one plane.
 constexpr double kSamePlane = 1 - 1e-10;
+/// Faces with normals this close to that of the best point, and this part as far from the origin,
+/// are on the way to it, if they are on the same smooth part.
+constexpr double kNearby = 0.99, kDeep = 0.95;
 constexpr int kMostVertices = 256, kMostFaces = 1024;
 
 struct Face3 {
@@ -59,9 +62,21 @@ class Polytope {
     double least = std::numeric_limits<double>::infinity();
     int best = -1;
     for (int i = 0; i < face_count_; ++i)
-      if (distances_[i] < least) least = distances_[i], best = i;
+      if (heights_[i] < least) least = heights_[i], best = i;
     return best;
   }
+  /// The face whose normal is nearest to the direction.
+  int FaceAlong(const Vec3& direction) const {
+    double most = -std::numeric_limits<double>::infinity();
+    int best = 0;
+    for (int i = 0; i < face_count_; ++i)
+      if (const double along = Dot(faces_[i].normal, direction);
+          faces_[i].is_alive && faces_[i].has_area && along > most)
+        most = along, best = i;
+    return best;
+  }
+  /// The face is not the nearest one from now on.
+  void PassOver(int face) { heights_[face] = std::numeric_limits<double>::infinity(); }
 
   /// Grows at the face to include a vertex beyond it. False if there is no room, or if rounding
   /// hides the outline of what is seen from the vertex.
@@ -113,6 +128,12 @@ class Polytope {
       on_a = on_a + weight[k] * corner.on_a;
       on_b = on_b + weight[k] * corner.on_b;
     }
+  }
+
+  /// Of the corners of the face.
+  Edges EdgesOf(int face) const {
+    const int* corners = faces_[face].vertex;
+    return {couple_, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]};
   }
 
  private:
@@ -168,13 +189,13 @@ class Polytope {
     const double area = SquaredNorm(across), longest = std::max(SquaredNorm(ab), SquaredNorm(ac));
     face.has_area = area > 1e-26 * longest * longest && area > 0;
     if (face.has_area) face.normal = 1 / std::sqrt(area) * across;
-    distances_[index] =
+    heights_[index] = distances_[index] =
         face.has_area ? Dot(face.normal, At(a)) : std::numeric_limits<double>::infinity();
     return index;
   }
   void Remove(int index) {
     faces_[index].is_alive = false;
-    distances_[index] = std::numeric_limits<double>::infinity();
+    heights_[index] = distances_[index] = std::numeric_limits<double>::infinity();
     removed_[removed_count_++] = index;
   }
 
@@ -226,6 +247,7 @@ class Polytope {
   std::array<DifferenceVertex, kMostVertices> vertices_;
   std::array<Face3, kMostFaces> faces_;
   std::array<double, kMostFaces> distances_;  ///< of their planes; infinite if one is none
+  std::array<double, kMostFaces> heights_;    ///< the same, but infinite for those passed over
   std::array<int, kMostFaces> free_, removed_;
   int vertex_count_ = 0, face_count_ = 0, free_count_ = 0, removed_count_ = 0;
   int apex_ = 0, first_new_ = 0, last_new_ = 0, new_count_ = 0;
@@ -233,27 +255,53 @@ class Polytope {
 
 }  // namespace
 
-Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count) {
+Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count,
+                  const Guess& guess) {
   Polytope polytope(couple);
   if (!polytope.Begin(simplex, count)) {
     const Vec3 normal = Normalized(polytope.Across());
     return {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
   }
-  Separation best{{0, 1, 0}, -std::numeric_limits<double>::infinity(), {}, {}};
+  Separation best = guess.separation;
+  // Whether the best is the least extent of a smooth part of the difference, and which part.
+  bool is_least = guess.is_least;
+  Edge patch = guess.edge;
   for (;;) {
     const int nearest = polytope.NearestFace();
     if (nearest < 0) break;
     const Vec3 normal = polytope.NormalOf(nearest);
-    const DifferenceVertex vertex = couple.Support(normal);
+    // No face is nearer than the best point of a curved surface, nor is any other point of it.
+    if (couple.is_curved && -best.gap - polytope.DistanceOf(nearest) <= couple.skin) break;
+    DifferenceVertex vertex = couple.Support(normal);
     const double extent = Dot(vertex.at, normal);
-    const bool is_surface = extent - polytope.DistanceOf(nearest) <= 4 * couple.rounding;
-    if (-extent > best.gap || is_surface) best = {-normal, -extent, vertex.on_a, vertex.on_b};
-    if (is_surface) {
-      polytope.Nearest(nearest, best.on_a, best.on_b);
-      break;
+    const bool is_surface = extent - polytope.DistanceOf(nearest) <= couple.skin;
+    if (-extent > best.gap || is_surface)
+      is_least = false, best = {-normal, -extent, vertex.on_a, vertex.on_b};
+    if (is_surface) polytope.Nearest(nearest, best.on_a, best.on_b);
+    if (couple.is_curved) {
+      const Edges edges = polytope.EdgesOf(nearest);
+      const Edge& edge = edges.of[0];
+      const bool is_same = is_least && edges.count < 2 && edge.piece == patch.piece;
+      if (is_same && Dot(normal, -best.normal) > kNearby &&
+          polytope.DistanceOf(nearest) > kDeep * -best.gap) {
+        polytope.PassOver(nearest);
+        continue;
+      }
+      if (!is_same && edges.count < 2) {
+        Separation polished = {-normal, -extent, vertex.on_a, vertex.on_b};
+        if (is_surface) polished = best;
+        const Polished found = Polish(couple, edge, 4, polished);
+        if (polished.gap > best.gap) best = polished, is_least = found.is_least, patch = edge;
+        const DifferenceVertex& other = found.vertex;
+        if (Dot(other.at, normal) > polytope.DistanceOf(nearest) + couple.skin) vertex = other;
+      }
     }
+    if (is_surface) return best;
     if (!polytope.Grow(nearest, vertex)) break;
   }
+  // The farthest vertex of a curved surface is not the point below the origin.
+  if (couple.is_curved && !is_least)
+    polytope.Nearest(polytope.FaceAlong(-best.normal), best.on_a, best.on_b);
   return best;
 }
 
