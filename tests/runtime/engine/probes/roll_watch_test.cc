@@ -33,8 +33,7 @@ RollingRun RunRolling(const std::string& text) {
     largest = std::fmax(largest, error);
   return {Velocity(*run.engine).x(),
           -static_cast<double>(run.engine->objects()[0]->getAngularVelocity().z()),
-          run.recording.Reals("rolling_error").back(),
-          largest,
+          run.recording.Reals("rolling_error").back(), largest,
           protocol::Judge(scene, run.recording, scene.world.Count("cycles")).verdict};
 }
 
@@ -88,6 +87,19 @@ TEST(RollWatch, FallsWithTheTimeStep) {
     };
     EXPECT_LT(error_at(480), error_at(60) / 3) << shape.text;
   }
+}
+
+TEST(RollWatch, IsNothingWithAWholeLineOfContact) {
+  for (const Roller& shape : {kCylinder, kCapsule})
+    for (const char* floor : {"wall_shape plane", "wall_shape box"})
+      for (const int hz : {60, 240}) {
+        SCOPED_TRACE(fmt::format("{} on {} at {} Hz", shape.text, floor, hz));
+        const std::string slope = Slope(shape.text, 0.05, 0.2, hz, floor);
+        const RollingRun rolled = RunRolling("narrow_phase batch\n" + slope);
+        EXPECT_LT(rolled.largest_error, 2e-5);
+        EXPECT_LT(rolled.largest_error, RunRolling(slope).largest_error / 100);
+        EXPECT_EQ(rolled.verdict, protocol::Verdict::kStable);
+      }
 }
 
 TEST(RollWatch, FrictionChangesNothing) {
