@@ -17,7 +17,7 @@ namespace {
 constexpr double kSamePlane = 1 - 1e-10;
 /// Faces with normals this close to that of the best point, and this part as far from the origin,
 /// are on the way to it, if they are on the same smooth part.
-constexpr double kNearby = 0.99, kDeep = 0.95;
+constexpr double kNearby = 0.99, kDeep = 0.99;
 constexpr int kMostVertices = 256, kMostFaces = 1024;
 
 struct Face3 {
@@ -65,15 +65,22 @@ class Polytope {
       if (heights_[i] < least) least = heights_[i], best = i;
     return best;
   }
-  /// The face whose normal is nearest to the direction.
-  int FaceAlong(const Vec3& direction) const {
-    double most = -std::numeric_limits<double>::infinity();
+  /// The points of the cores where the polytope ends along the direction.
+  void PointsAlong(const Vec3& direction, Vec3& on_a, Vec3& on_b) const {
+    double most = -std::numeric_limits<double>::infinity(), weight[3] = {};
     int best = 0;
-    for (int i = 0; i < face_count_; ++i)
-      if (const double along = Dot(faces_[i].normal, direction);
-          faces_[i].is_alive && faces_[i].has_area && along > most)
-        most = along, best = i;
-    return best;
+    for (int i = 0; i < face_count_; ++i) {
+      const Face3& face = faces_[i];
+      const double along = face.is_alive && face.has_area ? Dot(face.normal, direction) : 0;
+      if (!(along > 0)) continue;
+      double of_face[3];
+      const double inside = WeightsOf(face, distances_[i] / along * direction, of_face);
+      if (inside <= most) continue;
+      most = inside;
+      best = i;
+      std::copy_n(of_face, 3, weight);
+    }
+    Mix(faces_[best], weight, on_a, on_b);
   }
   /// The face is not the nearest one from now on.
   void PassOver(int face) { heights_[face] = std::numeric_limits<double>::infinity(); }
@@ -122,12 +129,7 @@ class Polytope {
       best = k;
       std::copy_n(of_face, 3, weight);
     }
-    on_a = on_b = {};
-    for (int k = 0; k < 3; ++k) {
-      const DifferenceVertex& corner = vertices_[faces_[best].vertex[k]];
-      on_a = on_a + weight[k] * corner.on_a;
-      on_b = on_b + weight[k] * corner.on_b;
-    }
+    Mix(faces_[best], weight, on_a, on_b);
   }
 
   /// Of the corners of the face.
@@ -176,6 +178,16 @@ class Polytope {
     }
     for (int k = 0; k < 3; ++k) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
     return area > 0 ? least / area : -std::numeric_limits<double>::infinity();
+  }
+
+  /// The points of the cores at the weighted mean of the corners.
+  void Mix(const Face3& face, const double* weight, Vec3& on_a, Vec3& on_b) const {
+    on_a = on_b = {};
+    for (int k = 0; k < 3; ++k) {
+      const DifferenceVertex& corner = vertices_[face.vertex[k]];
+      on_a = on_a + weight[k] * corner.on_a;
+      on_b = on_b + weight[k] * corner.on_b;
+    }
   }
 
   /// In the place of a removed one, if there is any. -1 if there is no room.
@@ -300,8 +312,7 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
     if (!polytope.Grow(nearest, vertex)) break;
   }
   // The farthest vertex of a curved surface is not the point below the origin.
-  if (couple.is_curved && !is_least)
-    polytope.Nearest(polytope.FaceAlong(-best.normal), best.on_a, best.on_b);
+  if (couple.is_curved && !is_least) polytope.PointsAlong(-best.normal, best.on_a, best.on_b);
   return best;
 }
 

@@ -157,8 +157,8 @@ struct OverFace {
   Vec3 normal = {}, point = {};
   double gap = 0;
 
-  OverFace(const Piece& piece, const Vec3& way, const Piece& other, const Rotation& turn,
-           const Vec3& place) {
+  OverFace(const Piece& piece, const Vec3& way, double facing, const Piece& other,
+           const Rotation& turn, const Vec3& place) {
     if (piece.faces.empty()) return;
     const FlatFace* face = &piece.faces[0];
     if (!IsCurved(piece.kind)) {
@@ -166,8 +166,7 @@ struct OverFace {
     } else if (piece.faces.size() > 1 && way.y > 0) {
       face = &piece.faces[1];
     }
-    constexpr double kFacing = 0.9;
-    if (!(Dot(face->normal, way) > kFacing)) return;
+    if (!(Dot(face->normal, way) > facing)) return;
     normal = face->normal;
     point = turn * FarthestPoint(other, Inverse(turn, -normal)) + place;
     gap = Dot(normal, point) - face->offset;
@@ -176,9 +175,9 @@ struct OverFace {
 };
 
 /// The gap of a point of one piece and a face of the other, if it is over that face. `direction`:
-/// about that from a to b.
-bool TryFace(const Couple& couple, const Vec3& direction, Separation& found) {
-  const OverFace of_a(couple.a, direction, couple.b, couple.turn, couple.place);
+/// about that from a to b; `facing`: least cosine of it and the face.
+bool TryFace(const Couple& couple, const Vec3& direction, double facing, Separation& found) {
+  const OverFace of_a(couple.a, direction, facing, couple.b, couple.turn, couple.place);
   if (of_a.is_found) {
     found = {-of_a.normal, of_a.gap, of_a.point - of_a.gap * of_a.normal, of_a.point};
     return true;
@@ -186,7 +185,7 @@ bool TryFace(const Couple& couple, const Vec3& direction, Separation& found) {
   const Rotation &turn = couple.turn, back = {{turn.x.x, turn.y.x, turn.z.x},
                                               {turn.x.y, turn.y.y, turn.z.y},
                                               {turn.x.z, turn.y.z, turn.z.z}};
-  const OverFace of_b(couple.b, Inverse(turn, -direction), couple.a, back,
+  const OverFace of_b(couple.b, Inverse(turn, -direction), facing, couple.a, back,
                       -Inverse(turn, couple.place));
   if (!of_b.is_found) return false;
   const Vec3 on_a = couple.ToA(of_b.point), normal = turn * of_b.normal;
@@ -224,7 +223,8 @@ bool TryEdges(const Couple& couple, const Edges& edges, const Vec3& direction, S
 void MakeGuess(const Couple& couple, const Simplex& simplex, const Vec3& nearest, Guess& guess) {
   const Vec3 direction = -Normalized(nearest);
   guess = {};
-  guess.is_least = TryFace(couple, direction, guess.separation);
+  constexpr double kFacing = 0.9;
+  guess.is_least = TryFace(couple, direction, kFacing, guess.separation);
   if (guess.is_least) return;
   const DifferenceVertex* corners = simplex.vertex;
   const Edges edges(couple, corners[0], corners[simplex.count > 1 ? 1 : 0],
@@ -255,6 +255,12 @@ bool IsProven(const Couple& couple, const Separation& least) {
   return true;
 }
 
+/// Whether the greatest gap of all normals nearby is that of all. The gap of pieces that are apart
+/// is concave.
+bool IsSolved(const Couple& couple, const Separation& greatest) {
+  return greatest.gap > 0 || IsProven(couple, greatest);
+}
+
 /// In rounding errors: cores that are no farther apart touch. Of a shorter distance the direction
 /// is not known, and an expanding polytope finds the normal better.
 constexpr double kTouching = 2e6;
@@ -267,6 +273,11 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
   Guess guess;
   Vec3 nearest = axis;
   double square = std::numeric_limits<double>::infinity();
+  if (couple.is_curved) {
+    constexpr double kFacing = 0.4;
+    guess.is_least = TryFace(couple, -Normalized(axis), kFacing, guess.separation);
+    if (guess.is_least && IsSolved(couple, guess.separation)) return guess.separation;
+  }
   for (int step = 0; step < kMostSteps; ++step) {
     const DifferenceVertex vertex = couple.Support(-nearest);
     const double length = Norm(nearest), along = Dot(vertex.at, nearest) / length;
@@ -295,9 +306,7 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
     MakeGuess(couple, simplex, nearest, other);
     if (!other.is_least || !(other.separation.gap > guess.separation.gap)) continue;
     guess = other;
-    // The gap of bodies that are apart is concave: where it is greatest nearby, it is so of all.
-    if (guess.separation.gap > 0) return guess.separation;
-    if (IsProven(couple, guess.separation)) return guess.separation;
+    if (IsSolved(couple, guess.separation)) return guess.separation;
   }
   return Apart(couple, simplex, nearest);
 }

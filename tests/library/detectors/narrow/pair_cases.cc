@@ -281,7 +281,7 @@ class PairJudge {
     faults_.mean_depth += error;
     faults_.inexact += error > 1e-6;
     faults_.worst_relative =
-        std::max(faults_.worst_relative, error / std::max(1e-4, -exact_.gap / size_));
+        std::max(faults_.worst_relative, error / std::max(1e-3, -exact_.gap / size_));
     if (error > faults_.worst_depth) {
       faults_.worst_depth = error;
       if (faults_.missed == 0) faults_.worst_pair = index_;

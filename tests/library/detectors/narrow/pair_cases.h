@@ -85,7 +85,7 @@ class PairScene {
 struct Faults {
   int pairs = 0, overlaps = 0, near = 0, missed = 0, missed_near = 0, phantom = 0, invalid = 0;
   double mean_depth = 0, worst_depth = 0;  ///< error of the deepest point's distance
-  double worst_relative = 0;  ///< of that: as a part of the depth, or of 1e-4 if that is more
+  double worst_relative = 0;  ///< of that: as a part of the depth, or of 1e-3 if that is more
   int inexact = 0;            ///< depths off by more than 1e-6
   double mean_excess = 0, worst_excess = 0;  ///< overlap along the normal, less the exact one
   double mean_normal = 0, worst_normal = 0;  ///< rad; where the normal is unique
