@@ -233,14 +233,14 @@ void MakeGuess(const Couple& couple, const Simplex& simplex, const Vec3& nearest
   if (edges.count >= 2) return;
   guess.edge = edges.of[0];
   guess.separation.normal = -direction;
-  guess.is_least = Polish(couple, guess.edge, 4, guess.separation).is_least;
+  guess.is_least = Polish(couple, guess.edge, 8, guess.separation).is_least;
 }
 
 /// Whether an overlap that is the least of all normals nearby is the least of all: a polytope in
 /// the difference, between its point nearest to the origin, four around that and one far below, has
 /// no other face that is as near.
 bool IsProven(const Couple& couple, const Separation& least) {
-  constexpr double kTilt = 0.2, kNearby = 0.99;
+  constexpr double kTilt = 0.14, kNearby = 0.99;
   const Vec3 up = -least.normal, u = UnitAcross(up), v = Cross(up, u);
   const double depth = -least.gap;
   const Vec3 top = depth * up, below = couple.Support(-up).at;
