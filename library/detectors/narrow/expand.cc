@@ -272,7 +272,9 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
   Polytope polytope(couple);
   if (!polytope.Begin(simplex, count)) {
     const Vec3 normal = Normalized(polytope.Across());
-    return {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
+    Separation flat = {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
+    if (couple.is_curved) Polish(couple, {}, 8, flat);
+    return flat;
   }
   Separation best = guess.separation;
   // Whether the best is the least extent of a smooth part of the difference, and which part.
@@ -312,7 +314,8 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
     if (!polytope.Grow(nearest, vertex)) break;
   }
   // The farthest vertex of a curved surface is not the point below the origin.
-  if (couple.is_curved && !is_least) polytope.PointsAlong(-best.normal, best.on_a, best.on_b);
+  if (couple.is_curved && !is_least && !Polish(couple, {}, 8, best).is_least)
+    polytope.PointsAlong(-best.normal, best.on_a, best.on_b);
   return best;
 }
 
