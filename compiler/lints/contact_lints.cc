@@ -305,7 +305,9 @@ std::optional<Estimate> RollingGain(const SceneFacts& scene, const GroupFacts& o
   // Beside others, what it gains is small.
   const bool all_roll = std::ranges::all_of(
       scene.groups, [&](const GroupFacts& group) { return !group.moves || may_roll(group); });
-  if (!all_roll || scene.rests || !scene.are_gains_judged || !scene.HasWeight(objects))
+  const bool has_whole_lines = scene.world->WordOr("narrow_phase") == "batch";
+  if (has_whole_lines || !all_roll || scene.rests || !scene.are_gains_judged ||
+      !scene.HasWeight(objects))
     return std::nullopt;
   const bool has_slope = std::ranges::any_of(scene.groups, [](const GroupFacts& group) {
     const auto turn = ConstantOf(group.settings->Get("orientation"));

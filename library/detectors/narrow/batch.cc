@@ -66,8 +66,11 @@ class Table {
     set(Kind::kCapsule, Kind::kCapsule, CapsuleCapsule, false);
     set(Kind::kBall, Kind::kBox, BallBox, false);
     set(Kind::kBox, Kind::kBox, BoxBox, true);
-    for (const Kind kind : {Kind::kBall, Kind::kCapsule, Kind::kBox, Kind::kHull}) {
-      set(kind, Kind::kHull, Polytopes, true);
+    constexpr Kind kConvex[] = {Kind::kBall,     Kind::kCapsule, Kind::kBox,  Kind::kHull,
+                                Kind::kCylinder, Kind::kCone,    Kind::kRound};
+    for (const Kind kind : kConvex) {
+      for (const Kind other : {Kind::kHull, Kind::kCylinder, Kind::kCone, Kind::kRound})
+        set(kind, other, Polytopes, true);
       set(kind, Kind::kPlane, AnyPlane, false);
     }
     set(Kind::kCapsule, Kind::kBox, Polytopes, true);

@@ -1,5 +1,5 @@
-// `batch`, cdb's own narrow phase. It handles the pairs of balls, round capsules, boxes, hulls and
-// compounds of hulls with each other and with planes, except two compounds.
+// `batch`, cdb's own narrow phase. It handles the pairs of all convex shapes and compounds of hulls
+// with each other and with planes, except two compounds.
 #pragma once
 
 #include "library/detectors/detector.h"
@@ -7,7 +7,8 @@
 namespace cdb::narrow {
 
 /// Contacts of bodies up to kNear (pieces.h) apart, for planes and two balls as round.cc says:
-/// exact depths, and up to four points for each pair of convex pieces. They depend on the poses
+/// exact depths, of pieces with curved surfaces to a hundredth, and up to four points for each pair
+/// of convex pieces. They depend on the poses
 /// alone, not on earlier cycles or the order of pairs. Threads: one, as for every detector.
 Detector* MakeBatch(const Options& options);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "library/detectors/kernels/simd.h"
+#include "library/detectors/narrow/curved.h"
 #include "library/detectors/narrow/pieces.h"
 
 namespace cdb::narrow {
@@ -60,7 +61,8 @@ inline std::uint32_t FarthestOf(const double* columns, std::uint32_t padded,
   return best;
 }
 
-/// The index of the vertex that is farthest along `direction`; the first of several.
+/// The index of the vertex of a core without curved surfaces that is farthest along `direction`;
+/// the first of several.
 inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
   if (piece.kind == Kind::kBox)
     return (direction.x > 0 ? 1u : 0u) | (direction.y > 0 ? 2u : 0u) | (direction.z > 0 ? 4u : 0u);
@@ -68,8 +70,15 @@ inline std::uint32_t FarthestVertex(const Piece& piece, const Vec3& direction) {
   return FarthestOf(piece.columns.data(), piece.padded, direction);
 }
 
+/// The point of the core that is farthest along `direction`.
+inline Vec3 FarthestPoint(const Piece& piece, const Vec3& direction) {
+  return IsCurved(piece.kind) ? FarthestOnCurved(piece, direction)
+                              : piece.Vertex(FarthestVertex(piece, direction));
+}
+
 /// How far the core extends along `direction`.
 inline double Extent(const Piece& piece, const Vec3& direction) {
+  if (IsCurved(piece.kind)) return ExtentOfCurved(piece, direction);
   if (piece.kind == Kind::kBox)
     return std::abs(direction.x) * piece.half.x + std::abs(direction.y) * piece.half.y +
            std::abs(direction.z) * piece.half.z;
@@ -83,10 +92,14 @@ inline double Extent(const Piece& piece, const Vec3& direction) {
 
 }  // namespace
 
-/// A vertex of the difference a - b: of two vertices, in the frame of a.
+/// A vertex of the difference a - b, of two vertices or points of curved surfaces, in the frame of
+/// a.
 struct DifferenceVertex {
   Vec3 at, on_a, on_b;
 };
+
+/// In radii of the smaller piece. Polish finds what is below it.
+inline constexpr double kSkin = 2e-7;
 
 /// A pair of pieces, neither a plane, in the frame of the first's body.
 struct Couple {
@@ -95,6 +108,10 @@ struct Couple {
   Vec3 place;
   /// m: lengths below this are rounding errors, and the normal of such a gap is not known from it.
   double rounding;
+  /// m: the difference has a surface where a plane that touches it is no farther away. More than
+  /// rounding errors if the surface is curved.
+  double skin;
+  bool is_curved;
 
   Couple(const Piece& first, const Pose& pose_a, const Piece& second, const Pose& pose_b)
       : a(first), b(second) {
@@ -103,13 +120,16 @@ struct Couple {
     place = Inverse(axes, pose_b.position - pose_a.position);
     rounding =
         2e-15 * (std::abs(place.x) + std::abs(place.y) + std::abs(place.z) + a.reach + b.reach);
+    skin = 4 * rounding;
+    is_curved = IsCurved(a.kind) || IsCurved(b.kind);
+    if (is_curved) skin = std::max(skin, kSkin * std::min(a.bound, b.bound));
   }
 
   Vec3 ToA(const Vec3& of_b) const { return turn * of_b + place; }
   /// The farthest vertex along `direction`.
   DifferenceVertex Support(const Vec3& direction) const {
-    const Vec3 on_a = a.Vertex(FarthestVertex(a, direction));
-    const Vec3 on_b = ToA(b.Vertex(FarthestVertex(b, Inverse(turn, -direction))));
+    const Vec3 on_a = FarthestPoint(a, direction);
+    const Vec3 on_b = ToA(FarthestPoint(b, Inverse(turn, -direction)));
     return {on_a - on_b, on_a, on_b};
   }
   /// m: of the cores along `normal`, unit, from b to a; negative if they overlap along it.
@@ -131,8 +151,53 @@ struct Separation {
 /// begin with, not zero.
 Separation Separate(const Couple& couple, const Vec3& axis, double reach);
 
+/// A straight edge or line on a surface, in the frame of a: of a if `piece` is 1, of b if it is -1;
+/// 0: none.
+struct Edge {
+  int piece = 0;
+  /// From end to end, and the middle; of a line on a curved surface, which is parallel to the axis,
+  /// that of the axis.
+  Vec3 along = {0, 0, 0}, middle = {0, 0, 0};
+  bool is_axis = false;
+
+  /// Whether it ends in this point, or a line parallel to it does.
+  bool EndsIn(const Vec3& point) const {
+    const Vec3 from = point - middle, half = (Dot(from, along) > 0 ? 0.5 : -0.5) * along;
+    return is_axis || SquaredNorm(from - half) <= 1e-20 * SquaredNorm(along);
+  }
+};
+
+/// The edges along which the corners of a triangle of the difference lie. Of none or one, the
+/// triangle is on a smooth part, or on one that is smooth across the edge; otherwise it is on a
+/// flat part, as far as its corners tell.
+struct Edges {
+  int count = 0;  ///< 3 for more
+  Edge of[2];
+
+  Edges(const Couple& couple, const DifferenceVertex& a, const DifferenceVertex& b,
+        const DifferenceVertex& c);
+};
+
+/// An overlap along a normal, which may be the least.
+struct Guess {
+  Separation separation = {{0, 1, 0}, -kernels::kInfinity, {}, {}};
+  bool is_least = false;  ///< no normal nearby has less overlap
+  Edge edge;              ///< across which the normal is
+};
+
 /// The same where the cores are known to overlap or to touch, from a simplex of `count` vertices of
-/// their difference.
-Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count);
+/// their difference. `guess`: what is known already.
+Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count,
+                  const Guess& guess);
+
+/// What Polish finds.
+struct Polished {
+  DifferenceVertex vertex;  ///< the farthest along the normal
+  bool is_least;            ///< no normal nearby has a greater gap
+};
+
+/// Of pieces with curved surfaces: turns the normal to the nearest one along which the gap is
+/// greatest, by some steps of Newton's method, and only across the edge if there is one.
+Polished Polish(const Couple& couple, const Edge& edge, int steps, Separation& separation);
 
 }  // namespace cdb::narrow

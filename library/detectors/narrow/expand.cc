@@ -15,6 +15,9 @@ namespace {
 
 /// Least cosine of the normals of triangles in one plane.
 constexpr double kSamePlane = 1 - 1e-10;
+/// Faces with normals this close to that of the best point, and this part as far from the origin,
+/// are on the way to it, if they are on the same smooth part.
+constexpr double kNearby = 0.99, kDeep = 0.99;
 constexpr int kMostVertices = 256, kMostFaces = 1024;
 
 struct Face3 {
@@ -59,9 +62,28 @@ class Polytope {
     double least = std::numeric_limits<double>::infinity();
     int best = -1;
     for (int i = 0; i < face_count_; ++i)
-      if (distances_[i] < least) least = distances_[i], best = i;
+      if (heights_[i] < least) least = heights_[i], best = i;
     return best;
   }
+  /// The points of the cores where the polytope ends along the direction.
+  void PointsAlong(const Vec3& direction, Vec3& on_a, Vec3& on_b) const {
+    double most = -std::numeric_limits<double>::infinity(), weight[3] = {};
+    int best = 0;
+    for (int i = 0; i < face_count_; ++i) {
+      const Face3& face = faces_[i];
+      const double along = face.is_alive && face.has_area ? Dot(face.normal, direction) : 0;
+      if (!(along > 0)) continue;
+      double of_face[3];
+      const double inside = WeightsOf(face, distances_[i] / along * direction, of_face);
+      if (inside <= most) continue;
+      most = inside;
+      best = i;
+      std::copy_n(of_face, 3, weight);
+    }
+    Mix(faces_[best], weight, on_a, on_b);
+  }
+  /// The face is not the nearest one from now on.
+  void PassOver(int face) { heights_[face] = std::numeric_limits<double>::infinity(); }
 
   /// Grows at the face to include a vertex beyond it. False if there is no room, or if rounding
   /// hides the outline of what is seen from the vertex.
@@ -107,12 +129,13 @@ class Polytope {
       best = k;
       std::copy_n(of_face, 3, weight);
     }
-    on_a = on_b = {};
-    for (int k = 0; k < 3; ++k) {
-      const DifferenceVertex& corner = vertices_[faces_[best].vertex[k]];
-      on_a = on_a + weight[k] * corner.on_a;
-      on_b = on_b + weight[k] * corner.on_b;
-    }
+    Mix(faces_[best], weight, on_a, on_b);
+  }
+
+  /// Of the corners of the face.
+  Edges EdgesOf(int face) const {
+    const int* corners = faces_[face].vertex;
+    return {couple_, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]};
   }
 
  private:
@@ -157,6 +180,16 @@ class Polytope {
     return area > 0 ? least / area : -std::numeric_limits<double>::infinity();
   }
 
+  /// The points of the cores at the weighted mean of the corners.
+  void Mix(const Face3& face, const double* weight, Vec3& on_a, Vec3& on_b) const {
+    on_a = on_b = {};
+    for (int k = 0; k < 3; ++k) {
+      const DifferenceVertex& corner = vertices_[face.vertex[k]];
+      on_a = on_a + weight[k] * corner.on_a;
+      on_b = on_b + weight[k] * corner.on_b;
+    }
+  }
+
   /// In the place of a removed one, if there is any. -1 if there is no room.
   int AddFace(int a, int b, int c) {
     if (free_count_ == 0 && face_count_ == kMostFaces) return -1;
@@ -168,13 +201,13 @@ class Polytope {
     const double area = SquaredNorm(across), longest = std::max(SquaredNorm(ab), SquaredNorm(ac));
     face.has_area = area > 1e-26 * longest * longest && area > 0;
     if (face.has_area) face.normal = 1 / std::sqrt(area) * across;
-    distances_[index] =
+    heights_[index] = distances_[index] =
         face.has_area ? Dot(face.normal, At(a)) : std::numeric_limits<double>::infinity();
     return index;
   }
   void Remove(int index) {
     faces_[index].is_alive = false;
-    distances_[index] = std::numeric_limits<double>::infinity();
+    heights_[index] = distances_[index] = std::numeric_limits<double>::infinity();
     removed_[removed_count_++] = index;
   }
 
@@ -226,6 +259,7 @@ class Polytope {
   std::array<DifferenceVertex, kMostVertices> vertices_;
   std::array<Face3, kMostFaces> faces_;
   std::array<double, kMostFaces> distances_;  ///< of their planes; infinite if one is none
+  std::array<double, kMostFaces> heights_;    ///< the same, but infinite for those passed over
   std::array<int, kMostFaces> free_, removed_;
   int vertex_count_ = 0, face_count_ = 0, free_count_ = 0, removed_count_ = 0;
   int apex_ = 0, first_new_ = 0, last_new_ = 0, new_count_ = 0;
@@ -233,27 +267,55 @@ class Polytope {
 
 }  // namespace
 
-Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count) {
+Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count,
+                  const Guess& guess) {
   Polytope polytope(couple);
   if (!polytope.Begin(simplex, count)) {
     const Vec3 normal = Normalized(polytope.Across());
-    return {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
+    Separation flat = {normal, couple.Gap(normal), simplex[0].on_a, simplex[0].on_b};
+    if (couple.is_curved) Polish(couple, {}, 8, flat);
+    return flat;
   }
-  Separation best{{0, 1, 0}, -std::numeric_limits<double>::infinity(), {}, {}};
+  Separation best = guess.separation;
+  // Whether the best is the least extent of a smooth part of the difference, and which part.
+  bool is_least = guess.is_least;
+  Edge patch = guess.edge;
   for (;;) {
     const int nearest = polytope.NearestFace();
     if (nearest < 0) break;
     const Vec3 normal = polytope.NormalOf(nearest);
-    const DifferenceVertex vertex = couple.Support(normal);
+    // No face is nearer than the best point of a curved surface, nor is any other point of it.
+    if (couple.is_curved && -best.gap - polytope.DistanceOf(nearest) <= couple.skin) break;
+    DifferenceVertex vertex = couple.Support(normal);
     const double extent = Dot(vertex.at, normal);
-    const bool is_surface = extent - polytope.DistanceOf(nearest) <= 4 * couple.rounding;
-    if (-extent > best.gap || is_surface) best = {-normal, -extent, vertex.on_a, vertex.on_b};
-    if (is_surface) {
-      polytope.Nearest(nearest, best.on_a, best.on_b);
-      break;
+    const bool is_surface = extent - polytope.DistanceOf(nearest) <= couple.skin;
+    if (-extent > best.gap || is_surface)
+      is_least = false, best = {-normal, -extent, vertex.on_a, vertex.on_b};
+    if (is_surface) polytope.Nearest(nearest, best.on_a, best.on_b);
+    if (couple.is_curved) {
+      const Edges edges = polytope.EdgesOf(nearest);
+      const Edge& edge = edges.of[0];
+      const bool is_same = is_least && edges.count < 2 && edge.piece == patch.piece;
+      if (is_same && Dot(normal, -best.normal) > kNearby &&
+          polytope.DistanceOf(nearest) > kDeep * -best.gap) {
+        polytope.PassOver(nearest);
+        continue;
+      }
+      if (!is_same && edges.count < 2) {
+        Separation polished = {-normal, -extent, vertex.on_a, vertex.on_b};
+        if (is_surface) polished = best;
+        const Polished found = Polish(couple, edge, 4, polished);
+        if (polished.gap > best.gap) best = polished, is_least = found.is_least, patch = edge;
+        const DifferenceVertex& other = found.vertex;
+        if (Dot(other.at, normal) > polytope.DistanceOf(nearest) + couple.skin) vertex = other;
+      }
     }
+    if (is_surface) return best;
     if (!polytope.Grow(nearest, vertex)) break;
   }
+  // The farthest vertex of a curved surface is not the point below the origin.
+  if (couple.is_curved && !is_least && !Polish(couple, {}, 8, best).is_least)
+    polytope.PointsAlong(-best.normal, best.on_a, best.on_b);
   return best;
 }
 

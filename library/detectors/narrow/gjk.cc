@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "library/detectors/narrow/couple.h"
+#include "library/detectors/narrow/manifold.h"
 
 namespace cdb::narrow {
 namespace {
@@ -114,6 +114,7 @@ bool Holds(const Simplex& simplex, const Vec3& at) {
   return false;
 }
 
+/// Of cores whose difference is nearest to the origin in a point of the simplex.
 Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& nearest) {
   Separation found{.normal = Normalized(nearest), .gap = Norm(nearest), .on_a = {}, .on_b = {}};
   // Of a face, the normal does not suffer from a short distance.
@@ -128,7 +129,136 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
     found.on_a = found.on_a + simplex.weight[i] * simplex.vertex[i].on_a;
     found.on_b = found.on_b + simplex.weight[i] * simplex.vertex[i].on_b;
   }
+  if (!couple.is_curved) return found;
+  Polish(couple, {}, 6, found);
+  // Within a skin, whose normals differ: those of a polytope do not.
+  if (!(found.gap > 0)) return Expand(couple, simplex.vertex, simplex.count, {});
   return found;
+}
+
+/// Whether a point is over the flat face of the piece, in its frame.
+bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point) {
+  if (IsCurved(piece.kind)) {
+    const double x = point.x / piece.half.x, z = point.z / piece.half.z;
+    return x * x + z * z <= 1;
+  }
+  for (std::uint32_t i = 0; i < face.count; ++i) {
+    const Vec3 from = piece.Vertex(piece.corners[face.first + i]),
+               to = piece.Vertex(piece.corners[face.first + (i + 1 == face.count ? 0 : i + 1)]);
+    if (Dot(face.normal, Cross(to - from, point - from)) < 0) return false;
+  }
+  return true;
+}
+
+/// The point of the other piece that is deepest behind the face of one that faces along about
+/// `way`, in its frame, if it is above that face. `turn` and `place`: of the other.
+struct OverFace {
+  bool is_found = false;
+  Vec3 normal = {}, point = {};
+  double gap = 0;
+
+  OverFace(const Piece& piece, const Vec3& way, double facing, const Piece& other,
+           const Rotation& turn, const Vec3& place) {
+    if (piece.faces.empty()) return;
+    const FlatFace* face = &piece.faces[0];
+    if (!IsCurved(piece.kind)) {
+      face = &FacingFace(piece, way);
+    } else if (piece.faces.size() > 1 && way.y > 0) {
+      face = &piece.faces[1];
+    }
+    if (!(Dot(face->normal, way) > facing)) return;
+    normal = face->normal;
+    point = turn * FarthestPoint(other, Inverse(turn, -normal)) + place;
+    gap = Dot(normal, point) - face->offset;
+    is_found = IsOver(piece, *face, point);
+  }
+};
+
+/// The gap of a point of one piece and a face of the other, if it is over that face. `direction`:
+/// about that from a to b; `facing`: least cosine of it and the face.
+bool TryFace(const Couple& couple, const Vec3& direction, double facing, Separation& found) {
+  const OverFace of_a(couple.a, direction, facing, couple.b, couple.turn, couple.place);
+  if (of_a.is_found) {
+    found = {-of_a.normal, of_a.gap, of_a.point - of_a.gap * of_a.normal, of_a.point};
+    return true;
+  }
+  const Rotation &turn = couple.turn, back = {{turn.x.x, turn.y.x, turn.z.x},
+                                              {turn.x.y, turn.y.y, turn.z.y},
+                                              {turn.x.z, turn.y.z, turn.z.z}};
+  const OverFace of_b(couple.b, Inverse(turn, -direction), facing, couple.a, back,
+                      -Inverse(turn, couple.place));
+  if (!of_b.is_found) return false;
+  const Vec3 on_a = couple.ToA(of_b.point), normal = turn * of_b.normal;
+  found = {normal, of_b.gap, on_a, on_a - of_b.gap * normal};
+  return true;
+}
+
+/// The gap of an edge of each, if they are nearest where they cross. A line on a curved surface is
+/// where that touches a plane along the other edge.
+bool TryEdges(const Couple& couple, const Edges& edges, const Vec3& direction, Separation& found) {
+  const Edge &first = edges.of[0], &second = edges.of[1];
+  if (first.piece == second.piece) return false;
+  const Vec3 across = Cross(first.along, second.along);
+  const double square = SquaredNorm(across);
+  if (!(square > 1e-6 * SquaredNorm(first.along) * SquaredNorm(second.along))) return false;
+  Vec3 way = 1 / std::sqrt(square) * across;
+  if (Dot(way, direction) < 0) way = -way;
+  const DifferenceVertex vertex = couple.Support(way);
+  if (!first.EndsIn(vertex.on_a) || !second.EndsIn(vertex.on_b)) return false;
+  // From the middle of each edge to where they cross, in edges.
+  const auto middle = [&](const Edge& edge, const Vec3& end) {
+    return end - Dot(end - edge.middle, edge.along) / SquaredNorm(edge.along) * edge.along;
+  };
+  const Vec3 on_a = middle(first, vertex.on_a), on_b = middle(second, vertex.on_b),
+             between = on_b - on_a;
+  const double s = Dot(Cross(between, second.along), across) / square,
+               t = Dot(Cross(between, first.along), across) / square;
+  if (!(std::abs(s) <= 0.5 && std::abs(t) <= 0.5)) return false;
+  found = {-way, -Dot(vertex.at, way), on_a + s * first.along, on_b + t * second.along};
+  return true;
+}
+
+/// Of pieces with curved surfaces: guesses from a simplex about the nearest where their gap is
+/// greatest.
+void MakeGuess(const Couple& couple, const Simplex& simplex, const Vec3& nearest, Guess& guess) {
+  const Vec3 direction = -Normalized(nearest);
+  guess = {};
+  constexpr double kFacing = 0.9;
+  guess.is_least = TryFace(couple, direction, kFacing, guess.separation);
+  if (guess.is_least) return;
+  const DifferenceVertex* corners = simplex.vertex;
+  const Edges edges(couple, corners[0], corners[simplex.count > 1 ? 1 : 0],
+                    corners[simplex.count > 2 ? 2 : 0]);
+  if (edges.count == 2) guess.is_least = TryEdges(couple, edges, direction, guess.separation);
+  if (edges.count >= 2) return;
+  guess.edge = edges.of[0];
+  guess.separation.normal = -direction;
+  guess.is_least = Polish(couple, guess.edge, 8, guess.separation).is_least;
+}
+
+/// Whether an overlap that is the least of all normals nearby is the least of all: a polytope in
+/// the difference, between its point nearest to the origin, four around that and one far below, has
+/// no other face that is as near.
+bool IsProven(const Couple& couple, const Separation& least) {
+  constexpr double kTilt = 0.14, kNearby = 0.99;
+  const Vec3 up = -least.normal, u = UnitAcross(up), v = Cross(up, u);
+  const double depth = -least.gap;
+  const Vec3 top = depth * up, below = couple.Support(-up).at;
+  const Vec3 around[4] = {couple.Support(up + kTilt * u).at, couple.Support(up + kTilt * v).at,
+                          couple.Support(up - kTilt * u).at, couple.Support(up - kTilt * v).at};
+  for (int k = 0; k < 4; ++k) {
+    const Vec3 &a = around[k], &b = around[(k + 1) % 4];
+    if (a.x == b.x && a.y == b.y && a.z == b.z) continue;
+    const Vec3 side = Cross(below - a, b - a), lid = Cross(a - top, b - top);
+    if (!(Dot(side, a) >= depth * Norm(side) && Dot(lid, up) >= kNearby * Norm(lid))) return false;
+  }
+  return true;
+}
+
+/// Whether the greatest gap of all normals nearby is that of all. The gap of pieces that are apart
+/// is concave.
+bool IsSolved(const Couple& couple, const Separation& greatest) {
+  return greatest.gap > 0 || IsProven(couple, greatest);
 }
 
 /// In rounding errors: cores that are no farther apart touch. Of a shorter distance the direction
@@ -140,29 +270,43 @@ constexpr int kMostSteps = 100;
 
 Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
   Simplex simplex;
+  Guess guess;
   Vec3 nearest = axis;
   double square = std::numeric_limits<double>::infinity();
+  if (couple.is_curved) {
+    constexpr double kFacing = 0.4;
+    guess.is_least = TryFace(couple, -Normalized(axis), kFacing, guess.separation);
+    if (guess.is_least && IsSolved(couple, guess.separation)) return guess.separation;
+  }
   for (int step = 0; step < kMostSteps; ++step) {
     const DifferenceVertex vertex = couple.Support(-nearest);
     const double length = Norm(nearest), along = Dot(vertex.at, nearest) / length;
     if (along > reach)
       return {.normal = 1 / length * nearest, .gap = along, .on_a = {}, .on_b = {}};
     // No vertex is closer to the origin along the way: the nearest point is the nearest of all.
-    if (simplex.count > 0 && (length - along <= couple.rounding || Holds(simplex, vertex.at)))
+    if (simplex.count > 0 && (length - along <= couple.skin / 4 || Holds(simplex, vertex.at)))
       return Apart(couple, simplex, nearest);
     simplex.vertex[simplex.count++] = vertex;
     const Part part = NearestOf(simplex);
     const Vec3 next = simplex.PointOf(part);
     const double next_square = SquaredNorm(next);
     if (part.count == 0 || next_square <= kTouching * kTouching * couple.rounding * couple.rounding)
-      return Expand(couple, simplex.vertex, simplex.count);
+      return Expand(couple, simplex.vertex, simplex.count, guess);
     if (!(next_square < square)) {  // by rounding
       --simplex.count;
+      if (couple.is_curved && length - along > couple.skin)
+        return Expand(couple, simplex.vertex, simplex.count, guess);
       return Apart(couple, simplex, nearest);
     }
     simplex.Keep(part);
     square = next_square;
     nearest = next;
+    if (!couple.is_curved || step % 3 != 2) continue;
+    Guess other;
+    MakeGuess(couple, simplex, nearest, other);
+    if (!other.is_least || !(other.separation.gap > guess.separation.gap)) continue;
+    guess = other;
+    if (IsSolved(couple, guess.separation)) return guess.separation;
   }
   return Apart(couple, simplex, nearest);
 }

@@ -35,7 +35,7 @@ using Kernel = void(const Placed& a, const Placed& b, Hint& hint, Manifold& mani
 Kernel BallBall, BallCapsule, CapsuleCapsule, BallBox, AnyPlane;
 /// Boxes: 15 separating axes (Gottschalk, Lin & Manocha 1996).
 Kernel BoxBox;
-/// Boxes, hulls, and balls and capsules with either: GJK and an expanding polytope.
+/// Any two pieces, neither a plane: GJK and an expanding polytope.
 Kernel Polytopes;
 
 /// Whether cores are farther apart than `reach` along the axis of the hint, if it has one.

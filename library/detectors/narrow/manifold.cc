@@ -13,6 +13,9 @@ namespace {
 
 /// Least cosine of a face and the normal at which the face is seen from the front.
 constexpr double kFacing = 0.05;
+/// Largest sine of the angle of two lines that touch along each other, and how far apart they are
+/// at most in radii of the smaller piece: then the gap of round sides is about that of the lines.
+constexpr double kParallel = 0.02, kBeside = 0.02;
 /// Corners of faces of which all are considered; of larger faces, every n-th.
 constexpr std::size_t kMostCorners = 64;
 
@@ -35,14 +38,8 @@ struct Plane {
   Corner Of(const Vec3& at) const { return {Dot(u, at), Dot(v, at)}; }
 };
 
-/// Of a capsule that lies along the plane: the line on its surface that is nearest to it.
-void LieDown(const Piece& piece, const Rotation& turn, const Vec3& place, const Plane& plane,
-             double sign, Feature& feature) {
-  const Vec3 way = sign * plane.normal;
-  const double tilt = Dot(turn.y, way);
-  if (std::abs(tilt) > kLying) return;
-  const Vec3 middle = place + piece.radius * Normalized(way - tilt * turn.y);
-  const Vec3 low = middle - piece.half.y * turn.y, high = middle + piece.half.y * turn.y;
+/// Sets the line from `low` to `high`.
+void SetLine(const Vec3& low, const Vec3& high, const Plane& plane, Feature& feature) {
   const Corner &from = feature.corners[0] = plane.Of(low),
                &to = feature.corners[1] = plane.Of(high);
   feature.count = 2;
@@ -53,14 +50,27 @@ void LieDown(const Piece& piece, const Rotation& turn, const Vec3& place, const 
   feature.height = Dot(plane.normal, low) - feature.slope_x * from.x - feature.slope_y * from.y;
 }
 
+/// Of a capsule that lies along the plane: the line on its surface that is nearest to it.
+void LieDown(const Piece& piece, const Rotation& turn, const Vec3& place, const Plane& plane,
+             double sign, Feature& feature) {
+  const Vec3 way = sign * plane.normal;
+  const double tilt = Dot(turn.y, way);
+  if (std::abs(tilt) > kLying) return;
+  const Vec3 middle = place + piece.radius * Normalized(way - tilt * turn.y);
+  SetLine(middle - piece.half.y * turn.y, middle + piece.half.y * turn.y, plane, feature);
+}
+
 /// Of a piece at a pose in the frame of a, that faces along `sign` times the normal.
 void FindFeature(const Piece& piece, const Rotation& turn, const Vec3& place, const Plane& plane,
                  double sign, Feature& feature) {
   const Vec3 local = Inverse(turn, sign * plane.normal);
   feature.count = 0;
   if (piece.kind == Kind::kCapsule) return LieDown(piece, turn, place, plane, sign, feature);
-  if (piece.faces.empty()) return;
-  const FlatFace& face = FacingFace(piece, local);
+  const Facing facing = FacingOf(piece, local);
+  if (facing.is_line)
+    return SetLine(turn * facing.from + place, turn * facing.to + place, plane, feature);
+  if (facing.face == nullptr) return;
+  const FlatFace& face = *facing.face;
   if (Dot(face.normal, local) < kFacing) return;
   const Vec3 normal = turn * face.normal;
   const double along = Dot(normal, plane.normal);
@@ -115,6 +125,33 @@ std::size_t Clip(const Feature& one, const Feature& polygon, Outline& result) {
   return count;
 }
 
+/// The ends, on b, of the part of two lines in which they are side by side, if they are no farther
+/// than `beside` m apart there.
+std::size_t CommonPart(const Feature& a, const Feature& b, double beside, Outline& result) {
+  const Corner &from_a = a.corners[0], &from = b.corners[0];
+  const Corner along_a = {a.corners[1].x - from_a.x, a.corners[1].y - from_a.y},
+               along = {b.corners[1].x - from.x, b.corners[1].y - from.y};
+  const double cross = along_a.x * along.y - along_a.y * along.x;
+  const double square_a = along_a.x * along_a.x + along_a.y * along_a.y,
+               square = along.x * along.x + along.y * along.y;
+  if (cross * cross > kParallel * kParallel * square * square_a) return 0;
+  const auto apart = [&](const Corner& at) {
+    return std::abs((at.x - from_a.x) * along_a.y - (at.y - from_a.y) * along_a.x);
+  };
+  const auto place = [&](const Corner& at) {
+    return ((at.x - from.x) * along.x + (at.y - from.y) * along.y) / square;
+  };
+  const auto [first, last] = std::minmax({place(a.corners[0]), place(a.corners[1])});
+  const double low = std::max(first, 0.0), high = std::min(last, 1.0);
+  if (!(low < high)) return 0;
+  std::size_t count = 0;
+  for (const double t : {low, high}) {
+    const Corner at = {from.x + t * along.x, from.y + t * along.y};
+    if (apart(at) <= beside * std::sqrt(square_a)) result[count++] = at;
+  }
+  return count;
+}
+
 }  // namespace
 
 void Manifold::Reduce(double slop) {
@@ -165,6 +202,24 @@ const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
   return piece.faces[FarthestOf(piece.face_columns.data(), piece.padded_faces, direction)];
 }
 
+Facing FacingOf(const Piece& piece, const Vec3& direction) {
+  if (piece.kind == Kind::kBox || piece.kind == Kind::kHull)
+    return {.face = &FacingFace(piece, direction)};
+  if (piece.faces.empty()) return {};
+  const Scaled rim = RimOf(piece, direction);
+  const Vec3 across = rim.Farthest();
+  const double height = piece.half.y, middle = piece.centre.y;
+  Facing line{.is_line = true,
+              .from = {across.x, middle - height, across.z},
+              .to = {0, middle + height, 0}};
+  if (piece.kind == Kind::kCylinder) line.to = {across.x, height, across.z};
+  const Vec3 along = line.to - line.from;
+  const double tilt = Dot(along, direction);
+  if (rim.length > 0 && tilt * tilt <= kLying * kLying * SquaredNorm(along)) return line;
+  if (piece.kind == Kind::kCylinder) return {.face = &piece.faces[direction.y > 0 ? 1 : 0]};
+  return {.face = direction.y < 0 ? &piece.faces[0] : nullptr};
+}
+
 bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifold& manifold) {
   const Piece &a = couple.a, &b = couple.b;
   const Vec3& normal = separation.normal;
@@ -173,36 +228,57 @@ bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifol
   Feature of_a, of_b;
   FindFeature(a, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, plane, -1, of_a);
   if (of_a.count > 0) FindFeature(b, couple.turn, couple.place, plane, 1, of_b);
+  if (of_a.count == 0 || of_b.count == 0) return false;
+  Outline outline;
+  std::size_t count = 0;
+  if (of_a.count == 2 && of_b.count == 2) {
+    count = CommonPart(of_a, of_b, kBeside * std::min(a.bound, b.bound), outline);
+  } else {
+    count = of_a.count == 2 ? Clip(of_a, of_b, outline) : Clip(of_b, of_a, outline);
+  }
+  const double exact = separation.gap - a.radius - b.radius;
   double least = kernels::kInfinity;
-  if (of_a.count > 0 && of_b.count > 0 && of_a.count + of_b.count > 4) {
-    Outline outline;
-    const std::size_t count =
-        of_a.count == 2 ? Clip(of_a, of_b, outline) : Clip(of_b, of_a, outline);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Corner& at = outline[i];
-      const double height = of_b.HeightAt(at), gap = of_a.HeightAt(at) - height;
-      least = std::min(least, gap);
-      if (gap > kNear) continue;
-      manifold.Add(at.x * plane.u + at.y * plane.v + height * normal, normal, gap);
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Corner& at = outline[i];
+    const double height = of_b.HeightAt(at), gap = of_a.HeightAt(at) - height;
+    least = std::min(least, gap);
+    if (gap > kNear) continue;
+    manifold.Add(at.x * plane.u + at.y * plane.v + height * normal, normal, gap);
   }
   const double tolerance = kSameGap * std::min(a.bound, b.bound) + 1e3 * couple.rounding;
-  return least <= separation.gap - a.radius - b.radius + tolerance;
+  return least <= exact + tolerance;
+}
+
+void AddDeepest(const Vec3& on_b, const Vec3& normal, double gap, double beside,
+                Manifold& manifold) {
+  Point* nearest = nullptr;
+  double least = beside * beside;
+  for (Point& point : manifold.points())
+    if (const double square = SquaredNorm(point.on_b - on_b); square < least)
+      least = square, nearest = &point;
+  if (nearest != nullptr) {
+    *nearest = {on_b, normal, gap};
+  } else {
+    manifold.Add(on_b, normal, gap);
+  }
+}
+
+double BesideOf(const Piece& piece) {
+  // The end of a capsule that lies is beside the end of its line.
+  if (piece.radius > 0) return 1.5 * kLying * piece.radius;
+  // Half the way from one corner of a rim to the next, and a little more.
+  return IsCurved(piece.kind) ? 0.42 * std::min(piece.half.x, piece.half.z) : 0;
 }
 
 void AddNearest(const Couple& couple, const Separation& separation, Manifold& manifold) {
   const Piece &a = couple.a, &b = couple.b;
   const Vec3& normal = separation.normal;
-  const Vec3 on_b = separation.on_b + b.radius * normal;
-  const double gap = separation.gap - a.radius - b.radius;
-  // The end of a capsule that lies is beside the end of its line.
-  const double beside = 1.5 * kLying * (a.radius + b.radius);
-  for (Point& point : manifold.points())
-    if (SquaredNorm(point.on_b - on_b) < beside * beside) {
-      point = {on_b, normal, gap};
-      return;
-    }
-  manifold.Add(on_b, normal, gap);
+  // Points on a curved surface are a little inside.
+  const Vec3 on_b = IsCurved(b.kind) && !IsCurved(a.kind)
+                        ? separation.on_a - separation.gap * normal
+                        : separation.on_b;
+  AddDeepest(on_b + b.radius * normal, normal, separation.gap - a.radius - b.radius,
+             BesideOf(a) + BesideOf(b), manifold);
 }
 
 }  // namespace cdb::narrow

@@ -19,8 +19,8 @@ struct Point {
 /// At most so many points are kept, as Bullet does.
 inline constexpr std::size_t kMostPoints = 4;
 
-/// Largest sine of the angle between a capsule's axis and the tangent plane at which it lies on the
-/// other body rather than stands.
+/// Largest sine of the angle between the tangent plane and a capsule's axis or a straight line on a
+/// curved surface at which it lies on the other body rather than stands.
 inline constexpr double kLying = 0.1;
 
 /// In sizes of the smaller piece: gaps that differ by less are equal. In single precision, the axes
@@ -52,11 +52,26 @@ class Manifold {
 /// The face whose normal is nearest to `direction`. Boxes and hulls have one.
 const FlatFace& FacingFace(const Piece& piece, const Vec3& direction);
 
+/// The flat feature of a piece that faces along a unit vector: a face, a line or neither.
+struct Facing {
+  const FlatFace* face = nullptr;
+  bool is_line = false;
+  Vec3 from = {}, to = {};  ///< of the line, on the surface
+};
+Facing FacingOf(const Piece& piece, const Vec3& direction);
+
 /// Adds the points of two pieces whose cores have this separation, in the frame of a: the facing
 /// features, seen along the normal, intersect in a polygon, and its corners are points if their gap
 /// is at most kNear. False if none of them has the gap of the separation. Ignores its nearest
 /// points.
 bool AddFacingPoints(const Couple& couple, const Separation& separation, Manifold& manifold);
+
+/// Adds a point that is deeper than all others, in place of one that is close to it.
+void AddDeepest(const Vec3& on_b, const Vec3& normal, double gap, double beside,
+                Manifold& manifold);
+
+/// m: points of a manifold less than this from a deeper one add nothing to it.
+double BesideOf(const Piece& piece);
 
 /// Adds its nearest points.
 void AddNearest(const Couple& couple, const Separation& separation, Manifold& manifold);

@@ -92,6 +92,64 @@ Piece MakeBox(const Vec3& half) {
   return piece;
 }
 
+/// Corners of the rim of a cylinder or cone. They are fixed to the body, so that the contacts of a
+/// base that rests are the same in each cycle.
+constexpr std::uint32_t kRimCorners = 8;
+
+/// Adds a base at `height`, of which the vertices follow those of the last one.
+void AddBase(double height, Piece& piece) {
+  const auto first = static_cast<std::uint32_t>(piece.corners.size());
+  const double sign = piece.faces.empty() ? -1 : 1;
+  for (std::uint32_t i = 0; i < kRimCorners; ++i)
+    piece.corners.push_back(first + (sign < 0 ? i : kRimCorners - 1 - i));
+  piece.faces.push_back({{0, sign, 0}, sign * height, first, kRimCorners});
+}
+
+std::vector<Vec3> RimAt(double height, const Vec3& half) {
+  constexpr double kEighth = 0.70710678118654752440;
+  constexpr double kPlaces[kRimCorners][2] = {
+      {1, 0},  {kEighth, kEighth},   {0, 1},  {-kEighth, kEighth},
+      {-1, 0}, {-kEighth, -kEighth}, {0, -1}, {kEighth, -kEighth}};
+  std::vector<Vec3> rim;
+  for (const auto& [x, z] : kPlaces) rim.push_back({x * half.x, height, z * half.z});
+  return rim;
+}
+
+Piece MakeCylinder(const Vec3& half) {
+  Piece piece{.kind = Kind::kCylinder, .half = half};
+  std::vector<Vec3> vertices = RimAt(-half.y, half);
+  for (const Vec3& vertex : RimAt(half.y, half)) vertices.push_back(vertex);
+  SetVertices(vertices, piece);
+  SetBound(piece);
+  AddBase(-half.y, piece);
+  AddBase(half.y, piece);
+  return piece;
+}
+
+Piece MakeCone(const Vec3& half, double middle) {
+  Piece piece{.kind = Kind::kCone, .half = half};
+  std::vector<Vec3> vertices = RimAt(middle - half.y, half);
+  vertices.push_back({0, middle + half.y, 0});
+  SetVertices(vertices, piece);
+  SetBound(piece);
+  AddBase(middle - half.y, piece);
+  return piece;
+}
+
+/// `half`: of the ellipsoid.
+Piece MakeRound(const Vec3& half, double straight) {
+  Piece piece{.kind = Kind::kRound, .half = half, .straight = straight};
+  piece.bound = piece.reach = std::max({half.x, half.y, half.z}) + straight;
+  return piece;
+}
+
+Piece PieceOfCapsule(const Vec3& half) {
+  if (half.x == half.z && half.y > half.x) return MakeCapsule(half.x, half.y - half.x);
+  if (half.x == half.z && half.y == half.x) return MakeBall(half.x);
+  const double cap = std::min(half.y, std::sqrt(half.x * half.z));
+  return MakeRound({half.x, cap, half.z}, half.y - cap);
+}
+
 /// The corners of the face in order: the vertices in its plane that are corners of their convex
 /// hull (Andrew's monotone chain).
 std::vector<std::uint32_t> CornersInOrder(const Piece& piece, const Vec3& normal,
@@ -180,11 +238,10 @@ std::vector<Piece> PiecesOf(const Shape& shape) {
   std::vector<Piece> pieces;
   switch (shape.kind) {
     case ShapeKind::kEllipsoid:
-      if (x == y && y == z) pieces.push_back(MakeBall(x));
+      pieces.push_back(x == y && y == z ? MakeBall(x) : MakeRound(shape.half, 0));
       break;
     case ShapeKind::kCapsule:
-      if (x == z && y > x) pieces.push_back(MakeCapsule(x, y - x));
-      if (x == z && y == x) pieces.push_back(MakeBall(x));
+      pieces.push_back(PieceOfCapsule(shape.half));
       break;
     case ShapeKind::kBox:
       pieces.push_back(MakeBox(shape.half));
@@ -201,7 +258,11 @@ std::vector<Piece> PiecesOf(const Shape& shape) {
       pieces.push_back(MakePlane(shape.normal));
       break;
     case ShapeKind::kCylinder:
+      pieces.push_back(MakeCylinder(shape.half));
+      break;
     case ShapeKind::kCone:
+      pieces.push_back(MakeCone(shape.half, shape.centre.y));
+      break;
     case ShapeKind::kSurface:
       break;
   }

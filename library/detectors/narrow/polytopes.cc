@@ -1,4 +1,4 @@
-// Hulls and boxes with each other and with balls and capsules.
+// Pieces of which at least one is a hull or has a curved surface, and boxes with capsules.
 #include <algorithm>
 
 #include "library/detectors/narrow/kernels.h"

@@ -181,6 +181,27 @@ void AddFaceOnPlane(const PlaneSide& side, Manifold& manifold) {
   if (!has_deepest) side.Add(piece.Vertex(deepest), manifold);
 }
 
+/// The corners of a base, or the ends of a line, and the lowest point.
+void AddCurvedOnPlane(const PlaneSide& side, Manifold& manifold) {
+  const Piece& piece = side.a.piece;
+  const Vec3 down = -side.local, deepest = FarthestPoint(piece, down);
+  const double gap = side.HeightOf(deepest);
+  if (gap > side.near) return;
+  const Facing facing = FacingOf(piece, down);
+  if (facing.is_line) {
+    side.Add(facing.from, manifold);
+    side.Add(facing.to, manifold);
+  } else if (facing.face != nullptr) {
+    const FlatFace& face = *facing.face;
+    for (std::uint32_t i = face.first; i < face.first + face.count; ++i)
+      side.Add(piece.Vertex(piece.corners[i]), manifold);
+  }
+  for (const Point& point : manifold.points())
+    if (point.gap <= gap + kSameGap * piece.bound) return;
+  AddDeepest(AxesOf(side.a.pose) * deepest - gap * side.normal, side.normal, gap, BesideOf(piece),
+             manifold);
+}
+
 }  // namespace
 
 void AnyPlane(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
@@ -194,7 +215,11 @@ void AnyPlane(const Placed& a, const Placed& b, Hint&, Manifold& manifold) {
   const PlaneSide side = {a, normal, Inverse(AxesOf(a.pose), normal), height, near};
   if (piece.kind == Kind::kBall) return side.Add({0, 0, 0}, manifold);
   if (piece.kind == Kind::kCapsule) return AddCapsuleOnPlane(side, manifold);
-  AddFaceOnPlane(side, manifold);
+  if (IsCurved(piece.kind)) {
+    AddCurvedOnPlane(side, manifold);
+  } else {
+    AddFaceOnPlane(side, manifold);
+  }
   manifold.Reduce(1e-3 * piece.bound);
 }
 

@@ -1,8 +1,10 @@
 #include "runtime/engine/probes/probes.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -375,24 +377,41 @@ constexpr double kRests = 0.005, kTrembles = 1.1;
 /// In least sides and radians a second: without gravity, a slower object rests.
 constexpr double kDrifts = 1e-3;
 constexpr int kDirections = 8;  ///< edges of a friction cone
-constexpr int kSweeps = 500;
 
-/// The part of `weight` that no non-negative combination of the columns balances.
-double Residual(const std::vector<Wrench>& columns, Wrench weight, int rows) {
-  std::vector<double> parts(columns.size(), 0);
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    double change = 0;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const auto column = columns[i].head(rows);
-      const double part =
-          std::max(0.0, parts[i] + column.dot(weight.head(rows)) / column.squaredNorm());
-      weight.head(rows) -= (part - parts[i]) * column;
-      change = std::max(change, std::abs(part - parts[i]));
-      parts[i] = part;
+/// The part of `weight` that no non-negative combination of the columns balances. Source: Lawson &
+/// Hanson, Solving Least Squares Problems, 1974, algorithm NNLS.
+double Residual(const std::vector<Wrench>& columns, const Wrench& weight, int rows) {
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd all(rows, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    all.col(i) = columns[static_cast<std::size_t>(i)].head(rows).normalized();
+  Eigen::VectorXd rest = weight.head(rows), parts;
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index step = 0; step < 3 * count; ++step) {
+    Eigen::Index next = 0;
+    if (!((all.transpose() * rest).maxCoeff(&next) > 1e-9)) break;
+    if (std::ranges::find(used, next) != used.end()) break;  // by rounding
+    used.push_back(next);
+    parts.conservativeResize(std::ssize(used));
+    parts[std::ssize(used) - 1] = 0;
+    while (!used.empty()) {
+      const Eigen::MatrixXd some = all(Eigen::all, used);
+      const Eigen::VectorXd best = some.colPivHouseholderQr().solve(weight.head(rows).eval());
+      // Up to where the first part would be negative, which is then left out.
+      double way = 1;
+      Eigen::Index first = -1;
+      for (Eigen::Index i = 0; i < best.size(); ++i)
+        if (best[i] <= 0 && parts[i] / (parts[i] - best[i]) < way)
+          way = parts[i] / (parts[i] - best[i]), first = i;
+      parts += way * (best - parts);
+      if (first < 0) break;
+      used.erase(used.begin() + first);
+      for (Eigen::Index i = first; i + 1 < parts.size(); ++i) parts[i] = parts[i + 1];
+      parts.conservativeResize(parts.size() - 1);
     }
-    if (change < 1e-6) break;
+    rest = weight.head(rows) - all(Eigen::all, used) * parts;
   }
-  return weight.head(rows).norm();
+  return rest.norm();
 }
 
 /// `normal` points towards the object. One edge of the friction cone points up the slope.

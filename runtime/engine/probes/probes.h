@@ -30,8 +30,8 @@ namespace cdb::probes {
 /// must be balanced too, unless rolling friction acts. A ball without rolling friction on walls,
 /// boxes and balls is judged however slow it was, and may lie on no slope at all. Without gravity,
 /// an object without contacts is held if it hardly moved. Objects held by a link are left out.
-/// Static equilibrium is a non-negative least squares problem, solved by coordinate descent. The
-/// engine must outlive it. Not thread-safe.
+/// Static equilibrium is a non-negative least squares problem. The engine must outlive it. Not
+/// thread-safe.
 class SleepWatch {
  public:
   explicit SleepWatch(world::Engine& engine);

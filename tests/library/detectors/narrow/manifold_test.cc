@@ -42,12 +42,12 @@ PairCase OnTop(const Solid& upper, double height, const Eigen::Quaterniond& turn
 
 /// All points are this deep, and their area in the plane of x and z is at least this.
 void ExpectManifold(const std::vector<Contact>& contacts, std::size_t count, double distance,
-                    double area) {
+                    double area, double tolerance = 1e-9) {
   ASSERT_EQ(contacts.size(), count);
   std::vector<Vector3d> corners;
   for (const Contact& contact : contacts) {
-    EXPECT_NEAR(contact.distance, distance, 1e-9);
-    EXPECT_NEAR(contact.normal.y, 1, 1e-9);
+    EXPECT_NEAR(contact.distance, distance, tolerance);
+    EXPECT_NEAR(contact.normal.y, 1, tolerance);
     corners.emplace_back(contact.on_b.x, 0, contact.on_b.z);
   }
   double widest = 0;
@@ -107,15 +107,66 @@ TEST(Manifold, OfABoxOrACapsuleOnAPlaneHasAllItsLowPoints) {
   ExpectManifold(ContactsOf(capsule_on_plane), 1, -0.01, 0);
 }
 
-TEST(Batch, LeavesOtherShapesToBullet) {
-  const Solid cylinder{Shape::kCylinder, Vector3d(1, 1, 1)}, cone{Shape::kCone, Vector3d(1, 1, 1)},
-      ellipsoid{Shape::kEllipsoid, Vector3d(1, 2, 1)},
-      flat_capsule{Shape::kCapsule, Vector3d(1, 3, 2)};
-  for (const Solid& other : {cylinder, cone, ellipsoid, flat_capsule}) {
-    EXPECT_TRUE(ContactsOf({kBox, other, {}, {}}).empty());
-    EXPECT_TRUE(ContactsOf({other, kBox, {}, {}, true}).empty());
+const Solid kCylinder{Shape::kCylinder, Vector3d(1, 2, 1)}, kCone{Shape::kCone, Vector3d(1, 2, 1)};
+
+/// On a plane and on a box; the height is that of the upper body's centre of mass above contact.
+void ExpectOnFloors(const Solid& upper, double height, const Eigen::Quaterniond& turn,
+                    std::size_t count, double area) {
+  for (const double depth : {-0.005, 0.0, 0.01}) {
+    PairCase on_plane{upper, kBox, {Vector3d(3, height - depth, 1), turn}, {}, true};
+    ExpectManifold(ContactsOf(on_plane), count, -depth, area, 2e-7);
+    ExpectManifold(ContactsOf(OnTop(upper, height - depth, turn, kFloor, 1)), count, -depth, area,
+                   2e-7);
   }
+}
+
+TEST(Manifold, OfABaseOnAFloorHasFourPointsOnItsRim) {
+  // A square in a circle of diameter 1.
+  ExpectOnFloors(kCylinder, 1, Turned(0.3, Vector3d::UnitY()), 4, 0.49);
+  ExpectOnFloors(kCylinder, 1, Turned(M_PI, Vector3d::UnitX()), 4, 0.49);
+  ExpectOnFloors(kCone, 0.5, Turned(0.3, Vector3d::UnitY()), 4, 0.49);
+  // Of a small plate, the corners; of a cylinder that stands over its edge, the part on it.
+  const Solid plate{Shape::kCuboid, Vector3d(0.4, 2, 0.4)};
+  PairCase on_plate = OnTop(kCylinder, 0.99, {1, 0, 0, 0}, plate, 1);
+  ExpectManifold(ContactsOf(on_plate), 4, -0.01, 0.159);
+  on_plate.pose_a.position.x() = 0.5;
+  ExpectManifold(ContactsOf(on_plate), 4, -0.01, 0.05);
+}
+
+TEST(Manifold, OfARoundSideOnAFloorHasTheEndsOfALine) {
+  const Eigen::Quaterniond lying = Turned(M_PI / 2, Vector3d::UnitX());
+  ExpectOnFloors(kCylinder, 0.5, lying, 2, 0);
+  // The cone lies on its side; its centre of mass is a quarter of the height above the base.
+  const double half_angle = std::atan(0.25), height = 1.5 * std::sin(half_angle);
+  ExpectOnFloors(kCone, height, Turned(M_PI / 2 + half_angle, Vector3d::UnitX()), 2, 0);
+  PairCase on_cylinder = OnTop(kCylinder, 0.99, lying, kCylinder, 0);
+  on_cylinder.pose_a.position.x() = 0;
+  on_cylinder.pose_b.orientation = lying;
+  ExpectManifold(ContactsOf(on_cylinder), 2, -0.01, 0, 2e-7);
+  on_cylinder.pose_b.orientation = Turned(M_PI / 2, Vector3d::UnitZ());
+  ExpectManifold(ContactsOf(on_cylinder), 1, -0.01, 0, 2e-7);
+}
+
+TEST(Manifold, OfATiltedCylinderHasTheDeepestPoint) {
+  for (const double tilt : {1e-7, 1e-4, 0.01, 0.3, 1.0}) {
+    PairCase pair = OnTop(kCylinder, 1, Turned(tilt, Vector3d(0.6, 0, 0.8)), kFloor, 1);
+    MoveToGap(pair, -0.001);
+    const auto contacts = ContactsOf(pair);
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_LE(contacts.size(), 4u);
+    EXPECT_EQ(contacts.size() == 1, tilt > 0.1) << tilt;
+    EXPECT_NEAR(std::ranges::min_element(contacts, {}, &Contact::distance)->distance, -0.001, 1e-6);
+  }
+}
+
+TEST(Batch, LeavesOtherShapesToBullet) {
   EXPECT_FALSE(ContactsOf({kBox, kBox, {}, {}}).empty());
+  const Solid ellipsoid{Shape::kEllipsoid, Vector3d(1, 2, 1)},
+      flat_capsule{Shape::kCapsule, Vector3d(1, 3, 2)};
+  for (const Solid& other : {kCylinder, kCone, ellipsoid, flat_capsule}) {
+    EXPECT_FALSE(ContactsOf({kBox, other, {}, {}}).empty());
+    EXPECT_FALSE(ContactsOf({other, kBox, {}, {}, true}).empty());
+  }
   distributions::Stream stream(2);
   const Solid torus = RandomBody(stream, Type::kCompound, 1, false);
   EXPECT_TRUE(ContactsOf({torus, torus, {}, {}}).empty());
@@ -130,10 +181,11 @@ TEST(Batch, LeavesOtherShapesToBullet) {
 
 std::vector<PairCase> RandomPairs(int count) {
   distributions::Stream stream(11);
-  constexpr Type kTypes[] = {Type::kBall, Type::kCapsule, Type::kBox, Type::kHull, Type::kCompound};
+  constexpr Type kTypes[] = {Type::kBall,     Type::kCapsule, Type::kBox,       Type::kHull,
+                             Type::kCylinder, Type::kCone,    Type::kEllipsoid, Type::kCompound};
   std::vector<PairCase> pairs;
   for (int i = 0; i < count; ++i)  // but for two compounds
-    pairs.push_back(RandomPair(stream, kTypes[i % 5], kTypes[i / 5 % 4]));
+    pairs.push_back(RandomPair(stream, kTypes[i % 8], kTypes[i / 8 % 7]));
   return pairs;
 }
 

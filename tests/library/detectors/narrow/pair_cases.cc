@@ -103,6 +103,14 @@ Solid RandomBody(distributions::Stream& stream, Type type, double size, bool thi
           std::make_shared<const objects::Compound>(torus.compound->shared_form(), torus.sides);
       return torus;
     }
+    case Type::kCylinder:
+    case Type::kCone:
+      if (stream.Uniform() < 0.5) sides.z() = sides.x();
+      return {type == Type::kCone ? Shape::kCone : Shape::kCylinder, sides};
+    case Type::kEllipsoid:
+      return {Shape::kEllipsoid, sides};
+    case Type::kFlatCapsule:
+      return {Shape::kCapsule, sides};
     case Type::kBox:
     case Type::kPlane:
       break;
@@ -271,6 +279,9 @@ class PairJudge {
  private:
   void Depth(double error) {
     faults_.mean_depth += error;
+    faults_.inexact += error > 1e-6;
+    faults_.worst_relative =
+        std::max(faults_.worst_relative, error / std::max(1e-3, -exact_.gap / size_));
     if (error > faults_.worst_depth) {
       faults_.worst_depth = error;
       if (faults_.missed == 0) faults_.worst_pair = index_;

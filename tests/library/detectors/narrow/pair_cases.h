@@ -14,9 +14,23 @@
 
 namespace cdb::tests {
 
-enum class Type { kBall, kCapsule, kBox, kTetrahedron, kHull, kCompound, kPlane };
-inline constexpr const char* kTypeNames[] = {"ball", "capsule",  "box",  "tetrahedron",
-                                             "hull", "compound", "plane"};
+/// kFlatCapsule: on an ellipse.
+enum class Type {
+  kBall,
+  kCapsule,
+  kBox,
+  kTetrahedron,
+  kHull,
+  kCompound,
+  kCylinder,
+  kCone,
+  kEllipsoid,
+  kFlatCapsule,
+  kPlane
+};
+inline constexpr const char* kTypeNames[] = {"ball",      "capsule",     "box",      "tetrahedron",
+                                             "hull",      "compound",    "cylinder", "cone",
+                                             "ellipsoid", "flatcapsule", "plane"};
 inline const char* NameOf(Type type) { return kTypeNames[static_cast<int>(type)]; }
 
 /// Two bodies; the second of a plane is the half space y < 0 of its frame.
@@ -70,7 +84,9 @@ class PairScene {
 /// Faults of a narrow phase on pairs of two types. Lengths in longest sides of the smaller body.
 struct Faults {
   int pairs = 0, overlaps = 0, near = 0, missed = 0, missed_near = 0, phantom = 0, invalid = 0;
-  double mean_depth = 0, worst_depth = 0;    ///< error of the deepest point's distance
+  double mean_depth = 0, worst_depth = 0;  ///< error of the deepest point's distance
+  double worst_relative = 0;  ///< of that: as a part of the depth, or of 1e-3 if that is more
+  int inexact = 0;            ///< depths off by more than 1e-6
   double mean_excess = 0, worst_excess = 0;  ///< overlap along the normal, less the exact one
   double mean_normal = 0, worst_normal = 0;  ///< rad; where the normal is unique
   int normals = 0;

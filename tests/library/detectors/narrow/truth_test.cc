@@ -18,6 +18,8 @@ int PairCount() {
   return asked != nullptr ? std::atoi(asked) : Cases(1000);
 }
 
+bool IsCurved(Type type) { return type >= Type::kCylinder && type <= Type::kFlatCapsule; }
+
 struct Types {
   Type a, b;
 };
@@ -42,12 +44,19 @@ TEST_P(NarrowTruth, HoldsForRandomPairs) {
   EXPECT_EQ(faults.phantom, 0);
   EXPECT_EQ(faults.invalid, 0);
   // In sizes of the smaller of two bodies, of which one may be a hundred times larger.
-  EXPECT_LE(faults.worst_depth, 1e-6);
-  EXPECT_LE(faults.worst_excess, 1e-6);
-  EXPECT_LE(faults.worst_normal, 1e-4);
-  // The ends of capsules that are nearly parallel touch a little inside.
-  const bool are_capsules = GetParam().a == Type::kCapsule && GetParam().b == Type::kCapsule;
-  EXPECT_LE(faults.worst_surface, are_capsules ? 1e-3 : 1e-6);
+  if (IsCurved(GetParam().a) || IsCurved(GetParam().b)) {
+    // Of two ways out that are about as long, the other one may be found.
+    EXPECT_LE(faults.worst_relative, 0.01);
+    EXPECT_LE(faults.inexact, 0.005 * PairCount());
+    EXPECT_LE(faults.worst_surface, 0.02);  // along it
+  } else {
+    EXPECT_LE(faults.worst_depth, 1e-6);
+    EXPECT_LE(faults.worst_excess, 1e-6);
+    EXPECT_LE(faults.worst_normal, 1e-4);
+    // The ends of capsules that are nearly parallel touch a little inside.
+    const bool are_capsules = GetParam().a == Type::kCapsule && GetParam().b == Type::kCapsule;
+    EXPECT_LE(faults.worst_surface, are_capsules ? 1e-3 : 1e-6);
+  }
   if (testing::Test::HasFailure()) {
     const auto& worst =
         faults.worst_pair >= 0 ? pairs[static_cast<std::size_t>(faults.worst_pair)] : pairs[0];
@@ -60,12 +69,11 @@ TEST_P(NarrowTruth, HoldsForRandomPairs) {
 }
 
 std::vector<Types> AllTypes() {
-  constexpr Type kTypes[] = {Type::kBall, Type::kCapsule,  Type::kBox,  Type::kTetrahedron,
-                             Type::kHull, Type::kCompound, Type::kPlane};
   std::vector<Types> all;
-  for (const Type a : kTypes)
-    for (const Type b : kTypes)
-      if (a != Type::kPlane && (a != Type::kCompound || b != Type::kCompound))
+  for (int i = 0; i < static_cast<int>(Type::kPlane); ++i)
+    for (int j = 0; j <= static_cast<int>(Type::kPlane); ++j)
+      if (const auto a = static_cast<Type>(i), b = static_cast<Type>(j);
+          a != Type::kCompound || b != Type::kCompound)
         all.push_back({a, b});
   return all;
 }

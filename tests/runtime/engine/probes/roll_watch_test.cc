@@ -89,6 +89,19 @@ TEST(RollWatch, FallsWithTheTimeStep) {
   }
 }
 
+TEST(RollWatch, IsNothingWithAWholeLineOfContact) {
+  for (const Roller& shape : {kCylinder, kCapsule})
+    for (const char* floor : {"wall_shape plane", "wall_shape box"})
+      for (const int hz : {60, 240}) {
+        SCOPED_TRACE(fmt::format("{} on {} at {} Hz", shape.text, floor, hz));
+        const std::string slope = Slope(shape.text, 0.05, 0.2, hz, floor);
+        const RollingRun rolled = RunRolling("narrow_phase batch\n" + slope);
+        EXPECT_LT(rolled.largest_error, 2e-5);
+        EXPECT_LT(rolled.largest_error, RunRolling(slope).largest_error / 100);
+        EXPECT_EQ(rolled.verdict, protocol::Verdict::kStable);
+      }
+}
+
 TEST(RollWatch, FrictionChangesNothing) {
   // Slips at first, then rolls at 5/7 of the speed.
   for (const char* floor : {"wall_shape plane", "wall_shape box"}) {
