@@ -127,14 +127,16 @@ Reason WhyNotEdges(const Scene& scene) {
   return fmt::format("seams between group {} and the walls are not examined", beyond->name);
 }
 
-/// Something may slide on ground that stays where it is.
+/// Something may slide or roll on ground.
 bool FrictionArises(const Scene& scene) {
   const bool has_walls = scene.world.WordOr("world.walls") != "none" &&
                          !IsZero(scene.world.Get("world.wall_friction"));
   const auto has_friction = [](const Group& group) {
     return !IsZero(group.settings.Get("friction"));
   };
-  const auto is_ground = [&](const Group& group) { return IsFixed(group) && has_friction(group); };
+  const auto is_ground = [&](const Group& group) {
+    return (IsFixed(group) || HasKinematic(group)) && has_friction(group);
+  };
   return (has_walls || FindGroup(scene, is_ground) != nullptr) &&
          FindGroup(scene, [&](const Group& group) {
            return !IsFixed(group) && !HasKinematic(group) && has_friction(group) &&
@@ -166,6 +168,14 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const Group* group = FindGroup(scene, resists))
     return fmt::format("rolling with {}, as of group {}, is not examined",
                        IsDamped(*group) ? "damping" : "rolling friction", group->name);
+  const Group* other = FindGroup(scene, [](const Group& group) {
+    return IsFixed(group) && group.settings.WordOr("type") != "cuboid";
+  });
+  if (other != nullptr && FindGroup(scene, [](const Group& group) {
+                            return !IsFixed(group) && MayRoll(group.settings.Get("type"));
+                          }) != nullptr)
+    return fmt::format("rolling on group {}, which is not of cuboids, is not examined",
+                       other->name);
   return std::nullopt;
 }
 
@@ -226,7 +236,7 @@ constexpr QuestionInfo kQuestions[] = {
      "none of them; what rolls keeps its speed",
      false, FrictionArises, WhyNotFriction},
     {Question::kImpacts, "impacts",
-     "objects that meet part as their shapes, velocities and coefficients say", false, Always,
+     "impacts that Bullet finds end as shapes, velocities and coefficients say", false, Always,
      WhyNotImpacts},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      AlwaysChecked},

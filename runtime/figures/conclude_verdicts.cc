@@ -35,6 +35,8 @@ class VerdictConclusion {
         const Ending of_run = EndingOf(file, cell);
         if (of_run.Rank() == ending.Rank()) worst_.push_back(cell);
         if (of_run.judgement.verdict == protocol::Verdict::kStable) sound_.push_back(cell);
+        if (of_run.Word() == ending.Word() && !of_run.judgement.criterion.empty())
+          criteria_[ending.Word()].insert(of_run.judgement.criterion);
       }
     }
   }
@@ -48,7 +50,8 @@ class VerdictConclusion {
     const char* question = "Is the simulation sound?";
     if (all == 1 && stable == 0)
       return Conclusion{question,
-                        fmt::format("No: the verdict is {}{}.", counts.begin()->first, BadText()),
+                        fmt::format("No: the verdict is {}{}{}.", counts.begin()->first,
+                                    CriteriaText(counts.begin()->first), BadText()),
                         "stability", Certainty::kFault};
     const bool is_open = LeavesVitalOpen(file_, sound_);
     if (stable == all) {
@@ -63,7 +66,8 @@ class VerdictConclusion {
     }
     std::vector<std::string> others;
     for (const auto& [word, count] : counts)
-      if (word != "stable") others.push_back(fmt::format("{} {}", count, word));
+      if (word != "stable")
+        others.push_back(fmt::format("{} {}{}", count, word, CriteriaText(word)));
     return Conclusion{"Where does the simulation stop being sound?",
                       fmt::format("{} of {} configurations are stable{} ({}).", stable, all,
                                   is_open ? ", as far as was checked" : "", JoinWords(others)) +
@@ -72,6 +76,13 @@ class VerdictConclusion {
   }
 
  private:
+  /// ` by friction_error, impact_error`; empty if the word says it.
+  std::string CriteriaText(const std::string& word) const {
+    const auto found = criteria_.find(word);
+    if (found == criteria_.end() || found->second.contains(word)) return {};
+    return fmt::format(" by {}", fmt::join(found->second, ", "));
+  }
+
   /// How the motion depends on the detector; and ` Not checked: …`, of the runs that are called
   /// stable.
   std::string Remarks() const {
@@ -94,6 +105,7 @@ class VerdictConclusion {
 
   const results::ResultFile& file_;
   std::map<Point, std::string> verdicts_;
+  std::map<std::string, std::set<std::string>> criteria_;  ///< by verdict
   /// The runs that end as the verdict of their point, and those that are stable.
   std::vector<Cell> worst_, sound_;
 };

@@ -110,7 +110,7 @@ void Probes::SetScales() {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
     const double mass = engine_.initial_state().objects[i].mass;
-    smallest = std::min(smallest, least_sides_[i]);
+    if (mass > 0) smallest = std::min(smallest, least_sides_[i]);
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
     header_.scales.energy_scale +=

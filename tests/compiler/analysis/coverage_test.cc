@@ -100,6 +100,15 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "losses: group a has rolling friction; friction: rolling with rolling friction, as of group "
        "a, is not examined; impacts: only the direction is examined with rolling or spinning "
        "friction, as of group a"},
+      {"objects a { quantity 3; type cuboid } objects belt { quantity 1; mass kinematic } "
+       "world.walls "
+       "none",
+       "passing, impacts, sleep",
+       "energy: group belt is kinematic; losses: group belt is kinematic; friction: sliding on "
+       "moving ground, such as group belt, is not examined"},
+      {"objects a { quantity 3; type cylinder } objects hub { quantity 1; mass fixed }",
+       "energy, losses, passing, impacts, sleep",
+       "friction: rolling on group hub, which is not of cuboids, is not examined"},
       {"objects a { quantity 3; type cuboid; friction 0 }",
        "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3; type cuboid } world.wall_friction 0",
