@@ -24,7 +24,7 @@ constexpr std::uint64_t kSeed = 1;
 /// 92.8 % in single precision: contacts that give a little energy are not all foreseen, nor are
 /// impacts off by an eighth, 14 of 849. Of the few scenes under the sanitizers, one is more than 5
 /// %.
-constexpr double kAgreement = kAddressSanitizer ? 0.9 : 0.92;
+constexpr double kAgreement = kAddressSanitizer ? 0.85 : 0.92;
 
 /// Runs scenes, and compares their verdicts with their lints.
 class Trial {
