@@ -15,7 +15,7 @@ for language in c rust; do
   command=$(sed -nE 's|^( \*\|//)   ((cc\|rustc) .*)|\2|p' my_detector.*)
   [ -n "$command" ]
   if ! command -v "${command%% *}" >/dev/null; then
-    echo "$language: no ${command%% *}"
+    echo "skipped: $language needs ${command%% *} (./setup --cross)"
     continue
   fi
   bash -ec "${command//PREFIX/$folder/usr}"
