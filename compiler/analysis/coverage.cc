@@ -48,6 +48,10 @@ bool HasRollingFriction(const Group& group) {
   return !IsZero(group.settings.Get("rolling_friction"));
 }
 
+bool HasSpinningFriction(const Group& group) {
+  return !IsZero(group.settings.Get("spinning_friction"));
+}
+
 bool IsSoft(const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }
 
 Reason WhyNotLosses(const Scene& scene) {
@@ -65,8 +69,7 @@ Reason WhyNotLosses(const Scene& scene) {
                 !IsZero(group.settings.Get("links.damping"));
        }},
       {"rolling friction", HasRollingFriction},
-      {"spinning friction",
-       [](const Group& group) { return !IsZero(group.settings.Get("spinning_friction")); }},
+      {"spinning friction", HasSpinningFriction},
       {"soft contacts", IsSoft},
   };
   for (const Sink& sink : kSinks)
@@ -161,9 +164,11 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",
                        held);
-  const auto resists = [](const Group& group) {
-    return !IsFixed(group) && MayRoll(group.settings.Get("type")) &&
-           (IsDamped(group) || HasRollingFriction(group));
+  const auto rolls = [](const Group& group) {
+    return !IsFixed(group) && MayRoll(group.settings.Get("type"));
+  };
+  const auto resists = [&](const Group& group) {
+    return rolls(group) && (IsDamped(group) || HasRollingFriction(group));
   };
   if (const Group* group = FindGroup(scene, resists))
     return fmt::format("rolling with {}, as of group {}, is not examined",
@@ -171,9 +176,7 @@ Reason WhyNotFriction(const Scene& scene) {
   const Group* other = FindGroup(scene, [](const Group& group) {
     return IsFixed(group) && group.settings.WordOr("type") != "cuboid";
   });
-  if (other != nullptr && FindGroup(scene, [](const Group& group) {
-                            return !IsFixed(group) && MayRoll(group.settings.Get("type"));
-                          }) != nullptr)
+  if (other != nullptr && FindGroup(scene, rolls) != nullptr)
     return fmt::format("rolling on group {}, which is not of cuboids, is not examined",
                        other->name);
   return std::nullopt;
@@ -193,8 +196,7 @@ Reason WhyNotImpacts(const Scene& scene) {
     return fmt::format(
         "only the direction is examined of objects with links or joints, as of group {}", held);
   if (const Group* rolls = FindGroup(scene, [](const Group& group) {
-        return !IsZero(group.settings.Get("rolling_friction")) ||
-               !IsZero(group.settings.Get("spinning_friction"));
+        return HasRollingFriction(group) || HasSpinningFriction(group);
       }))
     return fmt::format(
         "only the direction is examined with rolling or spinning friction, as of group {}",

@@ -349,10 +349,11 @@ protocol::Judgement ResultFile::ReadJudgement(const Cell& cell) const {
           fmt::format("{}: holds the verdict {}, which this cdb does not know; it was left as it "
                       "is: use the cdb that wrote it",
                       impl_->name, verdict));
+    const bool is_sound = verdict <= static_cast<double>(protocol::Verdict::kStable);
     return {static_cast<protocol::Verdict>(verdict),
             static_cast<std::int64_t>(impl_->Number("first_bad_cycle", cell)),
             Has("bad_objects") ? static_cast<std::int64_t>(impl_->Number("bad_objects", cell)) : -1,
-            Has("criterion") ? impl_->TextAt("criterion", cell) : ""};
+            is_sound || !Has("criterion") ? "" : impl_->TextAt("criterion", cell)};
   });
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "compiler/analysis/expectation.h"
 #include "runtime/engine/world/conversions.h"
@@ -90,14 +89,13 @@ ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates&
   for (const Pair& pair : pairs_)
     if (!TouchedBefore(pair)) Begin(pair, before, now);
   pairs_.swap(last_);
-  double momentum = 0;
-  double moving = 0;
+  double momentum = 0, moving = 0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     momentum += bodies_[i].mass * world::ToEigen(now[i].velocity).norm();
     moving += bodies_[i].mass > 0;
   }
   momentum *= std::max(0.0, 1 - 2 / moving);
-  if (momentum > momentum_) momentum_ = momentum;
+  momentum_ = std::max(momentum_, momentum);
   return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
                        : std::numeric_limits<double>::quiet_NaN(),
           unjudged_};
@@ -144,10 +142,15 @@ bool ImpactWatch::TouchedBefore(const Pair& pair) const {
   return std::ranges::binary_search(last_, key(pair), {}, key);
 }
 
+/// m: of the smaller one.
+double ImpactWatch::LeastSide(const Pair& pair) const {
+  const double side = bodies_[pair.a].least_side;
+  return IsWall(pair.b) ? side : std::min(side, bodies_[pair.b].least_side);
+}
+
 /// m/s.
 double ImpactWatch::LeastApproach(const Pair& pair) const {
-  double side = bodies_[pair.a].least_side;
-  if (!IsWall(pair.b)) side = std::min(side, bodies_[pair.b].least_side);
+  const double side = LeastSide(pair);
   const double pull = engine_.acceleration().norm();
   return std::max({std::sqrt(2 * pull * kImpactFall * side), kImpactFalls * pull * timestep_,
                    kImpactRate * side});
@@ -172,14 +175,11 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
   const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
   const exact::Motion motion = ColliderOf(pair.a, before).motion;
   const exact::Collider other = ColliderOf(pair.b, before);
-  const double side =
-      IsWall(pair.b) ? body.least_side : std::min(body.least_side, bodies_[pair.b].least_side);
+  const double side = LeastSide(pair);
   const double rate = (motion.way - other.motion.way).norm();
   const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
   const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
-  if (!touch) {
-    return;
-  }
+  if (!touch) return;
   const auto at_touch = [&](ImpactBody state) {
     state.centre += touch->part * timestep_ * state.velocity;
     return exact::VelocityAt(state, touch->point);
@@ -228,10 +228,7 @@ std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
     b.centre += touch.part * timestep_ * b.velocity;
     return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
   };
-  const double half =
-      (IsWall(pair.b) ? bodies_[pair.a].least_side
-                      : std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side)) /
-      2;
+  const double half = LeastSide(pair) / 2;
   std::vector<Vector3d> points = {touch.point};
   if (!IsRound(pair)) {
     const double tilt = approach_at(touch.point) * timestep_ / half;
@@ -401,8 +398,8 @@ bool ImpactWatch::LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
   const exact::SignedDistance distance =
       exact::DistanceOf(engine_.initial_state().objects[pair.a].solid,
                         world::ToPose(before[pair.a].pose), *other.solid, other.motion.from);
-  const double side = std::min(bodies_[pair.a].least_side, bodies_[pair.b].least_side);
-  return distance.Depth() < kShallow * side && distance.normal.dot(touch.normal) < kOtherWay;
+  return distance.Depth() < kShallow * LeastSide(pair) &&
+         distance.normal.dot(touch.normal) < kOtherWay;
 }
 
 double ImpactWatch::FrictionOf(std::uint32_t a, std::uint32_t b) const {

@@ -17,14 +17,12 @@ namespace cdb::probes {
 /// of the lesser least side, or of four cycles. The two are moved back along their velocities, or
 /// forward, if Bullet foresaw the impact, to where they touch; the normal and the points there, and
 /// the restitution and friction of the scene, give the velocities after it (exact::SolveImpact).
-/// Bullet has up to four cycles to reach them.
+/// Bullet has up to twelve cycles to reach them.
 ///
-/// - Pairs that touch no other body that is free to move: the whole change of their velocities is
-/// compared. Fixed
-///   bodies that they touch take part.
-/// - Other pairs, and those whose faces are nearly parallel, so that further points touch within
-/// the
-///   cycle: the impulse must lie in the cone of friction about the true normal.
+/// The whole change of velocities is compared if the two touch no other body that is free to move;
+/// fixed bodies that they touch take part. Otherwise, and where faces are so nearly parallel that
+/// further points touch within the cycle, the impulse must lie in the cone of friction about the
+/// true normal.
 ///
 /// Errors are impulses: of the changes of all velocities, sqrt(sum m v^2 + I w^2) times the root of
 /// the reduced mass. Not judged: surfaces and soft contacts; pairs that overlapped before, or that
@@ -89,6 +87,7 @@ class ImpactWatch {
   exact::ImpactBody BodyOf(std::uint32_t body, const BodyStates& states) const;
   exact::ImpactBody Pulled(std::uint32_t body, const exact::ImpactBody& state) const;
   double LeastApproach(const Pair& pair) const;
+  double LeastSide(const Pair& pair) const;
 
   world::Engine& engine_;
   const double wall_restitution_, wall_friction_, timestep_;

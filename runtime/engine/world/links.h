@@ -90,9 +90,9 @@ class Links {
 
   void AddLinks(const plan::Group& group, const layouts::ObjectState& object, std::size_t first,
                 std::size_t end, const std::vector<std::unique_ptr<btRigidBody>>& objects);
-  /// `from`: the position of the first of the two, or where it would be.
   /// Between the pivots of the link.
   static void MakeBall(btRigidBody& first, btRigidBody& second, Link& link);
+  /// `from`: the position of the first of the two, or where it would be.
   void AddLink(const plan::GroupSettings& settings, btRigidBody& first, btRigidBody& second,
                const btVector3& from);
   void AddJoint(const layouts::JointPair& pair, const layouts::InitialState& state,
