@@ -176,6 +176,42 @@ Fault FindMotorFault(const plan::Joint& joint) {
                     "give it a velocity or a position, or remove the effort"};
 }
 
+bool IsPulled(const plan::Scene& scene, const plan::Group& group) {
+  if (group.settings.Count("quantity") == 0) return false;
+  return group.HasLinks() || std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
+           return scene.HoldsObjects(joint) && (joint.settings.WordOr(kParent) == group.name ||
+                                                joint.settings.WordOr(kChild) == group.name);
+         });
+}
+
+std::optional<ReducedFault> FindReducedFault(const plan::Group& group) {
+  const auto fault = [&](GroupParameter parameter, const char* what, const char* help) {
+    return ReducedFault{
+        group.name, parameter.get(),
+        fmt::format("the {} are joined in reduced coordinates, {}", group.name, what), help};
+  };
+  const plan::GroupSettings& settings = group.settings;
+  if (settings.WordOr("links.type") == "spring")
+    return fault("links.type", "which have joints only, and no springs",
+                 "write links of another type, or coordinates maximal");
+  if (HasKinematic(group))
+    return fault("mass", "and cannot be kinematic there",
+                 "write a mass or mass fixed, or coordinates maximal");
+  if (const auto* ccd = std::get_if<bool>(&settings.Get("ccd")); ccd == nullptr || *ccd)
+    return fault("ccd", "whose links Bullet does not sweep", "write ccd off");
+  for (const GroupParameter damping :
+       {GroupParameter("linear_damping"), GroupParameter("angular_damping")})
+    if (!schema::IsZero(settings.Get(damping)))
+      return fault(damping, "which damp joints, and not objects",
+                   "remove it, or give the joints damping");
+  for (const GroupParameter velocity :
+       {GroupParameter("linear_velocity"), GroupParameter("angular_velocity")})
+    if (schema::AsCall(settings.Get(velocity)) != nullptr)
+      return fault(velocity, "and a schedule cannot set their velocity there",
+                   "write one velocity, or coordinates maximal");
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string TextOf(const plan::Joint& joint) {
@@ -203,6 +239,19 @@ std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::J
   if (Fault fault = FindLimitFault(joint)) return fault;
   if (Fault fault = FindStartFault(scene, joint)) return fault;
   return FindMotorFault(joint);
+}
+
+std::optional<ReducedFault> FindReducedFault(const plan::Scene& scene) {
+  if (scene.world.WordOr("coordinates") != "reduced" || scene.PulledGroup().empty())
+    return std::nullopt;
+  if (scene.world.On("sleeping"))
+    return ReducedFault{"", schema::WorldParameter("sleeping").get(),
+                        "joints in reduced coordinates do not sleep, but sleeping is on",
+                        "write sleeping off"};
+  for (const plan::Group& group : scene.groups)
+    if (IsPulled(scene, group))
+      if (auto fault = FindReducedFault(group)) return fault;
+  return std::nullopt;
 }
 
 }  // namespace cdb::analysis

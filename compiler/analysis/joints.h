@@ -28,4 +28,14 @@ struct JointFault {
 /// The reason why this joint of the scene cannot be made; nullopt if it can.
 std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::Joint& joint);
 
+/// Why Bullet's articulated bodies cannot have the joints of a scene.
+struct ReducedFault {
+  std::string group;                   ///< whose parameter it is; empty for the world's
+  const schema::Parameter* parameter;  ///< whose value is at fault
+  std::string message, help;
+};
+
+/// The first reason why a scene cannot have `coordinates reduced`; nullopt if it can, or does not.
+std::optional<ReducedFault> FindReducedFault(const plan::Scene& scene);
+
 }  // namespace cdb::analysis

@@ -63,6 +63,10 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
            "fixed");
   }
+  if (scene.world.WordOr("coordinates") == "reduced")
+    Look(configuration, {"", schema::WorldParameter("coordinates").get()},
+         scene.PulledGroup().empty(), "the scene has no joints, so it has no reduced coordinates",
+         "remove it, or join the objects: links { … } or joints { … }");
   // These have a warning already.
   if (std::ranges::any_of(scene.groups, [](const plan::Group& group) {
         return analysis::HasKinematic(group) && IsStill(group);

@@ -294,7 +294,16 @@ bool SceneChecks::CheckJoints(configure::Configuration& configuration, const pla
       diagnostics_.Report(fault->kind == kQuantity ? scenario::kCapacity : scenario::kContradiction,
                           span, fault->message, fault->help);
   }
-  return good;
+  const auto reduced = good ? analysis::FindReducedFault(scene) : std::nullopt;
+  if (!reduced) return good;
+  if (misplaced_.emplace(reduced->group, reduced->message).second)
+    diagnostics_.Report(
+        scenario::kContradiction,
+        configuration.SpanOf(
+            {reduced->group, reduced->parameter},
+            configuration.SpanOf({"", schema::WorldParameter("coordinates").get()}, benchmark_)),
+        reduced->message, reduced->help);
+  return false;
 }
 
 // `omit` must not name a component that the scene needs.
@@ -342,6 +351,10 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
     return report(scenario::kContradiction, fault.parameter, fault.message, fault.help);
   const auto sampling = analysis::SamplingOf(scene);
   if (!sampling) return true;
+  if (const auto joined = analysis::FindReducedFault(analysis::ReferenceOf(scene)))
+    return report(scenario::kContradiction,
+                  schema::WorldParameter("accuracy.reference.coordinates").get(),
+                  "in the reference run, " + joined->message, joined->help);
   if (!interval_s_) interval_s_ = sampling->interval_s;
   if (*interval_s_ != sampling->interval_s)
     return report(scenario::kMisplacedSweep, schema::WorldParameter("accuracy.interval").get(),

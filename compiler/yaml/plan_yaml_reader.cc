@@ -344,6 +344,7 @@ class PlanReader : public ValueReader {
         run.scene.joints.push_back({name, ReadSettings<true>(joint, canonical, {}, true)});
         CheckJoint(run.scene, run.scene.joints.back(), joint);
       }
+    if (const auto fault = analysis::FindReducedFault(run.scene)) Fail(node.Mark(), fault->message);
     if (analysis::Collisions(run.scene).ClassCount() > analysis::kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
                                     analysis::kMostCollisionClasses));

@@ -8,11 +8,6 @@
 namespace cdb::world {
 namespace {
 
-/// A row of a constraint: the velocity that it seeks, and the impulses that it may use.
-struct Row {
-  btScalar velocity, least, most;
-};
-
 void Put(const btVector3& vector, btScalar* row) {
   for (int i = 0; i < 3; ++i) row[i] = vector[i];
 }
@@ -55,56 +50,61 @@ void AxisDrive::getInfo1(btConstraintInfo1* info) {
   info->nub = 0;
 }
 
-void AxisDrive::getInfo2(btConstraintInfo2* info) {
+void AxisDrive::ListRows(const Moment& moment, RowList& list) {
   last_ = Position();
+  if (settings_.damping != 0) {
+    const auto damping = static_cast<btScalar>(settings_.damping);
+    const btScalar impulse = -damping * moment.rate / moment.fps;
+    const bool may_reverse = damping * moment.mobility > moment.fps;
+    list.Add(may_reverse ? Row{0, std::min(impulse, btScalar(0)), std::max(impulse, btScalar(0))}
+                         : Row{0, impulse, impulse});
+  }
+  if (settings_.friction != 0) {
+    const btScalar most = static_cast<btScalar>(settings_.friction) / moment.fps;
+    list.Add({0, -most, most});
+  }
+  if (settings_.effort != 0) {
+    const btScalar most = static_cast<btScalar>(settings_.effort) / moment.fps;
+    const btScalar velocity =
+        settings_.target
+            ? (static_cast<btScalar>(*settings_.target) - last_) * moment.erp * moment.fps
+            : static_cast<btScalar>(settings_.velocity);
+    list.Add({velocity, -most, most});
+  }
+  if (!settings_.HasLimits()) return;
+  const auto approach = [&](double limit, btScalar inside) {
+    const btScalar room = static_cast<btScalar>(limit) - last_;
+    return (room * inside < 0 ? moment.erp : btScalar(1)) * room * moment.fps;
+  };
+  list.Add({approach(settings_.lower, -1), 0, SIMD_INFINITY});
+  list.Add({approach(settings_.upper, 1), -SIMD_INFINITY, 0});
+}
+
+void AxisDrive::getInfo2(btConstraintInfo2* info) {
   const btTransform &first = m_rbA.getWorldTransform(), &second = m_rbB.getWorldTransform();
   const btVector3 axis = first.getBasis() * axis_in_first_, point = second * pivot_in_second_;
   const btVector3 linear = settings_.turns ? btVector3(0, 0, 0) : axis;
   const btVector3 of_first = settings_.turns ? axis : (point - first.getOrigin()).cross(axis);
   const btVector3 of_second = settings_.turns ? axis : (point - second.getOrigin()).cross(axis);
-  int count = 0;
-  const auto add = [&](const Row& row) {
-    const int at = count++ * info->rowskip;
+  const btScalar rate = linear.dot(m_rbB.getLinearVelocity() - m_rbA.getLinearVelocity()) +
+                        of_second.dot(m_rbB.getAngularVelocity()) -
+                        of_first.dot(m_rbA.getAngularVelocity());
+  // If nothing else holds the two bodies.
+  const btScalar mobility = linear.length2() * (m_rbA.getInvMass() + m_rbB.getInvMass()) +
+                            of_first.dot(m_rbA.getInvInertiaTensorWorld() * of_first) +
+                            of_second.dot(m_rbB.getInvInertiaTensorWorld() * of_second);
+  RowList list;
+  ListRows({.rate = rate, .mobility = mobility, .fps = info->fps, .erp = info->erp}, list);
+  for (int i = 0; i < list.count; ++i) {
+    const int at = i * info->rowskip;
     Put(-linear, info->m_J1linearAxis + at);
     Put(-of_first, info->m_J1angularAxis + at);
     Put(linear, info->m_J2linearAxis + at);
     Put(of_second, info->m_J2angularAxis + at);
-    info->m_constraintError[at] = row.velocity;
-    info->m_lowerLimit[at] = row.least;
-    info->m_upperLimit[at] = row.most;
-  };
-  if (settings_.damping != 0) {
-    const btScalar rate = linear.dot(m_rbB.getLinearVelocity() - m_rbA.getLinearVelocity()) +
-                          of_second.dot(m_rbB.getAngularVelocity()) -
-                          of_first.dot(m_rbA.getAngularVelocity());
-    const btScalar impulse = -static_cast<btScalar>(settings_.damping) * rate / info->fps;
-    // The velocity that a unit impulse gives the two bodies, if nothing else holds them.
-    const btScalar mobility = linear.length2() * (m_rbA.getInvMass() + m_rbB.getInvMass()) +
-                              of_first.dot(m_rbA.getInvInertiaTensorWorld() * of_first) +
-                              of_second.dot(m_rbB.getInvInertiaTensorWorld() * of_second);
-    const bool may_reverse = static_cast<btScalar>(settings_.damping) * mobility > info->fps;
-    add(may_reverse ? Row{0, std::min(impulse, btScalar(0)), std::max(impulse, btScalar(0))}
-                    : Row{0, impulse, impulse});
+    info->m_constraintError[at] = list.rows[i].velocity;
+    info->m_lowerLimit[at] = list.rows[i].least;
+    info->m_upperLimit[at] = list.rows[i].most;
   }
-  if (settings_.friction != 0) {
-    const btScalar most = static_cast<btScalar>(settings_.friction) / info->fps;
-    add({0, -most, most});
-  }
-  if (settings_.effort != 0) {
-    const btScalar most = static_cast<btScalar>(settings_.effort) / info->fps;
-    const btScalar velocity =
-        settings_.target
-            ? (static_cast<btScalar>(*settings_.target) - last_) * info->erp * info->fps
-            : static_cast<btScalar>(settings_.velocity);
-    add({velocity, -most, most});
-  }
-  if (!settings_.HasLimits()) return;
-  const auto approach = [&](double limit, btScalar inside) {
-    const btScalar room = static_cast<btScalar>(limit) - last_;
-    return (room * inside < 0 ? info->erp : btScalar(1)) * room * info->fps;
-  };
-  add({approach(settings_.lower, -1), 0, SIMD_INFINITY});
-  add({approach(settings_.upper, 1), -SIMD_INFINITY, 0});
 }
 
 void AxisDrive::setParam(int, btScalar, int) { CDB_CHECK(false); }

@@ -43,6 +43,26 @@ class AxisDrive : public btTypedConstraint {
   /// How far q is past a limit; 0 within.
   double Excess() const;
 
+  /// A row of a constraint: the velocity dq/dt that it seeks, and the impulses that it may use.
+  struct Row {
+    btScalar velocity, least, most;
+  };
+  struct RowList {
+    static constexpr int kMost = 5;
+    Row rows[kMost];
+    int count = 0;
+    void Add(const Row& row) { rows[count++] = row; }
+  };
+  /// At the start of a step.
+  struct Moment {
+    btScalar rate;      ///< dq/dt
+    btScalar mobility;  ///< the velocity that a unit impulse gives the joint
+    btScalar fps;       ///< 1/s
+    btScalar erp;       ///< error reduction of the solver
+  };
+  /// The rows of the step that begins now, with q by the poses of the bodies.
+  void ListRows(const Moment& moment, RowList& list);
+
   void getInfo1(btConstraintInfo1* info) override;
   void getInfo2(btConstraintInfo2* info) override;
   void setParam(int num, btScalar value, int axis) override;

@@ -136,6 +136,10 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
   CutPlanes();
   MakeDetection(detectors);
   links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
+  if (links_->multibodies() == nullptr) return;
+  world_->SolveBy(*links_->multibodies());
+  // As in Bullet's own world of multibodies.
+  world_->getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 }
 
 void Engine::MakeDetection(const detection::Detectors& detectors) {

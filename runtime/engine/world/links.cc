@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "dsl/text/check.h"
 #include "runtime/engine/world/conversions.h"
 
 namespace cdb::world {
@@ -142,7 +143,7 @@ class JointEquations {
 Links::Links(const plan::Scene& scene, const layouts::InitialState& state,
              const std::vector<std::unique_ptr<btRigidBody>>& objects,
              btDiscreteDynamicsWorld& world)
-    : world_(world) {
+    : world_(world), is_reduced_(scene.world.WordOr("coordinates") == "reduced") {
   std::size_t first = 0;
   for (const plan::Group& group : scene.groups) {
     const std::size_t end = first + group.settings.Count("quantity");
@@ -151,9 +152,11 @@ Links::Links(const plan::Scene& scene, const layouts::InitialState& state,
   }
   for (const layouts::JointPair& pair : layouts::JointPairsOf(scene))
     AddJoint(pair, state, objects);
+  if (is_reduced_ && joints_) MakeMultibodies(objects.size());
 }
 
 Links::~Links() {
+  if (is_reduced_) return;
   for (const Link& link : links_) {
     if (link.drive) world_.removeConstraint(link.drive.get());
     world_.removeConstraint(link.constraint.get());
@@ -175,7 +178,7 @@ void Links::AddLinks(const plan::Group& group, const layouts::ObjectState& objec
 }
 
 void Links::MakeBall(btRigidBody& first, btRigidBody& second, Link& link) {
-  link.kind = Kind::kBall;
+  link.kind = JointKind::kBall;
   link.constraint = std::make_unique<btPoint2PointConstraint>(first, second, link.pivot_in_first,
                                                               link.pivot_in_second);
 }
@@ -193,20 +196,19 @@ void Links::AddLink(const plan::GroupSettings& settings, btRigidBody& first, btR
   if (type == "ball") {
     MakeBall(first, second, link);
   } else if (type == "hinge") {
-    link.kind = Kind::kHinge;
+    link.kind = JointKind::kHinge;
     const btVector3 axis(0, 0, 1);
     link.line_in_first = axis * first.getWorldTransform().getBasis();
     link.constraint = std::make_unique<btHingeConstraint>(
         first, second, link.pivot_in_first, link.pivot_in_second, link.line_in_first,
         axis * second.getWorldTransform().getBasis());
   } else if (type == "fixed") {
-    link.kind = Kind::kFixed;
+    link.kind = JointKind::kFixed;
     const btTransform frame(btMatrix3x3::getIdentity(), pivot);
     link.constraint = std::make_unique<btFixedConstraint>(
         first, second, first.getWorldTransform().inverse() * frame,
         second.getWorldTransform().inverse() * frame);
   } else {
-    link.kind = Kind::kSpring;
     const btVector3 way = to - from;
     const btVector3 line = way.normalized();
     link.stiffness = settings.Real("links.stiffness");
@@ -249,14 +251,14 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
   if (type == "ball") {
     MakeBall(first, second, link);
   } else if (type == "hinge") {
-    link.kind = Kind::kHinge;
+    link.kind = JointKind::kHinge;
     // It turns about z.
     const btMatrix3x3 upright(0, 0, 1, 1, 0, 0, 0, 1, 0);
     const btTransform about(along.getBasis() * upright, pivot);
     link.constraint =
         std::make_unique<btHingeConstraint>(first, second, to_first * about, to_second * about);
   } else {
-    link.kind = type == "fixed" ? Kind::kFixed : Kind::kSlider;
+    link.kind = type == "fixed" ? JointKind::kFixed : JointKind::kSlider;
     link.turn =
         first.getWorldTransform().getBasis().transposeTimes(second.getWorldTransform().getBasis());
     auto constraint = std::make_unique<btGeneric6DofSpring2Constraint>(
@@ -280,13 +282,13 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
 void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double length) {
   link.first = &first;
   link.second = &second;
-  joints_ = joints_ || link.kind != Kind::kSpring;
+  joints_ = joints_ || link.kind;
   const std::size_t index = links_.size();
   const auto holder = holders_.find(&first);
   const bool continues = holder != holders_.end();
   link.before = continues ? holder->second : index;
   link.root =
-      continues && links_[link.before].kind == Kind::kFixed ? links_[link.before].root : index;
+      continues && links_[link.before].kind == JointKind::kFixed ? links_[link.before].root : index;
   link.chain = (continues ? links_[link.before].chain : 0) + length;
   link.second_in_root = InBody(link.root == index ? first : *links_[link.root].first,
                                second.getWorldTransform().getOrigin());
@@ -294,9 +296,25 @@ void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double lengt
   const btRigidBody* world = &btTypedConstraint::getFixedBody();
   const bool between_objects = &first != world && &second != world;
   if (&second != world) holders_.try_emplace(&second, index);
-  world_.addConstraint(link.constraint.get(), between_objects);
-  if (link.drive) world_.addConstraint(link.drive.get(), between_objects);
+  if (is_reduced_) {
+    if (between_objects) first.setIgnoreCollisionCheck(&second, true);
+    if (between_objects) second.setIgnoreCollisionCheck(&first, true);
+  } else {
+    world_.addConstraint(link.constraint.get(), between_objects);
+    if (link.drive) world_.addConstraint(link.drive.get(), between_objects);
+  }
   links_.push_back(std::move(link));
+}
+
+void Links::MakeMultibodies(std::size_t objects) {
+  std::vector<JointFrame> joints;
+  for (const Link& link : links_) {
+    CDB_CHECK(link.kind);
+    const btTransform& pose = link.first->getWorldTransform();
+    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first,
+                      pose.getBasis() * link.line_in_first, link.drive.get()});
+  }
+  multibodies_ = std::make_unique<Multibodies>(joints, objects);
 }
 
 void Links::MarkHeld(std::vector<char>& marks, char mark) const {
@@ -308,8 +326,8 @@ void Links::MarkHeld(std::vector<char>& marks, char mark) const {
 double Links::BendOf(const Link& link) const {
   const btTransform &first = link.first->getWorldTransform(),
                     &second = link.second->getWorldTransform();
-  if (link.kind == Kind::kBall) return 0;
-  if (link.kind == Kind::kHinge) {
+  if (link.kind == JointKind::kBall) return 0;
+  if (link.kind == JointKind::kHinge) {
     const auto& hinge = static_cast<const btHingeConstraint&>(*link.constraint);
     const Vector3d in_first = ToEigen(first.getBasis() * hinge.getAFrame().getBasis().getColumn(2));
     const Vector3d in_second =
@@ -323,7 +341,7 @@ double Links::BendOf(const Link& link) const {
     bend = Eigen::AngleAxisd(Eigen::Matrix3d(ToEigen(first.getBasis() * *link.turn).transpose() *
                                              ToEigen(second.getBasis())))
                .angle();
-  if (link.kind == Kind::kSlider) return bend;
+  if (link.kind == JointKind::kSlider) return bend;
   const Link& root = links_[link.root];
   const btTransform& pose = root.first->getWorldTransform();
   const Vector3d held = ToEigen(pose * link.second_in_root);
@@ -335,7 +353,7 @@ Vector3d Links::GapOf(const Link& link) const {
   const btTransform& pose = link.first->getWorldTransform();
   const Vector3d first = ToEigen(pose * link.pivot_in_first);
   const Vector3d gap = ToEigen(link.second->getWorldTransform() * link.pivot_in_second) - first;
-  if (link.kind != Kind::kSlider) return gap;
+  if (link.kind != JointKind::kSlider) return gap;
   const Vector3d axis = ToEigen(pose.getBasis() * link.line_in_first);
   return gap - gap.dot(axis) * axis;
 }
@@ -346,11 +364,11 @@ Links::Gaps Links::MeasureGaps() const {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     chains.push_back(link.before == i ? 0 : chains[link.before]);
-    if (link.kind == Kind::kSpring) continue;
+    if (!link.kind) continue;
     const double gap = GapOf(link).norm();
     chains.back() += gap;
     gaps.largest = std::max(gaps.largest, gap);
-    if (link.kind == Kind::kSlider && link.drive)
+    if (link.kind == JointKind::kSlider && link.drive)
       gaps.largest = std::max(gaps.largest, link.drive->Excess());
     gaps.sum += gap;
     if (link.chain > 0) gaps.stretch = std::max(gaps.stretch, chains.back() / link.chain);
@@ -373,7 +391,7 @@ double Links::JerkEnergy() const {
     btVector3 y(0, 0, 0), z(0, 0, 0);
     if (!link.line_in_first.isZero()) btPlaneSpace1(pose.getBasis() * link.line_in_first, y, z);
     // A spring's or a slider's end stays on a line that turns with the first object.
-    const bool is_on_line = link.kind == Kind::kSpring || link.kind == Kind::kSlider;
+    const bool is_on_line = !link.kind || link.kind == JointKind::kSlider;
     if (is_on_line) {
       const Vector3d end = ToEigen(link.second->getWorldTransform() * link.pivot_in_second);
       add_point(end, ToEigen(y));
@@ -382,10 +400,10 @@ double Links::JerkEnergy() const {
       const Vector3d pivot = ToEigen(pose * link.pivot_in_first);
       for (int axis = 0; axis < 3; ++axis) add_point(pivot, Vector3d::Unit(axis));
     }
-    if (link.kind == Kind::kHinge) {
+    if (link.kind == JointKind::kHinge) {
       add_turn(ToEigen(y));
       add_turn(ToEigen(z));
-    } else if (link.kind == Kind::kFixed || link.kind == Kind::kSlider) {
+    } else if (link.kind == JointKind::kFixed || link.kind == JointKind::kSlider) {
       for (int axis = 0; axis < 3; ++axis) add_turn(Vector3d::Unit(axis));
     }
   }
@@ -395,7 +413,7 @@ double Links::JerkEnergy() const {
 double Links::SpringEnergy(double timestep) const {
   double energy = 0;
   for (const Link& link : links_) {
-    if (link.kind != Kind::kSpring) continue;
+    if (link.kind) continue;
     const btTransform& first = link.first->getWorldTransform();
     const Vector3d line = ToEigen(first.getBasis() * link.line_in_first);
     const Vector3d way = ToEigen(link.second->getWorldTransform().getOrigin()) -

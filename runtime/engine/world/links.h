@@ -12,6 +12,7 @@
 #include "library/layouts/initial_state.h"
 #include "library/layouts/joint_pairs.h"
 #include "runtime/engine/world/axis_drive.h"
+#include "runtime/engine/world/multibodies.h"
 
 namespace cdb::world {
 
@@ -32,7 +33,8 @@ namespace cdb::world {
 ///                       other object is held on the line by Bullet's
 ///                       btGeneric6DofSpring2Constraint and turns freely
 /// The damping, the motor and the limits of a joint are rows of a constraint of their own,
-/// AxisDrive. Not thread-safe.
+/// AxisDrive. In reduced coordinates, joints are Multibodies instead, and the world has no such
+/// constraints. Not thread-safe.
 class Links {
  public:
   /// `objects` are those of `state`, at their initial poses. World and objects must outlive it.
@@ -44,6 +46,8 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   bool HasJoints() const { return joints_; }
+  /// Null in maximal coordinates, and without joints.
+  Multibodies* multibodies() { return multibodies_.get(); }
   /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
   void MarkHeld(std::vector<char>& marks, char mark) const;
   /// Distances between the two pivots of a joint (of a slider, from its axis), or of a slider past
@@ -66,12 +70,11 @@ class Links {
   double SpringEnergy(double timestep) const;
 
  private:
-  enum class Kind { kBall, kHinge, kFixed, kSlider, kSpring };
   struct Link {
-    Kind kind;
+    std::optional<JointKind> kind;  ///< nullopt: a spring
     std::unique_ptr<btTypedConstraint> constraint;
     std::unique_ptr<AxisDrive> drive;  ///< null without damping, motor and limits
-    const btRigidBody *first, *second;
+    btRigidBody *first, *second;
     btVector3 pivot_in_first, pivot_in_second;  ///< m; for a spring, its ends
     btVector3 line_in_first;                    ///< unit vector of a spring, a hinge or a slider
     double length = 0;                          ///< m, of a spring at rest
@@ -100,8 +103,12 @@ class Links {
   /// `length`: of the chain, m.
   void Add(Link link, btRigidBody& first, btRigidBody& second, double length);
 
+  void MakeMultibodies(std::size_t objects);
+
   btDiscreteDynamicsWorld& world_;
+  const bool is_reduced_;
   std::vector<Link> links_;
+  std::unique_ptr<Multibodies> multibodies_;
   std::map<const btRigidBody*, std::size_t> holders_;  ///< the first link whose second it is
   bool joints_ = false;
 };

@@ -113,6 +113,8 @@ void LeanWorld::performDiscreteCollisionDetection() {
 }
 
 void LeanWorld::solveConstraints(btContactSolverInfo& info) {
+  if (multibodies_ != nullptr)
+    return multibodies_->Solve(m_nonStaticRigidBodies, *getDispatcher(), m_gravity, info);
   if (!Omits(Component::kSolver)) return btDiscreteDynamicsWorld::solveConstraints(info);
   for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
     btRigidBody& body = *m_nonStaticRigidBodies[i];
@@ -165,7 +167,11 @@ void LeanWorld::updateActivationState(btScalar timestep) {
 }
 
 void LeanWorld::integrateTransforms(btScalar timestep) {
-  if (!Omits(Component::kRotation)) return btDiscreteDynamicsWorld::integrateTransforms(timestep);
+  if (!Omits(Component::kRotation)) {
+    btDiscreteDynamicsWorld::integrateTransforms(timestep);
+    if (multibodies_ != nullptr) multibodies_->Integrate(timestep);
+    return;
+  }
   for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
     btRigidBody& body = *m_nonStaticRigidBodies[i];
     if (!body.isActive() || body.isStaticOrKinematicObject()) continue;

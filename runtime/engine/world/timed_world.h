@@ -23,6 +23,7 @@
 #include <utility>
 
 #include "runtime/engine/detection/scene_view.h"
+#include "runtime/engine/world/multibodies.h"
 #include "runtime/omissions/omissions.h"
 #include "runtime/protocol/series.h"
 
@@ -55,6 +56,9 @@ class LeanWorld : public btDiscreteDynamicsWorld {
   /// From the next step on, boxes are computed by `view`, which must outlive it and contain all
   /// bodies of the world.
   void ComputeBoxesBy(detection::SceneView& view) { view_ = &view; }
+  /// From the next step on, `bodies`, which must outlive it, solve the contacts and move. The
+  /// solver that the world was made with is not called.
+  void SolveBy(Multibodies& bodies) { multibodies_ = &bodies; }
   /// From the next step on, calls `visit` between broad and narrow phase. A TimedWorld does not.
   void BeforeNarrowPhase(std::function<void()> visit) { before_narrow_ = std::move(visit); }
 
@@ -85,6 +89,7 @@ class LeanWorld : public btDiscreteDynamicsWorld {
 
   unsigned omitted_ = 0;  ///< bit by component
   detection::SceneView* view_ = nullptr;
+  Multibodies* multibodies_ = nullptr;
   std::function<void()> before_narrow_;  ///< may be empty
 };
 

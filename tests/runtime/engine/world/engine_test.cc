@@ -122,6 +122,8 @@ std::vector<Variations> AllVariations() {
            {"joints.damping", Joints("joints.damping", 10.0)},
            {"joints.friction", Joints("joints.friction", 10.0)},
        }},
+      {With(arm, World("sleeping", false)),
+       {{"coordinates", World("coordinates", Word("reduced"))}}},
       {bent, {{"joints.start", Joints("joints.start", 0.5)}}},
       {held, {{"joints.motor.position", Joints("joints.motor.position", 0.5)}}},
       {limited,

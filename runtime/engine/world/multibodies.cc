@@ -1,0 +1,424 @@
+#include "runtime/engine/world/multibodies.h"
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace cdb::world {
+namespace {
+
+constexpr int kBase = -1;
+constexpr btScalar kNoLimit = std::numeric_limits<btScalar>::max();
+
+btMultiBodySolverConstraint& NewRow(btMultiBodyConstraintArray& rows) {
+  btMultiBodySolverConstraint& row = rows.expandNonInitializing();
+  row = btMultiBodySolverConstraint();
+  row.m_orgConstraint = nullptr;
+  return row;
+}
+
+/// A constraint of two multibodies that is in no island. Bullet's own kind for one multibody reads
+/// out of bounds in a world without fixed bodies: the ground must be a multibody, too.
+class Rows : public btMultiBodyConstraint {
+ public:
+  Rows(btMultiBody* first, int link_of_first, btMultiBody* second, int link_of_second)
+      : btMultiBodyConstraint(first, second, link_of_first, link_of_second, 0, false,
+                              MAX_MULTIBODY_CONSTRAINT_TYPE) {}
+  void finalizeMultiDof() override {}
+  int getIslandIdA() const override { return 0; }
+  int getIslandIdB() const override { return 0; }
+  void debugDraw(btIDebugDraw*) override {}
+};
+
+/// The rows of an AxisDrive for the one degree of freedom of a link.
+class LinkDrive final : public Rows {
+ public:
+  /// `sign`: -1 if the link is the first of the two bodies.
+  LinkDrive(btMultiBody& body, int link, btMultiBody& ground, AxisDrive& drive, btScalar sign)
+      : Rows(&body, link, &ground, kBase),
+        drive_(drive),
+        sign_(sign),
+        jacobian_(static_cast<std::size_t>(6 + body.getNumDofs()), btScalar(0)) {
+    jacobian_[static_cast<std::size_t>(6 + body.getLink(link).m_dofOffset)] = sign;
+  }
+
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override {
+    const btScalar rate = sign_ * m_bodyA->getJointVel(m_linkA);
+    const auto add = [&](btScalar velocity) -> btMultiBodySolverConstraint& {
+      const btVector3 none(0, 0, 0);
+      btScalar no_jacobian[6] = {};  // of the ground
+      btMultiBodySolverConstraint& row = NewRow(rows);
+      fillMultiBodyConstraint(row, data, jacobian_.data(), no_jacobian, none, none, none, none, 0,
+                              info, 0, 0, false, 1, false, velocity);
+      return row;
+    };
+    // The velocity that a unit impulse gives the joint is known once a row is filled.
+    const btMultiBodySolverConstraint& trial = add(0);
+    const btScalar mobility = trial.m_jacDiagABInv > 0 ? 1 / trial.m_jacDiagABInv : btScalar(0);
+    rows.pop_back();
+    AxisDrive::RowList list;
+    drive_.ListRows(
+        {.rate = rate, .mobility = mobility, .fps = 1 / info.m_timeStep, .erp = info.m_erp}, list);
+    for (int i = 0; i < list.count; ++i) {
+      btMultiBodySolverConstraint& row = add(list.rows[i].velocity);
+      row.m_lowerLimit = list.rows[i].least;
+      row.m_upperLimit = list.rows[i].most;
+    }
+  }
+
+ private:
+  AxisDrive& drive_;
+  const btScalar sign_;
+  std::vector<btScalar> jacobian_;
+};
+
+/// A joint that closes a loop: the pivots of two links, or of one and of the ground, are held
+/// together, and those of their axes that the joint fixes.
+class LoopJoint final : public Rows {
+ public:
+  /// A place on a link.
+  struct Side {
+    btMultiBody* body;
+    int link;
+    btTransform frame;  ///< in the link: the pivot, and x along the axis
+  };
+  LoopJoint(JointKind kind, const Side& first, const Side& second)
+      : Rows(first.body, first.link, second.body, second.link),
+        kind_(kind),
+        first_(first),
+        second_(second) {}
+
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override {
+    const btTransform first = PoseOf(first_), second = PoseOf(second_);
+    const btVector3 none(0, 0, 0), gap = first.getOrigin() - second.getOrigin();
+    const auto add = [&](const btVector3& about, const btVector3& along, btScalar error) {
+      fillMultiBodyConstraint(NewRow(rows), data, nullptr, nullptr, about, along, first.getOrigin(),
+                              second.getOrigin(), error, info, -kNoLimit, kNoLimit,
+                              !about.isZero());
+    };
+    for (int i = kind_ == JointKind::kSlider ? 1 : 0; i < 3; ++i) {
+      const btVector3 axis = first.getBasis().getColumn(i);
+      add(none, axis, axis.dot(gap));
+    }
+    if (kind_ == JointKind::kBall) return;
+    // The small turn of the first from the second, rad.
+    btVector3 turn(0, 0, 0);
+    for (int i = 0; i < 3; ++i)
+      turn += second.getBasis().getColumn(i).cross(first.getBasis().getColumn(i)) / 2;
+    if (kind_ == JointKind::kHinge)
+      turn = second.getBasis().getColumn(0).cross(first.getBasis().getColumn(0));
+    for (int i = kind_ == JointKind::kHinge ? 1 : 0; i < 3; ++i) {
+      const btVector3 axis = first.getBasis().getColumn(i);
+      add(axis, none, axis.dot(turn));
+    }
+  }
+
+ private:
+  static btTransform PoseOf(const Side& side) {
+    return (side.link == kBase ? side.body->getBaseWorldTransform()
+                               : side.body->getLink(side.link).m_cachedWorldTransform) *
+           side.frame;
+  }
+
+  const JointKind kind_;
+  const Side first_, second_;
+};
+
+btVector3 InertiaOf(const btRigidBody& body) {
+  const btVector3& inverse = body.getInvInertiaDiagLocal();
+  return {1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z()};
+}
+
+/// x along the axis, at the pivot.
+btTransform FrameOf(const JointFrame& joint) {
+  if (joint.axis.isZero()) return btTransform(btMatrix3x3::getIdentity(), joint.pivot);
+  btVector3 y, z;
+  btPlaneSpace1(joint.axis, y, z);
+  const btVector3& x = joint.axis;
+  return btTransform(btMatrix3x3(x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()),
+                     joint.pivot);
+}
+
+}  // namespace
+
+/// A multibody, and the rigid bodies of its links; that of the base is null if it is the ground.
+struct Multibodies::Tree {
+  struct Branch {
+    const JointFrame* joint;
+    int parent;  ///< link
+  };
+  btRigidBody* base = nullptr;
+  std::vector<btRigidBody*> bodies;  ///< by link
+  std::vector<Branch> branches;      ///< by link
+  std::unique_ptr<btMultiBody> body;
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> colliders;
+  // Room for Bullet.
+  btAlignedObjectArray<btScalar> reals;
+  btAlignedObjectArray<btVector3> vectors, origins;
+  btAlignedObjectArray<btMatrix3x3> matrices;
+  btAlignedObjectArray<btQuaternion> turns;
+  std::vector<btVector3> spins, velocities;
+
+  btRigidBody* BodyOf(int link) const {
+    return link == kBase ? base : bodies[static_cast<std::size_t>(link)];
+  }
+  btTransform PoseOf(int link) const {
+    return link == kBase ? body->getBaseWorldTransform()
+                         : body->getLink(link).m_cachedWorldTransform;
+  }
+  int Add(btRigidBody& object, const JointFrame& joint, int parent) {
+    bodies.push_back(&object);
+    branches.push_back({&joint, parent});
+    return static_cast<int>(bodies.size()) - 1;
+  }
+  /// Velocities of the joints by the forces that were added, in `seconds`.
+  void Accelerate(btScalar seconds) {
+    const int links = static_cast<int>(bodies.size());
+    reals.resize(links + 1);
+    vectors.resize(links + 1);
+    matrices.resize(links + 1);
+    body->forwardKinematics(turns, origins);
+    body->computeAccelerationsArticulatedBodyAlgorithmMultiDof(seconds, reals, vectors, matrices,
+                                                               false, false, false);
+    body->clearForcesAndTorques();
+  }
+  void Make();
+  void MakeLink(int link);
+};
+
+void Multibodies::Tree::MakeLink(int link) {
+  const Branch& branch = branches[static_cast<std::size_t>(link)];
+  const btRigidBody& own = *bodies[static_cast<std::size_t>(link)];
+  const btRigidBody* other = BodyOf(branch.parent);
+  const btTransform pose = own.getWorldTransform();
+  const btTransform parent =
+      other != nullptr ? other->getWorldTransform() : btTransform::getIdentity();
+  const btScalar mass = 1 / own.getInvMass();
+  const btVector3 inertia = InertiaOf(own);
+  const btQuaternion turn = pose.getRotation().inverse() * parent.getRotation();
+  const btVector3 to_pivot = parent.invXform(branch.joint->pivot);
+  const btVector3 to_centre = -pose.invXform(branch.joint->pivot);
+  const btVector3 axis = branch.joint->axis * pose.getBasis();
+  switch (branch.joint->kind) {
+    case JointKind::kBall:
+      return body->setupSpherical(link, mass, inertia, branch.parent, turn, to_pivot, to_centre);
+    case JointKind::kHinge:
+      return body->setupRevolute(link, mass, inertia, branch.parent, turn, axis, to_pivot,
+                                 to_centre);
+    case JointKind::kSlider:
+      return body->setupPrismatic(link, mass, inertia, branch.parent, turn, axis, to_pivot,
+                                  to_centre, false);
+    case JointKind::kFixed:
+      return body->setupFixed(link, mass, inertia, branch.parent, turn, to_pivot, to_centre);
+  }
+}
+
+void Multibodies::Tree::Make() {
+  const int links = static_cast<int>(bodies.size());
+  const bool is_fixed = base == nullptr;
+  body = std::make_unique<btMultiBody>(links, is_fixed ? btScalar(0) : 1 / base->getInvMass(),
+                                       is_fixed ? btVector3(0, 0, 0) : InertiaOf(*base), is_fixed,
+                                       false);
+  if (!is_fixed) body->setBaseWorldTransform(base->getWorldTransform());
+  for (int link = 0; link < links; ++link) MakeLink(link);
+  body->finalizeMultiDof();
+  body->setLinearDamping(0);
+  body->setAngularDamping(0);
+  body->setMaxCoordinateVelocity(kNoLimit);
+  body->forwardKinematics(turns, origins);
+  spins.resize(static_cast<std::size_t>(links) + 1);
+  velocities.resize(static_cast<std::size_t>(links) + 1);
+  for (int link = is_fixed ? 0 : kBase; link < links; ++link) {
+    auto collider = std::make_unique<btMultiBodyLinkCollider>(body.get(), link);
+    collider->setWorldTransform(PoseOf(link));
+    if (link == kBase)
+      body->setBaseCollider(collider.get());
+    else
+      body->getLink(link).m_collider = collider.get();
+    colliders.push_back(std::move(collider));
+  }
+}
+
+Multibodies::Multibodies(std::span<const JointFrame> joints, std::size_t objects)
+    : ground_(std::make_unique<btMultiBody>(0, btScalar(0), btVector3(0, 0, 0), true, false)),
+      links_(objects, nullptr) {
+  ground_->finalizeMultiDof();
+  Grow(joints);
+  for (const auto& constraint : constraints_) rows_.push_back(constraint.get());
+}
+
+Multibodies::~Multibodies() = default;
+
+btMultiBodyLinkCollider* Multibodies::LinkOf(const btCollisionObject& body) const {
+  const int index = body.getUserIndex();
+  return index >= 0 && static_cast<std::size_t>(index) < links_.size()
+             ? links_[static_cast<std::size_t>(index)]
+             : nullptr;
+}
+
+void Multibodies::Grow(std::span<const JointFrame> joints) {
+  std::map<btRigidBody*, std::vector<std::size_t>> joints_of;
+  std::vector<btRigidBody*> order;  // of the bodies, as joints name them
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    for (btRigidBody* body : {joints[i].first, joints[i].second})
+      if (!IsGround(*body)) {
+        if (!joints_of.contains(body)) order.push_back(body);
+        joints_of[body].push_back(i);
+      }
+  std::vector<bool> is_used(joints.size(), false);
+  std::map<btRigidBody*, Tree*> placed;
+  // Breadth first, so that chains are as short as they can be.
+  const auto grow = [&](Tree& tree) {
+    std::vector<std::pair<btRigidBody*, int>> front;
+    if (tree.base != nullptr) front.emplace_back(tree.base, kBase);
+    for (std::size_t link = 0; link < tree.bodies.size(); ++link)
+      front.emplace_back(tree.bodies[link], static_cast<int>(link));
+    for (std::size_t next = 0; next < front.size(); ++next) {
+      const auto [body, link] = front[next];
+      placed[body] = &tree;
+      for (const std::size_t i : joints_of[body]) {
+        btRigidBody* other = joints[i].first == body ? joints[i].second : joints[i].first;
+        if (is_used[i] || IsGround(*other) || placed.contains(other)) continue;
+        is_used[i] = true;
+        placed[other] = &tree;
+        front.emplace_back(other, tree.Add(*other, joints[i], link));
+      }
+    }
+  };
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const bool on_first = IsGround(*joints[i].first), on_second = IsGround(*joints[i].second);
+    btRigidBody* held = on_first ? joints[i].second : joints[i].first;
+    if ((!on_first && !on_second) || placed.contains(held)) continue;
+    is_used[i] = true;
+    trees_.push_back(std::make_unique<Tree>());
+    trees_.back()->Add(*held, joints[i], kBase);
+    grow(*trees_.back());
+  }
+  for (btRigidBody* body : order) {
+    if (placed.contains(body)) continue;
+    trees_.push_back(std::make_unique<Tree>());
+    trees_.back()->base = body;
+    grow(*trees_.back());
+  }
+  for (const auto& tree : trees_) {
+    tree->Make();
+    for (const auto& collider : tree->colliders)
+      links_[static_cast<std::size_t>(tree->BodyOf(collider->m_link)->getUserIndex())] =
+          collider.get();
+    for (std::size_t link = 0; link < tree->branches.size(); ++link) {
+      const JointFrame& joint = *tree->branches[link].joint;
+      if (joint.drive != nullptr)
+        constraints_.push_back(std::make_unique<LinkDrive>(
+            *tree->body, static_cast<int>(link), *ground_, *joint.drive,
+            joint.second == tree->bodies[link] ? btScalar(1) : btScalar(-1)));
+    }
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (!is_used[i]) Close(joints[i]);
+  for (const auto& tree : trees_) {
+    StartMoving(*tree);
+    Mirror(*tree);
+  }
+}
+
+void Multibodies::Close(const JointFrame& joint) {
+  const auto side = [&](btRigidBody& body) -> LoopJoint::Side {
+    const btMultiBodyLinkCollider* link = IsGround(body) ? nullptr : LinkOf(body);
+    if (link == nullptr) return {ground_.get(), kBase, FrameOf(joint)};
+    return {link->m_multiBody, link->m_link, body.getWorldTransform().inverse() * FrameOf(joint)};
+  };
+  constraints_.push_back(
+      std::make_unique<LoopJoint>(joint.kind, side(*joint.first), side(*joint.second)));
+}
+
+// The momenta of the bodies, as forces on the tree at rest in one second, give H^-1 J^T M v: the
+// velocities of the joints for which the kinetic energy of the difference is least.
+void Multibodies::StartMoving(Tree& tree) {
+  const auto momenta = [](const btRigidBody& body) {
+    const btMatrix3x3& turn = body.getWorldTransform().getBasis();
+    return std::pair(body.getLinearVelocity() / body.getInvMass(),
+                     turn * (InertiaOf(body) * (body.getAngularVelocity() * turn)));
+  };
+  if (tree.base != nullptr) {
+    const auto [force, torque] = momenta(*tree.base);
+    tree.body->addBaseForce(force);
+    tree.body->addBaseTorque(torque);
+  }
+  for (std::size_t link = 0; link < tree.bodies.size(); ++link) {
+    const auto [force, torque] = momenta(*tree.bodies[link]);
+    tree.body->addLinkForce(static_cast<int>(link), force);
+    tree.body->addLinkTorque(static_cast<int>(link), torque);
+  }
+  tree.Accelerate(1);
+}
+
+void Multibodies::Mirror(Tree& tree) {
+  tree.body->forwardKinematics(tree.turns, tree.origins);
+  tree.body->compTreeLinkVelocities(tree.spins.data(), tree.velocities.data());
+  for (const auto& collider : tree.colliders) {
+    const btTransform pose = tree.PoseOf(collider->m_link);
+    const auto at = static_cast<std::size_t>(collider->m_link + 1);
+    btRigidBody& body = *tree.BodyOf(collider->m_link);
+    collider->setWorldTransform(pose);
+    body.setWorldTransform(pose);
+    body.setInterpolationWorldTransform(pose);
+    body.setLinearVelocity(pose.getBasis() * tree.velocities[at]);
+    body.setAngularVelocity(pose.getBasis() * tree.spins[at]);
+    body.updateInertiaTensor();
+  }
+}
+
+void Multibodies::Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
+                        const btVector3& acceleration, const btContactSolverInfo& info) {
+  for (const auto& tree : trees_) {
+    btMultiBody& body = *tree->body;
+    body.clearConstraintForces();
+    body.addBaseForce(acceleration * body.getBaseMass());
+    for (int link = 0; link < body.getNumLinks(); ++link)
+      body.addLinkForce(link, acceleration * body.getLinkMass(link));
+    tree->Accelerate(info.m_timeStep);
+    body.setCompanionId(-1);
+  }
+  ground_->setCompanionId(-1);
+  free_.clear();
+  for (int i = 0; i < bodies.size(); ++i)
+    if (LinkOf(*bodies[i]) == nullptr) free_.push_back(bodies[i]);
+  manifolds_.clear();
+  for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+    if (dispatcher.needsResponse(manifold->getBody0(), manifold->getBody1()))
+      manifolds_.push_back(manifold);
+  }
+  // The links take the places of their objects while contacts are solved.
+  replaced_.clear();
+  for (btPersistentManifold* manifold : manifolds_) {
+    const btCollisionObject *first = manifold->getBody0(), *second = manifold->getBody1();
+    replaced_.emplace_back(first, second);
+    const btCollisionObject* link_of_first = LinkOf(*first);
+    const btCollisionObject* link_of_second = LinkOf(*second);
+    manifold->setBodies(link_of_first != nullptr ? link_of_first : first,
+                        link_of_second != nullptr ? link_of_second : second);
+  }
+  solver_.solveMultiBodyGroup(free_.data(), static_cast<int>(free_.size()), manifolds_.data(),
+                              static_cast<int>(manifolds_.size()), nullptr, 0, rows_.data(),
+                              static_cast<int>(rows_.size()), info, nullptr, &dispatcher);
+  for (std::size_t i = 0; i < manifolds_.size(); ++i)
+    manifolds_[i]->setBodies(replaced_[i].first, replaced_[i].second);
+  for (const auto& tree : trees_) tree->body->processDeltaVeeMultiDof2();
+}
+
+void Multibodies::Integrate(btScalar timestep) {
+  for (const auto& tree : trees_) {
+    tree->body->stepPositionsMultiDof(timestep);
+    Mirror(*tree);
+  }
+}
+
+}  // namespace cdb::world

@@ -1,0 +1,77 @@
+// Jointed objects in reduced coordinates: Bullet's articulated bodies (btMultiBody), which have the
+// positions and velocities of the joints as their state, so that joints cannot open.
+#pragma once
+
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "runtime/engine/world/axis_drive.h"
+
+class btMultiBody;
+class btMultiBodyConstraint;
+class btMultiBodyLinkCollider;
+
+namespace cdb::world {
+
+enum class JointKind { kBall, kHinge, kFixed, kSlider };
+
+/// A joint of two bodies at their initial poses. Bodies that do not move stand for the ground.
+struct JointFrame {
+  JointKind kind;
+  btRigidBody *first, *second;
+  btVector3 pivot, axis;  ///< in the world; the axis, of a hinge or slider, is a unit vector
+  AxisDrive* drive;       ///< null without damping, motor and limits
+};
+
+/// The trees of a scene's joints. Objects remain rigid bodies of the world for detection; their
+/// poses and velocities are those of the links, set after each step. In the solver, the links take
+/// their place. Joints that close a loop are constraints, as are drives. All that touch are solved
+/// as one island.
+///
+/// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 (the articulated-body
+/// algorithm), as in Bullet. Differences from rigid bodies: no split impulse, explicit gyroscopic
+/// torques, two directions of friction. Not thread-safe.
+class Multibodies {
+ public:
+  /// Joins the objects of user index 0 to `objects` - 1, and gives them the velocities, nearest in
+  /// the sense of kinetic energy, that the joints permit. Bodies and drives must outlive it.
+  Multibodies(std::span<const JointFrame> joints, std::size_t objects);
+  ~Multibodies();
+  Multibodies(const Multibodies&) = delete;
+  Multibodies& operator=(const Multibodies&) = delete;
+
+  /// Weight, contacts, drives and loops to velocities. `bodies`: the moving ones of the world.
+  void Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
+             const btVector3& acceleration, const btContactSolverInfo& info);
+  /// Moves the links, and the rigid bodies of their objects.
+  void Integrate(btScalar timestep);
+
+ private:
+  struct Tree;
+
+  void Grow(std::span<const JointFrame> joints);
+  void Close(const JointFrame& joint);
+  void StartMoving(Tree& tree);
+  void Mirror(Tree& tree);
+  btMultiBodyLinkCollider* LinkOf(const btCollisionObject& body) const;
+  bool IsGround(const btRigidBody& body) const { return body.isStaticOrKinematicObject(); }
+
+  std::unique_ptr<btMultiBody> ground_;  ///< the other side of drives and of loops' ends
+  std::vector<std::unique_ptr<Tree>> trees_;
+  std::vector<btMultiBodyLinkCollider*> links_;  ///< by user index; null without joints
+  std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;  ///< drives and loops
+  btMultiBodyConstraintSolver solver_;
+  // Kept from step to step, so as not to be allocated again.
+  std::vector<btCollisionObject*> free_;
+  std::vector<btPersistentManifold*> manifolds_;
+  std::vector<std::pair<const btCollisionObject*, const btCollisionObject*>> replaced_;
+  std::vector<btMultiBodyConstraint*> rows_;
+};
+
+}  // namespace cdb::world
