@@ -45,6 +45,8 @@ MotionWatch::MotionWatch(world::Engine& engine, bool is_driven)
     tracks_[i].is_damped = object.numbers["linear_damping"] != 0;
     tracks_[i].keeps_spin = object.solid.IsBall() || object.numbers["angular_damping"] != 0;
     tracks_[i].inertia = object.solid.InertiaPerMass();
+    const world::Multibodies* multibodies = engine.links().multibodies();
+    tracks_[i].is_link = multibodies != nullptr && multibodies->IsLink(i);
   }
 }
 
@@ -150,8 +152,9 @@ MotionWatch::Seen MotionWatch::After(std::span<const char> touches) {
     track.velocity = body.getLinearVelocity();
     if (step.spin != 0) track.basis = pose.getBasis();
     track.was_touched = track.was_touched || touches[i] != kFree || !body.isActive();
-    // Bullet moves a body by its velocity at the end of the step, and out of overlaps.
-    if (!body.isActive() || touches[i] == kPushed || step.is_swept) {
+    // Bullet moves a body by its velocity at the end of the step, and out of overlaps; links of
+    // multibodies it moves by the velocities of their joints.
+    if (track.is_link || !body.isActive() || touches[i] == kPushed || step.is_swept) {
       Forget(track);
       continue;
     }

@@ -70,7 +70,7 @@ class MotionWatch {
     btVector3 velocity;
     double least_side;   ///< m, of the object as a whole
     double least_piece;  ///< m, of its thinnest convex piece
-    bool is_damped;
+    bool is_damped, is_link;
     bool keeps_spin;              ///< because its moments of inertia are equal (a ball), or its
                                   ///< spin is damped
     Eigen::Vector3d inertia;      ///< principal, for 1 kg

@@ -47,7 +47,7 @@ class Links {
 
   bool HasJoints() const { return joints_; }
   /// Null in maximal coordinates, and without joints.
-  Multibodies* multibodies() { return multibodies_.get(); }
+  Multibodies* multibodies() const { return multibodies_.get(); }
   /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
   void MarkHeld(std::vector<char>& marks, char mark) const;
   /// Distances between the two pivots of a joint (of a slider, from its axis), or of a slider past

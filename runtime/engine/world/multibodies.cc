@@ -4,7 +4,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <utility>
@@ -376,7 +376,8 @@ void Multibodies::Mirror(Tree& tree) {
 }
 
 void Multibodies::Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
-                        const btVector3& acceleration, const btContactSolverInfo& info) {
+                        const btVector3& acceleration, bool in_order,
+                        const btContactSolverInfo& info) {
   for (const auto& tree : trees_) {
     btMultiBody& body = *tree->body;
     body.clearConstraintForces();
@@ -393,8 +394,15 @@ void Multibodies::Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDisp
   manifolds_.clear();
   for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
     btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
-    if (dispatcher.needsResponse(manifold->getBody0(), manifold->getBody1()))
+    if (manifold->getNumContacts() > 0 &&
+        dispatcher.needsResponse(manifold->getBody0(), manifold->getBody1()))
       manifolds_.push_back(manifold);
+  }
+  if (in_order) {
+    const auto key = [](const btPersistentManifold* manifold) {
+      return std::pair(manifold->getBody0()->getUserIndex(), manifold->getBody1()->getUserIndex());
+    };
+    std::ranges::stable_sort(manifolds_, {}, key);
   }
   // The links take the places of their objects while contacts are solved.
   replaced_.clear();

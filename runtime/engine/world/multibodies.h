@@ -46,11 +46,15 @@ class Multibodies {
   Multibodies(const Multibodies&) = delete;
   Multibodies& operator=(const Multibodies&) = delete;
 
-  /// Weight, contacts, drives and loops to velocities. `bodies`: the moving ones of the world.
+  /// Weight, contacts, drives and loops to velocities. `bodies`: the moving ones of the world;
+  /// `in_order`: contacts are solved in the order of their bodies, not as the dispatcher lists
+  /// them.
   void Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
-             const btVector3& acceleration, const btContactSolverInfo& info);
+             const btVector3& acceleration, bool in_order, const btContactSolverInfo& info);
   /// Moves the links, and the rigid bodies of their objects.
   void Integrate(btScalar timestep);
+  /// By the object's index.
+  bool IsLink(std::size_t object) const { return links_[object] != nullptr; }
 
  private:
   struct Tree;

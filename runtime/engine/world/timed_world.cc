@@ -114,7 +114,8 @@ void LeanWorld::performDiscreteCollisionDetection() {
 
 void LeanWorld::solveConstraints(btContactSolverInfo& info) {
   if (multibodies_ != nullptr)
-    return multibodies_->Solve(m_nonStaticRigidBodies, *getDispatcher(), m_gravity, info);
+    return multibodies_->Solve(m_nonStaticRigidBodies, *getDispatcher(), m_gravity,
+                               getDispatchInfo().m_deterministicOverlappingPairs, info);
   if (!Omits(Component::kSolver)) return btDiscreteDynamicsWorld::solveConstraints(info);
   for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
     btRigidBody& body = *m_nonStaticRigidBodies[i];
