@@ -1,7 +1,9 @@
 #include "runtime/engine/probes/impact_watch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "compiler/analysis/expectation.h"
@@ -41,6 +43,8 @@ constexpr double kShallow = 0.05, kOtherWay = 0.9;
 constexpr double kRounded = 0.06, kMostLate = 50;
 /// In cycles, beyond the one in which contacts are found.
 constexpr double kForeseen = 2;
+/// Of a cycle, in which it is seen how two part.
+constexpr int kSamples = 4;
 
 double Diameter(const std::vector<Vector3d>& points) {
   double most = 0;
@@ -79,15 +83,22 @@ ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine)
                        std::pow(1 - static_cast<double>(body.getLinearDamping()), timestep_),
                        std::pow(1 - static_cast<double>(body.getAngularDamping()), timestep_),
                        state.numbers["friction"], state.numbers["restitution"],
-                       2 * state.solid.LeastHalfExtent(), judged});
+                       2 * state.solid.LeastHalfExtent(), judged, linked[i] != 0});
   }
 }
 
-ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now) {
+ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now,
+                                     std::span<const Meeting> meetings) {
   ReadPairs();
+  for (const Meeting& meeting : meetings_)
+    if (!Contains(pairs_, {meeting.a, meeting.b})) BeginUnfelt(meeting, before, now);
   std::erase_if(events_, [&](Event& event) { return !Continue(event, before, now); });
   for (const Pair& pair : pairs_)
-    if (!TouchedBefore(pair)) Begin(pair, before, now);
+    if (!Contains(last_, pair) && !IsContinued(pair)) Begin(pair, before, now);
+  meetings_.clear();
+  std::ranges::copy_if(meetings, std::back_inserter(meetings_), [&](const Meeting& meeting) {
+    return !Contains(pairs_, {meeting.a, meeting.b});
+  });
   pairs_.swap(last_);
   double momentum = 0, moving = 0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -96,9 +107,18 @@ ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates&
   }
   momentum *= std::max(0.0, 1 - 2 / moving);
   momentum_ = std::max(momentum_, momentum);
-  return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
-                       : std::numeric_limits<double>::quiet_NaN(),
-          unjudged_};
+  return {Error(), unjudged_};
+}
+
+/// Grazes that were missed make the error of the others no smaller.
+double ImpactWatch::Error() const {
+  const double prior = kPrior * momentum_;
+  double error =
+      impulse_ > 0 ? error_ / (impulse_ + prior) : std::numeric_limits<double>::quiet_NaN();
+  if (missed_ > 0)
+    error = std::fmax(error,
+                      (error_ + missed_) / (impulse_ + missed_ + std::max(prior, graze_)));
+  return error;
 }
 
 void ImpactWatch::ReadPairs() {
@@ -137,9 +157,17 @@ void ImpactWatch::ReadPairs() {
   }
 }
 
-bool ImpactWatch::TouchedBefore(const Pair& pair) const {
+bool ImpactWatch::Contains(const std::vector<Pair>& pairs, const Pair& pair) {
   const auto key = [](const Pair& each) { return std::pair(each.a, each.b); };
-  return std::ranges::binary_search(last_, key(pair), {}, key);
+  return std::ranges::binary_search(pairs, key(pair), {}, key);
+}
+
+/// Whether the impact of the pair was found before its first impulse, which is in this cycle.
+bool ImpactWatch::IsContinued(const Pair& pair) const {
+  return std::ranges::any_of(events_, [&](const Event& event) {
+    return event.is_felt && event.cycles == 1 && event.bodies[0] == pair.a &&
+           event.bodies[1] == pair.b;
+  });
 }
 
 /// m: of the smaller one.
@@ -156,10 +184,13 @@ double ImpactWatch::LeastApproach(const Pair& pair) const {
                    kImpactRate * side});
 }
 
+ImpactWatch::Judged ImpactWatch::JudgedOf(const Pair& pair) const {
+  const Judged judged = bodies_[pair.a].judged;
+  return IsWall(pair.b) ? judged : std::min(judged, bodies_[pair.b].judged);
+}
+
 void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodyStates& now) {
-  const Body& body = bodies_[pair.a];
-  const Judged judged =
-      IsWall(pair.b) ? body.judged : std::min(body.judged, bodies_[pair.b].judged);
+  const Judged judged = JudgedOf(pair);
   if (judged == Judged::kNot || !IsFinite(before[pair.a])) return;
   if (!IsWall(pair.b) && !IsFinite(before[pair.b])) return;
   const ImpactBody a = BodyOf(pair.a, before), b = BodyOf(pair.b, before);
@@ -179,75 +210,163 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
   const double rate = (motion.way - other.motion.way).norm();
   const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
   const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
-  if (!touch) return;
-  const auto at_touch = [&](ImpactBody state) {
-    state.centre += touch->part * timestep_ * state.velocity;
-    return exact::VelocityAt(state, touch->point);
-  };
-  if (-(at_touch(a) - at_touch(b)).dot(touch->normal) < least) return;
+  if (!touch || ApproachAt(pair, *touch, touch->point, before) < least) return;
   if (touch->part < 0 && !IsRound(pair) && LeavesAnotherWay(pair, *touch, before)) {
     ++unjudged_;
     return;
   }
-  if (judged == Judged::kWhole) {
-    if (auto event = MakeEvent(pair, *touch, before, now)) {
-      Compare(*event, now);
-      if (event->error <= kExact * event->impulse)
-        Count(event->error, event->impulse);
-      else
-        events_.push_back(*std::move(event));
-      return;
+  if (judged == Judged::kWhole && !TouchesFreeThird(pair)) {
+    if (const auto points = PointsOf(pair, *touch, before)) {
+      if (auto event = MakeEvent(pair, *touch, *points, before, now)) {
+        Compare(*event, now);
+        if (event->error <= kExact * event->impulse)
+          Count(event->error, event->impulse);
+        else
+          events_.push_back(*std::move(event));
+        return;
+      }
     }
   }
-  const double friction = FrictionOf(pair.a, pair.b), press = pair.impulse.dot(touch->normal);
-  const double across = (pair.impulse - press * touch->normal).norm();
+  CompareDirection(pair, touch->normal);
+}
+
+void ImpactWatch::CompareDirection(const Pair& pair, const Vector3d& normal) {
+  const double friction = FrictionOf(pair.a, pair.b), press = pair.impulse.dot(normal);
+  const double across = (pair.impulse - press * normal).norm();
   const double outside = (across - friction * press) / std::sqrt(1 + friction * friction);
   Count(std::clamp(outside, 0.0, pair.impulse.norm()), pair.impulse.norm());
 }
 
-std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
-                                                         const exact::Touch& touch,
-                                                         const BodyStates& before,
-                                                         const BodyStates& now) {
+/// A pair without an impulse in this cycle, in which it has come to where the meeting ended.
+void ImpactWatch::BeginUnfelt(const Meeting& meeting, const BodyStates& before,
+                              const BodyStates& now) {
+  const Pair pair{meeting.a, meeting.b};
+  const Judged judged = JudgedOf(pair);
+  if (judged == Judged::kNot || !IsFinite(before[pair.a])) return;
+  if (!IsWall(pair.b) && !IsFinite(before[pair.b])) return;
+  exact::Collider other = ColliderOf(pair.b, before);
+  other.motion = meeting.motion_b;
+  const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
+  auto touch = exact::FindTouch(solid, meeting.motion_a, other, 0, 1);
+  if (!touch) return;
+  const bool slides = !IsRound(pair) && SlidesAcross(meeting, *touch);
+  touch->part -= 1;  // to the end of the meeting
+  if (ApproachAt(pair, *touch, touch->point, before) < LeastApproach(pair)) return;
+  // An impulse of another body comes before or after.
+  const auto is_new = [&](std::uint32_t self, std::uint32_t third) {
+    return !Contains(last_, self < third ? Pair{self, third} : Pair{third, self});
+  };
+  const auto is_pushed = [&](std::uint32_t self) {
+    return IsFree(self) && std::ranges::any_of(touching_[self], [&](std::uint32_t third) {
+             return IsFree(third) || is_new(self, third);
+           });
+  };
+  std::optional<Event> event;
+  if (!slides && !is_pushed(pair.a) && !is_pushed(pair.b) && !bodies_[pair.a].is_linked &&
+      (IsWall(pair.b) || !bodies_[pair.b].is_linked)) {
+    std::optional<std::vector<Vector3d>> points;
+    if (judged == Judged::kWhole) points = PointsOf(pair, *touch, before);
+    const Vector3d first[] = {touch->point};
+    event = MakeEvent(pair, *touch, points ? std::span<const Vector3d>(*points) : first, before,
+                      now);
+    if (event && !points) event->judged = Judged::kCone;
+  }
+  if (!event) {
+    ++unjudged_;
+    return;
+  }
+  event->is_felt = false;
+  events_.push_back(*std::move(event));
+}
+
+/// Call in a cycle without an impulse. Returns false if it is over.
+bool ImpactWatch::Wait(Event& event, const BodyStates& before, const BodyStates& now) {
+  const Pair pair{event.bodies[0], event.bodies[1]};
+  const bool is_pushed = std::ranges::any_of(std::array{pair.a, pair.b}, [&](std::uint32_t self) {
+    return IsFree(self) && std::ranges::any_of(touching_[self], [&](std::uint32_t other) {
+             return std::ranges::find(event.bodies, other) == event.bodies.end();
+           });
+  });
+  if (is_pushed || ++event.cycles > kMostLate || !IsFinite(before[pair.a]) ||
+      (!IsWall(pair.b) && !IsFinite(before[pair.b]))) {
+    ++unjudged_;
+    return false;
+  }
+  if (DistanceBefore(pair, before).gap < 0) {
+    for (int i = 0; i < 2; ++i)
+      if (IsFree(event.bodies[i])) event.first[i] = Pulled(event.bodies[i], event.first[i]);
+    return true;
+  }
+  CountMissed(event, now);
+  return false;
+}
+
+void ImpactWatch::CountMissed(const Event& event, const BodyStates& now) {
+  std::vector<ImpactBody> bodies = StartOf(event, now);
+  const Vector3d approach = exact::VelocityAt(bodies[0], event.contacts[0].point) -
+                        exact::VelocityAt(bodies[1], event.contacts[0].point);
+  exact::SolveImpact(bodies, event.contacts, exact::Slip::kLeft);
+  const Change change = ChangeOf(event, bodies, event.first, now);
+  missed_ += change.impulse;
+  graze_ = std::max(graze_, approach.norm() / change.inverse_mass - change.impulse);
+}
+
+bool ImpactWatch::TouchesFreeThird(const Pair& pair) const {
   for (const auto& [self, other] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)})
     if (IsFree(self))
       for (const std::uint32_t third : touching_[self])
-        if (third != other && IsFree(third)) return std::nullopt;
-  const auto& objects = engine_.initial_state().objects;
-  const exact::Motion motion = ColliderOf(pair.a, before).motion;
+        if (third != other && IsFree(third)) return true;
+  return false;
+}
+
+/// m/s, where they touch: the bodies have moved there.
+double ImpactWatch::ApproachAt(const Pair& pair, const exact::Touch& touch, const Vector3d& point,
+                               const BodyStates& before) const {
+  ImpactBody a = BodyOf(pair.a, before), b = BodyOf(pair.b, before);
+  a.centre += touch.part * timestep_ * a.velocity;
+  b.centre += touch.part * timestep_ * b.velocity;
+  return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
+}
+
+/// All that touch at once; none if it is not known which do.
+std::optional<std::vector<Vector3d>> ImpactWatch::PointsOf(const Pair& pair,
+                                                           const exact::Touch& touch,
+                                                           const BodyStates& before) const {
+  std::vector<Vector3d> points = {touch.point};
+  if (IsRound(pair)) return points;
+  const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
   const exact::Collider other = ColliderOf(pair.b, before);
-  const objects::Pose pose = motion.At(touch.part), other_pose = other.motion.At(touch.part);
+  const objects::Pose pose = ColliderOf(pair.a, before).motion.At(touch.part),
+                      other_pose = other.motion.At(touch.part);
   const auto region = [&](double tilt) {
-    return exact::ContactRegion(objects[pair.a].solid, pose, other.solid, other_pose, touch, tilt);
-  };
-  Event event{{pair.a, pair.b}, {}, {}};
-  const ImpactBody start[2] = {BodyOf(pair.a, before), BodyOf(pair.b, before)};
-  const auto approach_at = [&](const Vector3d& point) {
-    ImpactBody a = start[0], b = start[1];
-    a.centre += touch.part * timestep_ * a.velocity;
-    b.centre += touch.part * timestep_ * b.velocity;
-    return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
+    return exact::ContactRegion(solid, pose, other.solid, other_pose, touch, tilt);
   };
   const double half = LeastSide(pair) / 2;
-  std::vector<Vector3d> points = {touch.point};
-  if (!IsRound(pair)) {
-    const double tilt = approach_at(touch.point) * timestep_ / half;
-    const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
-    if (widest > kPoint * half) {
-      std::vector<Vector3d> flat = region(std::min(kParallel, kAtOnce * tilt));
-      if (Diameter(flat) < kSameRegion * widest) return std::nullopt;
-      points = std::move(flat);
-    }
-  }
+  const double tilt = ApproachAt(pair, touch, touch.point, before) * timestep_ / half;
+  const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
+  if (widest <= kPoint * half) return points;
+  points = region(std::min(kParallel, kAtOnce * tilt));
+  if (Diameter(points) < kSameRegion * widest) return std::nullopt;
+  return points;
+}
+
+/// None if a support cannot be judged.
+std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
+                                                         const exact::Touch& touch,
+                                                         std::span<const Vector3d> points,
+                                                         const BodyStates& before,
+                                                         const BodyStates& now) {
+  Event event{{pair.a, pair.b}, {}, {}};
   const double friction = FrictionOf(pair.a, pair.b), restitution = RestitutionOf(pair.a, pair.b);
   for (const Vector3d& point : points)
     event.contacts.push_back(
-        {0, 1, touch.normal, point, friction, restitution * std::max(0.0, approach_at(point))});
+        {0, 1, touch.normal, point, friction,
+         restitution * std::max(0.0, ApproachAt(pair, touch, point, before))});
   // Contacts are those of the touch; bodies have moved there.
   for (int i = 0; i < 2; ++i) {
-    const std::uint32_t self = i == 0 ? pair.a : pair.b;
-    event.first[i] = start[i];
-    event.first[i].centre += touch.part * timestep_ * start[i].velocity;
+    const std::uint32_t self = event.bodies[i];
+    event.first[i] = BodyOf(self, before);
+    event.first[i].centre += touch.part * timestep_ * event.first[i].velocity;
     if (!IsFree(self)) continue;
     for (const std::uint32_t ground : touching_[self])
       if (ground != pair.a && ground != pair.b && !AddSupport(event, self, ground, before, now))
@@ -264,9 +383,7 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
   const exact::Collider other = ColliderOf(ground, before);
   const objects::Solid& solid = objects[object].solid;
   const objects::Pose other_pose = other.motion.from;
-  const exact::SignedDistance distance =
-      other.solid ? exact::DistanceOf(solid, pose, *other.solid, other_pose)
-                  : exact::DistanceOf(solid, pose, other.plane);
+  const exact::SignedDistance distance = DistanceBefore({object, ground}, before);
   const exact::Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
   std::vector<Vector3d> points = {touch.point};
   if (!IsRound({object, ground}))
@@ -291,6 +408,18 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
 
 /// Returns false if it is over.
 bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodyStates& now) {
+  if (!event.is_felt) {
+    const auto pair = std::ranges::find_if(pairs_, [&](const Pair& each) {
+      return each.a == event.bodies[0] && each.b == event.bodies[1];
+    });
+    if (pair == pairs_.end()) return Wait(event, before, now);
+    event.is_felt = true;
+    event.cycles = 0;
+    if (event.judged != Judged::kWhole) {
+      CompareDirection(*pair, event.contacts[0].normal);
+      return false;
+    }
+  }
   const auto is_interrupted = [&] {
     for (int i = 0; i < 2; ++i) {
       const std::uint32_t self = event.bodies[i];
@@ -318,23 +447,25 @@ bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodySta
   return false;
 }
 
+/// The velocities that the true impact changes.
+std::vector<ImpactBody> ImpactWatch::StartOf(const Event& event, const BodyStates& now) const {
+  std::vector<ImpactBody> bodies(event.first, event.first + 2);
+  for (std::size_t i = 2; i < event.bodies.size(); ++i)
+    bodies.push_back(BodyOf(event.bodies[i], now));
+  return bodies;
+}
+
 void ImpactWatch::Compare(Event& event, const BodyStates& now) {
   ++event.cycles;
+  for (int i = 0; i < 2; ++i)
+    event.first[i] = IsFree(event.bodies[i]) ? Pulled(event.bodies[i], event.first[i])
+                                             : BodyOf(event.bodies[i], now);
   std::vector<ImpactBody> bodies;
-  for (std::size_t i = 0; i < event.bodies.size(); ++i) {
-    if (i < 2 && IsFree(event.bodies[i])) {
-      event.first[i] = Pulled(event.bodies[i], event.first[i]);
-      bodies.push_back(event.first[i]);
-    } else {
-      bodies.push_back(BodyOf(event.bodies[i], now));
-    }
-  }
   const bool has_friction = std::ranges::any_of(
       event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
-  const auto start = bodies;
   for (const exact::Slip slip : {exact::Slip::kLeft, exact::Slip::kFirst}) {
     if (slip == exact::Slip::kFirst && !has_friction) break;
-    bodies = start;
+    bodies = StartOf(event, now);
     exact::SolveImpact(bodies, event.contacts, slip);
     CompareWith(bodies, event, now, event.cycles == 1 && slip == exact::Slip::kLeft);
   }
@@ -351,26 +482,29 @@ void ImpactWatch::Compare(Event& event, const BodyStates& now) {
   }
 }
 
-/// `bodies`: after the true impact.
-void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
-                              const BodyStates& now, bool is_first) {
-  double error = 0, change = 0, inverse_mass = 0;
+/// kg m/s: of the first two of the bodies from other velocities.
+ImpactWatch::Change ImpactWatch::ChangeOf(const Event& event, std::span<const ImpactBody> bodies,
+                                          std::span<const ImpactBody> others,
+                                          const BodyStates& now) const {
+  double energy = 0, inverse_mass = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::uint32_t object = event.bodies[i];
     if (!IsFree(object)) continue;
     const Body& body = bodies_[object];
     const Eigen::Quaterniond back = world::ToEigen(now[object].pose.getRotation()).conjugate();
-    const auto energy = [&](const Vector3d& velocity, const Vector3d& spin) {
-      return body.mass * velocity.squaredNorm() + body.inertia.dot((back * spin).cwiseAbs2());
-    };
-    error += energy(bodies[i].velocity - world::ToEigen(now[object].velocity),
-                    bodies[i].spin - world::ToEigen(now[object].spin));
-    change +=
-        energy(bodies[i].velocity - event.first[i].velocity, bodies[i].spin - event.first[i].spin);
+    energy += body.mass * (bodies[i].velocity - others[i].velocity).squaredNorm() +
+              body.inertia.dot((back * (bodies[i].spin - others[i].spin)).cwiseAbs2());
     inverse_mass += 1 / body.mass;
   }
-  error = std::sqrt(error / inverse_mass);
-  change = std::sqrt(change / inverse_mass);
+  return {std::sqrt(energy / inverse_mass), inverse_mass};
+}
+
+/// `bodies`: after the true impact.
+void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
+                              const BodyStates& now, bool is_first) {
+  const ImpactBody real[2] = {BodyOf(event.bodies[0], now), BodyOf(event.bodies[1], now)};
+  const double error = ChangeOf(event, bodies, real, now).impulse,
+               change = ChangeOf(event, bodies, event.first, now).impulse;
   if (is_first || error * event.impulse < event.error * change) {
     event.error = error;
     event.impulse = change;
@@ -390,16 +524,45 @@ bool ImpactWatch::IsRound(const Pair& pair) const {
   return is_ellipsoid(pair.a) || is_ellipsoid(pair.b);
 }
 
+/// At the start of the cycle.
+exact::SignedDistance ImpactWatch::DistanceBefore(const Pair& pair,
+                                                  const BodyStates& before) const {
+  const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
+  const objects::Pose pose = world::ToPose(before[pair.a].pose);
+  const exact::Collider other = ColliderOf(pair.b, before);
+  return other.solid ? exact::DistanceOf(solid, pose, *other.solid, other.motion.from)
+                     : exact::DistanceOf(solid, pose, other.plane);
+}
+
 /// Whether they overlap no more than contacts at rest do, and part sooner across the touch.
 bool ImpactWatch::LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
                                    const BodyStates& before) const {
-  const exact::Collider other = ColliderOf(pair.b, before);
-  if (other.solid == nullptr) return false;
-  const exact::SignedDistance distance =
-      exact::DistanceOf(engine_.initial_state().objects[pair.a].solid,
-                        world::ToPose(before[pair.a].pose), *other.solid, other.motion.from);
+  if (IsWall(pair.b)) return false;
+  return IsShallowAcross(pair, touch, DistanceBefore(pair, before));
+}
+
+bool ImpactWatch::IsShallowAcross(const Pair& pair, const exact::Touch& touch,
+                                  const exact::SignedDistance& distance) const {
   return distance.Depth() < kShallow * LeastSide(pair) &&
          distance.normal.dot(touch.normal) < kOtherWay;
+}
+
+/// The same from the touch to the end of the cycle.
+bool ImpactWatch::SlidesAcross(const Meeting& meeting, const exact::Touch& touch) const {
+  const Pair pair{meeting.a, meeting.b};
+  if (IsWall(pair.b)) return false;
+  const auto& objects = engine_.initial_state().objects;
+  bool overlaps = false;
+  for (int sample = 1; sample <= kSamples; ++sample) {
+    const double part = touch.part + (1 - touch.part) * sample / kSamples;
+    const exact::SignedDistance distance =
+        exact::DistanceOf(objects[pair.a].solid, meeting.motion_a.At(part), objects[pair.b].solid,
+                          meeting.motion_b.At(part));
+    if (distance.gap >= 0) continue;
+    overlaps = true;
+    if (!IsShallowAcross(pair, touch, distance)) return false;
+  }
+  return overlaps;
 }
 
 double ImpactWatch::FrictionOf(std::uint32_t a, std::uint32_t b) const {

@@ -10,6 +10,7 @@
 #include "compiler/plan/plan.h"
 #include "library/exact/impact.h"
 #include "runtime/engine/probes/body_states.h"
+#include "runtime/engine/probes/pass_watch.h"
 
 namespace cdb::probes {
 
@@ -24,6 +25,10 @@ namespace cdb::probes {
 /// further points touch within the cycle, the impulse must lie in the cone of friction about the
 /// true normal.
 ///
+/// An impact is missed if two bodies touch along their paths and come apart again without any
+/// impulse. Its error is the whole of the true impulse. As far as this is less than the momentum of
+/// the approach, as if the two only graze each other, it is compared with that.
+///
 /// Errors are impulses: of the changes of all velocities, sqrt(sum m v^2 + I w^2) times the root of
 /// the reduced mass. Not judged: surfaces and soft contacts; pairs that overlapped before, or that
 /// touch only in passing. The engine must outlive it. Not thread-safe.
@@ -35,8 +40,8 @@ class ImpactWatch {
     double error;           ///< sum of the errors so far over the sum of true impulses; NaN if none
     std::int32_t unjudged;  ///< impacts so far that could not be judged
   };
-  /// Call after each cycle, with the states at its start and end.
-  Seen After(const BodyStates& before, const BodyStates& now);
+  /// Call after each cycle, with the states at its start and end, and the meetings in it.
+  Seen After(const BodyStates& before, const BodyStates& now, std::span<const Meeting> meetings);
 
  private:
   enum class Judged : char { kNot, kCone, kWhole };
@@ -47,6 +52,7 @@ class ImpactWatch {
     double friction, restitution;
     double least_side;  ///< m
     Judged judged;
+    bool is_linked;
   };
   /// Bodies by user index; the first is an object.
   struct Pair {
@@ -61,26 +67,54 @@ class ImpactWatch {
     int cycles = 0;
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
     bool is_complete = false;       ///< after the last cycle: they no longer approach
+    bool is_felt = true;            ///< there has been an impulse
+    Judged judged = Judged::kWhole;
+  };
+
+  /// Of the velocities of a pair.
+  struct Change {
+    double impulse;       ///< kg m/s
+    double inverse_mass;  ///< 1/kg: reduced
   };
 
   void ReadPairs();
-  bool TouchedBefore(const Pair& pair) const;
+  static bool Contains(const std::vector<Pair>& pairs, const Pair& pair);
+  bool IsContinued(const Pair& pair) const;
+  void BeginUnfelt(const Meeting& meeting, const BodyStates& before, const BodyStates& now);
+  bool Wait(Event& event, const BodyStates& before, const BodyStates& now);
+  void CountMissed(const Event& event, const BodyStates& now);
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
   bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
+  std::vector<exact::ImpactBody> StartOf(const Event& event, const BodyStates& now) const;
+  Change ChangeOf(const Event& event, std::span<const exact::ImpactBody> bodies,
+                  std::span<const exact::ImpactBody> others, const BodyStates& now) const;
   void Compare(Event& event, const BodyStates& now);
+  void CompareDirection(const Pair& pair, const Eigen::Vector3d& normal);
+  Judged JudgedOf(const Pair& pair) const;
   void CompareWith(std::span<const exact::ImpactBody> bodies, Event& event, const BodyStates& now,
                    bool is_first);
+  bool TouchesFreeThird(const Pair& pair) const;
+  double ApproachAt(const Pair& pair, const exact::Touch& touch, const Eigen::Vector3d& point,
+                    const BodyStates& before) const;
+  std::optional<std::vector<Eigen::Vector3d>> PointsOf(const Pair& pair, const exact::Touch& touch,
+                                                       const BodyStates& before) const;
   std::optional<Event> MakeEvent(const Pair& pair, const exact::Touch& touch,
-                                 const BodyStates& before, const BodyStates& now);
+                                 std::span<const Eigen::Vector3d> points, const BodyStates& before,
+                                 const BodyStates& now);
   bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
                   const BodyStates& before, const BodyStates& now);
   void Count(double error, double impulse);
+  double Error() const;
 
   bool IsWall(std::uint32_t body) const { return body >= bodies_.size(); }
   bool IsFree(std::uint32_t body) const { return !IsWall(body) && bodies_[body].mass > 0; }
   bool IsRound(const Pair& pair) const;
+  exact::SignedDistance DistanceBefore(const Pair& pair, const BodyStates& before) const;
   bool LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
                         const BodyStates& before) const;
+  bool IsShallowAcross(const Pair& pair, const exact::Touch& touch,
+                       const exact::SignedDistance& distance) const;
+  bool SlidesAcross(const Meeting& meeting, const exact::Touch& touch) const;
   double FrictionOf(std::uint32_t a, std::uint32_t b) const;
   double RestitutionOf(std::uint32_t a, std::uint32_t b) const;
   exact::Collider ColliderOf(std::uint32_t body, const BodyStates& states) const;
@@ -94,8 +128,10 @@ class ImpactWatch {
   std::vector<Body> bodies_;        ///< by object
   std::vector<Pair> pairs_, last_;  ///< with an impulse in this cycle and the last; sorted
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
+  std::vector<Meeting> meetings_;                     ///< without an impulse in the last cycle
   std::vector<Event> events_;
   double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s
+  double missed_ = 0, graze_ = 0;                  ///< kg m/s: graze: of one, the approach less the impulse
   std::int32_t unjudged_ = 0;
 };
 

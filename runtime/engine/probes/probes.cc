@@ -561,7 +561,7 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
                   normals_.After(before_, now_),
                   friction_.After(before_, now_, supports_),
                   rolling_.After(before_, now_, supports_),
-                  impacts_.After(before_, now_)};
+                  impacts_.After(before_, now_, passes_.meetings())};
   before_.swap(now_);
   return seen;
 }
