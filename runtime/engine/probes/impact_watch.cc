@@ -43,8 +43,11 @@ constexpr double kShallow = 0.05, kOtherWay = 0.9;
 constexpr double kRounded = 0.06, kMostLate = 50;
 /// In cycles, beyond the one in which contacts are found.
 constexpr double kForeseen = 2;
-/// Of a cycle, in which it is seen how two part.
-constexpr int kSamples = 4;
+/// Of a cycle, in which it is seen how two part; and in which further points may touch.
+constexpr int kSamples = 4, kSteps = 32;
+/// In which points that touch one after the other are followed.
+constexpr int kCourseCycles = 4;
+constexpr exact::Slip kSlipRules[] = {exact::Slip::kLeft, exact::Slip::kFirst};
 
 double Diameter(const std::vector<Vector3d>& points) {
   double most = 0;
@@ -216,15 +219,13 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
     return;
   }
   if (judged == Judged::kWhole && !TouchesFreeThird(pair)) {
-    if (const auto points = PointsOf(pair, *touch, before)) {
-      if (auto event = MakeEvent(pair, *touch, *points, before, now)) {
-        Compare(*event, now);
-        if (event->error <= kExact * event->impulse)
-          Count(event->error, event->impulse);
-        else
-          events_.push_back(*std::move(event));
-        return;
-      }
+    if (auto event = MakeEvent(pair, *touch, before, now)) {
+      Compare(*event, now);
+      if (event->error <= kExact * event->impulse)
+        Count(event->error, event->impulse);
+      else
+        events_.push_back(*std::move(event));
+      return;
     }
   }
   CompareDirection(pair, touch->normal);
@@ -264,12 +265,7 @@ void ImpactWatch::BeginUnfelt(const Meeting& meeting, const BodyStates& before,
   std::optional<Event> event;
   if (!slides && !is_pushed(pair.a) && !is_pushed(pair.b) && !bodies_[pair.a].is_linked &&
       (IsWall(pair.b) || !bodies_[pair.b].is_linked)) {
-    std::optional<std::vector<Vector3d>> points;
-    if (judged == Judged::kWhole) points = PointsOf(pair, *touch, before);
-    const Vector3d first[] = {touch->point};
-    event = MakeEvent(pair, *touch, points ? std::span<const Vector3d>(*points) : first, before,
-                      now);
-    if (event && !points) event->judged = Judged::kCone;
+    event = MakeEvent(pair, *touch, before, now);
   }
   if (!event) {
     ++unjudged_;
@@ -287,26 +283,23 @@ bool ImpactWatch::Wait(Event& event, const BodyStates& before, const BodyStates&
              return std::ranges::find(event.bodies, other) == event.bodies.end();
            });
   });
-  if (is_pushed || ++event.cycles > kMostLate || !IsFinite(before[pair.a]) ||
+  if (is_pushed || event.cycles > kMostLate || !IsFinite(before[pair.a]) ||
       (!IsWall(pair.b) && !IsFinite(before[pair.b]))) {
     ++unjudged_;
     return false;
   }
-  if (DistanceBefore(pair, before).gap < 0) {
-    for (int i = 0; i < 2; ++i)
-      if (IsFree(event.bodies[i])) event.first[i] = Pulled(event.bodies[i], event.first[i]);
-    return true;
-  }
-  CountMissed(event, now);
-  return false;
+  const bool overlaps = DistanceBefore(pair, before).gap < 0;
+  if (overlaps || !event.courses.empty()) Advance(event, now);
+  if (!overlaps) CountMissed(event, now);
+  return overlaps;
 }
 
 void ImpactWatch::CountMissed(const Event& event, const BodyStates& now) {
-  std::vector<ImpactBody> bodies = StartOf(event, now);
-  const Vector3d approach = exact::VelocityAt(bodies[0], event.contacts[0].point) -
-                        exact::VelocityAt(bodies[1], event.contacts[0].point);
-  exact::SolveImpact(bodies, event.contacts, exact::Slip::kLeft);
-  const Change change = ChangeOf(event, bodies, event.first, now);
+  const Vector3d& point = event.contacts[0].point;
+  const Vector3d approach =
+      exact::VelocityAt(event.first[0], point) - exact::VelocityAt(event.first[1], point);
+  const Change change =
+      ChangeOf(event, AfterImpact(event, exact::Slip::kLeft, now), event.first, now);
   missed_ += change.impulse;
   graze_ = std::max(graze_, approach.norm() / change.inverse_mass - change.impulse);
 }
@@ -350,29 +343,59 @@ std::optional<std::vector<Vector3d>> ImpactWatch::PointsOf(const Pair& pair,
   return points;
 }
 
-/// None if a support cannot be judged.
+/// None if a support cannot be judged, or points touch one after the other while others support
+/// the bodies.
 std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
                                                          const exact::Touch& touch,
-                                                         std::span<const Vector3d> points,
                                                          const BodyStates& before,
                                                          const BodyStates& now) {
-  Event event{{pair.a, pair.b}, {}, {}};
+  Event event;
+  event.bodies = {pair.a, pair.b};
+  event.judged = JudgedOf(pair);
+  // Contacts are those of the touch; bodies have moved there.
+  for (int i = 0; i < 2; ++i) {
+    event.first[i] = BodyOf(event.bodies[i], before);
+    event.first[i].centre += touch.part * timestep_ * event.first[i].velocity;
+  }
+  std::optional<std::vector<Vector3d>> points;
+  if (event.judged == Judged::kWhole) points = PointsOf(pair, touch, before);
+  if (event.judged == Judged::kWhole && !points) AddCourses(event, touch, before);
   const double friction = FrictionOf(pair.a, pair.b), restitution = RestitutionOf(pair.a, pair.b);
-  for (const Vector3d& point : points)
+  for (const Vector3d& point : points.value_or(std::vector{touch.point}))
     event.contacts.push_back(
         {0, 1, touch.normal, point, friction,
          restitution * std::max(0.0, ApproachAt(pair, touch, point, before))});
-  // Contacts are those of the touch; bodies have moved there.
-  for (int i = 0; i < 2; ++i) {
-    const std::uint32_t self = event.bodies[i];
-    event.first[i] = BodyOf(self, before);
-    event.first[i].centre += touch.part * timestep_ * event.first[i].velocity;
+  for (const std::uint32_t self : {pair.a, pair.b}) {
     if (!IsFree(self)) continue;
     for (const std::uint32_t ground : touching_[self])
-      if (ground != pair.a && ground != pair.b && !AddSupport(event, self, ground, before, now))
+      if (ground != pair.a && ground != pair.b &&
+          (!event.courses.empty() || !AddSupport(event, self, ground, before, now)))
         return std::nullopt;
   }
   return event;
+}
+
+void ImpactWatch::AddCourses(Event& event, const exact::Touch& touch,
+                             const BodyStates& before) const {
+  const auto body_of = [&](std::uint32_t body) {
+    const exact::Collider collider = ColliderOf(body, before);
+    exact::ImpactCourse::Body result{collider.solid, collider.motion.At(touch.part)};
+    result.velocity = collider.motion.way / timestep_;
+    result.spin = collider.motion.turn / timestep_;
+    if (!IsFree(body)) return result;
+    result.mass = bodies_[body].mass;
+    result.inertia = bodies_[body].inertia;
+    return result;
+  };
+  const std::uint32_t a = event.bodies[0], b = event.bodies[1];
+  for (const exact::Slip slip : kSlipRules) {
+    event.courses.emplace_back(
+        body_of(a), body_of(b),
+        exact::ImpactCourse::Rules{FrictionOf(a, b), RestitutionOf(a, b), engine_.acceleration(),
+                                   slip, ColliderOf(b, before).plane});
+    event.courses.back().Advance(-touch.part * timestep_,
+                                 static_cast<int>(std::ceil(-touch.part * kSteps)));
+  }
 }
 
 bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
@@ -415,6 +438,7 @@ bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodySta
     if (pair == pairs_.end()) return Wait(event, before, now);
     event.is_felt = true;
     event.cycles = 0;
+    event.is_complete = false;
     if (event.judged != Judged::kWhole) {
       CompareDirection(*pair, event.contacts[0].normal);
       return false;
@@ -455,19 +479,38 @@ std::vector<ImpactBody> ImpactWatch::StartOf(const Event& event, const BodyState
   return bodies;
 }
 
-void ImpactWatch::Compare(Event& event, const BodyStates& now) {
+std::vector<ImpactBody> ImpactWatch::AfterImpact(const Event& event, exact::Slip slip,
+                                                 const BodyStates& now) const {
+  if (!event.courses.empty()) {
+    const exact::ImpactCourse& course = event.courses[slip == exact::Slip::kLeft ? 0 : 1];
+    return {course.a(), course.b()};
+  }
+  std::vector<ImpactBody> bodies = StartOf(event, now);
+  exact::SolveImpact(bodies, event.contacts, slip);
+  return bodies;
+}
+
+/// By a cycle.
+void ImpactWatch::Advance(Event& event, const BodyStates& now) {
   ++event.cycles;
   for (int i = 0; i < 2; ++i)
     event.first[i] = IsFree(event.bodies[i]) ? Pulled(event.bodies[i], event.first[i])
                                              : BodyOf(event.bodies[i], now);
-  std::vector<ImpactBody> bodies;
+  for (exact::ImpactCourse& course : event.courses) course.Advance(timestep_, kSteps);
+}
+
+void ImpactWatch::Compare(Event& event, const BodyStates& now) {
+  Advance(event, now);
   const bool has_friction = std::ranges::any_of(
       event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
-  for (const exact::Slip slip : {exact::Slip::kLeft, exact::Slip::kFirst}) {
+  for (const exact::Slip slip : kSlipRules) {
     if (slip == exact::Slip::kFirst && !has_friction) break;
-    bodies = StartOf(event, now);
-    exact::SolveImpact(bodies, event.contacts, slip);
-    CompareWith(bodies, event, now, event.cycles == 1 && slip == exact::Slip::kLeft);
+    CompareWith(AfterImpact(event, slip, now), event, now,
+                event.cycles == 1 && slip == exact::Slip::kLeft);
+  }
+  if (!event.courses.empty()) {
+    event.is_complete = event.cycles >= kCourseCycles;
+    return;
   }
   event.is_complete = true;
   const ImpactBody ends[2] = {BodyOf(event.bodies[0], now), BodyOf(event.bodies[1], now)};

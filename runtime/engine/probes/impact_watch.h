@@ -68,6 +68,8 @@ class ImpactWatch {
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
     bool is_complete = false;       ///< after the last cycle: they no longer approach
     bool is_felt = true;            ///< there has been an impulse
+    /// If points touch one after the other: what follows, by the direction of friction.
+    std::vector<exact::ImpactCourse> courses;
     Judged judged = Judged::kWhole;
   };
 
@@ -85,6 +87,10 @@ class ImpactWatch {
   void CountMissed(const Event& event, const BodyStates& now);
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
   bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
+  void AddCourses(Event& event, const exact::Touch& touch, const BodyStates& before) const;
+  void Advance(Event& event, const BodyStates& now);
+  std::vector<exact::ImpactBody> AfterImpact(const Event& event, exact::Slip slip,
+                                             const BodyStates& now) const;
   std::vector<exact::ImpactBody> StartOf(const Event& event, const BodyStates& now) const;
   Change ChangeOf(const Event& event, std::span<const exact::ImpactBody> bodies,
                   std::span<const exact::ImpactBody> others, const BodyStates& now) const;
@@ -99,8 +105,7 @@ class ImpactWatch {
   std::optional<std::vector<Eigen::Vector3d>> PointsOf(const Pair& pair, const exact::Touch& touch,
                                                        const BodyStates& before) const;
   std::optional<Event> MakeEvent(const Pair& pair, const exact::Touch& touch,
-                                 std::span<const Eigen::Vector3d> points, const BodyStates& before,
-                                 const BodyStates& now);
+                                 const BodyStates& before, const BodyStates& now);
   bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
                   const BodyStates& before, const BodyStates& now);
   void Count(double error, double impulse);
