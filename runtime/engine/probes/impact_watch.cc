@@ -31,11 +31,11 @@ constexpr double kExact = 0.01;
 constexpr double kComplete = 0.1;
 /// Of a cycle: further points that follow within this time touch at once; points that follow later,
 /// but within the other, are another impact, which the first one changes.
-constexpr double kAtOnce = 0.25, kAmbiguous = 1.5;
+constexpr double kAtOnce = 0.25, kAmbiguous = 4;
 /// rad: at most, between faces of which all points touch at once; of which any do; at rest.
 constexpr double kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
 /// Regions of contact, in least half extents and relative to each other.
-constexpr double kPoint = 0.1, kSameRegion = 0.8;
+constexpr double kPoint = 0.1, kSameRegion = 0.2;
 /// In least sides: contacts at rest are as deep. Where the shortest way out of one has another
 /// direction (a cosine) than the touch, it is not known which counts.
 constexpr double kShallow = 0.05, kOtherWay = 0.9;
@@ -53,6 +53,17 @@ double Diameter(const std::vector<Vector3d>& points) {
   double most = 0;
   for (const Vector3d& a : points)
     for (const Vector3d& b : points) most = std::max(most, (a - b).norm());
+  return most;
+}
+
+/// m: of a point of one set from the nearest of another, at most.
+double Farthest(const std::vector<Vector3d>& points, const std::vector<Vector3d>& others) {
+  double most = 0;
+  for (const Vector3d& point : points) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3d& other : others) least = std::min(least, (point - other).norm());
+    most = std::max(most, least);
+  }
   return most;
 }
 
@@ -227,6 +238,7 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
         events_.push_back(*std::move(event));
       return;
     }
+    ++unjudged_;
   }
   CompareDirection(pair, touch->normal);
 }
@@ -336,10 +348,10 @@ std::optional<std::vector<Vector3d>> ImpactWatch::PointsOf(const Pair& pair,
   };
   const double half = LeastSide(pair) / 2;
   const double tilt = ApproachAt(pair, touch, touch.point, before) * timestep_ / half;
-  const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
-  if (widest <= kPoint * half) return points;
+  const std::vector<Vector3d> widest = region(std::min(kMostTilt, kAmbiguous * tilt));
+  if (Diameter(widest) <= kPoint * half) return points;
   points = region(std::min(kParallel, kAtOnce * tilt));
-  if (Diameter(points) < kSameRegion * widest) return std::nullopt;
+  if (Farthest(widest, points) > kSameRegion * Diameter(widest)) return std::nullopt;
   return points;
 }
 
