@@ -339,9 +339,8 @@ void ImpactCourse::Advance(double duration, int steps) {
 }
 
 void ImpactCourse::Meet(double step) {
-  const double least = b_.solid
-                           ? std::min(a_.solid->LeastHalfExtent(), b_.solid->LeastHalfExtent())
-                           : a_.solid->LeastHalfExtent();
+  const double least = b_.solid ? std::min(a_.solid->LeastHalfExtent(), b_.solid->LeastHalfExtent())
+                                : a_.solid->LeastHalfExtent();
   const SignedDistance distance =
       DistanceAt(*a_.solid, {a_.pose}, {b_.solid, {b_.pose}, rules_.plane}, 0);
   if (distance.gap > 2 * kTouching * least) return;
@@ -351,8 +350,7 @@ void ImpactCourse::Meet(double step) {
   };
   const Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
   const double tilt = kTouching + kSameStep * std::max(0.0, approach(touch.point)) * step / least;
-  std::vector<Vector3d> points =
-      ContactRegion(*a_.solid, a_.pose, b_.solid, b_.pose, touch, tilt);
+  std::vector<Vector3d> points = ContactRegion(*a_.solid, a_.pose, b_.solid, b_.pose, touch, tilt);
   if (points.empty()) points = {touch.point};
   std::vector<ImpactContact> contacts;
   for (const Vector3d& point : points)

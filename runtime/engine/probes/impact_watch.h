@@ -9,8 +9,7 @@
 
 #include "compiler/plan/plan.h"
 #include "library/exact/impact.h"
-#include "runtime/engine/probes/body_states.h"
-#include "runtime/engine/probes/pass_watch.h"
+#include "runtime/engine/probes/impact_bodies.h"
 
 namespace cdb::probes {
 
@@ -34,7 +33,8 @@ namespace cdb::probes {
 /// touch only in passing. The engine must outlive it. Not thread-safe.
 class ImpactWatch {
  public:
-  ImpactWatch(const plan::Scene& scene, world::Engine& engine);
+  ImpactWatch(const plan::Scene& scene, world::Engine& engine,
+              const world::Coefficients& coefficients);
 
   struct Seen {
     double error;           ///< sum of the errors so far over the sum of true impulses; NaN if none
@@ -44,26 +44,17 @@ class ImpactWatch {
   Seen After(const BodyStates& before, const BodyStates& now, std::span<const Meeting> meetings);
 
  private:
-  enum class Judged : char { kNot, kCone, kWhole };
-  struct Body {
-    double mass;                   ///< kg; 0: nothing moves it
-    Eigen::Vector3d inertia;       ///< kg m^2, principal
-    double damping, spin_damping;  ///< factors in a cycle
-    double friction, restitution;
-    double least_side;  ///< m
-    Judged judged;
-    bool is_linked;
-  };
-  /// Bodies by user index; the first is an object.
-  struct Pair {
-    std::uint32_t a, b;
+  using Judged = ImpactBodies::Judged;
+  struct Pair : ImpactPair {
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< on a
   };
   /// An impact that may take further cycles.
   struct Event {
-    std::vector<std::uint32_t> bodies;  ///< user indices; the first two are the pair
+    ImpactPair pair;
+    std::vector<std::uint32_t> supports;  ///< user indices, after the pair
     std::vector<exact::ImpactContact> contacts;
-    exact::ImpactBody first[2];  ///< the velocities that gravity and damping alone give a and b
+    std::vector<exact::ImpactBody>
+        first;  ///< the velocities that gravity and damping alone give a and b
     int cycles = 0;
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
     bool is_complete = false;       ///< after the last cycle: they no longer approach
@@ -73,70 +64,40 @@ class ImpactWatch {
     Judged judged = Judged::kWhole;
   };
 
-  /// Of the velocities of a pair.
-  struct Change {
-    double impulse;       ///< kg m/s
-    double inverse_mass;  ///< 1/kg: reduced
-  };
-
   void ReadPairs();
-  static bool Contains(const std::vector<Pair>& pairs, const Pair& pair);
-  bool IsContinued(const Pair& pair) const;
-  void BeginUnfelt(const Meeting& meeting, const BodyStates& before, const BodyStates& now);
-  bool Wait(Event& event, const BodyStates& before, const BodyStates& now);
-  void CountMissed(const Event& event, const BodyStates& now);
+  static const Pair* Find(const std::vector<Pair>& pairs, const ImpactPair& pair);
+  bool IsContinued(const ImpactPair& pair) const;
+  std::optional<exact::Touch> FindTouch(const ImpactPair& pair, const BodyStates& before) const;
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
+  void BeginUnfelt(const Meeting& meeting, const BodyStates& before, const BodyStates& now);
+  std::optional<Event> MakeEvent(const ImpactPair& pair, const exact::Touch& touch,
+                                 const BodyStates& before, const BodyStates& now) const;
+  bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
+                  const BodyStates& before, const BodyStates& now) const;
   bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
-  void AddCourses(Event& event, const exact::Touch& touch, const BodyStates& before) const;
-  void Advance(Event& event, const BodyStates& now);
+  bool Wait(Event& event, const BodyStates& before, const BodyStates& now);
+  void Advance(Event& event, const BodyStates& now) const;
   std::vector<exact::ImpactBody> AfterImpact(const Event& event, exact::Slip slip,
                                              const BodyStates& now) const;
-  std::vector<exact::ImpactBody> StartOf(const Event& event, const BodyStates& now) const;
-  Change ChangeOf(const Event& event, std::span<const exact::ImpactBody> bodies,
-                  std::span<const exact::ImpactBody> others, const BodyStates& now) const;
-  void Compare(Event& event, const BodyStates& now);
+  void Compare(Event& event, const BodyStates& now) const;
   void CompareDirection(const Pair& pair, const Eigen::Vector3d& normal);
-  Judged JudgedOf(const Pair& pair) const;
-  void CompareWith(std::span<const exact::ImpactBody> bodies, Event& event, const BodyStates& now,
-                   bool is_first);
-  bool TouchesFreeThird(const Pair& pair) const;
-  double ApproachAt(const Pair& pair, const exact::Touch& touch, const Eigen::Vector3d& point,
-                    const BodyStates& before) const;
-  std::optional<std::vector<Eigen::Vector3d>> PointsOf(const Pair& pair, const exact::Touch& touch,
-                                                       const BodyStates& before) const;
-  std::optional<Event> MakeEvent(const Pair& pair, const exact::Touch& touch,
-                                 const BodyStates& before, const BodyStates& now);
-  bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
-                  const BodyStates& before, const BodyStates& now);
+  void CountMissed(const Event& event, const BodyStates& now);
+  /// Calls `visit` with each free one of the pair and each other body that has an impulse on it,
+  /// until it returns true; returns that.
+  bool AnyThird(const ImpactPair& pair, auto visit) const;
   void Count(double error, double impulse);
   double Error() const;
 
-  bool IsWall(std::uint32_t body) const { return body >= bodies_.size(); }
-  bool IsFree(std::uint32_t body) const { return !IsWall(body) && bodies_[body].mass > 0; }
-  bool IsRound(const Pair& pair) const;
-  exact::SignedDistance DistanceBefore(const Pair& pair, const BodyStates& before) const;
-  bool LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
-                        const BodyStates& before) const;
-  bool IsShallowAcross(const Pair& pair, const exact::Touch& touch,
-                       const exact::SignedDistance& distance) const;
-  bool SlidesAcross(const Meeting& meeting, const exact::Touch& touch) const;
-  double FrictionOf(std::uint32_t a, std::uint32_t b) const;
-  double RestitutionOf(std::uint32_t a, std::uint32_t b) const;
-  exact::Collider ColliderOf(std::uint32_t body, const BodyStates& states) const;
-  exact::ImpactBody BodyOf(std::uint32_t body, const BodyStates& states) const;
-  exact::ImpactBody Pulled(std::uint32_t body, const exact::ImpactBody& state) const;
-  double LeastApproach(const Pair& pair) const;
-  double LeastSide(const Pair& pair) const;
-
   world::Engine& engine_;
-  const double wall_restitution_, wall_friction_, timestep_;
-  std::vector<Body> bodies_;        ///< by object
+  const ImpactBodies bodies_;
+  std::vector<Pair> found_;         ///< by manifold, sorted
   std::vector<Pair> pairs_, last_;  ///< with an impulse in this cycle and the last; sorted
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
   std::vector<Meeting> meetings_;                     ///< without an impulse in the last cycle
   std::vector<Event> events_;
   double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s
-  double missed_ = 0, graze_ = 0;                  ///< kg m/s: graze: of one, the approach less the impulse
+  double missed_ = 0;                              ///< kg m/s: of the true impulses of the missed
+  double graze_ = 0;  ///< kg m/s: the momentum of the approach of a missed one, less the impulse
   std::int32_t unjudged_ = 0;
 };
 

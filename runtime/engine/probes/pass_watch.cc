@@ -190,8 +190,7 @@ void PassWatch::Follow(std::uint32_t first, std::uint32_t second, const BodyStat
                       other_motion = MotionOf(second, before, now);
   if (!overlapped && MayMeet(solid, motion, other, other_motion))
     meetings_.push_back({first, second, motion, other_motion});
-  if (passed_[Passer(first, second)] ||
-      (!overlapped && most < exact::Passage::kLeastMotion * side))
+  if (passed_[Passer(first, second)] || (!overlapped && most < exact::Passage::kLeastMotion * side))
     return;
   exact::Passage passage = overlapped ? found->second.passage : exact::Passage();
   const exact::Passing passing = passage.Follow(solid, motion, other, other_motion);

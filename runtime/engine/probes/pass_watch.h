@@ -89,8 +89,8 @@ class PassWatch {
   int axis_ = 0;                                                      ///< of sorting
   std::map<std::pair<std::uint32_t, std::uint32_t>, Pair> overlaps_;  ///< the smaller index first
   std::vector<Meeting> meetings_;
-  std::vector<char> passed_;                                          ///< by object
-  std::int32_t unfollowed_ = 0;                                       ///< in this cycle
+  std::vector<char> passed_;     ///< by object
+  std::int32_t unfollowed_ = 0;  ///< in this cycle
 };
 
 }  // namespace cdb::probes

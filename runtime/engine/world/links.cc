@@ -294,15 +294,15 @@ void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double lengt
   const btRigidBody* world = &btTypedConstraint::getFixedBody();
   const bool between_objects = &first != world && &second != world;
   if (&second != world) holders_.try_emplace(&second, index);
+  for (const btRigidBody* body : {&first, &second}) {
+    if (body == world) continue;
+    const auto object = static_cast<std::size_t>(body->getUserIndex());
+    held_.resize(std::max(held_.size(), object + 1));
+    held_[object] = true;
+  }
   world_.addConstraint(link.constraint.get(), between_objects);
   if (link.drive) world_.addConstraint(link.drive.get(), between_objects);
   links_.push_back(std::move(link));
-}
-
-void Links::MarkHeld(std::vector<char>& marks, char mark) const {
-  for (const Link& link : links_)
-    for (const btRigidBody* body : {link.first, link.second})
-      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
 }
 
 double Links::BendOf(const Link& link) const {
