@@ -20,8 +20,9 @@ constexpr double kImpactRate = 0.1;
 /// Of a cycle: further points that follow within this time touch at once; points that follow later,
 /// but within the other, are another impact, which the first one changes.
 constexpr double kAtOnce = 0.25, kAmbiguous = 4;
-/// rad: at most, between faces of which all points touch at once; of which any do; at rest.
-constexpr double kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
+/// rad: at most, between faces of which all points touch at once, for certain or possibly; of which
+/// any do; at rest.
+constexpr double kFlush = 0.002, kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
 /// Regions of contact, in least half extents and relative to each other.
 constexpr double kPoint = 0.1, kSameRegion = 0.2;
 /// In least sides: contacts at rest are as deep. Where the shortest way out of one has another
@@ -111,25 +112,26 @@ double ImpactBodies::ApproachAt(const ImpactPair& pair, const exact::Touch& touc
   return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
 }
 
-std::optional<std::vector<Vector3d>> ImpactBodies::PointsOf(const ImpactPair& pair,
-                                                            const exact::Touch& touch,
-                                                            const BodyStates& states) const {
-  std::vector<Vector3d> points = {touch.point};
-  if (IsRound(pair)) return points;
-  const objects::Solid& solid = SolidOf(pair.a);
+ImpactBodies::Points ImpactBodies::PointsOf(const ImpactPair& pair, const exact::Touch& touch,
+                                            const BodyStates& states) const {
+  const Points one = {{touch.point}};
+  if (IsRound(pair)) return one;
   const exact::Collider other = ColliderOf(pair.b, states);
   const objects::Pose pose = ColliderOf(pair.a, states).motion.At(touch.part),
                       other_pose = other.motion.At(touch.part);
   const auto region = [&](double tilt) {
-    return exact::ContactRegion(solid, pose, other.solid, other_pose, touch, tilt);
+    return exact::ContactRegion(SolidOf(pair.a), pose, other.solid, other_pose, touch, tilt);
+  };
+  const auto is_same = [](const std::vector<Vector3d>& whole, const std::vector<Vector3d>& part) {
+    return Farthest(whole, part) <= kSameRegion * Diameter(whole);
   };
   const double half = LeastSide(pair) / 2;
   const double tilt = ApproachAt(pair, touch, touch.point, states) * timestep_ / half;
-  const std::vector<Vector3d> widest = region(std::min(kMostTilt, kAmbiguous * tilt));
-  if (Diameter(widest) <= kPoint * half) return points;
-  points = region(std::min(kParallel, kAtOnce * tilt));
-  if (Farthest(widest, points) > kSameRegion * Diameter(widest)) return std::nullopt;
-  return points;
+  const std::vector<Vector3d> all = region(std::min(kMostTilt, kAmbiguous * tilt));
+  if (Diameter(all) <= kPoint * half) return one;
+  const std::vector<Vector3d> close = region(std::min(kParallel, kAtOnce * tilt));
+  if (!is_same(all, close)) return {one.points, false, true};
+  return {close, true, !is_same(close, region(std::min(kFlush, kAtOnce * tilt)))};
 }
 
 bool ImpactBodies::IsRound(const ImpactPair& pair) const {

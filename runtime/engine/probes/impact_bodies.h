@@ -74,10 +74,14 @@ class ImpactBodies {
   exact::SignedDistance Distance(const ImpactPair& pair, const BodyStates& states) const;
   /// At a part of the cycle.
   bool Overlap(const ImpactPair& pair, double part, const BodyStates& states) const;
-  /// All that touch at once; none if others follow soon.
-  std::optional<std::vector<Eigen::Vector3d>> PointsOf(const ImpactPair& pair,
-                                                       const exact::Touch& touch,
-                                                       const BodyStates& states) const;
+  /// Where they touch.
+  struct Points {
+    std::vector<Eigen::Vector3d> points;  ///< the first one alone, if the others cannot be at once
+    bool are_at_once = true;              ///< all others touch at about the same time
+    bool are_in_turn = false;             ///< or after it
+  };
+  Points PointsOf(const ImpactPair& pair, const exact::Touch& touch,
+                  const BodyStates& states) const;
   /// Those of two that rest on each other.
   std::vector<Eigen::Vector3d> RestingPoints(const ImpactPair& pair, const exact::Touch& touch,
                                              const BodyStates& states) const;

@@ -43,7 +43,10 @@ ImpactPair Sorted(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), st
 
 ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine,
                          const world::Coefficients& coefficients)
-    : engine_(engine), bodies_(scene, engine, coefficients), touching_(engine.objects().size()) {}
+    : engine_(engine),
+      bodies_(scene, engine, coefficients),
+      touching_(engine.objects().size()),
+      flights_(touching_.size(), 0) {}
 
 ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now,
                                      std::span<const Meeting> meetings) {
@@ -52,12 +55,13 @@ ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates&
     if (!Find(pairs_, {meeting.a, meeting.b})) BeginUnfelt(meeting, before, now);
   std::erase_if(events_, [&](Event& event) { return !Continue(event, before, now); });
   for (const Pair& pair : pairs_)
-    if (!Find(last_, pair) && !IsContinued(pair)) Begin(pair, before, now);
+    if (!Find(last_[0], pair) && !IsContinued(pair)) Begin(pair, before, now);
   meetings_.clear();
   std::ranges::copy_if(meetings, std::back_inserter(meetings_), [&](const Meeting& meeting) {
     return !Find(pairs_, {meeting.a, meeting.b});
   });
-  pairs_.swap(last_);
+  std::ranges::rotate(last_, last_.end() - 1);
+  last_[0].swap(pairs_);
   momentum_ = std::max(momentum_, bodies_.Momentum(now));
   return {Error(), unjudged_};
 }
@@ -98,7 +102,10 @@ void ImpactWatch::ReadPairs() {
     else
       pairs_.push_back(pair);
   }
-  for (auto& others : touching_) others.clear();
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    flights_[i] = touching_[i].empty() ? flights_[i] + 1 : 0;
+    touching_[i].clear();
+  }
   for (const Pair& pair : pairs_) {
     touching_[pair.a].push_back(pair.b);
     if (!bodies_.IsWall(pair.b)) touching_[pair.b].push_back(pair.a);
@@ -108,6 +115,12 @@ void ImpactWatch::ReadPairs() {
 const ImpactWatch::Pair* ImpactWatch::Find(const std::vector<Pair>& pairs, const ImpactPair& pair) {
   const auto found = std::ranges::lower_bound(pairs, KeyOf(pair), {}, KeyOf);
   return found != pairs.end() && KeyOf(*found) == KeyOf(pair) ? &*found : nullptr;
+}
+
+/// In the last cycles.
+bool ImpactWatch::TouchedBefore(const ImpactPair& pair) const {
+  return std::ranges::any_of(
+      last_, [&](const std::vector<Pair>& pairs) { return Find(pairs, pair) != nullptr; });
 }
 
 /// Whether the impact of the pair was found before its first impulse, which is in this cycle.
@@ -132,9 +145,13 @@ std::optional<exact::Touch> ImpactWatch::FindTouch(const ImpactPair& pair,
   const exact::Collider a = bodies_.ColliderOf(pair.a, before),
                         b = bodies_.ColliderOf(pair.b, before);
   const double rate = (a.motion.way - b.motion.way).norm();
-  double back = std::min(kMostLate, 1 + kRounded * bodies_.LeastSide(pair) / rate);
+  const double back = std::min(kMostLate, 1 + kRounded * bodies_.LeastSide(pair) / rate);
   auto touch = exact::FindTouch(*a.solid, a.motion, b, -back, kForeseen);
-  if (!touch && back < kFarthestBack && bodies_.Overlap(pair, -back, before))
+  const auto has_flown = [&](std::uint32_t body) {
+    return !bodies_.IsFree(body) || flights_[body] >= kFarthestBack;
+  };
+  if (!touch && back < kFarthestBack && has_flown(pair.a) && has_flown(pair.b) &&
+      bodies_.Overlap(pair, -back, before))
     touch = exact::FindTouch(*a.solid, a.motion, b, -kFarthestBack, kForeseen);
   return touch;
 }
@@ -194,10 +211,11 @@ void ImpactWatch::BeginUnfelt(const Meeting& meeting, const BodyStates& before,
   if (bodies_.ApproachAt(pair, *touch, touch->point, before) < bodies_.LeastApproach(pair)) return;
   // An impulse of another body may come first.
   const bool is_disturbed = AnyThird(pair, [&](std::uint32_t self, std::uint32_t third) {
-    return bodies_.IsFree(third) || !Find(last_, Sorted(self, third));
+    return bodies_.IsFree(third) || !Find(last_[0], Sorted(self, third));
   });
+  // After an impact that was found late, they are not where they should be.
   std::optional<Event> event;
-  if (!is_disturbed && !bodies_.IsLinked(pair) &&
+  if (!is_disturbed && !TouchedBefore(pair) && !bodies_.IsLinked(pair) &&
       (bodies_.IsRound(pair) || !bodies_.SlidesAcross(meeting, in_meeting)))
     event = MakeEvent(pair, *touch, before, now);
   if (!event) {
@@ -222,22 +240,24 @@ std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const ImpactPair& pair,
     event.first.push_back(bodies_.StateOf(body, before));
     event.first.back().centre += touch.part * bodies_.timestep() * event.first.back().velocity;
   }
-  std::optional<std::vector<Vector3d>> points;
+  ImpactBodies::Points points{{touch.point}};
   if (event.judged == Judged::kWhole) {
     points = bodies_.PointsOf(pair, touch, before);
+    event.is_at_once = points.are_at_once;
     for (const exact::Slip slip : kSlipRules) {
-      if (points) break;
+      if (!points.are_in_turn) break;
       event.courses.push_back(bodies_.CourseOf(pair, touch.part, slip, before));
       event.courses.back().Advance(-touch.part * bodies_.timestep(),
                                    static_cast<int>(std::ceil(-touch.part * kSteps)));
     }
   }
-  for (const Vector3d& point : points.value_or(std::vector{touch.point}))
+  for (const Vector3d& point : points.points)
     event.contacts.push_back({0, 1, touch.normal, point, bodies_.Friction(pair),
                               bodies_.Restitution(pair) *
                                   std::max(0.0, bodies_.ApproachAt(pair, touch, point, before))});
   const bool is_unknown = AnyThird(pair, [&](std::uint32_t self, std::uint32_t ground) {
-    return !event.courses.empty() || !AddSupport(event, self, ground, before, now);
+    event.courses.clear();
+    return !event.is_at_once || !AddSupport(event, self, ground, before, now);
   });
   if (is_unknown) return std::nullopt;
   return event;
@@ -313,24 +333,29 @@ void ImpactWatch::CountMissed(const Event& event, const BodyStates& now) {
   const Vector3d& point = event.contacts[0].point;
   const Vector3d approach =
       exact::VelocityAt(event.first[0], point) - exact::VelocityAt(event.first[1], point);
-  const auto change =
-      bodies_.ChangeOf(event.pair, event.first, AfterImpact(event, exact::Slip::kLeft, now), now);
-  missed_ += change.impulse;
-  graze_ = std::max(graze_, approach.norm() / change.inverse_mass - change.impulse);
+  ImpactBodies::Change least{};
+  for (const std::vector<ImpactBody>& end : EndsOf(event, now)) {
+    const auto change = bodies_.ChangeOf(event.pair, event.first, end, now);
+    if (!(least.inverse_mass > 0) || change.impulse < least.impulse) least = change;
+  }
+  missed_ += least.impulse;
+  graze_ = std::max(graze_, approach.norm() / least.inverse_mass - least.impulse);
 }
 
-/// Of the pair, and of its supports.
-std::vector<ImpactBody> ImpactWatch::AfterImpact(const Event& event, exact::Slip slip,
-                                                 const BodyStates& now) const {
-  if (!event.courses.empty()) {
-    const exact::ImpactCourse& course = event.courses[slip == exact::Slip::kLeft ? 0 : 1];
-    return {course.a(), course.b()};
+/// The states of the pair that may follow.
+std::vector<std::vector<ImpactBody>> ImpactWatch::EndsOf(const Event& event,
+                                                         const BodyStates& now) const {
+  std::vector<std::vector<ImpactBody>> ends;
+  for (const exact::ImpactCourse& course : event.courses) ends.push_back({course.a(), course.b()});
+  for (const exact::Slip slip : kSlipRules) {
+    if (!event.is_at_once) break;
+    std::vector<ImpactBody> bodies = event.first;
+    for (const std::uint32_t support : event.supports)
+      bodies.push_back(bodies_.StateOf(support, now));
+    exact::SolveImpact(bodies, event.contacts, slip);
+    ends.push_back(std::move(bodies));
   }
-  std::vector<ImpactBody> bodies = event.first;
-  for (const std::uint32_t support : event.supports)
-    bodies.push_back(bodies_.StateOf(support, now));
-  exact::SolveImpact(bodies, event.contacts, slip);
-  return bodies;
+  return ends;
 }
 
 /// By a cycle.
@@ -347,18 +372,15 @@ void ImpactWatch::Compare(Event& event, const BodyStates& now) const {
   Advance(event, now);
   const std::vector<ImpactBody> real = {bodies_.StateOf(event.pair.a, now),
                                         bodies_.StateOf(event.pair.b, now)};
-  const bool has_friction = std::ranges::any_of(
-      event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
-  for (const exact::Slip slip : kSlipRules) {
-    if (slip == exact::Slip::kFirst && !has_friction) break;
-    const std::vector<ImpactBody> after = AfterImpact(event, slip, now);
-    const double error = bodies_.ChangeOf(event.pair, real, after, now).impulse,
-                 change = bodies_.ChangeOf(event.pair, event.first, after, now).impulse;
-    const bool is_first = event.cycles == 1 && slip == exact::Slip::kLeft;
+  bool is_first = event.cycles == 1;
+  for (const std::vector<ImpactBody>& end : EndsOf(event, now)) {
+    const double error = bodies_.ChangeOf(event.pair, real, end, now).impulse,
+                 change = bodies_.ChangeOf(event.pair, event.first, end, now).impulse;
     if (is_first || error * event.impulse < event.error * change) {
       event.error = error;
       event.impulse = change;
     }
+    is_first = false;
   }
   const auto leaving = [](const std::vector<ImpactBody>& bodies,
                           const exact::ImpactContact& contact) {

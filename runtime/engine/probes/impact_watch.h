@@ -2,6 +2,7 @@
 // Bullet finds an impact up to a time step late, with the normal of that time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -59,13 +60,15 @@ class ImpactWatch {
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
     bool is_complete = false;       ///< after the last cycle: they no longer approach
     bool is_felt = true;            ///< there has been an impulse
-    /// If points touch one after the other: what follows, by the direction of friction.
+    bool is_at_once = true;         ///< all points may touch at once
+    /// If points may touch one after the other: what follows, by the direction of friction.
     std::vector<exact::ImpactCourse> courses;
     Judged judged = Judged::kWhole;
   };
 
   void ReadPairs();
   static const Pair* Find(const std::vector<Pair>& pairs, const ImpactPair& pair);
+  bool TouchedBefore(const ImpactPair& pair) const;
   bool IsContinued(const ImpactPair& pair) const;
   std::optional<exact::Touch> FindTouch(const ImpactPair& pair, const BodyStates& before) const;
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
@@ -77,8 +80,8 @@ class ImpactWatch {
   bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
   bool Wait(Event& event, const BodyStates& before, const BodyStates& now);
   void Advance(Event& event, const BodyStates& now) const;
-  std::vector<exact::ImpactBody> AfterImpact(const Event& event, exact::Slip slip,
-                                             const BodyStates& now) const;
+  std::vector<std::vector<exact::ImpactBody>> EndsOf(const Event& event,
+                                                     const BodyStates& now) const;
   void Compare(Event& event, const BodyStates& now) const;
   void CompareDirection(const Pair& pair, const Eigen::Vector3d& normal);
   void CountMissed(const Event& event, const BodyStates& now);
@@ -90,10 +93,12 @@ class ImpactWatch {
 
   world::Engine& engine_;
   const ImpactBodies bodies_;
-  std::vector<Pair> found_;         ///< by manifold, sorted
-  std::vector<Pair> pairs_, last_;  ///< with an impulse in this cycle and the last; sorted
+  std::vector<Pair> found_;                           ///< by manifold, sorted
+  std::vector<Pair> pairs_;                           ///< with an impulse in this cycle; sorted
+  std::array<std::vector<Pair>, 4> last_;             ///< in the last ones, the latest first
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
-  std::vector<Meeting> meetings_;                     ///< without an impulse in the last cycle
+  std::vector<std::uint32_t> flights_;  ///< by object: cycles before this one without an impulse
+  std::vector<Meeting> meetings_;       ///< without an impulse in the last cycle
   std::vector<Event> events_;
   double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s
   double missed_ = 0;                              ///< kg m/s: of the true impulses of the missed
