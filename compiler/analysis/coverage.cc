@@ -159,7 +159,7 @@ Reason WhyNotFriction(const Scene& scene) {
            !IsZero(group.settings.Get("angular_velocity"));
   };
   if (const Group* group = FindGroup(scene, spins))
-    return fmt::format("group {} spins, and how its weight is spread under a face is not known",
+    return fmt::format("group {} spins, and how objects turn on a face or a rim is not examined",
                        group->name);
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",

@@ -127,12 +127,15 @@ Polygon FaceOf(const Solid& solid, const Pose& pose, const Vector3d& outward, do
                double thickness, const Plane& plane) {
   Polygon face;
   const Eigen::Quaterniond back = pose.orientation.conjugate();
+  const double radius = ConvexPart(solid, 0, Matrix3d::Identity(), Vector3d::Zero()).radius();
   for (int i = 0; i < kDirections; ++i) {
     // Not along the axes, where faces have their edges.
     const double angle = 2 * std::numbers::pi * (i + 0.37) / kDirections;
     const Vector2d way(std::cos(angle), std::sin(angle));
     const Vector3d direction = outward + tilt * (way.x() * plane.x + way.y() * plane.y);
-    const Vector3d corner = pose.position + pose.orientation * solid.Support(back * direction);
+    // Of the core: what is round touches in one point, however it turns.
+    const Vector3d corner = pose.position + pose.orientation * solid.Support(back * direction) -
+                            radius * direction.normalized();
     face.push_back(plane.In(corner) + thickness * way);
   }
   return Hull(std::move(face));
@@ -304,6 +307,72 @@ void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> co
     }
     if (change <= kSettled * largest) break;
   }
+}
+
+namespace {
+
+/// In least sides: they touch if they are no farther apart.
+constexpr double kTouching = 1e-3;
+/// In steps: points that follow within this time touch at once.
+constexpr double kSameStep = 1;
+
+}  // namespace
+
+ImpactBody ImpactCourse::StateOf(const Body& body) {
+  ImpactBody state;
+  state.centre = body.pose.position;
+  state.velocity = body.velocity;
+  state.spin = body.spin;
+  if (!(body.mass > 0)) return state;
+  state.inverse_mass = 1 / body.mass;
+  const Matrix3d turn = body.pose.orientation.toRotationMatrix();
+  state.inverse_inertia = turn * body.inertia.cwiseInverse().asDiagonal() * turn.transpose();
+  return state;
+}
+
+void ImpactCourse::Advance(double duration, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    Meet(duration / steps);
+    Move(a_, duration / steps);
+    Move(b_, duration / steps);
+  }
+}
+
+void ImpactCourse::Meet(double step) {
+  const double least = b_.solid ? std::min(a_.solid->LeastHalfExtent(), b_.solid->LeastHalfExtent())
+                                : a_.solid->LeastHalfExtent();
+  const SignedDistance distance =
+      DistanceAt(*a_.solid, {a_.pose}, {b_.solid, {b_.pose}, rules_.plane}, 0);
+  if (distance.gap > 2 * kTouching * least) return;
+  ImpactBody bodies[] = {a(), b()};
+  const auto approach = [&](const Vector3d& point) {
+    return -(VelocityAt(bodies[0], point) - VelocityAt(bodies[1], point)).dot(distance.normal);
+  };
+  const Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
+  const double tilt = kTouching + kSameStep * std::max(0.0, approach(touch.point)) * step / least;
+  std::vector<Vector3d> points = ContactRegion(*a_.solid, a_.pose, b_.solid, b_.pose, touch, tilt);
+  if (points.empty()) points = {touch.point};
+  std::vector<ImpactContact> contacts;
+  for (const Vector3d& point : points)
+    contacts.push_back({0, 1, touch.normal, point, rules_.friction,
+                        rules_.restitution * std::max(0.0, approach(point))});
+  SolveImpact(bodies, contacts, rules_.slip);
+  for (Body* body : {&a_, &b_}) {
+    body->velocity = bodies[body == &a_ ? 0 : 1].velocity;
+    body->spin = bodies[body == &a_ ? 0 : 1].spin;
+  }
+}
+
+/// Free flight keeps the angular momentum.
+void ImpactCourse::Move(Body& body, double step) const {
+  const Motion motion{body.pose, step * body.velocity, step * body.spin};
+  if (body.mass > 0) {
+    const Eigen::Quaterniond before = body.pose.orientation, after = motion.At(1).orientation;
+    const Vector3d momentum = before * body.inertia.cwiseProduct(before.conjugate() * body.spin);
+    body.spin = after * (after.conjugate() * momentum).cwiseQuotient(body.inertia);
+    body.velocity += step * rules_.acceleration;
+  }
+  body.pose = motion.At(1);
 }
 
 }  // namespace cdb::exact

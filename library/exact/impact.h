@@ -75,4 +75,39 @@ enum class Slip {
 /// Gauss-Seidel iterations over the contacts.
 void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts, Slip slip);
 
+/// Two bodies from the moment on at which they touch, alone, with a constant acceleration: whatever
+/// impacts follow, in steps of a fraction of a cycle. For bodies that land nearly flat, whose
+/// corners touch one after the other. Not thread-safe.
+class ImpactCourse {
+ public:
+  struct Body {
+    const objects::Solid* solid = nullptr;  ///< convex; null: a half space. Must outlive the course
+    objects::Pose pose;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), spin = Eigen::Vector3d::Zero();
+    double mass = 0;                                    ///< kg; 0: nothing moves it
+    Eigen::Vector3d inertia = Eigen::Vector3d::Zero();  ///< kg m^2, principal
+  };
+  struct Rules {
+    double friction, restitution;
+    Eigen::Vector3d acceleration;  ///< m/s^2
+    Slip slip;
+    HalfSpace plane;  ///< of b, if it has no solid
+  };
+  ImpactCourse(const Body& a, const Body& b, const Rules& rules) : a_(a), b_(b), rules_(rules) {}
+
+  /// Accuracy: the next impact may be late by a step.
+  void Advance(double duration, int steps);
+  /// As at present.
+  ImpactBody a() const { return StateOf(a_); }
+  ImpactBody b() const { return StateOf(b_); }
+
+ private:
+  static ImpactBody StateOf(const Body& body);
+  void Meet(double step);
+  void Move(Body& body, double step) const;
+
+  Body a_, b_;
+  Rules rules_;
+};
+
 }  // namespace cdb::exact

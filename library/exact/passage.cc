@@ -91,8 +91,8 @@ class PairMotion {
   bool PassAfar() const { return NearestOffset().norm() > radius_a_ + radius_b_; }
 
   /// Whether the plane along the motion and across the way between the centres, where that is
-  /// shortest, shows that they do not overlap deeply in the cycle.
-  bool StayApart() const {
+  /// shortest, shows that they do not overlap by more than `depth` (m) in the cycle.
+  bool StayApart(double depth) const {
     const Vector3d across = NearestOffset();
     const double distance = across.norm();
     if (!(distance > 0)) return false;
@@ -101,7 +101,7 @@ class PairMotion {
                              const Vector3d& way) {
       return way.dot(pose * solid.Support(pose.conjugate() * way)) + turn.cross(way).norm();
     };
-    const double room = std::min(normal.dot(offset_), normal.dot(offset_ + way_)) + kDeep * side_;
+    const double room = std::min(normal.dot(offset_), normal.dot(offset_ + way_)) + depth;
     if (room < a_.InnerRadius() + b_.InnerRadius()) return false;
     return room > farthest(a_, turn_a_, motion_a_.from.orientation, -normal) +
                       farthest(b_, turn_b_, motion_b_.from.orientation, normal);
@@ -240,6 +240,11 @@ Pose Motion::At(double part) const {
   return {from.position + part * way, (turned * from.orientation).normalized()};
 }
 
+bool MayMeet(const Solid& a, const Motion& motion_a, const Solid& b, const Motion& motion_b) {
+  const PairMotion pair(a, motion_a, b, motion_b);
+  return !pair.PassAfar() && !pair.StayApart(0);
+}
+
 Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
                         const Motion& motion_b) {
   const PairMotion pair(a, motion_a, b, motion_b);
@@ -254,7 +259,7 @@ Passing Passage::Follow(const Solid& a, const Motion& motion_a, const Solid& b,
     overlaps_ = false;
     return Passing::kUnknown;
   }
-  if (!overlaps_ && (pair.PassAfar() || pair.StayApart())) return Passing::kNone;
+  if (!overlaps_ && (pair.PassAfar() || pair.StayApart(kDeep * side))) return Passing::kNone;
   spans_cycles_ = overlaps_;
   bool is_known = true;
   int poses = 0;

@@ -19,6 +19,11 @@ struct Motion {
   objects::Pose At(double part) const;
 };
 
+/// False if balls around two solids, or a plane between them, show that they do not touch in the
+/// cycle. Neither may be a surface. Threads: any.
+bool MayMeet(const objects::Solid& a, const Motion& motion_a, const objects::Solid& b,
+             const Motion& motion_b);
+
 /// What is known of two solids in a cycle.
 enum class Passing {
   kNone,

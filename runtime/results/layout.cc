@@ -331,19 +331,31 @@ std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
   return numbers;
 }
 
+/// The values of a series of counts that are not the fill value; empty if it was not recorded.
+std::vector<std::int32_t> CountsOf(const RunResult& result, std::string_view name) {
+  std::vector<std::int32_t> counts;
+  for (const auto& [series, bytes] : result.series) {
+    if (series->name != name) continue;
+    counts.resize(bytes.size() / sizeof(std::int32_t));
+    std::memcpy(counts.data(), bytes.data(), bytes.size());
+  }
+  std::erase_if(counts, [](std::int32_t count) { return count < 0; });
+  return counts;
+}
+
 /// The questions that the scene leaves open, and those that the run did.
 std::string UncheckedOf(const plan::Scene& scene, const RunResult& result) {
   std::string text = UncheckedText(analysis::CoverageOf(scene));
-  std::int64_t unfollowed = 0;
-  for (const auto& [series, bytes] : result.series) {
-    if (series->name != "unfollowed") continue;
-    std::vector<std::int32_t> counts(bytes.size() / sizeof(std::int32_t));
-    std::memcpy(counts.data(), bytes.data(), bytes.size());
-    for (const std::int32_t count : counts) unfollowed += std::max(count, 0);
-  }
-  if (unfollowed > 0)
-    text += fmt::format("{}passing: some pairs of objects could not be followed",
-                        text.empty() ? "" : "; ");
+  const auto add = [&](std::string_view question) {
+    text.append(text.empty() ? "" : "; ").append(question);
+  };
+  if (const auto counts = CountsOf(result, "unfollowed");
+      std::ranges::any_of(counts, [](std::int32_t count) { return count > 0; }))
+    add("passing: some pairs of objects could not be followed");
+  if (const auto counts = CountsOf(result, "unjudged_impacts");
+      !counts.empty() && counts.back() > 0 &&
+      analysis::IsChecked(analysis::Question::kImpacts, scene))
+    add("impacts: some impacts could not be judged");
   return text;
 }
 

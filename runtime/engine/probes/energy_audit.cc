@@ -35,12 +35,10 @@ Vector3d PointVelocity(const btVector3& velocity, const btVector3& spin, const V
 
 }  // namespace
 
-EnergyAudit::EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction)
-    : engine_(engine), wall_restitution_(wall_restitution), wall_friction_(wall_friction) {
+EnergyAudit::EnergyAudit(world::Engine& engine, const world::Coefficients& coefficients)
+    : engine_(engine), coefficients_(coefficients) {
   for (const layouts::ObjectState& object : engine.initial_state().objects) {
     masses_.push_back(object.mass);
-    restitutions_.push_back(object.numbers["restitution"]);
-    frictions_.push_back(object.numbers["friction"]);
     inertias_.push_back(object.solid.InertiaPerMass());
   }
 }
@@ -133,8 +131,11 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     const Vector3d arm = point - world::ToEigen(before[index].pose.getOrigin());
     return PointVelocity(states[index].velocity, states[index].spin, arm);
   };
+  const auto body = [](const btCollisionObject* object) {
+    return static_cast<std::size_t>(object->getUserIndex());
+  };
   const double restitution =
-      RestitutionOf(manifold.getBody0()) * RestitutionOf(manifold.getBody1());
+      coefficients_.Restitution(body(manifold.getBody0()), body(manifold.getBody1()));
   double taken = 0;
   for (int j = 0; j < manifold.getNumContacts(); ++j) {
     const btManifoldPoint& point = manifold.getContactPoint(j);
@@ -166,17 +167,6 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
   return taken;
 }
 
-/// Of the scene. That of Bullet's contact point is 0 if `ccd` has foreseen the contact.
-double EnergyAudit::RestitutionOf(const btCollisionObject* body) const {
-  const auto index = static_cast<std::size_t>(body->getUserIndex());
-  return index < restitutions_.size() ? restitutions_[index] : wall_restitution_;
-}
-
-double EnergyAudit::FrictionOf(const btCollisionObject* body) const {
-  const auto index = static_cast<std::size_t>(body->getUserIndex());
-  return index < frictions_.size() ? frictions_[index] : wall_friction_;
-}
-
 double EnergyAudit::KineticOf(std::size_t object, const BodyState& state) const {
   const Vector3d spin = world::ToEigen(state.spin * state.pose.getBasis());
   return masses_[object] / 2 *
@@ -194,7 +184,9 @@ std::vector<char> EnergyAudit::Slipping(const BodyStates& states) const {
       const BodyState& state = states[index];
       const double speed = world::ToEigen(state.velocity).norm(), least = kSlips * speed;
       // Friction takes longer to stop a faster one.
-      const double friction = FrictionOf(manifold.getBody0()) * FrictionOf(manifold.getBody1());
+      const double friction =
+          coefficients_.Friction(static_cast<std::size_t>(manifold.getBody0()->getUserIndex()),
+                                 static_cast<std::size_t>(manifold.getBody1()->getUserIndex()));
       if (speed > friction * engine_.acceleration().norm() * kSoon) continue;
       for (int j = 0; j < manifold.getNumContacts(); ++j) {
         const Vector3d arm = world::ToEigen(manifold.getContactPoint(j).getPositionWorldOnB() -

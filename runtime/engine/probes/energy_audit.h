@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/engine/probes/body_states.h"
+#include "runtime/engine/world/coefficients.h"
 
 namespace cdb::probes {
 
@@ -25,7 +26,8 @@ namespace cdb::probes {
 /// that of the approach. The engine must outlive it. Not thread-safe.
 class EnergyAudit {
  public:
-  EnergyAudit(world::Engine& engine, double wall_restitution, double wall_friction);
+  /// `coefficients` must outlive it.
+  EnergyAudit(world::Engine& engine, const world::Coefficients& coefficients);
 
   /// Call once before the first cycle, with its energies, J, which are those of the series of these
   /// names.
@@ -54,13 +56,10 @@ class EnergyAudit {
   double TakenByRounding(const BodyStates& now) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;
   double KineticOf(std::size_t object, const BodyState& state) const;
-  double RestitutionOf(const btCollisionObject* body) const;
-  double FrictionOf(const btCollisionObject* body) const;
 
   world::Engine& engine_;
-  const double wall_restitution_, wall_friction_;
+  const world::Coefficients& coefficients_;
   std::vector<double> masses_;                           ///< kg, by object; 0 if it is fixed
-  std::vector<double> restitutions_, frictions_;         ///< by object
   std::vector<Eigen::Vector3d> inertias_;                ///< principal, for 1 kg
   double weight_ = 0;                                    ///< N, of all objects
   double fall_ = 0;                                      ///< m/s: gained by a fall in a cycle

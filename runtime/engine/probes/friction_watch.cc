@@ -41,14 +41,12 @@ std::optional<Vector3d> FaceNormal(const btCollisionObject& ground, const btVect
 
 }  // namespace
 
-FrictionWatch::FrictionWatch(world::Engine& engine, double wall_friction)
-    : engine_(engine), wall_friction_(wall_friction), objects_(engine.objects().size()) {
+FrictionWatch::FrictionWatch(world::Engine& engine, const world::Coefficients& coefficients)
+    : engine_(engine), coefficients_(coefficients), objects_(engine.objects().size()) {
   const double pull = engine.acceleration().norm();
-  std::vector<char> linked(objects_.size(), 0);
-  engine.links().MarkHeld(linked, 1);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const layouts::ObjectState& state = engine.initial_state().objects[i];
-    objects_[i].is_judged = !state.IsFixed() && linked[i] == 0 && !state.solid.IsBall();
+    objects_[i].is_judged = !state.IsFixed() && !engine.links().Holds(i) && !state.solid.IsBall();
     objects_[i].damping = std::pow(1 - static_cast<double>(engine.objects()[i]->getLinearDamping()),
                                    static_cast<double>(engine.timestep()));
     objects_[i].least_due =
@@ -88,8 +86,7 @@ void FrictionWatch::Judge(std::size_t object, const BodyState& before, const Bod
         support.is_single && support.ground->isStaticObject() &&
         (ground >= objects_.size() || !engine_.initial_state().objects[ground].solid.IsSurface());
     moving.normal = world::ToEigen(support.normal).normalized();
-    moving.friction = std::min(FrictionOf(*support.ground) * FrictionOf(*engine_.objects()[object]),
-                               world::kMostFriction);
+    moving.friction = coefficients_.Friction(object, ground);
   }
   const Eigen::Quaterniond turn = world::ToEigen(before.pose.getRotation());
   moving.is_flat = moving.is_flat && LiesFlat(object, turn);
@@ -157,19 +154,10 @@ bool FrictionWatch::LiesFlat(std::size_t object, const Eigen::Quaterniond& turn)
   return moving.has_face;
 }
 
-/// From the scene: what Bullet's contact holds may differ.
-double FrictionWatch::FrictionOf(const btCollisionObject& body) const {
-  const auto index = static_cast<std::size_t>(body.getUserIndex());
-  if (index >= objects_.size()) return wall_friction_;
-  return engine_.initial_state().objects[index].numbers["friction"];
-}
-
 RollWatch::RollWatch(world::Engine& engine)
     : engine_(engine),
       pull_(static_cast<double>(engine.timestep()) * engine.acceleration()),
       objects_(engine.objects().size()) {
-  std::vector<char> linked(objects_.size(), 0);
-  engine.links().MarkHeld(linked, 1);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const layouts::ObjectState& state = engine.initial_state().objects[i];
     const objects::Solid& solid = state.solid;
@@ -177,7 +165,7 @@ RollWatch::RollWatch(world::Engine& engine)
     Round& round = objects_[i];
     round.is_ball = solid.IsBall();
     round.is_judged =
-        !state.IsFixed() && linked[i] == 0 && body.getLinearDamping() == 0 &&
+        !state.IsFixed() && !engine.links().Holds(i) && body.getLinearDamping() == 0 &&
         body.getAngularDamping() == 0 && !(state.numbers["rolling_friction"] > 0) &&
         (round.is_ball || solid.IsRoundCapsule() ||
          (solid.shape == objects::Shape::kCylinder && solid.sides.x() == solid.sides.z()));

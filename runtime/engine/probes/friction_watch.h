@@ -8,6 +8,7 @@
 
 #include "runtime/engine/probes/body_states.h"
 #include "runtime/engine/probes/supports.h"
+#include "runtime/engine/world/coefficients.h"
 
 namespace cdb::probes {
 
@@ -27,8 +28,8 @@ namespace cdb::probes {
 /// second law while an object spins. The engine must outlive it. Not thread-safe.
 class FrictionWatch {
  public:
-  /// `wall_friction`: of the scene.
-  FrictionWatch(world::Engine& engine, double wall_friction);
+  /// `coefficients` must outlive it.
+  FrictionWatch(world::Engine& engine, const world::Coefficients& coefficients);
 
   struct Seen {
     double false_turn;      ///< rad: the largest angle turned so far against the first law
@@ -67,10 +68,9 @@ class FrictionWatch {
   void Judge(std::size_t object, const BodyState& before, const BodyState& now,
              const Support& support);
   bool LiesFlat(std::size_t object, const Eigen::Quaterniond& turn);
-  double FrictionOf(const btCollisionObject& body) const;
 
   world::Engine& engine_;
-  const double wall_friction_;
+  const world::Coefficients& coefficients_;
   std::vector<Moving> objects_;  ///< by object
 };
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
-#include "compiler/analysis/expectation.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
 
@@ -14,10 +14,6 @@ namespace {
 using Eigen::Vector3d;
 using exact::ImpactBody;
 
-/// An approach by more than such a fall, in least sides, and by so many falls in a cycle.
-constexpr double kImpactFall = 0.05, kImpactFalls = 4;
-/// 1/s: without gravity, of the least side.
-constexpr double kImpactRate = 0.1;
 /// Of the largest sum of momenta so far, of more than two objects: counts as true impulses, so that
 /// one impact of many objects is not the whole.
 constexpr double kPrior = 0.1;
@@ -27,82 +23,61 @@ constexpr int kMostCycles = 12;
 constexpr double kExact = 0.01;
 /// Of the approach: an impact that leaves less is completed.
 constexpr double kComplete = 0.1;
-/// Of a cycle: further points that follow within this time touch at once; points that follow later,
-/// but within the other, are another impact, which the first one changes.
-constexpr double kAtOnce = 0.25, kAmbiguous = 1.5;
-/// rad: at most, between faces of which all points touch at once; of which any do; at rest.
-constexpr double kParallel = 0.02, kMostTilt = 0.5, kNearlyParallel = 0.05;
-/// Regions of contact, in least half extents and relative to each other.
-constexpr double kPoint = 0.1, kSameRegion = 0.8;
-/// In least sides: contacts at rest are as deep. Where the shortest way out of one has another
-/// direction (a cosine) than the touch, it is not known which counts.
-constexpr double kShallow = 0.05, kOtherWay = 0.9;
 /// Bullet's shapes may be rounded, and touch later by a way of so many least sides; in cycles.
 constexpr double kRounded = 0.06, kMostLate = 50;
+/// In cycles: further back, if they overlapped there.
+constexpr double kFarthestBack = 4;
 /// In cycles, beyond the one in which contacts are found.
 constexpr double kForeseen = 2;
+/// Of a cycle, in which further points may touch.
+constexpr int kSteps = 32;
+/// In which points that touch one after the other are followed.
+constexpr int kCourseCycles = 4;
+constexpr exact::Slip kSlipRules[] = {exact::Slip::kLeft, exact::Slip::kFirst};
 
-double Diameter(const std::vector<Vector3d>& points) {
-  double most = 0;
-  for (const Vector3d& a : points)
-    for (const Vector3d& b : points) most = std::max(most, (a - b).norm());
-  return most;
-}
+auto KeyOf(const ImpactPair& pair) { return std::pair(pair.a, pair.b); }
 
-bool IsFinite(const BodyState& state) {
-  return world::IsFinite(state.pose.getOrigin()) && world::IsFinite(state.velocity) &&
-         world::IsFinite(state.spin);
-}
+ImpactPair Sorted(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 }  // namespace
 
-ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine)
+ImpactWatch::ImpactWatch(const plan::Scene& scene, world::Engine& engine,
+                         const world::Coefficients& coefficients)
     : engine_(engine),
-      wall_restitution_(scene.world.Real("world.wall_restitution")),
-      wall_friction_(scene.world.Real("world.wall_friction")),
-      timestep_(static_cast<double>(engine.timestep())),
-      touching_(engine.objects().size()) {
-  std::vector<char> linked(touching_.size(), 0);
-  engine.links().MarkHeld(linked, 1);
-  for (std::size_t i = 0; i < touching_.size(); ++i) {
-    const layouts::ObjectState& state = engine.initial_state().objects[i];
-    const btRigidBody& body = *engine.objects()[i];
-    Judged judged = Judged::kWhole;
-    if (state.solid.compound || linked[i] != 0 || state.numbers["rolling_friction"] > 0 ||
-        state.numbers["spinning_friction"] > 0)
-      judged = Judged::kCone;
-    const plan::Group& group = scene.groups[state.group];
-    if (analysis::HasSchedule(group) && !state.is_kinematic) judged = Judged::kNot;
-    if (state.solid.IsSurface() || std::isfinite(state.numbers["contact_stiffness"]))
-      judged = Judged::kNot;
-    bodies_.push_back({state.mass, state.mass * state.solid.InertiaPerMass(),
-                       std::pow(1 - static_cast<double>(body.getLinearDamping()), timestep_),
-                       std::pow(1 - static_cast<double>(body.getAngularDamping()), timestep_),
-                       state.numbers["friction"], state.numbers["restitution"],
-                       2 * state.solid.LeastHalfExtent(), judged});
-  }
-}
+      bodies_(scene, engine, coefficients),
+      touching_(engine.objects().size()),
+      flights_(touching_.size(), 0) {}
 
-ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now) {
+ImpactWatch::Seen ImpactWatch::After(const BodyStates& before, const BodyStates& now,
+                                     std::span<const Meeting> meetings) {
   ReadPairs();
+  for (const Meeting& meeting : meetings_)
+    if (!Find(pairs_, {meeting.a, meeting.b})) BeginUnfelt(meeting, before, now);
   std::erase_if(events_, [&](Event& event) { return !Continue(event, before, now); });
   for (const Pair& pair : pairs_)
-    if (!TouchedBefore(pair)) Begin(pair, before, now);
-  pairs_.swap(last_);
-  double momentum = 0, moving = 0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    momentum += bodies_[i].mass * world::ToEigen(now[i].velocity).norm();
-    moving += bodies_[i].mass > 0;
-  }
-  momentum *= std::max(0.0, 1 - 2 / moving);
-  momentum_ = std::max(momentum_, momentum);
-  return {impulse_ > 0 ? error_ / (impulse_ + kPrior * momentum_)
-                       : std::numeric_limits<double>::quiet_NaN(),
-          unjudged_};
+    if (!Find(last_[0], pair) && !IsContinued(pair)) Begin(pair, before, now);
+  meetings_.clear();
+  std::ranges::copy_if(meetings, std::back_inserter(meetings_), [&](const Meeting& meeting) {
+    return !Find(pairs_, {meeting.a, meeting.b});
+  });
+  std::ranges::rotate(last_, last_.end() - 1);
+  last_[0].swap(pairs_);
+  momentum_ = std::max(momentum_, bodies_.Momentum(now));
+  return {Error(), unjudged_};
+}
+
+/// Grazes that were missed make the error of the others no smaller.
+double ImpactWatch::Error() const {
+  const double prior = kPrior * momentum_;
+  double error =
+      impulse_ > 0 ? error_ / (impulse_ + prior) : std::numeric_limits<double>::quiet_NaN();
+  if (missed_ > 0)
+    error = std::fmax(error, (error_ + missed_) / (impulse_ + missed_ + std::max(prior, graze_)));
+  return error;
 }
 
 void ImpactWatch::ReadPairs() {
-  pairs_.clear();
+  found_.clear();
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     Vector3d impulse = Vector3d::Zero();
     bool pushes = false;
@@ -116,80 +91,91 @@ void ImpactWatch::ReadPairs() {
     if (!pushes) continue;
     const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());
     const auto b = static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex());
-    pairs_.push_back(a < b ? Pair{a, b, impulse} : Pair{b, a, -impulse});
+    found_.push_back(a < b ? Pair{{a, b}, impulse} : Pair{{b, a}, -impulse});
   }
-  const auto key = [](const Pair& pair) { return std::pair(pair.a, pair.b); };
-  std::ranges::sort(pairs_, {}, key);
-  auto kept = pairs_.begin();
-  for (auto pair = pairs_.begin(); pair != pairs_.end(); ++pair) {
-    if (kept != pair && key(*kept) == key(*pair)) {
-      kept->impulse += pair->impulse;
-    } else {
-      if (pair != pairs_.begin()) ++kept;
-      *kept = *pair;
-    }
+  std::ranges::sort(found_, {}, KeyOf);
+  // Compounds have a manifold for each pair of pieces.
+  pairs_.clear();
+  for (const Pair& pair : found_) {
+    if (!pairs_.empty() && KeyOf(pairs_.back()) == KeyOf(pair))
+      pairs_.back().impulse += pair.impulse;
+    else
+      pairs_.push_back(pair);
   }
-  if (!pairs_.empty()) pairs_.erase(kept + 1, pairs_.end());
-  for (auto& others : touching_) others.clear();
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    flights_[i] = touching_[i].empty() ? flights_[i] + 1 : 0;
+    touching_[i].clear();
+  }
   for (const Pair& pair : pairs_) {
     touching_[pair.a].push_back(pair.b);
-    if (!IsWall(pair.b)) touching_[pair.b].push_back(pair.a);
+    if (!bodies_.IsWall(pair.b)) touching_[pair.b].push_back(pair.a);
   }
 }
 
-bool ImpactWatch::TouchedBefore(const Pair& pair) const {
-  const auto key = [](const Pair& each) { return std::pair(each.a, each.b); };
-  return std::ranges::binary_search(last_, key(pair), {}, key);
+const ImpactWatch::Pair* ImpactWatch::Find(const std::vector<Pair>& pairs, const ImpactPair& pair) {
+  const auto found = std::ranges::lower_bound(pairs, KeyOf(pair), {}, KeyOf);
+  return found != pairs.end() && KeyOf(*found) == KeyOf(pair) ? &*found : nullptr;
 }
 
-/// m: of the smaller one.
-double ImpactWatch::LeastSide(const Pair& pair) const {
-  const double side = bodies_[pair.a].least_side;
-  return IsWall(pair.b) ? side : std::min(side, bodies_[pair.b].least_side);
+/// In the last cycles.
+bool ImpactWatch::TouchedBefore(const ImpactPair& pair) const {
+  return std::ranges::any_of(
+      last_, [&](const std::vector<Pair>& pairs) { return Find(pairs, pair) != nullptr; });
 }
 
-/// m/s.
-double ImpactWatch::LeastApproach(const Pair& pair) const {
-  const double side = LeastSide(pair);
-  const double pull = engine_.acceleration().norm();
-  return std::max({std::sqrt(2 * pull * kImpactFall * side), kImpactFalls * pull * timestep_,
-                   kImpactRate * side});
+/// Whether the impact of the pair was found before its first impulse, which is in this cycle.
+bool ImpactWatch::IsContinued(const ImpactPair& pair) const {
+  return std::ranges::any_of(events_, [&](const Event& event) {
+    return event.is_felt && event.cycles == 1 && KeyOf(event.pair) == KeyOf(pair);
+  });
+}
+
+bool ImpactWatch::AnyThird(const ImpactPair& pair, auto visit) const {
+  for (const std::uint32_t self : {pair.a, pair.b}) {
+    if (!bodies_.IsFree(self)) continue;
+    for (const std::uint32_t third : touching_[self])
+      if (third != pair.a && third != pair.b && visit(self, third)) return true;
+  }
+  return false;
+}
+
+/// Along the velocities.
+std::optional<exact::Touch> ImpactWatch::FindTouch(const ImpactPair& pair,
+                                                   const BodyStates& before) const {
+  const exact::Collider a = bodies_.ColliderOf(pair.a, before),
+                        b = bodies_.ColliderOf(pair.b, before);
+  const double rate = (a.motion.way - b.motion.way).norm();
+  const double back = std::min(kMostLate, 1 + kRounded * bodies_.LeastSide(pair) / rate);
+  auto touch = exact::FindTouch(*a.solid, a.motion, b, -back, kForeseen);
+  const auto has_flown = [&](std::uint32_t body) {
+    return !bodies_.IsFree(body) || flights_[body] >= kFarthestBack;
+  };
+  if (!touch && back < kFarthestBack && has_flown(pair.a) && has_flown(pair.b) &&
+      bodies_.Overlap(pair, -back, before))
+    touch = exact::FindTouch(*a.solid, a.motion, b, -kFarthestBack, kForeseen);
+  return touch;
 }
 
 void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodyStates& now) {
-  const Body& body = bodies_[pair.a];
-  const Judged judged =
-      IsWall(pair.b) ? body.judged : std::min(body.judged, bodies_[pair.b].judged);
-  if (judged == Judged::kNot || !IsFinite(before[pair.a])) return;
-  if (!IsWall(pair.b) && !IsFinite(before[pair.b])) return;
-  const ImpactBody a = BodyOf(pair.a, before), b = BodyOf(pair.b, before);
-  const double least = LeastApproach(pair);
-  const auto surface_speed = [&](std::uint32_t object, const ImpactBody& state) {
-    return IsWall(object)
-               ? 0
-               : state.spin.norm() * engine_.initial_state().objects[object].solid.OuterRadius();
-  };
-  if ((a.velocity - b.velocity).norm() + surface_speed(pair.a, a) + surface_speed(pair.b, b) <
-      least)
+  const Judged judged = bodies_.JudgedOf(pair);
+  const double least = bodies_.LeastApproach(pair);
+  if (judged == Judged::kNot || !bodies_.AreFinite(pair, before) ||
+      bodies_.MostApproach(pair, before) < least)
     return;
-  const objects::Solid& solid = engine_.initial_state().objects[pair.a].solid;
-  const exact::Motion motion = ColliderOf(pair.a, before).motion;
-  const exact::Collider other = ColliderOf(pair.b, before);
-  const double side = LeastSide(pair);
-  const double rate = (motion.way - other.motion.way).norm();
-  const double from = -std::min(kMostLate, 1 + kRounded * side / rate);
-  const auto touch = exact::FindTouch(solid, motion, other, from, kForeseen);
-  if (!touch) return;
-  const auto at_touch = [&](ImpactBody state) {
-    state.centre += touch->part * timestep_ * state.velocity;
-    return exact::VelocityAt(state, touch->point);
-  };
-  if (-(at_touch(a) - at_touch(b)).dot(touch->normal) < least) return;
-  if (touch->part < 0 && !IsRound(pair) && LeavesAnotherWay(pair, *touch, before)) {
+  const auto touch = FindTouch(pair, before);
+  if (!touch) {
+    const exact::Touch felt{0, pair.impulse.normalized(), bodies_.Distance(pair, before).on_a};
+    unjudged_ += bodies_.ApproachAt(pair, felt, felt.point, before) >= least;
+    return;
+  }
+  if (bodies_.ApproachAt(pair, *touch, touch->point, before) < least) return;
+  if (touch->part < 0 && !bodies_.IsRound(pair) && bodies_.LeavesAnotherWay(pair, *touch, before)) {
     ++unjudged_;
     return;
   }
-  if (judged == Judged::kWhole) {
+  const bool is_crowded =
+      AnyThird(pair, [&](std::uint32_t, std::uint32_t third) { return bodies_.IsFree(third); });
+  if (judged == Judged::kWhole && !is_crowded) {
     if (auto event = MakeEvent(pair, *touch, before, now)) {
       Compare(*event, now);
       if (event->error <= kExact * event->impulse)
@@ -198,92 +184,101 @@ void ImpactWatch::Begin(const Pair& pair, const BodyStates& before, const BodySt
         events_.push_back(*std::move(event));
       return;
     }
+    ++unjudged_;
   }
-  const double friction = FrictionOf(pair.a, pair.b), press = pair.impulse.dot(touch->normal);
-  const double across = (pair.impulse - press * touch->normal).norm();
+  CompareDirection(pair, touch->normal);
+}
+
+void ImpactWatch::CompareDirection(const Pair& pair, const Vector3d& normal) {
+  const double friction = bodies_.Friction(pair), press = pair.impulse.dot(normal);
+  const double across = (pair.impulse - press * normal).norm();
   const double outside = (across - friction * press) / std::sqrt(1 + friction * friction);
   Count(std::clamp(outside, 0.0, pair.impulse.norm()), pair.impulse.norm());
 }
 
-std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const Pair& pair,
+/// A pair without an impulse in this cycle, in which it has come to where the meeting ended.
+void ImpactWatch::BeginUnfelt(const Meeting& meeting, const BodyStates& before,
+                              const BodyStates& now) {
+  const ImpactPair pair{meeting.a, meeting.b};
+  if (bodies_.JudgedOf(pair) == Judged::kNot || !bodies_.AreFinite(pair, before)) return;
+  exact::Collider other = bodies_.ColliderOf(pair.b, before);
+  other.motion = meeting.motion_b;
+  auto touch =
+      exact::FindTouch(*bodies_.ColliderOf(pair.a, before).solid, meeting.motion_a, other, 0, 1);
+  if (!touch) return;
+  const exact::Touch in_meeting = *touch;
+  touch->part -= 1;  // from its end
+  if (bodies_.ApproachAt(pair, *touch, touch->point, before) < bodies_.LeastApproach(pair)) return;
+  // An impulse of another body may come first.
+  const bool is_disturbed = AnyThird(pair, [&](std::uint32_t self, std::uint32_t third) {
+    return bodies_.IsFree(third) || !Find(last_[0], Sorted(self, third));
+  });
+  // After an impact that was found late, they are not where they should be.
+  std::optional<Event> event;
+  if (!is_disturbed && !TouchedBefore(pair) && !bodies_.IsLinked(pair) &&
+      (bodies_.IsRound(pair) || !bodies_.SlidesAcross(meeting, in_meeting)))
+    event = MakeEvent(pair, *touch, before, now);
+  if (!event) {
+    ++unjudged_;
+    return;
+  }
+  event->is_felt = false;
+  events_.push_back(*std::move(event));
+}
+
+/// None if a support cannot be judged, or points touch one after the other while others support
+/// the bodies.
+std::optional<ImpactWatch::Event> ImpactWatch::MakeEvent(const ImpactPair& pair,
                                                          const exact::Touch& touch,
                                                          const BodyStates& before,
-                                                         const BodyStates& now) {
-  for (const auto& [self, other] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)})
-    if (IsFree(self))
-      for (const std::uint32_t third : touching_[self])
-        if (third != other && IsFree(third)) return std::nullopt;
-  const auto& objects = engine_.initial_state().objects;
-  const exact::Motion motion = ColliderOf(pair.a, before).motion;
-  const exact::Collider other = ColliderOf(pair.b, before);
-  const objects::Pose pose = motion.At(touch.part), other_pose = other.motion.At(touch.part);
-  const auto region = [&](double tilt) {
-    return exact::ContactRegion(objects[pair.a].solid, pose, other.solid, other_pose, touch, tilt);
-  };
-  Event event{{pair.a, pair.b}, {}, {}};
-  const ImpactBody start[2] = {BodyOf(pair.a, before), BodyOf(pair.b, before)};
-  const auto approach_at = [&](const Vector3d& point) {
-    ImpactBody a = start[0], b = start[1];
-    a.centre += touch.part * timestep_ * a.velocity;
-    b.centre += touch.part * timestep_ * b.velocity;
-    return -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
-  };
-  const double half = LeastSide(pair) / 2;
-  std::vector<Vector3d> points = {touch.point};
-  if (!IsRound(pair)) {
-    const double tilt = approach_at(touch.point) * timestep_ / half;
-    const double widest = Diameter(region(std::min(kMostTilt, kAmbiguous * tilt)));
-    if (widest > kPoint * half) {
-      std::vector<Vector3d> flat = region(std::min(kParallel, kAtOnce * tilt));
-      if (Diameter(flat) < kSameRegion * widest) return std::nullopt;
-      points = std::move(flat);
+                                                         const BodyStates& now) const {
+  Event event;
+  event.pair = pair;
+  event.judged = bodies_.JudgedOf(pair);
+  // Contacts are those of the touch; bodies have moved there.
+  for (const std::uint32_t body : {pair.a, pair.b}) {
+    event.first.push_back(bodies_.StateOf(body, before));
+    event.first.back().centre += touch.part * bodies_.timestep() * event.first.back().velocity;
+  }
+  ImpactBodies::Points points{{touch.point}};
+  if (event.judged == Judged::kWhole) {
+    points = bodies_.PointsOf(pair, touch, before);
+    event.is_at_once = points.are_at_once;
+    for (const exact::Slip slip : kSlipRules) {
+      if (!points.are_in_turn) break;
+      event.courses.push_back(bodies_.CourseOf(pair, touch.part, slip, before));
+      event.courses.back().Advance(-touch.part * bodies_.timestep(),
+                                   static_cast<int>(std::ceil(-touch.part * kSteps)));
     }
   }
-  const double friction = FrictionOf(pair.a, pair.b), restitution = RestitutionOf(pair.a, pair.b);
-  for (const Vector3d& point : points)
-    event.contacts.push_back(
-        {0, 1, touch.normal, point, friction, restitution * std::max(0.0, approach_at(point))});
-  // Contacts are those of the touch; bodies have moved there.
-  for (int i = 0; i < 2; ++i) {
-    const std::uint32_t self = i == 0 ? pair.a : pair.b;
-    event.first[i] = start[i];
-    event.first[i].centre += touch.part * timestep_ * start[i].velocity;
-    if (!IsFree(self)) continue;
-    for (const std::uint32_t ground : touching_[self])
-      if (ground != pair.a && ground != pair.b && !AddSupport(event, self, ground, before, now))
-        return std::nullopt;
-  }
+  for (const Vector3d& point : points.points)
+    event.contacts.push_back({0, 1, touch.normal, point, bodies_.Friction(pair),
+                              bodies_.Restitution(pair) *
+                                  std::max(0.0, bodies_.ApproachAt(pair, touch, point, before))});
+  const bool is_unknown = AnyThird(pair, [&](std::uint32_t self, std::uint32_t ground) {
+    event.courses.clear();
+    return !event.is_at_once || !AddSupport(event, self, ground, before, now);
+  });
+  if (is_unknown) return std::nullopt;
   return event;
 }
 
 bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
-                             const BodyStates& before, const BodyStates& now) {
-  if (!IsWall(ground) && bodies_[ground].judged != Judged::kWhole) return false;
-  const auto& objects = engine_.initial_state().objects;
-  const objects::Pose pose = world::ToPose(before[object].pose);
-  const exact::Collider other = ColliderOf(ground, before);
-  const objects::Solid& solid = objects[object].solid;
-  const objects::Pose other_pose = other.motion.from;
-  const exact::SignedDistance distance =
-      other.solid ? exact::DistanceOf(solid, pose, *other.solid, other_pose)
-                  : exact::DistanceOf(solid, pose, other.plane);
+                             const BodyStates& before, const BodyStates& now) const {
+  const ImpactPair pair{object, ground};
+  if (!bodies_.IsWall(ground) && bodies_.JudgedOf({ground, ground}) != Judged::kWhole) return false;
+  const exact::SignedDistance distance = bodies_.Distance(pair, before);
   const exact::Touch touch{0, distance.normal, (distance.on_a + distance.on_b) / 2};
-  std::vector<Vector3d> points = {touch.point};
-  if (!IsRound({object, ground}))
-    if (auto region =
-            exact::ContactRegion(solid, pose, other.solid, other_pose, touch, kNearlyParallel);
-        !region.empty())
-      points = std::move(region);
-  const std::size_t self = object == event.bodies[0] ? 0 : 1, index = event.bodies.size();
-  event.bodies.push_back(ground);
-  const ImpactBody a = BodyOf(object, before), b = BodyOf(ground, now);
+  const std::size_t self = object == event.pair.a ? 0 : 1, index = 2 + event.supports.size();
+  event.supports.push_back(ground);
+  const ImpactBody a = bodies_.StateOf(object, before), b = bodies_.StateOf(ground, now);
   // The velocities of later cycles are not those of the true impact.
-  const double restitution = event.cycles == 0 ? RestitutionOf(object, ground) : 0,
-               least = LeastApproach({object, ground});
-  for (const Vector3d& point : points) {
+  const double restitution = event.cycles == 0 ? bodies_.Restitution(pair) : 0,
+               least = bodies_.LeastApproach(pair);
+  for (const Vector3d& point : bodies_.RestingPoints(pair, touch, before)) {
     const double approach =
         -(exact::VelocityAt(a, point) - exact::VelocityAt(b, point)).dot(touch.normal);
-    event.contacts.push_back({self, index, touch.normal, point, FrictionOf(object, ground),
+    event.contacts.push_back({self, index, touch.normal, point, bodies_.Friction(pair),
                               approach > least ? restitution * approach : 0});
   }
   return true;
@@ -291,22 +286,23 @@ bool ImpactWatch::AddSupport(Event& event, std::uint32_t object, std::uint32_t g
 
 /// Returns false if it is over.
 bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodyStates& now) {
-  const auto is_interrupted = [&] {
-    for (int i = 0; i < 2; ++i) {
-      const std::uint32_t self = event.bodies[i];
-      if (!IsFree(self)) continue;
-      for (const std::uint32_t other : touching_[self])
-        if (std::ranges::find(event.bodies, other) == event.bodies.end() &&
-            (IsFree(other) || !AddSupport(event, self, other, before, now)))
-          return true;
+  const Pair* felt = Find(pairs_, event.pair);
+  if (!event.is_felt) {
+    if (felt == nullptr) return Wait(event, before, now);
+    event.is_felt = true;
+    event.cycles = 0;
+    if (event.judged != Judged::kWhole) {
+      CompareDirection(*felt, event.contacts[0].normal);
+      return false;
     }
-    return false;
-  };
-  const std::uint32_t one = IsFree(event.bodies[0]) ? 0 : 1;
-  const auto& others = touching_[event.bodies[one]];
-  const bool touches = std::ranges::find(others, event.bodies[1 - one]) != others.end();
-  if ((touches || !event.is_complete) && event.cycles < kMostCycles) {
-    if (!is_interrupted()) {
+  }
+  if ((felt != nullptr || !event.is_complete) && event.cycles < kMostCycles) {
+    const bool is_interrupted = AnyThird(event.pair, [&](std::uint32_t self, std::uint32_t other) {
+      return std::ranges::find(event.supports, other) == event.supports.end() &&
+             (bodies_.IsFree(other) || !event.courses.empty() ||
+              !AddSupport(event, self, other, before, now));
+    });
+    if (!is_interrupted) {
       Compare(event, now);
       if (event.error > kExact * event.impulse) return true;
     } else if (!event.is_complete) {
@@ -318,137 +314,94 @@ bool ImpactWatch::Continue(Event& event, const BodyStates& before, const BodySta
   return false;
 }
 
-void ImpactWatch::Compare(Event& event, const BodyStates& now) {
-  ++event.cycles;
-  std::vector<ImpactBody> bodies;
-  for (std::size_t i = 0; i < event.bodies.size(); ++i) {
-    if (i < 2 && IsFree(event.bodies[i])) {
-      event.first[i] = Pulled(event.bodies[i], event.first[i]);
-      bodies.push_back(event.first[i]);
-    } else {
-      bodies.push_back(BodyOf(event.bodies[i], now));
-    }
+/// Call in a cycle without an impulse. Returns false if it is over.
+bool ImpactWatch::Wait(Event& event, const BodyStates& before, const BodyStates& now) {
+  const bool is_disturbed = AnyThird(event.pair, [&](std::uint32_t, std::uint32_t other) {
+    return std::ranges::find(event.supports, other) == event.supports.end();
+  });
+  if (is_disturbed || event.cycles > kMostLate || !bodies_.AreFinite(event.pair, before)) {
+    ++unjudged_;
+    return false;
   }
-  const bool has_friction = std::ranges::any_of(
-      event.contacts, [](const exact::ImpactContact& contact) { return contact.friction > 0; });
-  const auto start = bodies;
-  for (const exact::Slip slip : {exact::Slip::kLeft, exact::Slip::kFirst}) {
-    if (slip == exact::Slip::kFirst && !has_friction) break;
-    bodies = start;
-    exact::SolveImpact(bodies, event.contacts, slip);
-    CompareWith(bodies, event, now, event.cycles == 1 && slip == exact::Slip::kLeft);
-  }
-  event.is_complete = true;
-  const ImpactBody ends[2] = {BodyOf(event.bodies[0], now), BodyOf(event.bodies[1], now)};
-  for (const exact::ImpactContact& contact : event.contacts) {
-    if (contact.a != 0 || contact.b != 1) continue;
-    const auto leaving = [&](const ImpactBody& a, const ImpactBody& b) {
-      return (exact::VelocityAt(a, contact.point) - exact::VelocityAt(b, contact.point))
-          .dot(contact.normal);
-    };
-    if (leaving(ends[0], ends[1]) < kComplete * leaving(event.first[0], event.first[1]))
-      event.is_complete = false;
-  }
+  const bool overlaps = bodies_.Distance(event.pair, before).gap < 0;
+  if (overlaps || !event.courses.empty()) Advance(event, now);
+  if (!overlaps) CountMissed(event, now);
+  return overlaps;
 }
 
-/// `bodies`: after the true impact.
-void ImpactWatch::CompareWith(std::span<const ImpactBody> bodies, Event& event,
-                              const BodyStates& now, bool is_first) {
-  double error = 0, change = 0, inverse_mass = 0;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const std::uint32_t object = event.bodies[i];
-    if (!IsFree(object)) continue;
-    const Body& body = bodies_[object];
-    const Eigen::Quaterniond back = world::ToEigen(now[object].pose.getRotation()).conjugate();
-    const auto energy = [&](const Vector3d& velocity, const Vector3d& spin) {
-      return body.mass * velocity.squaredNorm() + body.inertia.dot((back * spin).cwiseAbs2());
-    };
-    error += energy(bodies[i].velocity - world::ToEigen(now[object].velocity),
-                    bodies[i].spin - world::ToEigen(now[object].spin));
-    change +=
-        energy(bodies[i].velocity - event.first[i].velocity, bodies[i].spin - event.first[i].spin);
-    inverse_mass += 1 / body.mass;
+void ImpactWatch::CountMissed(const Event& event, const BodyStates& now) {
+  const Vector3d& point = event.contacts[0].point;
+  const Vector3d approach =
+      exact::VelocityAt(event.first[0], point) - exact::VelocityAt(event.first[1], point);
+  ImpactBodies::Change least{};
+  for (const std::vector<ImpactBody>& end : EndsOf(event, now)) {
+    const auto change = bodies_.ChangeOf(event.pair, event.first, end, now);
+    if (!(least.inverse_mass > 0) || change.impulse < least.impulse) least = change;
   }
-  error = std::sqrt(error / inverse_mass);
-  change = std::sqrt(change / inverse_mass);
-  if (is_first || error * event.impulse < event.error * change) {
-    event.error = error;
-    event.impulse = change;
+  missed_ += least.impulse;
+  graze_ = std::max(graze_, approach.norm() / least.inverse_mass - least.impulse);
+}
+
+/// The states of the pair that may follow.
+std::vector<std::vector<ImpactBody>> ImpactWatch::EndsOf(const Event& event,
+                                                         const BodyStates& now) const {
+  std::vector<std::vector<ImpactBody>> ends;
+  for (const exact::ImpactCourse& course : event.courses) ends.push_back({course.a(), course.b()});
+  for (const exact::Slip slip : kSlipRules) {
+    if (!event.is_at_once) break;
+    std::vector<ImpactBody> bodies = event.first;
+    for (const std::uint32_t support : event.supports)
+      bodies.push_back(bodies_.StateOf(support, now));
+    exact::SolveImpact(bodies, event.contacts, slip);
+    ends.push_back(std::move(bodies));
   }
+  return ends;
+}
+
+/// By a cycle.
+void ImpactWatch::Advance(Event& event, const BodyStates& now) const {
+  ++event.cycles;
+  for (const std::uint32_t body : {event.pair.a, event.pair.b}) {
+    ImpactBody& first = event.first[body == event.pair.a ? 0 : 1];
+    first = bodies_.IsFree(body) ? bodies_.Pulled(body, first) : bodies_.StateOf(body, now);
+  }
+  for (exact::ImpactCourse& course : event.courses) course.Advance(bodies_.timestep(), kSteps);
+}
+
+void ImpactWatch::Compare(Event& event, const BodyStates& now) const {
+  Advance(event, now);
+  const std::vector<ImpactBody> real = {bodies_.StateOf(event.pair.a, now),
+                                        bodies_.StateOf(event.pair.b, now)};
+  bool is_first = event.cycles == 1;
+  for (const std::vector<ImpactBody>& end : EndsOf(event, now)) {
+    const double error = bodies_.ChangeOf(event.pair, real, end, now).impulse,
+                 change = bodies_.ChangeOf(event.pair, event.first, end, now).impulse;
+    if (is_first || error * event.impulse < event.error * change) {
+      event.error = error;
+      event.impulse = change;
+    }
+    is_first = false;
+  }
+  const auto leaving = [](const std::vector<ImpactBody>& bodies,
+                          const exact::ImpactContact& contact) {
+    return (exact::VelocityAt(bodies[0], contact.point) -
+            exact::VelocityAt(bodies[1], contact.point))
+        .dot(contact.normal);
+  };
+  event.is_complete =
+      event.courses.empty()
+          ? std::ranges::none_of(event.contacts,
+                                 [&](const exact::ImpactContact& contact) {
+                                   return contact.a == 0 && contact.b == 1 &&
+                                          leaving(real, contact) <
+                                              kComplete * leaving(event.first, contact);
+                                 })
+          : event.cycles >= kCourseCycles;
 }
 
 void ImpactWatch::Count(double error, double impulse) {
   error_ += error;
   impulse_ += impulse;
-}
-
-bool ImpactWatch::IsRound(const Pair& pair) const {
-  const auto is_ellipsoid = [&](std::uint32_t body) {
-    return !IsWall(body) &&
-           engine_.initial_state().objects[body].solid.shape == objects::Shape::kEllipsoid;
-  };
-  return is_ellipsoid(pair.a) || is_ellipsoid(pair.b);
-}
-
-/// Whether they overlap no more than contacts at rest do, and part sooner across the touch.
-bool ImpactWatch::LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
-                                   const BodyStates& before) const {
-  const exact::Collider other = ColliderOf(pair.b, before);
-  if (other.solid == nullptr) return false;
-  const exact::SignedDistance distance =
-      exact::DistanceOf(engine_.initial_state().objects[pair.a].solid,
-                        world::ToPose(before[pair.a].pose), *other.solid, other.motion.from);
-  return distance.Depth() < kShallow * LeastSide(pair) &&
-         distance.normal.dot(touch.normal) < kOtherWay;
-}
-
-double ImpactWatch::FrictionOf(std::uint32_t a, std::uint32_t b) const {
-  return std::min(world::kMostFriction,
-                  bodies_[a].friction * (IsWall(b) ? wall_friction_ : bodies_[b].friction));
-}
-
-double ImpactWatch::RestitutionOf(std::uint32_t a, std::uint32_t b) const {
-  return bodies_[a].restitution * (IsWall(b) ? wall_restitution_ : bodies_[b].restitution);
-}
-
-exact::Collider ImpactWatch::ColliderOf(std::uint32_t body, const BodyStates& states) const {
-  exact::Collider collider;
-  if (IsWall(body)) {
-    const auto wall = body - static_cast<std::uint32_t>(bodies_.size());
-    collider.plane.normal = (wall % 2 == 0 ? 1 : -1) * Vector3d::Unit(wall / 2);
-    collider.plane.offset = -engine_.side() / 2;
-    return collider;
-  }
-  collider.solid = &engine_.initial_state().objects[body].solid;
-  collider.motion = {world::ToPose(states[body].pose),
-                     timestep_ * world::ToEigen(states[body].velocity),
-                     timestep_ * world::ToEigen(states[body].spin)};
-  return collider;
-}
-
-ImpactBody ImpactWatch::BodyOf(std::uint32_t body, const BodyStates& states) const {
-  ImpactBody result;
-  if (IsWall(body)) return result;
-  const BodyState& state = states[body];
-  result.centre = world::ToEigen(state.pose.getOrigin());
-  result.velocity = world::ToEigen(state.velocity);
-  result.spin = world::ToEigen(state.spin);
-  if (!IsFree(body)) return result;
-  result.inverse_mass = 1 / bodies_[body].mass;
-  const Eigen::Matrix3d turn = world::ToEigen(state.pose.getBasis());
-  result.inverse_inertia =
-      turn * bodies_[body].inertia.cwiseInverse().asDiagonal() * turn.transpose();
-  return result;
-}
-
-/// A cycle later, without contacts; Bullet turns the spin as the body turns.
-ImpactBody ImpactWatch::Pulled(std::uint32_t body, const ImpactBody& state) const {
-  ImpactBody pulled = state;
-  const Vector3d momentum = state.inverse_inertia.inverse() * state.spin;
-  pulled.velocity = bodies_[body].damping * state.velocity + timestep_ * engine_.acceleration();
-  pulled.spin = bodies_[body].spin_damping *
-                (state.spin - timestep_ * state.inverse_inertia * state.spin.cross(momentum));
-  return pulled;
 }
 
 }  // namespace cdb::probes

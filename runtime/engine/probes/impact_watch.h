@@ -2,6 +2,7 @@
 // Bullet finds an impact up to a time step late, with the normal of that time.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,7 +10,7 @@
 
 #include "compiler/plan/plan.h"
 #include "library/exact/impact.h"
-#include "runtime/engine/probes/body_states.h"
+#include "runtime/engine/probes/impact_bodies.h"
 
 namespace cdb::probes {
 
@@ -24,78 +25,84 @@ namespace cdb::probes {
 /// further points touch within the cycle, the impulse must lie in the cone of friction about the
 /// true normal.
 ///
+/// An impact is missed if two bodies touch along their paths and come apart again without any
+/// impulse. Its error is the whole of the true impulse. As far as this is less than the momentum of
+/// the approach, as if the two only graze each other, it is compared with that.
+///
 /// Errors are impulses: of the changes of all velocities, sqrt(sum m v^2 + I w^2) times the root of
 /// the reduced mass. Not judged: surfaces and soft contacts; pairs that overlapped before, or that
 /// touch only in passing. The engine must outlive it. Not thread-safe.
 class ImpactWatch {
  public:
-  ImpactWatch(const plan::Scene& scene, world::Engine& engine);
+  ImpactWatch(const plan::Scene& scene, world::Engine& engine,
+              const world::Coefficients& coefficients);
 
   struct Seen {
     double error;           ///< sum of the errors so far over the sum of true impulses; NaN if none
     std::int32_t unjudged;  ///< impacts so far that could not be judged
   };
-  /// Call after each cycle, with the states at its start and end.
-  Seen After(const BodyStates& before, const BodyStates& now);
+  /// Call after each cycle, with the states at its start and end, and the meetings in it.
+  Seen After(const BodyStates& before, const BodyStates& now, std::span<const Meeting> meetings);
 
  private:
-  enum class Judged : char { kNot, kCone, kWhole };
-  struct Body {
-    double mass;                   ///< kg; 0: nothing moves it
-    Eigen::Vector3d inertia;       ///< kg m^2, principal
-    double damping, spin_damping;  ///< factors in a cycle
-    double friction, restitution;
-    double least_side;  ///< m
-    Judged judged;
-  };
-  /// Bodies by user index; the first is an object.
-  struct Pair {
-    std::uint32_t a, b;
+  using Judged = ImpactBodies::Judged;
+  struct Pair : ImpactPair {
     Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  ///< on a
   };
   /// An impact that may take further cycles.
   struct Event {
-    std::vector<std::uint32_t> bodies;  ///< user indices; the first two are the pair
+    ImpactPair pair;
+    std::vector<std::uint32_t> supports;  ///< user indices, after the pair
     std::vector<exact::ImpactContact> contacts;
-    exact::ImpactBody first[2];  ///< the velocities that gravity and damping alone give a and b
+    std::vector<exact::ImpactBody>
+        first;  ///< the velocities that gravity and damping alone give a and b
     int cycles = 0;
     double error = 0, impulse = 0;  ///< kg m/s: of the cycle with the least ratio
     bool is_complete = false;       ///< after the last cycle: they no longer approach
+    bool is_felt = true;            ///< there has been an impulse
+    bool is_at_once = true;         ///< all points may touch at once
+    /// If points may touch one after the other: what follows, by the direction of friction.
+    std::vector<exact::ImpactCourse> courses;
+    Judged judged = Judged::kWhole;
   };
 
   void ReadPairs();
-  bool TouchedBefore(const Pair& pair) const;
+  static const Pair* Find(const std::vector<Pair>& pairs, const ImpactPair& pair);
+  bool TouchedBefore(const ImpactPair& pair) const;
+  bool IsContinued(const ImpactPair& pair) const;
+  std::optional<exact::Touch> FindTouch(const ImpactPair& pair, const BodyStates& before) const;
   void Begin(const Pair& pair, const BodyStates& before, const BodyStates& now);
-  bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
-  void Compare(Event& event, const BodyStates& now);
-  void CompareWith(std::span<const exact::ImpactBody> bodies, Event& event, const BodyStates& now,
-                   bool is_first);
-  std::optional<Event> MakeEvent(const Pair& pair, const exact::Touch& touch,
-                                 const BodyStates& before, const BodyStates& now);
+  void BeginUnfelt(const Meeting& meeting, const BodyStates& before, const BodyStates& now);
+  std::optional<Event> MakeEvent(const ImpactPair& pair, const exact::Touch& touch,
+                                 const BodyStates& before, const BodyStates& now) const;
   bool AddSupport(Event& event, std::uint32_t object, std::uint32_t ground,
-                  const BodyStates& before, const BodyStates& now);
+                  const BodyStates& before, const BodyStates& now) const;
+  bool Continue(Event& event, const BodyStates& before, const BodyStates& now);
+  bool Wait(Event& event, const BodyStates& before, const BodyStates& now);
+  void Advance(Event& event, const BodyStates& now) const;
+  std::vector<std::vector<exact::ImpactBody>> EndsOf(const Event& event,
+                                                     const BodyStates& now) const;
+  void Compare(Event& event, const BodyStates& now) const;
+  void CompareDirection(const Pair& pair, const Eigen::Vector3d& normal);
+  void CountMissed(const Event& event, const BodyStates& now);
+  /// Calls `visit` with each free one of the pair and each other body that has an impulse on it,
+  /// until it returns true; returns that.
+  bool AnyThird(const ImpactPair& pair, auto visit) const;
   void Count(double error, double impulse);
-
-  bool IsWall(std::uint32_t body) const { return body >= bodies_.size(); }
-  bool IsFree(std::uint32_t body) const { return !IsWall(body) && bodies_[body].mass > 0; }
-  bool IsRound(const Pair& pair) const;
-  bool LeavesAnotherWay(const Pair& pair, const exact::Touch& touch,
-                        const BodyStates& before) const;
-  double FrictionOf(std::uint32_t a, std::uint32_t b) const;
-  double RestitutionOf(std::uint32_t a, std::uint32_t b) const;
-  exact::Collider ColliderOf(std::uint32_t body, const BodyStates& states) const;
-  exact::ImpactBody BodyOf(std::uint32_t body, const BodyStates& states) const;
-  exact::ImpactBody Pulled(std::uint32_t body, const exact::ImpactBody& state) const;
-  double LeastApproach(const Pair& pair) const;
-  double LeastSide(const Pair& pair) const;
+  double Error() const;
 
   world::Engine& engine_;
-  const double wall_restitution_, wall_friction_, timestep_;
-  std::vector<Body> bodies_;        ///< by object
-  std::vector<Pair> pairs_, last_;  ///< with an impulse in this cycle and the last; sorted
+  const ImpactBodies bodies_;
+  std::vector<Pair> found_;                           ///< by manifold, sorted
+  std::vector<Pair> pairs_;                           ///< with an impulse in this cycle; sorted
+  std::array<std::vector<Pair>, 4> last_;             ///< in the last ones, the latest first
   std::vector<std::vector<std::uint32_t>> touching_;  ///< by object: bodies with an impulse on it
+  std::vector<std::uint32_t> flights_;  ///< by object: cycles before this one without an impulse
+  std::vector<Meeting> meetings_;       ///< without an impulse in the last cycle
   std::vector<Event> events_;
   double error_ = 0, impulse_ = 0, momentum_ = 0;  ///< kg m/s
+  double missed_ = 0;                              ///< kg m/s: of the true impulses of the missed
+  double graze_ = 0;  ///< kg m/s: the momentum of the approach of a missed one, less the impulse
   std::int32_t unjudged_ = 0;
 };
 

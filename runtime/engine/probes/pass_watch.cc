@@ -48,8 +48,10 @@ PassWatch::PassWatch(const world::Engine& engine)
 PassWatch::Seen PassWatch::After(const BodyStates& before, const BodyStates& now) {
   ++cycle_;
   unfollowed_ = 0;
+  meetings_.clear();
   CrossSurfaces(before, now);
   if (ReadPaths(before, now) || !overlaps_.empty()) {
+    MeetWalls(before, now);
     SortPaths();
     ComparePaths(before, now);
     std::erase_if(overlaps_, [&](const auto& pair) {
@@ -79,7 +81,7 @@ void PassWatch::CrossSurfaces(const BodyStates& before, const BodyStates& now) {
   }
 }
 
-/// Returns true if any two objects moved far enough for an overlap to begin.
+/// Returns true if any two objects moved far enough to meet unseen.
 bool PassWatch::ReadPaths(const BodyStates& before, const BodyStates& now) {
   ends_.clear();
   double most = 0;
@@ -91,7 +93,7 @@ bool PassWatch::ReadPaths(const BodyStates& before, const BodyStates& now) {
     ends_.push_back({0, i});
   }
   return std::ranges::any_of(ends_, [&](const End& end) {
-    return paths_[end.object].most + most >= exact::Passage::kLeastMotion * sizes_[end.object].side;
+    return paths_[end.object].most + most >= kMeets * sizes_[end.object].side;
   });
 }
 
@@ -132,6 +134,23 @@ PassWatch::Path PassWatch::PathOf(std::uint32_t object, const BodyState& before,
   return path;
 }
 
+void PassWatch::MeetWalls(const BodyStates& before, const BodyStates& now) {
+  const double half = engine_.side() / 2;
+  for (const auto& wall : engine_.walls()) {
+    const auto body = static_cast<std::uint32_t>(wall->getUserIndex());
+    const auto index = body - static_cast<std::uint32_t>(passed_.size());
+    for (const End& end : ends_) {
+      const std::uint32_t i = end.object;
+      const Path& path = paths_[i];
+      const double beyond =
+          index % 2 == 0 ? -half - path.lower[index / 2] : path.upper[index / 2] - half;
+      if (beyond > 0 && sizes_[i].turn_radius > 0 && path.most >= kMeets * sizes_[i].side &&
+          !engine_.objects()[i]->isStaticOrKinematicObject() && engine_.MayTouchWalls(i))
+        meetings_.push_back({i, body, MotionOf(i, before, now), {}});
+    }
+  }
+}
+
 void PassWatch::SortPaths() {
   Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
   for (const End& end : ends_) {
@@ -160,20 +179,21 @@ void PassWatch::ComparePaths(const BodyStates& before, const BodyStates& now) {
 
 void PassWatch::Follow(std::uint32_t first, std::uint32_t second, const BodyStates& before,
                        const BodyStates& now) {
-  if (passed_[Passer(first, second)]) return;
+  const double side = std::min(sizes_[first].side, sizes_[second].side),
+               most = paths_[first].most + paths_[second].most;
   const auto found = overlaps_.empty() ? overlaps_.end() : overlaps_.find(std::pair(first, second));
-  exact::Passage passage;
-  if (found != overlaps_.end()) {
-    passage = found->second.passage;
-  } else if (paths_[first].most + paths_[second].most <
-                 exact::Passage::kLeastMotion * std::min(sizes_[first].side, sizes_[second].side) ||
-             !MayCollide(first, second)) {
-    return;
-  }
+  const bool overlapped = found != overlaps_.end();
+  if (!overlapped && (most < kMeets * side || !MayCollide(first, second))) return;
   const auto& states = engine_.initial_state().objects;
-  const exact::Passing passing =
-      passage.Follow(states[first].solid, MotionOf(first, before, now), states[second].solid,
-                     MotionOf(second, before, now));
+  const objects::Solid &solid = states[first].solid, &other = states[second].solid;
+  const exact::Motion motion = MotionOf(first, before, now),
+                      other_motion = MotionOf(second, before, now);
+  if (!overlapped && MayMeet(solid, motion, other, other_motion))
+    meetings_.push_back({first, second, motion, other_motion});
+  if (passed_[Passer(first, second)] || (!overlapped && most < exact::Passage::kLeastMotion * side))
+    return;
+  exact::Passage passage = overlapped ? found->second.passage : exact::Passage();
+  const exact::Passing passing = passage.Follow(solid, motion, other, other_motion);
   if (passing == exact::Passing::kPassed) passed_[Passer(first, second)] = 1;
   unfollowed_ += passing == exact::Passing::kUnknown;
   if (passage.Overlaps())

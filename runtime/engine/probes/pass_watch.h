@@ -1,8 +1,10 @@
-// Finds objects that went through one another, in one cycle or in several.
+// Sweeps objects along their paths: finds those that went through one another, in one cycle or in
+// several, and those that may have met in a cycle.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,6 +12,12 @@
 #include "runtime/engine/probes/body_states.h"
 
 namespace cdb::probes {
+
+/// Two bodies that may have touched in a cycle, and their motions in it.
+struct Meeting {
+  std::uint32_t a, b;  ///< user indices, the smaller first; b may be a wall
+  exact::Motion motion_a, motion_b;
+};
 
 /// Sweeps the solids of each pair of objects through each cycle (library/exact/passage.h); paths
 /// are straight and spins constant, as Bullet moves bodies. A surface is passed if the path of a
@@ -31,6 +39,12 @@ class PassWatch {
   };
   /// Call after each cycle, with the states at its start and end.
   Seen After(const BodyStates& before, const BodyStates& now);
+
+  /// In the last cycle, of all that moved by kMeets of the lesser least side or more relative to
+  /// each other: slower ones are close enough before or afterwards for Bullet to find them. With
+  /// walls, only those that turn: others do not leave them in the cycle in which they touch them.
+  std::span<const Meeting> meetings() const { return meetings_; }
+  static constexpr double kMeets = 0.1;
 
  private:
   /// m; of the object in its own axes.
@@ -56,6 +70,7 @@ class PassWatch {
   void CrossSurfaces(const BodyStates& before, const BodyStates& now);
   bool ReadPaths(const BodyStates& before, const BodyStates& now);
   Path PathOf(std::uint32_t object, const BodyState& before, const BodyState& now) const;
+  void MeetWalls(const BodyStates& before, const BodyStates& now);
   void SortPaths();
   void ComparePaths(const BodyStates& before, const BodyStates& now);
   void Follow(std::uint32_t first, std::uint32_t second, const BodyStates& before,
@@ -73,8 +88,9 @@ class PassWatch {
   std::vector<End> ends_;                                             ///< sorted, without surfaces
   int axis_ = 0;                                                      ///< of sorting
   std::map<std::pair<std::uint32_t, std::uint32_t>, Pair> overlaps_;  ///< the smaller index first
-  std::vector<char> passed_;                                          ///< by object
-  std::int32_t unfollowed_ = 0;                                       ///< in this cycle
+  std::vector<Meeting> meetings_;
+  std::vector<char> passed_;     ///< by object
+  std::int32_t unfollowed_ = 0;  ///< in this cycle
 };
 
 }  // namespace cdb::probes

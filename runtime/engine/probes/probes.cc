@@ -182,7 +182,8 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   std::int32_t manifolds = 0, contacts = 0;
   double deepest = 0, deepest_ratio = 0;
   std::ranges::fill(touches_, 0);
-  if (!touches_.empty()) engine_.links().MarkHeld(touches_, MotionWatch::kHeld);
+  for (std::size_t i = 0; i < touches_.size(); ++i)
+    if (engine_.links().Holds(i)) touches_[i] = MotionWatch::kHeld;
   contact_records_.clear();
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     const int count = manifold.getNumContacts();
@@ -436,16 +437,14 @@ void AddPoint(const Vector3d& normal, const Vector3d& arm, double friction, cons
 }  // namespace
 
 SleepWatch::SleepWatch(world::Engine& engine)
-    : engine_(engine), linked_(engine.objects().size(), 0), unheld_(linked_.size(), 0) {
-  engine.links().MarkHeld(linked_, 1);
-}
+    : engine_(engine), unheld_(engine.objects().size(), 0) {}
 
 std::int32_t SleepWatch::After(const BodyStates& before, const BodyStates& now) {
   supports_.clear();
   for (std::size_t i = 0; i < unheld_.size(); ++i) {
     if (!now[i].is_asleep)
       unheld_[i] = 0;
-    else if ((!before[i].is_asleep || is_first_) && !linked_[i])
+    else if ((!before[i].is_asleep || is_first_) && !engine_.links().Holds(i))
       supports_.try_emplace(i);
   }
   is_first_ = false;
@@ -461,7 +460,7 @@ void SleepWatch::CollectSupports() {
   const Vector3d up = -engine_.acceleration().normalized();
   const auto is_exact = [&](const btCollisionObject& body) {
     const auto index = static_cast<std::size_t>(body.getUserIndex());
-    if (index >= linked_.size()) return true;
+    if (index >= unheld_.size()) return true;
     const objects::Solid& solid = engine_.initial_state().objects[index].solid;
     return solid.IsBall() || solid.shape == objects::Shape::kCuboid;
   };
@@ -531,13 +530,12 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
       sleepers_(engine),
       normals_(engine),
       supports_(engine),
-      friction_(engine, scene.world.Real("world.wall_friction")),
+      coefficients_(scene, engine.initial_state()),
+      friction_(engine, coefficients_),
       rolling_(engine),
-      impacts_(scene, engine),
+      impacts_(scene, engine, coefficients_),
       are_losses_judged_(analysis::IsChecked(analysis::Question::kLosses, scene)) {
-  if (analysis::AreGainsJudged(scene))
-    audit_.emplace(engine, scene.world.Real("world.wall_restitution"),
-                   scene.world.Real("world.wall_friction"));
+  if (analysis::AreGainsJudged(scene)) audit_.emplace(engine, coefficients_);
 }
 
 void Soundness::Begin(double kinetic, double energy) {
@@ -561,7 +559,7 @@ Soundness::Seen Soundness::After(double kinetic, double energy) {
                   normals_.After(before_, now_),
                   friction_.After(before_, now_, supports_),
                   rolling_.After(before_, now_, supports_),
-                  impacts_.After(before_, now_)};
+                  impacts_.After(before_, now_, passes_.meetings())};
   before_.swap(now_);
   return seen;
 }

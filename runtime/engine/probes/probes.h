@@ -54,7 +54,7 @@ class SleepWatch {
 
   world::Engine& engine_;
   bool is_first_ = true;
-  std::vector<char> linked_, unheld_;        ///< by object
+  std::vector<char> unheld_;                 ///< by object
   std::map<std::size_t, Support> supports_;  ///< of objects that fell asleep in this cycle
 };
 
@@ -89,6 +89,7 @@ class Soundness {
   SleepWatch sleepers_;
   NormalWatch normals_;
   Supports supports_;
+  const world::Coefficients coefficients_;
   FrictionWatch friction_;
   RollWatch rolling_;
   ImpactWatch impacts_;

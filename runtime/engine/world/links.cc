@@ -296,6 +296,12 @@ void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double lengt
   const btRigidBody* world = &btTypedConstraint::getFixedBody();
   const bool between_objects = &first != world && &second != world;
   if (&second != world) holders_.try_emplace(&second, index);
+  for (const btRigidBody* body : {&first, &second}) {
+    if (body == world) continue;
+    const auto object = static_cast<std::size_t>(body->getUserIndex());
+    held_.resize(std::max(held_.size(), object + 1));
+    held_[object] = true;
+  }
   if (is_reduced_) {
     if (between_objects) first.setIgnoreCollisionCheck(&second, true);
     if (between_objects) second.setIgnoreCollisionCheck(&first, true);
@@ -315,12 +321,6 @@ void Links::MakeMultibodies(std::size_t objects) {
                       pose.getBasis() * link.line_in_first, link.drive.get()});
   }
   multibodies_ = std::make_unique<Multibodies>(joints, objects);
-}
-
-void Links::MarkHeld(std::vector<char>& marks, char mark) const {
-  for (const Link& link : links_)
-    for (const btRigidBody* body : {link.first, link.second})
-      if (body->getUserIndex() >= 0) marks[static_cast<std::size_t>(body->getUserIndex())] = mark;
 }
 
 double Links::BendOf(const Link& link) const {

@@ -48,8 +48,8 @@ class Links {
   bool HasJoints() const { return joints_; }
   /// Null in maximal coordinates, and without joints.
   Multibodies* multibodies() const { return multibodies_.get(); }
-  /// Sets to `mark` the marks of the objects that a link pulls: their motion is not free.
-  void MarkHeld(std::vector<char>& marks, char mark) const;
+  /// Whether a link pulls the object: its motion is not free.
+  bool Holds(std::size_t object) const { return object < held_.size() && held_[object]; }
   /// Distances between the two pivots of a joint (of a slider, from its axis), or of a slider past
   /// its limits, m, and what the first add up to along a chain of joints; 0 without joints.
   struct Gaps {
@@ -110,6 +110,7 @@ class Links {
   std::vector<Link> links_;
   std::unique_ptr<Multibodies> multibodies_;
   std::map<const btRigidBody*, std::size_t> holders_;  ///< the first link whose second it is
+  std::vector<bool> held_;                             ///< by object, up to the last that is
   bool joints_ = false;
 };
 

@@ -87,7 +87,7 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        ""},
       {"objects a { quantity 3; type cuboid; angular_velocity (0, 1, 0) }",
        "energy, losses, passing, impacts, sleep",
-       "friction: group a spins, and how its weight is spread under a face is not known"},
+       "friction: group a spins, and how objects turn on a face or a rim is not examined"},
       {"objects a { quantity 3; type cuboid } objects belt { quantity 1; mass kinematic }",
        "passing, impacts, sleep",
        "energy: group belt is kinematic; losses: group belt is kinematic; friction: sliding on "
