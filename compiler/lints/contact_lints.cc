@@ -5,6 +5,7 @@
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/lints/lint_facts.h"
+#include "compiler/schema/catalogue.h"
 
 namespace cdb::lints {
 namespace {
@@ -35,6 +36,12 @@ constexpr double kRolls = 4.8;
 /// Of cubes of 0.1 to 2 m at 0.5 to 8 m/s, with mu from 0.05 to 0.6, at 60 to 480 Hz, none was
 /// twisted or braked wrongly within 4.5 sqrt(size / g), 39 % within 9 to 10, 51 % within 10 to 18.
 constexpr double kSlides = 12;
+
+/// Its narrow phase does, so that bodies rest on planes on all their points, and round ones on
+/// whole lines.
+bool HasAllPoints(const SceneFacts& scene) {
+  return schema::ListsAllPoints(scene.world->WordOr("narrow_phase"));
+}
 
 bool IsAlongOneAxis(const Vector3d& v) { return (v.array() != 0).count() <= 1; }
 
@@ -165,8 +172,7 @@ std::optional<Estimate> LongStep(const SceneFacts& scene, const GroupFacts& obje
 std::optional<Estimate> SlidingBox(const SceneFacts& scene, const GroupFacts& objects) {
   const bool on_plane = scene.has_walls && !scene.has_box_walls && scene.HasWeight(objects) &&
                         scene.collisions->MayTouchWalls(objects.index);
-  if (!on_plane || !scene.pull || scene.world->WordOr("narrow_phase") == "batch")
-    return std::nullopt;
+  if (!on_plane || !scene.pull || HasAllPoints(scene)) return std::nullopt;
   if (!MayBe(objects.settings->Get("type"), "cuboid") || !Slides(scene, objects))
     return std::nullopt;
   // It starts flat on the floor.
@@ -305,8 +311,7 @@ std::optional<Estimate> RollingGain(const SceneFacts& scene, const GroupFacts& o
   // Beside others, what it gains is small.
   const bool all_roll = std::ranges::all_of(
       scene.groups, [&](const GroupFacts& group) { return !group.moves || may_roll(group); });
-  const bool has_whole_lines = scene.world->WordOr("narrow_phase") == "batch";
-  if (has_whole_lines || !all_roll || scene.rests || !scene.are_gains_judged ||
+  if (HasAllPoints(scene) || !all_roll || scene.rests || !scene.are_gains_judged ||
       !scene.HasWeight(objects))
     return std::nullopt;
   const bool has_slope = std::ranges::any_of(scene.groups, [](const GroupFacts& group) {

@@ -71,6 +71,11 @@ const DetectorInfo* FindDetector(std::string_view name) {
   return row == std::end(kDetectorTable) ? nullptr : row;
 }
 
+bool ListsAllPoints(std::string_view narrow_phase) {
+  const DetectorInfo* row = FindDetector(narrow_phase);
+  return row != nullptr && row->lists_all_points;
+}
+
 std::optional<DetectorInfo> FindDetector(std::string_view name,
                                          std::span<const PluginDetector> plugins) {
   if (const DetectorInfo* row = FindDetector(name)) return *row;

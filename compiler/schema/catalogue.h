@@ -39,6 +39,9 @@ struct DetectorInfo {
   std::string_view limits = {};  ///< other limitations or errors; may be empty
   std::string_view part = {};    ///< the optional part it is in; empty if always included
   KnownErrors known_errors = KnownErrors::kNone;
+  /// A narrow phase that lists all contact points of a pair in each cycle, not one of them: those
+  /// of earlier cycles need not be kept, and a body on a plane has all its points at once.
+  bool lists_all_points = false;
 
   constexpr bool HasPhase(std::string_view phase) const {
     return phases.find(phase) != std::string_view::npos;
@@ -89,6 +92,8 @@ std::span<const ClosedFormInfo> ClosedForms();
 
 /// Null if there is none with this name.
 const DetectorInfo* FindDetector(std::string_view name);
+/// False for plug-ins.
+bool ListsAllPoints(std::string_view narrow_phase);
 const DetectorPart* FindDetectorPart(std::string_view name);
 
 /// The word of the language for a common alternative: `cuboid` for `cube`. Empty if there is none.

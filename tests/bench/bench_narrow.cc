@@ -6,9 +6,13 @@
 // `bullet` is the algorithm that Bullet has for the pair, kept from cycle to cycle, with its
 // manifolds; the others are called through the interface of detectors.
 //
+// With -e N: the errors of all of them on N random poses of each pair of types, from deep to just
+// apart, thin, tiny, huge and parallel ones among them, against exact contacts
+// (library/exact/signed_distance.h); and where another is better than `batch`.
+//
 // Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED
-// LIBRARIES] -t: only these types, e.g. box-box. -i: instructions in place of time
-// (tests/bench/instructions.h).
+// LIBRARIES], bench_narrow_f64 -e POSES [-t TYPE-TYPE] [-d …]. -t: only these types, e.g. box-box.
+// -i: instructions in place of time (tests/bench/instructions.h).
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -203,7 +207,48 @@ void RunRow(const Row& row, double gap, const Settings& settings, const Library&
                one.cold.empty() ? "-" : fmt::format("{:.1f}", Median(one.cold)));
 }
 
-void PrintErrors(tests::Type a, tests::Type b, int count, const Library& library) {
+/// Errors of one competitor on pairs of two types.
+struct Errors {
+  std::string name;
+  tests::Faults faults, of_batch;  ///< the second on the same pairs
+};
+
+/// What is compared: the smaller, the better.
+struct Measure {
+  const char* name;
+  double (*of)(const tests::Faults& faults);
+  /// Numbers that differ by less are equal: a millionth of a size and a microradian are rounding
+  /// errors of a run in single precision.
+  double slop;
+};
+constexpr Measure kMeasures[] = {
+    {"missed overlaps", [](const tests::Faults& faults) { return 1. * faults.missed; }, 0},
+    {"phantom overlaps", [](const tests::Faults& faults) { return 1. * faults.phantom; }, 0},
+    {"median depth", [](const tests::Faults& f) { return tests::Quantile(f.depths, 0.5); }, 1e-6},
+    {"99 % depth", [](const tests::Faults& f) { return tests::Quantile(f.depths, 0.99); }, 1e-6},
+    {"worst depth", [](const tests::Faults& faults) { return faults.worst_depth; }, 1e-6},
+    {"median normal", [](const tests::Faults& f) { return tests::Quantile(f.normals, 0.5); }, 1e-6},
+    {"99 % normal", [](const tests::Faults& f) { return tests::Quantile(f.normals, 0.99); }, 1e-6},
+    {"worst normal", [](const tests::Faults& faults) { return faults.worst_normal; }, 1e-6},
+    {"99 % place", [](const tests::Faults& f) { return tests::Quantile(f.surfaces, 0.99); }, 1e-6},
+    {"worst place", [](const tests::Faults& faults) { return faults.worst_surface; }, 1e-6},
+};
+
+void PrintRow(const std::string& types, const std::string& name, const tests::Faults& faults) {
+  const auto three = [](const std::vector<double>& values, double worst) {
+    return fmt::format("{:>7.0e}{:>7.0e}{:>7.0e}", tests::Quantile(values, 0.5),
+                       tests::Quantile(values, 0.99), worst);
+  };
+  fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>7}  {}  {}  {}\n", types, name, faults.pairs,
+             faults.overlaps, faults.missed, faults.phantom,
+             three(faults.depths, faults.worst_depth), three(faults.normals, faults.worst_normal),
+             three(faults.surfaces, faults.worst_surface));
+  std::fflush(stdout);
+}
+
+/// Prints the errors of all competitors, and adds to `behind` where one is better than `batch`.
+void PrintErrors(tests::Type a, tests::Type b, int count, const Library& library,
+                 std::vector<std::string>& behind) {
   distributions::Stream stream(5);
   std::vector<PairCase> cases;
   std::vector<tests::ExactContact> exact;
@@ -211,23 +256,42 @@ void PrintErrors(tests::Type a, tests::Type b, int count, const Library& library
     cases.push_back(tests::RandomPair(stream, a, b));
     exact.push_back(tests::ExactOf(cases.back()));
   }
-  for (Competitor& one : MakeCompetitors(cases, true, library)) {
-    const tests::Faults faults = tests::Judge(*one.detector, cases, exact);
+  const std::string types = fmt::format("{}-{}", NameOf(a), NameOf(b));
+  constexpr int kEvery = 5;  // the distance from a surface takes long
+  std::vector<Competitor> all = MakeCompetitors(cases, true, library);
+  Detector& batch = *std::ranges::find(all, "batch", &Competitor::name)->detector;
+  for (Competitor& one : all) {
+    const tests::Faults faults = tests::Judge(*one.detector, cases, exact, nullptr, kEvery);
     if (faults.pairs == 0) continue;
-    fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>6} {:>7}  {:>7.1e} {:>7.1e}  {:>7.1e} {:>7.1e}\n",
-               fmt::format("{}-{}", NameOf(a), NameOf(b)), one.name, faults.overlaps, faults.missed,
-               faults.near, faults.missed_near, faults.phantom, faults.mean_depth,
-               faults.worst_depth, faults.mean_normal, faults.worst_normal);
+    PrintRow(types, one.name, faults);
+    if (one.detector.get() == &batch) continue;
+    const tests::Faults of_batch = tests::Judge(batch, cases, exact, one.detector.get(), kEvery);
+    for (const Measure& measure : kMeasures)
+      if (const double own = measure.of(of_batch), other = measure.of(faults);
+          own > other + measure.slop)
+        behind.push_back(fmt::format("{:<24} {:<17} batch {:>8.1e}, {} {:>8.1e}", types,
+                                     measure.name, own, one.name, other));
   }
 }
 
-void PrintAllErrors(int count, const Library& library) {
-  fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>6} {:>7}  {:>15}  {:>15}\n", "types", "by",
-             "overlap", "missed", "near", "missed", "phantom", "depth, mean max", "normal, rad");
-  using enum tests::Type;
-  constexpr tests::Type kTypes[] = {kBall, kCapsule, kBox, kTetrahedron, kHull, kCompound, kPlane};
-  for (const tests::Type* a = std::begin(kTypes); *a != kPlane; ++a)
-    for (const tests::Type* b = a; b != std::end(kTypes); ++b) PrintErrors(*a, *b, count, library);
+void PrintAllErrors(int count, const std::string& only, const Library& library) {
+  fmt::print(
+      "{} poses of each pair of types, in double precision. Errors of the deepest point: "
+      "depth in sizes of the smaller body; normal, rad; distance of points from the surface, "
+      "in sizes. Of the pairs that each handles; each median, 99 %, worst\n",
+      count);
+  fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>7}  {:>21}  {:>21}  {:>21}\n", "types", "by",
+             "pairs", "overlap", "missed", "phantom", "depth", "normal", "place");
+  std::vector<std::string> behind;
+  for (int i = 0; i < static_cast<int>(tests::Type::kPlane); ++i)
+    for (int j = i; j <= static_cast<int>(tests::Type::kPlane); ++j) {
+      const auto a = static_cast<tests::Type>(i), b = static_cast<tests::Type>(j);
+      if (only.empty() || only == fmt::format("{}-{}", NameOf(a), NameOf(b)))
+        PrintErrors(a, b, count, library, behind);
+    }
+  fmt::print("\n{}\n", behind.empty() ? "batch is nowhere behind another by more than 1e-6"
+                                      : "batch is behind, on the pairs that both handle:");
+  for (const std::string& line : behind) fmt::print("  {}\n", line);
 }
 
 int Main(int argc, char** argv) {
@@ -244,7 +308,7 @@ int Main(int argc, char** argv) {
     if (option == '?') return 2;
   }
   if (errors > 0) {
-    PrintAllErrors(errors, Library(folder));
+    PrintAllErrors(errors, settings.only, Library(folder));
     return 0;
   }
   fmt::print("{} pairs; {} a pair, medians (quartiles)\n", settings.pairs,

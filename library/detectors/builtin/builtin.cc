@@ -65,8 +65,6 @@ constexpr auto kEntries = [] {
 
 std::span<const DetectorEntry> BuiltinDetectors() { return kEntries; }
 
-bool ListsAllPoints(std::string_view name) { return name == "batch"; }
-
 std::unique_ptr<Detector> MakeWithKernels(std::string_view name, const Options& options,
                                           const kernels::Kernels& kernels) {
   const auto* row = std::ranges::find(kRows, name, [](const Row& one) { return one.entry.name; });

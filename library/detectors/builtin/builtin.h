@@ -14,10 +14,6 @@ namespace cdb::builtin {
 /// Linked into every worker; described in compiler/schema/catalogue_table.h. Threads: any.
 std::span<const DetectorEntry> BuiltinDetectors();
 
-/// The narrow phase lists all contact points of a pair in each cycle, not one of them, so that
-/// those of earlier cycles need not be kept.
-bool ListsAllPoints(std::string_view name);
-
 /// One of them with these kernels instead of the best, for tests; null if it uses none.
 std::unique_ptr<Detector> MakeWithKernels(std::string_view name, const Options& options,
                                           const kernels::Kernels& kernels);

@@ -76,8 +76,8 @@ class PairBuffer {
 /// Threads: one caller.
 class PairParts {
  public:
-  explicit PairParts(unsigned threads) : pool_(std::max(threads, 1u)) {
-    const unsigned parts = pool_.size() == 1 ? 1 : kPartsOfThread * pool_.size();
+  explicit PairParts(unsigned threads) : pool_(ThreadPool::Shared(std::max(threads, 1u))) {
+    const unsigned parts = pool_->size() == 1 ? 1 : kPartsOfThread * pool_->size();
     for (unsigned part = 0; part < parts; ++part)
       buffers_.push_back(std::make_unique<PairBuffer>());
   }
@@ -88,7 +88,7 @@ class PairParts {
     for (auto& buffer : buffers_) buffer->Clear();
     const unsigned parts = PartsOf(work);
     if (parts == 1) return find(0u, 1u, *buffers_[0]);
-    pool_.Run(parts, [&](unsigned part) { find(part, parts, *buffers_[part]); });
+    pool_->Run(parts, [&](unsigned part) { find(part, parts, *buffers_[part]); });
   }
   /// Calls run(part, from, to) for adjacent ranges that cover `begin` to `end`, and start at
   /// multiples of `block` if `begin` is one. Returns the number of parts.
@@ -101,7 +101,7 @@ class PairParts {
       return 1;
     }
     const std::size_t blocks = (end - begin + block - 1) / block;
-    pool_.Run(parts, [&](unsigned part) {
+    pool_->Run(parts, [&](unsigned part) {
       const std::size_t from = begin + blocks * part / parts * block;
       const std::size_t to = begin + blocks * (part + 1) / parts * block;
       run(part, std::min(from, end), std::min(to, end));
@@ -110,10 +110,10 @@ class PairParts {
   }
   /// Begins a cycle, which lasts as long as what is returned. Its work decides whether threads that
   /// are asleep are woken.
-  [[nodiscard]] ThreadPool::Session Begin(double work) { return {pool_, work >= kWorthWaking}; }
+  [[nodiscard]] ThreadPool::Session Begin(double work) { return {*pool_, work >= kWorthWaking}; }
   /// The most parts of a search.
   std::size_t most() const { return buffers_.size(); }
-  ThreadPool& pool() { return pool_; }
+  ThreadPool& pool() { return *pool_; }
   PairBuffer& last() { return *buffers_.back(); }
   std::size_t size() const {
     std::size_t size = 0;
@@ -137,13 +137,13 @@ class PairParts {
   static constexpr double kLeastPart = 2000, kWorthWaking = 100'000;
 
   unsigned PartsOf(double work) const {
-    if (buffers_.size() == 1 || pool_.IsResting()) return 1;
-    if (work < kWorthWaking && !pool_.IsAwake()) return 1;
+    if (buffers_.size() == 1 || pool_->IsResting()) return 1;
+    if (work < kWorthWaking && !pool_->IsAwake()) return 1;
     return static_cast<unsigned>(
         std::clamp(work / kLeastPart, 1., static_cast<double>(buffers_.size())));
   }
 
-  ThreadPool pool_;
+  std::shared_ptr<ThreadPool> pool_;
   std::vector<std::unique_ptr<PairBuffer>> buffers_;
 };
 

@@ -83,6 +83,14 @@ ThreadPool::~ThreadPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
+std::shared_ptr<ThreadPool> ThreadPool::Shared(unsigned threads) {
+  thread_local std::weak_ptr<ThreadPool> last;
+  std::shared_ptr<ThreadPool> pool = last.lock();
+  if (pool == nullptr || pool->size() != threads)
+    last = pool = std::make_shared<ThreadPool>(threads);
+  return pool;
+}
+
 void ThreadPool::Wake() {
   if (sleeping_ == 0) return;
   ++calls_;

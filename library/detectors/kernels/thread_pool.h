@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -28,6 +29,10 @@ class ThreadPool {
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
+
+  /// The calling thread's pool of this size, which all who work in turn share: as many threads then
+  /// serve a whole cycle, and need not fall asleep and be woken between its phases.
+  static std::shared_ptr<ThreadPool> Shared(unsigned threads);
 
   unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }
   /// True if another thread is awake and would take a task at once.

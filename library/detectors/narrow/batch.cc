@@ -4,46 +4,89 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <memory>
+#include <utility>
 #include <vector>
 
+#include "library/detectors/kernels/pair_buffer.h"
 #include "library/detectors/narrow/kernels.h"
 
 namespace cdb::narrow {
 namespace {
 
-/// Hints by pair of pieces. Pairs mostly come in the order of the last cycle, so that the hint of
-/// one is soon after that of the one before.
+/// The hint of a pair of pieces.
+struct PairHint {
+  Pair pair;
+  std::uint32_t piece_a, piece_b;
+  Hint hint;
+
+  bool IsOf(const PairHint& other) const {
+    return pair == other.pair && piece_a == other.piece_a && piece_b == other.piece_b;
+  }
+};
+/// Those of a cycle in the order of its pairs, a list for each part of them.
+using HintLists = std::vector<std::vector<PairHint>>;
+
+/// Reads the hints of the last cycle and writes those of this one, for a part of the pairs. They
+/// mostly come in the order of the last cycle, so that the hint of one is soon after that of the
+/// one before.
 class Hints {
  public:
-  void BeginCycle() {
-    std::swap(last_, current_);
-    current_.clear();
-    cursor_ = 0;
+  /// `place`: of the first pair among all, from 0 to 1.
+  void Begin(const HintLists& last, double place, std::vector<PairHint>& current) {
+    last_ = &last;
+    current_ = &current;
+    place_ = place;
+    is_first_ = true;
+    list_ = index_ = 0;
   }
   /// That of the last cycle, to be changed for the next. Valid until the next call.
   Hint& Of(const Pair& pair, std::uint32_t piece_a, std::uint32_t piece_b) {
-    current_.push_back({pair, piece_a, piece_b, {}});
-    Entry& entry = current_.back();
-    constexpr std::size_t kSoon = 16;
-    const std::size_t end = std::min(last_.size(), cursor_ + kSoon);
-    for (std::size_t i = cursor_; i < end; ++i) {
-      const Entry& old = last_[i];
-      if (old.pair != pair || old.piece_a != piece_a || old.piece_b != piece_b) continue;
+    current_->push_back({pair, piece_a, piece_b, {}});
+    PairHint& entry = current_->back();
+    if (std::exchange(is_first_, false)) Seek(entry);
+    constexpr int kSoon = 16;
+    std::size_t list = list_, index = index_;
+    for (int i = 0; i < kSoon && SkipEnds(list, index); ++i, ++index) {
+      const PairHint& old = (*last_)[list][index];
+      if (!old.IsOf(entry)) continue;
       entry.hint = old.hint;
-      cursor_ = i + 1;
+      list_ = list;
+      index_ = index + 1;
       break;
     }
     return entry.hint;
   }
 
  private:
-  struct Entry {
-    Pair pair;
-    std::uint32_t piece_a, piece_b;
-    Hint hint;
-  };
-  std::vector<Entry> last_, current_;
-  std::size_t cursor_ = 0;
+  /// From the end of a list to the next one that is not empty. False at the end of the last.
+  bool SkipEnds(std::size_t& list, std::size_t& index) const {
+    while (list < last_->size() && index >= (*last_)[list].size()) ++list, index = 0;
+    return list < last_->size();
+  }
+  /// Where parts meet, pairs may have come or gone before.
+  void Seek(const PairHint& first) {
+    constexpr std::ptrdiff_t kFar = 512;
+    std::ptrdiff_t count = 0;
+    for (const auto& list : *last_) count += std::ssize(list);
+    const auto expected = static_cast<std::ptrdiff_t>(place_ * static_cast<double>(count));
+    for (std::ptrdiff_t way = 0; way < kFar; ++way)
+      for (const std::ptrdiff_t at : {expected - way, expected + way})
+        if (at >= 0 && at < count && (GoTo(at), (*last_)[list_][index_].IsOf(first))) return;
+    GoTo(std::min(expected, count));
+  }
+  void GoTo(std::ptrdiff_t at) {
+    list_ = 0;
+    index_ = static_cast<std::size_t>(at);
+    while (list_ < last_->size() && index_ >= (*last_)[list_].size())
+      index_ -= (*last_)[list_++].size();
+  }
+
+  const HintLists* last_ = nullptr;
+  std::vector<PairHint>* current_ = nullptr;
+  double place_ = 0;
+  bool is_first_ = true;
+  std::size_t list_ = 0, index_ = 0;  ///< in those of the last cycle
 };
 
 /// How a pair of kinds is done.
@@ -87,57 +130,46 @@ class Table {
 };
 constexpr Table kTable;
 
-class Batch final : public Detector {
+/// Finds the contacts of consecutive pairs.
+class Finder {
  public:
-  void Prepare(const Scene& scene) override {
-    pieces_.Prepare(scene);
-    hints_ = {};
-  }
+  explicit Finder(const Pieces& pieces) : pieces_(pieces) {}
+  Hints hints;
+  std::vector<Contact> contacts;  ///< of a part that is not the first
 
-  /// Not two compounds: they touch in several places with different normals, and Bullet keeps four
-  /// points of a pair that a detector handles, which do not hold them.
-  bool Handles(const Scene& scene, Id a, Id b) const override {
-    if (scene.shapes.empty()) return false;
-    const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
-    return (of_a.count == 1 || of_b.count == 1) &&
-           kTable.Of(of_a.kind, of_b.kind).kernel != nullptr;
-  }
-
-  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
-                    std::vector<Contact>& contacts) override {
-    hints_.BeginCycle();
+  void Find(const Scene& scene, std::span<const Pair> pairs, std::vector<Contact>& found) {
     for (const Pair& pair : pairs) {
       const Row& row = kTable.Of(pieces_.Of(pair.a).kind, pieces_.Of(pair.b).kind);
       const Id a = row.is_swapped ? pair.b : pair.a, b = row.is_swapped ? pair.a : pair.b;
       const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
       const Pose &pose_a = scene.poses[a], &pose_b = scene.poses[b];
       if (of_a.count == 1 && of_b.count == 1) {
-        FindPoints(pair, row, {*of_a.first, pose_a}, {*of_b.first, pose_b}, 0, 0, contacts);
+        FindPoints(pair, row, {*of_a.first, pose_a}, {*of_b.first, pose_b}, 0, 0, found);
         continue;
       }
       if (AreFar(of_a, pose_a, of_b, pose_b)) continue;
-      const std::size_t before = contacts.size();
+      const std::size_t before = found.size();
       for (std::uint32_t i = 0; i < of_a.count; ++i)
         for (std::uint32_t j = 0; j < of_b.count; ++j)
           if (const Placed one = {of_a.first[i], pose_a}, other = {of_b.first[j], pose_b};
               !AreFar(one, other))
-            FindPoints(pair, row, one, other, i, j, contacts);
-      if (contacts.size() - before > kMostPoints) SortByDepth(std::span(contacts).subspan(before));
+            FindPoints(pair, row, one, other, i, j, found);
+      if (found.size() - before > kMostPoints) SortByDepth(std::span(found).subspan(before));
     }
   }
 
  private:
   /// Of pieces i and j, which come in the order of the row.
   void FindPoints(const Pair& pair, const Row& row, const Placed& one, const Placed& other,
-                  std::uint32_t i, std::uint32_t j, std::vector<Contact>& contacts) {
+                  std::uint32_t i, std::uint32_t j, std::vector<Contact>& found) {
     manifold_.Clear();
-    row.kernel(one, other, row.has_hint ? hints_.Of(pair, i, j) : no_hint_, manifold_);
+    row.kernel(one, other, row.has_hint ? hints.Of(pair, i, j) : no_hint_, manifold_);
     const std::span<Point> points = manifold_.points();
     if (points.empty()) return;
     SortAroundNormal(points);
     for (const Point& point : points)
       if (IsFinite(point))
-        contacts.push_back(ContactOf(pair, one.pose.position, point, row.is_swapped));
+        found.push_back(ContactOf(pair, one.pose.position, point, row.is_swapped));
   }
 
   /// By balls about their positions; a plane comes second.
@@ -208,14 +240,67 @@ class Batch final : public Detector {
             .distance = point.gap};
   }
 
-  Pieces pieces_;
-  Hints hints_;
+  const Pieces& pieces_;
   Hint no_hint_;
   Manifold manifold_;
 };
 
+/// Each thread takes parts of the pairs, whose contacts follow each other in the order of the
+/// pairs.
+class Batch final : public Detector {
+ public:
+  explicit Batch(unsigned threads) : parts_(threads), last_(parts_.most()), current_(last_.size()) {
+    for (std::size_t part = 0; part < last_.size(); ++part)
+      finders_.push_back(std::make_unique<Finder>(pieces_));
+  }
+
+  void Prepare(const Scene& scene) override {
+    pieces_.Prepare(scene);
+    for (auto* lists : {&last_, &current_})
+      for (auto& list : *lists) list.clear();
+  }
+
+  /// Not two compounds: they touch in several places with different normals, and Bullet keeps four
+  /// points of a pair that a detector handles, which do not hold them.
+  bool Handles(const Scene& scene, Id a, Id b) const override {
+    if (scene.shapes.empty()) return false;
+    const BodyPieces &of_a = pieces_.Of(a), &of_b = pieces_.Of(b);
+    return (of_a.count == 1 || of_b.count == 1) &&
+           kTable.Of(of_a.kind, of_b.kind).kernel != nullptr;
+  }
+
+  void FindContacts(const Scene& scene, std::span<const Pair> pairs,
+                    std::vector<Contact>& contacts) override {
+    std::swap(last_, current_);
+    for (auto& list : current_) list.clear();
+    const auto count = static_cast<double>(pairs.size());
+    const double work = kWorkOfPair * count;
+    const kernels::ThreadPool::Session session = parts_.Begin(work);
+    const unsigned parts = parts_.ForEach(
+        work, 0, pairs.size(), 1, [&](unsigned part, std::size_t from, std::size_t to) {
+          Finder& finder = *finders_[part];
+          finder.contacts.clear();
+          finder.hints.Begin(last_, static_cast<double>(from) / count, current_[part]);
+          finder.Find(scene, pairs.subspan(from, to - from),
+                      part == 0 ? contacts : finder.contacts);
+        });
+    for (unsigned part = 1; part < parts; ++part) {
+      const std::vector<Contact>& found = finders_[part]->contacts;
+      contacts.insert(contacts.end(), found.begin(), found.end());
+    }
+  }
+
+ private:
+  static constexpr double kWorkOfPair = 60;  // ns; some pairs take ten times as long
+
+  Pieces pieces_;
+  kernels::PairParts parts_;
+  HintLists last_, current_;
+  std::vector<std::unique_ptr<Finder>> finders_;
+};
+
 }  // namespace
 
-Detector* MakeBatch(const Options&) { return new Batch; }
+Detector* MakeBatch(const Options& options) { return new Batch(options.threads); }
 
 }  // namespace cdb::narrow

@@ -273,11 +273,9 @@ double BesideOf(const Piece& piece) {
 void AddNearest(const Couple& couple, const Separation& separation, Manifold& manifold) {
   const Piece &a = couple.a, &b = couple.b;
   const Vec3& normal = separation.normal;
-  // Points on a curved surface are a little inside.
-  const Vec3 on_b = IsCurved(b.kind) && !IsCurved(a.kind)
-                        ? separation.on_a - separation.gap * normal
-                        : separation.on_b;
-  AddDeepest(on_b + b.radius * normal, normal, separation.gap - a.radius - b.radius,
+  Separation touching = separation;
+  if (couple.is_curved) Meet(couple, touching);
+  AddDeepest(touching.on_b + b.radius * normal, normal, separation.gap - a.radius - b.radius,
              BesideOf(a) + BesideOf(b), manifold);
 }
 

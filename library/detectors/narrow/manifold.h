@@ -73,6 +73,14 @@ void AddDeepest(const Vec3& on_b, const Vec3& normal, double gap, double beside,
 /// m: points of a manifold less than this from a deeper one add nothing to it.
 double BesideOf(const Piece& piece);
 
+/// In radii of the smaller piece: how far a contact is from the surface of a curved one at most, if
+/// features that touch there can be found.
+inline constexpr double kSamePlace = 1e-4;
+
+/// Moves the points of a separation, of which normal and gap are known, to where the facing
+/// features touch, and to the distance of the gap along the normal, if they are not there.
+void Meet(const Couple& couple, Separation& separation);
+
 /// Adds its nearest points.
 void AddNearest(const Couple& couple, const Separation& separation, Manifold& manifold);
 

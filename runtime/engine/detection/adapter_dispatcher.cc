@@ -18,6 +18,9 @@ constexpr double kUnit = 1e-3;           ///< a normal's length is off by no mor
 constexpr double kSizeTolerance = 1e-3;  ///< points and distance disagree by no more, in sizes
 constexpr double kFarTolerance = 1e-6;   ///< and this part of the coordinates
 
+/// ns, about.
+constexpr double kWorkOfPair = 40;
+
 /// Whose pair it is, in a field that Bullet sets to 0 with a new one and does not use. Of a
 /// detector's pair, the sum of kDetector and its place among all that it is asked for, in cycles in
 /// which that is looked for.
@@ -65,7 +68,10 @@ KeptContacts* KeptOf(const btBroadphasePair& pair) {
 
 AdapterDispatcher::AdapterDispatcher(btCollisionConfiguration* configuration,
                                      NamedDetector detector, SceneView& view)
-    : btCollisionDispatcher(configuration), detector_(std::move(detector)), view_(view) {
+    : btCollisionDispatcher(configuration),
+      detector_(std::move(detector)),
+      view_(view),
+      parts_(detector_.lists_all_points ? detector_.threads : 1) {
   const Scene scene = view_.For(false);
   for (const Shape& shape : scene.shapes) sizes_.push_back(2 * Greatest(shape.half));
 }
@@ -207,16 +213,21 @@ void AdapterDispatcher::Check(const Contact& contact) const {
 }
 
 void AdapterDispatcher::Keep() {
-  for (const Place& place : places_) {
-    if (place.pair->m_algorithm == nullptr && place.count == 0) continue;
-    const std::span<const Contact> contacts =
-        std::span(contacts_).subspan(place.first, place.count);
-    for (const Contact& contact : contacts)
-      if (!IsSound(contact, kSizeTolerance * SmallerSize(contact))) Check(contact);
-    KeptContacts& kept =
-        place.pair->m_algorithm != nullptr ? *KeptOf(*place.pair) : Make(*place.pair);
-    kept.Update(contacts, detector_.lists_all_points);
-  }
+  for (const Place& place : places_)
+    if (place.pair->m_algorithm == nullptr && place.count > 0) Make(*place.pair);
+  const double work = kWorkOfPair * static_cast<double>(places_.size());
+  const kernels::ThreadPool::Session session = parts_.Begin(work);
+  parts_.ForEach(work, 0, places_.size(), 1, [&](unsigned, std::size_t from, std::size_t to) {
+    for (const Place& place : std::span(places_).subspan(from, to - from)) KeepOf(place);
+  });
+}
+
+void AdapterDispatcher::KeepOf(const Place& place) {
+  if (place.pair->m_algorithm == nullptr) return;
+  const std::span<const Contact> contacts = std::span(contacts_).subspan(place.first, place.count);
+  for (const Contact& contact : contacts)
+    if (!IsSound(contact, kSizeTolerance * SmallerSize(contact))) Check(contact);
+  KeptOf(*place.pair)->Update(contacts, detector_.lists_all_points);
 }
 
 }  // namespace cdb::detection

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "library/detectors/kernels/pair_buffer.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/detection/ordered_pair_cache.h"
 #include "runtime/engine/detection/scene_view.h"
@@ -21,6 +22,8 @@ class KeptContacts;
 /// accumulate as in Bullet 3.24; see KeptContacts. A pair gets a manifold with
 /// its first contact if pairs are in the order `sorted`, in which manifolds without contacts have
 /// no effect in Bullet; else at once, since Bullet then solves contacts in the order of manifolds.
+/// The contacts of a detector that lists all points are kept by as many threads as it may use, in
+/// manifolds that are made in the order of the pairs.
 ///
 /// Throws library::SceneError, from within a step, if the detector throws or returns a contact of a
 /// pair that was not requested, with a NaN, with a normal that is not a unit vector, or with
@@ -61,9 +64,11 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   }
   void Check(const Contact& contact) const;
   void Keep();
+  void KeepOf(const Place& place);
 
   const NamedDetector detector_;
   SceneView& view_;
+  kernels::PairParts parts_;   ///< of the pairs whose contacts are kept
   std::vector<double> sizes_;  ///< by body, m: the longest side; infinite for planes
   // Of the current cycle.
   OrderedPairCache* cache_ = nullptr;

@@ -81,7 +81,8 @@ NamedDetector MakeDetector(std::string_view name, const plan::Scene& scene) {
                      .phases = loaded->phases,
                      .max_bodies = loaded->max_bodies,
                      .detector = nullptr,
-                     .lists_all_points = !is_plugin && builtin::ListsAllPoints(name)};
+                     .lists_all_points = !is_plugin && schema::ListsAllPoints(name),
+                     .threads = options.threads};
   const auto failed = [&](std::string_view why) {
     return SceneError(fmt::format("detector `{}` cannot be made: {}", name, why));
   };

@@ -19,6 +19,7 @@ struct NamedDetector {
   std::shared_ptr<Detector> detector;
   /// As a narrow phase it lists all contact points of a pair in each cycle, not one of them.
   bool lists_all_points = false;
+  unsigned threads = 1;  ///< the number that it may use, including the caller's
 
   explicit operator bool() const { return detector != nullptr; }
   bool WantsPoses() const { return HasAny(phases, cdb::kNarrow | cdb::kNeedsPoses); }

@@ -223,6 +223,31 @@ TEST(Batch, GivesTheSameBitsWhateverTheOrderOfPairsAndEarlierCycles) {
   EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts)) << "another run";
 }
 
+TEST(Batch, GivesTheSameContactsInTheSameOrderWithAnyNumberOfThreads) {
+  const PairScene bodies(RandomPairs(3000));  // enough to be shared
+  Scene scene = bodies.View();
+  std::vector<Pose> poses(scene.poses.begin(), scene.poses.end());
+  scene.poses = poses;
+  std::vector<std::unique_ptr<Detector>> all;
+  for (const unsigned threads : {1, 2, 3}) {
+    all.emplace_back(narrow::MakeBatch({.threads = threads}));
+    all.back()->Prepare(scene);
+  }
+  for (std::size_t cycle = 0; cycle < 4; ++cycle) {
+    // The parts of the pairs begin elsewhere in each cycle, and hints are of other poses.
+    const auto pairs = std::span(bodies.pairs()).subspan(7 * cycle);
+    std::vector<Contact> expected;
+    for (const auto& batch : all) {
+      std::vector<Contact> contacts;
+      batch->FindContacts(scene, pairs, contacts);
+      if (batch == all.front()) expected = contacts;
+      EXPECT_TRUE(AreSame(contacts, expected)) << cycle;
+    }
+    EXPECT_GT(expected.size(), 3000u);
+    for (std::size_t i = 0; i < poses.size(); i += 2) poses[i].position.y += 0.001;
+  }
+}
+
 TEST(Batch, FindsNoContactsOfPosesThatAreNotFinite) {
   for (const double value :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e200}) {

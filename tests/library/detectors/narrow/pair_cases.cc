@@ -229,8 +229,14 @@ double FromSurface(const Solid& solid, const objects::Pose& pose, const Vector3d
 /// The faults of one pair.
 class PairJudge {
  public:
-  PairJudge(const PairCase& pair, const ExactContact& exact, int index, Faults& faults)
-      : pair_(pair), exact_(exact), index_(index), size_(SizeOf(pair)), faults_(faults) {}
+  PairJudge(const PairCase& pair, const ExactContact& exact, int index, bool judges_surface,
+            Faults& faults)
+      : pair_(pair),
+        exact_(exact),
+        index_(index),
+        judges_surface_(judges_surface),
+        size_(SizeOf(pair)),
+        faults_(faults) {}
 
   void Add(const Contact& contact) {
     const Vector3d normal = ToEigen(contact.normal), on_a = ToEigen(contact.on_a),
@@ -241,13 +247,10 @@ class PairJudge {
                           apart < 1e-6 * size_ + slop;
     faults_.invalid += !is_valid;
     if (deepest_ == nullptr || contact.distance < deepest_->distance) deepest_ = &contact;
-    if (index_ % 20 == 0 && !pair_.a.compound) {
-      faults_.worst_surface =
-          std::max(faults_.worst_surface, FromSurface(pair_.a, pair_.pose_a, on_a) / size_);
-      if (!pair_.is_plane && !pair_.b.compound)
-        faults_.worst_surface =
-            std::max(faults_.worst_surface, FromSurface(pair_.b, pair_.pose_b, on_b) / size_);
-    }
+    if (!judges_surface_ || !is_valid) return;
+    if (!pair_.a.compound) Surface(FromSurface(pair_.a, pair_.pose_a, on_a) / size_);
+    if (!pair_.is_plane && !pair_.b.compound)
+      Surface(FromSurface(pair_.b, pair_.pose_b, on_b) / size_);
   }
 
   void Finish() {
@@ -266,19 +269,23 @@ class PairJudge {
     if (pair_.a.PieceCount() > 1 || pair_.b.PieceCount() > 1) return;  // several normals
     const Vector3d normal = ToEigen(deepest_->normal);
     const double excess = (exact_.gap - GapAlong(pair_, normal)) / size_;
-    faults_.mean_excess += excess;
     faults_.worst_excess = std::max(faults_.worst_excess, excess);
     const double angle = std::atan2(normal.cross(exact_.normal).norm(), normal.dot(exact_.normal));
     // A normal with no more overlap is as good, such as any of balls with one centre.
     if (angle > 1e-6 && (excess < 1e-6 || !HasOneNormal())) return;
-    ++faults_.normals;
-    faults_.mean_normal += angle;
+    faults_.normals.push_back(angle);
     faults_.worst_normal = std::max(faults_.worst_normal, angle);
   }
 
  private:
+  void Surface(double distance) {
+    faults_.surfaces.push_back(distance);
+    if (!(distance > faults_.worst_surface)) return;
+    faults_.worst_surface = distance;
+    faults_.worst_place = index_;
+  }
   void Depth(double error) {
-    faults_.mean_depth += error;
+    faults_.depths.push_back(error);
     faults_.inexact += error > 1e-6;
     faults_.worst_relative =
         std::max(faults_.worst_relative, error / std::max(1e-3, -exact_.gap / size_));
@@ -295,6 +302,7 @@ class PairJudge {
   const PairCase& pair_;
   const ExactContact& exact_;
   const int index_;
+  const bool judges_surface_;
   const double size_;
   Faults& faults_;
   const Contact* deepest_ = nullptr;
@@ -302,15 +310,15 @@ class PairJudge {
 
 }  // namespace
 
-void Faults::Finish() {
-  const double found = std::max(1, overlaps - missed);
-  mean_depth /= found;
-  mean_excess /= found;
-  mean_normal /= std::max(1, normals);
+double Quantile(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, values.begin() + place);
+  return values[static_cast<std::size_t>(place)];
 }
 
 Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,
-             const std::vector<ExactContact>& exact) {
+             const std::vector<ExactContact>& exact, const Detector* other, int every) {
   const PairScene bodies(pairs);
   const Scene scene = bodies.View();
   detector.Prepare(scene);
@@ -319,13 +327,14 @@ Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& pair = bodies.pairs()[i];
     if (!exact[i].is_tight || !detector.Handles(scene, pair.a, pair.b)) continue;
+    if (other != nullptr && !other->Handles(scene, pair.a, pair.b)) continue;
     contacts.clear();
     detector.FindContacts(scene, {&pair, 1}, contacts);
-    PairJudge judge(pairs[i], exact[i], static_cast<int>(i), faults);
+    const auto index = static_cast<int>(i);
+    PairJudge judge(pairs[i], exact[i], index, index % every == 0, faults);
     for (const Contact& contact : contacts) judge.Add(contact);
     judge.Finish();
   }
-  faults.Finish();
   return faults;
 }
 

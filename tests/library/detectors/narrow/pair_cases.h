@@ -84,19 +84,27 @@ class PairScene {
 /// Faults of a narrow phase on pairs of two types. Lengths in longest sides of the smaller body.
 struct Faults {
   int pairs = 0, overlaps = 0, near = 0, missed = 0, missed_near = 0, phantom = 0, invalid = 0;
-  double mean_depth = 0, worst_depth = 0;  ///< error of the deepest point's distance
+  /// Errors: of the deepest point's distance; rad, of the normal where it is unique.
+  std::vector<double> depths = {}, normals = {};
+  double worst_depth = 0, worst_normal = 0;
   double worst_relative = 0;  ///< of that: as a part of the depth, or of 1e-3 if that is more
   int inexact = 0;            ///< depths off by more than 1e-6
-  double mean_excess = 0, worst_excess = 0;  ///< overlap along the normal, less the exact one
-  double mean_normal = 0, worst_normal = 0;  ///< rad; where the normal is unique
-  int normals = 0;
-  double worst_surface = 0;  ///< distance of a contact's points from the surface
-  int worst_pair = -1;       ///< that with the worst depth, or that is missed
-  void Finish();
+  double worst_excess = 0;    ///< overlap along the normal, less the exact one
+  /// Distances of contacts' points from the surface, of a part of the pairs of solids with one
+  /// piece.
+  std::vector<double> surfaces = {};
+  double worst_surface = 0;
+  int worst_pair = -1;   ///< that with the worst depth, or that is missed
+  int worst_place = -1;  ///< that with the worst distance from the surface
 };
 
-/// Runs the detector on the pairs that it handles.
+/// The value below which this part of them is; 0 if there are none.
+double Quantile(std::vector<double> values, double part);
+
+/// Runs the detector on the pairs that it handles, and that `other`, a prepared one, handles too.
+/// The surface is judged for each pair of which the index is a multiple of `every`.
 Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,
-             const std::vector<ExactContact>& exact);
+             const std::vector<ExactContact>& exact, const Detector* other = nullptr,
+             int every = 20);
 
 }  // namespace cdb::tests

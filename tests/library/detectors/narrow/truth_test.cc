@@ -48,7 +48,7 @@ TEST_P(NarrowTruth, HoldsForRandomPairs) {
     // Of two ways out that are about as long, the other one may be found.
     EXPECT_LE(faults.worst_relative, 0.01);
     EXPECT_LE(faults.inexact, 0.005 * PairCount());
-    EXPECT_LE(faults.worst_surface, 0.02);  // along it
+    EXPECT_LE(faults.worst_surface, 0.01);
   } else {
     EXPECT_LE(faults.worst_depth, 1e-6);
     EXPECT_LE(faults.worst_excess, 1e-6);

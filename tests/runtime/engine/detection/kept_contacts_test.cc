@@ -7,9 +7,11 @@
 #include <memory>
 #include <new>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "library/detectors/bullet/vectors.h"
+#include "runtime/engine/probes/state_hash.h"
 #include "tests/runtime/engine/paired_run.h"
 
 namespace cdb::tests {
@@ -233,6 +235,29 @@ TEST(Manifolds, ComeWithThePairIfItsOrderIsListed) {
   engine.Step();
   EXPECT_EQ(static_cast<int>(Manifolds(engine).size()),
             engine.world().getPairCache()->getNumOverlappingPairs());
+}
+
+TEST(Manifolds, AreTheSameWithAnyNumberOfThreads) {
+  plan::Scene scene = OfBatch(1500, "sorted");
+  SetWorld(scene, "acceleration", Eigen::Vector3d(0, -9.8, 0));
+  const layouts::InitialState drawn = layouts::DrawObjects(scene);
+  const auto run = [&](std::uint64_t threads) {
+    SetWorld(scene, "threads", threads);
+    layouts::InitialState state = drawn;
+    for (std::size_t i = 0; i < state.objects.size(); ++i)  // a heap
+      state.objects[i].pose.position =
+          Eigen::Vector3d(static_cast<double>(i % 10), static_cast<double>(i / 100),
+                          static_cast<double>(i / 10 % 10)) *
+              0.99 -
+          Eigen::Vector3d(4.5, 9.5, 4.5);
+    world::Engine engine = WholeEngine(scene, state);
+    Steps(engine, 20);
+    EXPECT_GT(Manifolds(engine).size(), 3000u);
+    return probes::StateHash(engine);
+  };
+  const std::string one = run(1);
+  EXPECT_EQ(run(2), one);
+  EXPECT_EQ(run(3), one);
 }
 
 TEST(Manifolds, OfAStackStayWhileItSleepsAndWhenItWakes) {
