@@ -147,6 +147,8 @@ bool BlockMaker::AddSettings(grid::Block& block) {
     block.base.groups.push_back({group, {}});
   for (const std::string& joint : configuration_->layers().joints)
     block.base.joints.push_back({joint, {}});
+  for (const std::string& queries : configuration_->layers().queries)
+    block.base.queries.push_back({queries, {}});
   std::vector<PointCondition> bad;
   for (const configure::DependentParameter& parameter : configuration_->parameters())
     if (parameter.key.second->concern != schema::Concern::kReport)
@@ -162,11 +164,15 @@ void BlockMaker::AddSetting(const configure::DependentParameter& parameter, grid
   axes = grid::WithoutConstants(axes, extents_);
   const schema::Parameter& row = *parameter.key.second;
   grid::VaryingSetting setting{grid::VaryingSetting::kWorld, &row, grid::Subgrid(axes, extents_)};
-  const std::size_t groups = block.base.groups.size();
-  for (std::size_t i = 0; i < groups; ++i)
-    if (block.base.groups[i].name == parameter.key.first) setting.group = i;
-  for (std::size_t i = 0; i < block.base.joints.size(); ++i)
-    if (block.base.joints[i].name == parameter.key.first) setting.group = groups + i;
+  std::size_t before = 0;
+  const auto find = [&](const auto& groups) {
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (groups[i].name == parameter.key.first) setting.group = before + i;
+    before += groups.size();
+  };
+  find(block.base.groups);
+  find(block.base.joints);
+  find(block.base.queries);
   const grid::Remaining& remaining = RemainingAlong(axes, block);
   std::vector<bool> is_bad(remaining.counts.size(), false);
   int errors = 0;

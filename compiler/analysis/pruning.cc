@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/series.h"
 #include "dsl/text/check.h"
@@ -97,6 +98,7 @@ class Analysis {
 
   Answer Walls() const {
     if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
+    if (HasQueries(scene_)) return {Decision::kKept, "queries may find them"};
     if (ccd_) return {Decision::kKept, Sweeps()};
     if (linked_) return {Decision::kKept, Pull()};
     return {Decision::kOpen, "the reach of each object is known once all objects are placed"};
@@ -121,10 +123,15 @@ class Analysis {
     if (!DetectorIsSweepAndPrune())
       return {Decision::kAbsent, fmt::format("{} has none", scene_.world.WordOr("detector"))};
     if (ccd_) return {Decision::kKept, Sweeps()};
+    if (const plan::Queries* asked = FindBulletQueries(scene_))
+      return {Decision::kKept, fmt::format("{} use it", TextOf(*asked))};
     return {Decision::kLeftOut, "no object has ccd, so nothing casts a ray"};
   }
 
   Answer Detection(PruningRequest asked) const {
+    if (const plan::Queries* answered = FindBulletQueries(scene_))
+      return {Decision::kKept, fmt::format("Bullet answers {} from the boxes of the broad phase",
+                                           TextOf(*answered))};
     if (asked == PruningRequest::kByName) return IfNothingTouches();
     for (const schema::RecordWord& word : schema::kRecordWords)
       if (word.needs_detection && scene_.world.Lists("record", word.name))

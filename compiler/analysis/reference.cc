@@ -145,6 +145,7 @@ plan::Scene ReferenceOf(const plan::Scene& scene) {
   CDB_CHECK(sampling);
   plan::Scene reference = scene;
   reference.role = plan::Role::kReference;
+  reference.DropQueries();
   const auto& world = scene.world;
   const double timestep = world.Real("accuracy.reference.timestep");
   const auto steps = WholeSteps(sampling->interval_s, timestep);

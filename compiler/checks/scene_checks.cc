@@ -8,6 +8,7 @@
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -58,7 +59,7 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
   const bool places_good = CheckPlaces(configuration, scene);
   const bool moves_good = CheckMotion(configuration, scene);
   if (!CheckLinks(configuration, scene) || !places_good || !moves_good) return false;
-  if (!CheckJoints(configuration, scene)) return false;
+  if (!CheckJoints(configuration, scene) || !CheckQueries(configuration, scene)) return false;
   if (!CheckCollisions(configuration, scene)) return false;
   bool holds = true;
   using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
@@ -306,6 +307,21 @@ bool SceneChecks::CheckJoints(configure::Configuration& configuration, const pla
   return false;
 }
 
+// Queries that cannot be asked.
+bool SceneChecks::CheckQueries(configure::Configuration& configuration, const plan::Scene& scene) {
+  bool good = true;
+  for (const plan::Queries& queries : scene.queries) {
+    const auto fault = analysis::FindQueryFault(queries);
+    if (!fault) continue;
+    good = false;
+    if (misplaced_.emplace(queries.name, fault->message).second)
+      diagnostics_.Report(scenario::kContradiction,
+                          configuration.SpanOf({queries.name, fault->parameter.get()}, benchmark_),
+                          fault->message, fault->help);
+  }
+  return good;
+}
+
 // `omit` must not name a component that the scene needs.
 bool SceneChecks::CheckOmit(configure::Configuration& configuration, const plan::Scene& scene) {
   if (scene.world.Lists("omit", "none")) return true;
@@ -521,6 +537,7 @@ std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis
   // effect.
   scene.groups.resize(1);
   scene.joints.clear();
+  scene.DropQueries();
   scene.groups[0].settings.Set("quantity", facts.bodies);
   scene.seeds.clear();
   set("world.walls", schema::Word{"none"});

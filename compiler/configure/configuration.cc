@@ -50,6 +50,12 @@ void AddSeeds(plan::Scene& scene) {
     for (const auto& [name, value] : group.settings)
       if (IsDrawn(value)) add(fmt::format("{}.{}", group.name, name));
   }
+  // Their defaults are drawn, too.
+  for (const plan::Queries& queries : scene.queries)
+    for (const schema::Parameter& parameter : schema::Schema())
+      if (parameter.NamedBlock() == schema::kQueriesBlock &&
+          IsDrawn(queries.settings.ValueOf(parameter)))
+        add(fmt::format("{}.{}", queries.name, parameter.OwnName()));
 }
 
 }  // namespace
@@ -80,7 +86,7 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
       Add({"", &parameter});
       continue;
     }
-    for (const std::string& group : parameter.IsOfJoints() ? layers_.joints : layers_.groups)
+    for (const std::string& group : layers_.NamesOf(parameter.NamedBlock()))
       Add({group, &parameter});
   }
 }
@@ -124,7 +130,7 @@ text::Span Configuration::SpanOfWord(const scenario::ParameterKey& key, std::str
 std::optional<Value> Configuration::ConstantFor(const SweepAxis& like) {
   if (!like.key) return std::nullopt;
   const std::string& group = like.key->first;
-  const auto& groups = like.key->second->IsOfJoints() ? layers_.joints : layers_.groups;
+  const auto& groups = layers_.NamesOf(like.key->second->NamedBlock());
   if (!group.empty() && std::ranges::find(groups, group) == groups.end()) return std::nullopt;
   auto value = evaluator_.EvaluateParameter(*like.key);
   if (value && like.argument != nullptr) value = ArgumentLike(like, *value);

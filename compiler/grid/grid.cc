@@ -42,8 +42,11 @@ AxisSet PointCondition::axes() const {
 
 plan::Settings& VaryingSetting::SettingsIn(plan::Scene& scene) const {
   if (group == kWorld) return scene.world;
-  if (group < scene.groups.size()) return scene.groups[group].settings;
-  return scene.joints[group - scene.groups.size()].settings;
+  std::size_t index = group;
+  if (index < scene.groups.size()) return scene.groups[index].settings;
+  index -= scene.groups.size();
+  if (index < scene.joints.size()) return scene.joints[index].settings;
+  return scene.queries[index - scene.joints.size()].settings;
 }
 
 bool Block::IsSkipped(const Point& local) const {

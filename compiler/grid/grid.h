@@ -70,7 +70,7 @@ struct PointCondition {
 /// A setting whose value varies along some axes.
 struct VaryingSetting {
   static constexpr std::size_t kWorld = static_cast<std::size_t>(-1);
-  std::size_t group = kWorld;  ///< index into Scene::groups, then into Scene::joints
+  std::size_t group = kWorld;  ///< index into Scene::groups, then joints, then queries
   const schema::Parameter* parameter = nullptr;
   Subgrid by;
   std::vector<schema::Value> values = {};  ///< for each combination that has a run

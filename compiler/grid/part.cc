@@ -107,6 +107,7 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   bounds.AddLargest([](const plan::Scene& scene) { return scene.world.Count("cycles"); });
   bounds.AddLargest([](const plan::Scene& scene) { return scene.ObjectCount(); });
   bounds.AddLargest([](const plan::Scene& scene) { return analysis::BodyCount(scene); });
+  bounds.AddLargest([](const plan::Scene& scene) { return scene.QueryCount(); });
   bounds.AddLargest([](const plan::Scene& scene) {
     const auto sampling = analysis::SamplingOf(scene);
     return sampling ? sampling->count : 0;

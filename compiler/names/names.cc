@@ -68,23 +68,23 @@ std::optional<scenario::ParameterKey> Names::FindParameter(const std::string& pa
     if (const schema::Parameter* parameter =
             schema::FindParameter(scenario::Joined(block, path), !scope.group.empty()))
       return scenario::ParameterKey{scope.group, parameter};
-    // Outside the block of a joint, there are no settings of its own.
-    if (block.empty() || block == schema::kJointsBlock) break;
+    // Outside the block of a joint or of queries, there are no settings of its own.
+    if (block.empty() || block == schema::NamedBlockOf(block)) break;
   }
   if (const schema::Parameter* parameter = schema::FindParameter(path, false))
     return scenario::ParameterKey{"", parameter};
   // Outside the blocks, `quantity` means that of `objects`, like the name of its axis.
   if (scope.group.empty() && scope.block.empty() && IsGroup("objects"))
     if (const schema::Parameter* parameter = schema::FindParameter(path, true);
-        parameter != nullptr && !parameter->IsOfJoints())
+        parameter != nullptr && parameter->NamedBlock().empty())
       return scenario::ParameterKey{"objects", parameter};
   const std::size_t dot = path.find('.');
   if (dot == std::string::npos) return std::nullopt;
   const std::string head = path.substr(0, dot), rest = path.substr(dot + 1);
-  const bool is_joint = std::ranges::find(layers_.joints, head) != layers_.joints.end();
-  if (is_joint || IsGroup(head))
-    if (const schema::Parameter* parameter = schema::FindParameter(
-            is_joint ? scenario::Joined(schema::kJointsBlock, rest) : rest, true))
+  const std::string_view block = layers_.NamedBlockWith(head);
+  if (!block.empty() || IsGroup(head))
+    if (const schema::Parameter* parameter =
+            schema::FindParameter(scenario::Joined(block, rest), true))
       return scenario::ParameterKey{head, parameter};
   return std::nullopt;
 }

@@ -27,6 +27,8 @@ std::string CanonicalText(const Scene& scene) {
     text += fmt::format("group {}\n{}", group.name, CanonicalText(group.settings));
   for (const Joint& joint : scene.joints)
     text += fmt::format("joint {}\n{}", joint.name, CanonicalText(joint.settings));
+  for (const Queries& queries : scene.queries)
+    text += fmt::format("queries {}\n{}", queries.name, CanonicalText(queries.settings));
   return text + CanonicalTail(scene);
 }
 
@@ -93,6 +95,19 @@ std::uint64_t Scene::ObjectCount() const {
   std::uint64_t count = 0;
   for (const Group& group : groups) count += group.settings.Count("quantity");
   return count;
+}
+
+std::uint64_t Scene::QueryCount() const {
+  std::uint64_t count = 0;
+  for (const Queries& block : queries) count += block.settings.Count("queries.count");
+  return count;
+}
+
+void Scene::DropQueries() {
+  for (const Queries& block : queries)
+    std::erase_if(seeds,
+                  [&](const auto& seed) { return seed.first.starts_with(block.name + "."); });
+  queries.clear();
 }
 
 bool Scene::Uses(std::string_view detector) const {

@@ -45,6 +45,13 @@ struct Joint {
   bool operator==(const Joint&) const = default;
 };
 
+/// One `queries` block of a run: rays, or shapes, for which bodies are found in each cycle.
+struct Queries {
+  std::string name;  ///< `queries` if the file gives no name
+  GroupSettings settings;
+  bool operator==(const Queries&) const = default;
+};
+
 /// The purpose of a run. Only measured runs are on the grid; the others provide the ground truth
 /// (compiler/analysis/reference.h).
 enum class Role { kMeasured, kReference, kTwin };
@@ -58,6 +65,7 @@ struct Scene {
   WorldSettings world;        ///< every parameter that does not belong to a group
   std::vector<Group> groups;  ///< at least one
   std::vector<Joint> joints;
+  std::vector<Queries> queries;
   /// The seed of every stream of random numbers, by its name: `objects.location`, `pebbles.size`,
   /// `acceleration`. There is a stream for each distribution that the scene draws from; 64 bits,
   /// derived from `seed` by `StreamSeed`.
@@ -73,6 +81,10 @@ struct Scene {
   std::string PulledGroup() const;
   /// Objects of all groups together, excluding walls.
   std::uint64_t ObjectCount() const;
+  /// Queries of all blocks together, in a cycle in which all of them are asked.
+  std::uint64_t QueryCount() const;
+  /// Removes the queries and their seeds, which a derived scene does not ask.
+  void DropQueries();
   /// True if a setting names this detector.
   bool Uses(std::string_view detector) const;
   /// Drops unused plug-ins: they have no effect, so they must not change the id of the run.

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::string_view kUnnamedGroup = "objects";
 using schema::kJointsBlock;
+using schema::NamedBlockOf;
 /// Finding similar names dominates the cost of an error, and nobody reads more than this.
 constexpr int kMostSuggestions = 1000;
 
@@ -43,7 +44,7 @@ bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDe
 
 /// The name of a parameter as written in a block; empty if it cannot be set there.
 std::string NameIn(const schema::Parameter& parameter, const std::string& block, bool in_group) {
-  if (parameter.IsOfJoints() && in_group && !schema::IsOfJoints(block)) return {};
+  if (in_group && parameter.NamedBlock() != NamedBlockOf(block)) return {};
   if (parameter.grouped && !in_group) return block.empty() ? parameter.FullName() : std::string();
   if (parameter.grouped != in_group) return {};
   const std::string name(parameter.name);
@@ -55,14 +56,24 @@ std::string NameIn(const schema::Parameter& parameter, const std::string& block,
 const schema::Parameter* FindIn(const std::string& block, bool in_group, std::string_view name) {
   const schema::Parameter* parameter = schema::FindParameter(Joined(block, name), in_group);
   // In `objects { joints { } }`, there is none.
-  return parameter != nullptr && parameter->IsOfJoints() && !schema::IsOfJoints(block) ? nullptr
-                                                                                       : parameter;
+  return parameter != nullptr && parameter->NamedBlock() != NamedBlockOf(block) ? nullptr
+                                                                                : parameter;
+}
+
+/// The kinds of blocks that may have names: `objects`, and those of schema::kNamedBlocks.
+bool IsNamedKind(std::string_view kind) {
+  return kind == kUnnamedGroup || (!kind.empty() && NamedBlockOf(kind) == kind);
+}
+
+/// One block of the kind, for messages; `block` as in DeclareGroup.
+std::string_view OneOf(std::string_view block) {
+  return block == kJointsBlock ? "joint" : block.empty() ? "group" : block;
 }
 
 /// A place for messages: `pebbles.links`; `elbow.motor`, of a joint.
 std::string NameOf(const std::string& group, std::string_view block) {
-  if (schema::IsOfJoints(block))
-    block.remove_prefix(std::min(block.size(), kJointsBlock.size() + 1));
+  if (const std::string_view named = NamedBlockOf(block); !named.empty())
+    block.remove_prefix(std::min(block.size(), named.size() + 1));
   return Joined(group, block);
 }
 
@@ -143,11 +154,11 @@ void LayeredBenchmark::ReportBase(const dsl::Name& from, const ScenarioFile& fil
 void LayeredBenchmark::CollectLabels(const dsl::Block& block) {
   for (const dsl::Statement& statement : block.statements) {
     if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
-      const bool is_joint = group->kind.text == kJointsBlock;
-      if (group->kind.text != kUnnamedGroup && !is_joint) continue;
+      if (!IsNamedKind(group->kind.text)) continue;
+      const std::string_view named = NamedBlockOf(group->kind.text);
       if (group->label)
-        (is_joint ? joint_labels_ : labels_).push_back(group->label->text);
-      else if (!is_joint)
+        LabelsOf(named).push_back(group->label->text);
+      else if (named.empty())
         has_unnamed_block_ = true;
     } else if (const auto* cases = std::get_if<dsl::Cases>(&statement.what)) {
       for (const dsl::Case& one : cases->cases) CollectLabels(one.block);
@@ -168,13 +179,13 @@ void LayeredBenchmark::ExpandRobots() {
   for (const BenchmarkRef& layer : chain_) collect(layer.benchmark->block, collect);
   const auto is_word = [&](const std::string& name) {
     return HasBlock("", false, name) || HasBlock("", true, name) ||
-           schema::FindParameter(name, false) != nullptr || name == kUnnamedGroup ||
-           name == kJointsBlock || name == plan::kWorldWord || name == "walls" ||
+           schema::FindParameter(name, false) != nullptr || IsNamedKind(name) ||
+           name == plan::kWorldWord || name == "walls" ||
            schema::FindLanguageWord(name) != nullptr ||
            IsWordOfTheLanguage(name, scenario_.plugins());
   };
   // Robots name the groups that they collide with, those of one another too.
-  std::vector<std::string> labels = labels_;
+  std::vector<std::string> labels = LabelsOf({});
   if (has_unnamed_block_) labels.emplace_back(kUnnamedGroup);
   std::map<const dsl::Group*, std::vector<std::string>> groups;
   dsl::Diagnostics later;
@@ -186,8 +197,11 @@ void LayeredBenchmark::ExpandRobots() {
     for (const auto& [other, names] : groups)
       if (other != robot) others.insert(others.end(), names.begin(), names.end());
     if (auto blocks = ExpandRobot(scenario_, *robot, others, is_word, diagnostics_)) {
-      labels_.insert(labels_.end(), blocks->groups.begin(), blocks->groups.end());
-      joint_labels_.insert(joint_labels_.end(), blocks->joints.begin(), blocks->joints.end());
+      const auto add = [this](std::string_view block, const std::vector<std::string>& names) {
+        LabelsOf(block).insert(LabelsOf(block).end(), names.begin(), names.end());
+      };
+      add({}, blocks->groups);
+      add(kJointsBlock, blocks->joints);
       robots_.emplace(robot, *std::move(blocks));
     } else {
       damage_ = std::max(damage_, dsl::Damage::kLost);
@@ -208,17 +222,17 @@ void LayeredBenchmark::WalkRobot(const dsl::Group& robot, const Place& place) {
     entry.case_axis = place.case_axis;
     entry.case_index = place.case_index;
     entry.key = {given.group, given.parameter};
-    entry.setting = {given.setting,
-                     {place.file, given.group,
-                      given.parameter->IsOfJoints() ? std::string(kJointsBlock) : std::string(),
-                      given.parameter},
-                     order_};
+    entry.setting = {
+        given.setting,
+        {place.file, given.group, std::string(given.parameter->NamedBlock()), given.parameter},
+        order_};
     entries_.push_back(std::move(entry));
   }
 }
 
-void LayeredBenchmark::DeclareGroup(const std::string& name, bool is_joint, const Place& place) {
-  groups_.push_back({name, is_joint, place.case_axis, place.case_index});
+void LayeredBenchmark::DeclareGroup(const std::string& name, std::string_view block,
+                                    const Place& place) {
+  groups_.push_back({name, block, place.case_axis, place.case_index});
 }
 
 void LayeredBenchmark::Once(const Place& place, const std::string& what, const text::Span& span,
@@ -228,13 +242,14 @@ void LayeredBenchmark::Once(const Place& place, const std::string& what, const t
   if (is_new) return;
   const bool are_two = place.objects != nullptr && first->second.objects != nullptr &&
                        place.objects != first->second.objects;
-  diagnostics_.Report(kSetTwice, span, message,
-                      are_two && place.group == kUnnamedGroup
-                          ? "two groups of objects need names: objects a { … } objects b { … }"
-                      : are_two && place.group == kJointsBlock
-                          ? "two joints need names: joints a { … } joints b { … }"
-                          : "keep one of them",
-                      {{first->second.span, "it is here before"}});
+  diagnostics_.Report(
+      kSetTwice, span, message,
+      are_two && place.group == kUnnamedGroup
+          ? "two groups of objects need names: objects a { … } objects b { … }"
+      : are_two && IsNamedKind(place.group)
+          ? fmt::format("two {0} need names: {0} a {{ … }} {0} b {{ … }}", place.group)
+          : "keep one of them",
+      {{first->second.span, "it is here before"}});
 }
 
 void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
@@ -272,39 +287,48 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
   entries_.push_back(std::move(entry));
 }
 
+std::optional<std::string> LayeredBenchmark::KindBefore(const std::string& name,
+                                                        std::string_view block) {
+  if (block.empty()) return std::nullopt;
+  if (std::ranges::find(LabelsOf({}), name) != LabelsOf({}).end()) return "group of objects";
+  for (const std::string_view other : schema::kNamedBlocks) {
+    if (other == block) return std::nullopt;
+    if (std::ranges::find(LabelsOf(other), name) != LabelsOf(other).end())
+      return std::string(OneOf(other));
+  }
+  return std::nullopt;
+}
+
 void LayeredBenchmark::EnterGroup(const dsl::Group& group, Place& place) {
-  const bool is_joint = group.kind.text == kJointsBlock;
+  const std::string_view block = NamedBlockOf(group.kind.text);
   place.group = group.label ? group.label->text : group.kind.text;
   if (group.label) {
-    const std::string_view what = is_joint ? "joint" : "group";
+    const std::string remedy = fmt::format("give the {} another name", OneOf(block));
     if (HasBlock("", false, place.group) || HasBlock("", true, place.group) ||
-        place.group == kUnnamedGroup || place.group == kJointsBlock ||
-        schema::FindParameter(place.group, false) != nullptr)
+        IsNamedKind(place.group) || schema::FindParameter(place.group, false) != nullptr)
       diagnostics_.Report(kReservedName, group.label->span,
-                          fmt::format("'{}' is a word of the language", place.group),
-                          fmt::format("give the {} another name", what));
-    else if (is_joint && std::ranges::find(labels_, place.group) != labels_.end())
+                          fmt::format("'{}' is a word of the language", place.group), remedy);
+    else if (const auto other = KindBefore(place.group, block))
       diagnostics_.Report(kSetTwice, group.label->span,
-                          fmt::format("'{}' is also the name of a group of objects", place.group),
-                          "give the joint another name");
+                          fmt::format("'{}' is also the name of a {}", place.group, *other),
+                          remedy);
   }
-  DeclareGroup(place.group, is_joint, place);
+  DeclareGroup(place.group, block, place);
   place.objects = &group;
-  if (is_joint) place.block = kJointsBlock;
+  place.block = block;
 }
 
 void LayeredBenchmark::WalkGroup(const dsl::Group& group, const Place& place) {
   const std::string& kind = group.kind.text;
   if (kind == kRobotBlock) return WalkRobot(group, place);
   Place inner = place;
-  if ((kind == kUnnamedGroup || kind == kJointsBlock) && place.group.empty() &&
-      place.block.empty()) {
+  if (IsNamedKind(kind) && place.group.empty() && place.block.empty()) {
     EnterGroup(group, inner);
   } else if (HasBlock(place.block, !place.group.empty(), kind)) {
     inner.block = Joined(place.block, kind);
     if (group.label)
       diagnostics_.Report(kWrongPlace, group.label->span, fmt::format("'{}' takes no name", kind),
-                          "only objects and joints have names");
+                          "only objects, joints and queries have names");
   } else {
     ReportBlock(group.kind, place);
     return;
@@ -318,14 +342,15 @@ void LayeredBenchmark::ReportBlock(const dsl::Name& kind, const Place& place) {
   const std::string where = NameOf(place.group, place.block);
   const auto blocks = schema::BlocksIn(place.block, in_group);
   std::vector<std::string_view> kinds(blocks.begin(), blocks.end());
-  if (outermost) kinds.insert(kinds.begin(), {kUnnamedGroup, kJointsBlock, kRobotBlock});
+  if (outermost)
+    kinds.insert(kinds.begin(), {kUnnamedGroup, kJointsBlock, kRobotBlock, schema::kQueriesBlock});
   const std::string_view near = dsl::DidYouMean(kind.text, kinds);
   if (outermost && HasBlock("", true, kind.text)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is a block of objects", kind.text),
                         fmt::format("write objects {{ {} {{ … }} }}", kind.text));
-  } else if (!outermost && (HasBlock("", false, kind.text) || kind.text == kUnnamedGroup ||
-                            kind.text == kJointsBlock || kind.text == kRobotBlock)) {
+  } else if (!outermost && (HasBlock("", false, kind.text) || IsNamedKind(kind.text) ||
+                            kind.text == kRobotBlock)) {
     diagnostics_.Report(kWrongPlace, kind.span,
                         fmt::format("'{}' is not allowed inside '{}'", kind.text, where),
                         kind.text == kJointsBlock && in_group
@@ -406,39 +431,42 @@ std::optional<ParameterKey> LayeredBenchmark::Resolve(const dsl::Name& path, con
     return std::nullopt;
   };
   if (in_group && schema::FindParameter(text, false) != nullptr)
-    return misplaced(fmt::format("'{}' is a setting of the whole run, not of {}", text,
-                                 schema::IsOfJoints(place.block) ? "joints" : "objects"),
-                     "write it outside this block");
+    return misplaced(
+        fmt::format("'{}' is a setting of the whole run, not of {}", text,
+                    NamedBlockOf(place.block).empty() ? kUnnamedGroup : NamedBlockOf(place.block)),
+        "write it outside this block");
   if (!place.block.empty() && FindIn("", in_group, text) != nullptr)
-    return misplaced(fmt::format("'{}' is not a setting of '{}'", text,
-                                 schema::IsOfJoints(place.block) ? NameOf(place.group, place.block)
-                                                                 : place.block),
-                     schema::IsOfJoints(place.block) ? "it is a setting of objects"
-                                                     : "write it outside this block");
+    return misplaced(
+        fmt::format(
+            "'{}' is not a setting of '{}'", text,
+            NamedBlockOf(place.block).empty() ? place.block : NameOf(place.group, place.block)),
+        NamedBlockOf(place.block).empty() ? "write it outside this block"
+                                          : "it is a setting of objects");
   if (!in_group && place.block.empty()) {
     const std::size_t dot = text.find('.');
     const std::string head = text.substr(0, dot);
-    const bool labelled = std::ranges::find(labels_, head) != labels_.end();
+    const std::vector<std::string>& labels = LabelsOf({});
+    const bool labelled = std::ranges::find(labels, head) != labels.end();
     const std::string own_name = dot == std::string::npos ? "" : text.substr(dot + 1);
     const schema::Parameter* of_group = own_name.empty() ? nullptr : FindIn("", true, own_name);
-    if (head == kJointsBlock || std::ranges::find(joint_labels_, head) != joint_labels_.end())
-      if (const auto* of_joint = FindIn(std::string(kJointsBlock), true, own_name)) {
-        DeclareGroup(head, true, place);
-        return {{head, of_joint}};
-      }
+    for (const std::string_view block : schema::kNamedBlocks)
+      if (head == block || std::ranges::find(LabelsOf(block), head) != LabelsOf(block).end())
+        if (const auto* of_block = FindIn(std::string(block), true, own_name)) {
+          DeclareGroup(head, block, place);
+          return {{head, of_block}};
+        }
     if (of_group != nullptr && (head == kUnnamedGroup || labelled)) {
-      if (head == kUnnamedGroup && !labels_.empty() && !has_unnamed_block_) {
+      if (head == kUnnamedGroup && !labels.empty() && !has_unnamed_block_) {
         const std::string own = text.substr(dot);  // `.ccd`
         return misplaced(fmt::format("'{}' is outside of a group here", head),
                          fmt::format("write {}{}; or objects {{ … }} for further objects",
-                                     fmt::join(labels_, own + " or "), own));
+                                     fmt::join(labels, own + " or "), own));
       }
-      DeclareGroup(head, false, place);
+      DeclareGroup(head, {}, place);
       return {{head, of_group}};
     }
-    if (of_group != nullptr && schema::FindParameter(text, false) == nullptr && !labels_.empty())
-      if (const auto near = dsl::DidYouMean(head, {labels_.begin(), labels_.end()});
-          !near.empty()) {
+    if (of_group != nullptr && schema::FindParameter(text, false) == nullptr && !labels.empty())
+      if (const auto near = dsl::DidYouMean(head, {labels.begin(), labels.end()}); !near.empty()) {
         diagnostics_.Report(kUnknownName, path.span, fmt::format("no group is called '{}'", head),
                             fmt::format("did you mean '{}'?", near));
         return std::nullopt;
@@ -489,7 +517,7 @@ Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
   for (const GroupDeclaration& group : groups_) {
     const bool stands = group.case_axis < 0 ||
                         chosen[static_cast<std::size_t>(group.case_axis)] == group.case_index;
-    auto& names = group.is_joint ? layers.joints : layers.groups;
+    auto& names = layers.NamesOf(group.block);
     if (stands && std::ranges::find(names, group.name) == names.end()) names.push_back(group.name);
   }
   if (layers.groups.empty()) layers.groups.emplace_back(kUnnamedGroup);

@@ -2,6 +2,7 @@
 // cases.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -18,7 +19,7 @@ namespace cdb::scenario {
 /// The position of an expression, which determines the meaning of its names.
 struct Scope {
   const ScenarioFile* file = nullptr;
-  std::string group;  ///< of objects, or a joint; empty outside these
+  std::string group;  ///< of objects, a joint or queries; empty outside these
   std::string
       block;  ///< within the group or the benchmark: `world`, `accuracy.reference`; or empty
   /// The parameter being set; null in a let or a condition. Its own words take precedence over
@@ -36,7 +37,7 @@ inline std::string Outside(std::string_view block) {
   return std::string(block.substr(0, dot == std::string_view::npos ? 0 : dot));
 }
 
-/// A parameter of the world (group empty), of a group or of a joint.
+/// A parameter of the world (group empty), of a group, of a joint or of queries.
 using ParameterKey = std::pair<std::string, const schema::Parameter*>;
 
 /// A statement with its position in the order of writing.
@@ -49,8 +50,7 @@ struct Placed {
 
 /// The statements that make one run, after the choice of cases.
 struct Layers {
-  std::vector<std::string> groups;
-  std::vector<std::string> joints;
+  std::vector<std::string> groups, joints, queries;
   std::map<ParameterKey, Placed<dsl::Setting>> settings;
   std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
       lets;  ///< by group and block, and name
@@ -60,6 +60,22 @@ struct Layers {
   /// Statements had syntax errors, here or outside the benchmarks: one of them may define an
   /// unknown name.
   bool is_incomplete = false;
+
+  /// The names of the blocks of schema::kNamedBlocks, or of the groups if `block` is empty.
+  const std::vector<std::string>& NamesOf(std::string_view block) const {
+    return block == schema::kJointsBlock    ? joints
+           : block == schema::kQueriesBlock ? queries
+                                            : groups;
+  }
+  std::vector<std::string>& NamesOf(std::string_view block) {
+    return const_cast<std::vector<std::string>&>(std::as_const(*this).NamesOf(block));
+  }
+  /// The block of schema::kNamedBlocks that has this name; empty if none has.
+  std::string_view NamedBlockWith(std::string_view name) const {
+    for (const std::string_view block : schema::kNamedBlocks)
+      if (std::ranges::find(NamesOf(block), name) != NamesOf(block).end()) return block;
+    return {};
+  }
 };
 
 /// `cases load { calm { … } storm { … } }`.
@@ -99,7 +115,7 @@ class LayeredBenchmark {
   struct Place {
     const ScenarioFile* file = nullptr;
     std::string group, block;             ///< as in Scope
-    const dsl::Group* objects = nullptr;  ///< the block of the group or joint; null outside of one
+    const dsl::Group* objects = nullptr;  ///< the block of the group, joint or queries; or null
     int case_axis = -1;
     std::size_t case_index = 0;
     int layer = 0;
@@ -114,8 +130,10 @@ class LayeredBenchmark {
   void ExpandRobots();
   void Walk(const dsl::Block& block, const Place& place);
   void WalkGroup(const dsl::Group& group, const Place& place);
-  /// Enters `objects NAME { }` or `joints NAME { }`.
+  /// Enters `objects NAME { }`, `joints NAME { }` or `queries NAME { }`.
   void EnterGroup(const dsl::Group& group, Place& place);
+  /// The kind of another block of this name, of those before `block` in the order of the schema.
+  std::optional<std::string> KindBefore(const std::string& name, std::string_view block);
   /// Walks what the robot stands for as a layer below that of the place, which may override it.
   void WalkRobot(const dsl::Group& robot, const Place& place);
   void WalkCases(const dsl::Cases& cases, const Place& place);
@@ -125,7 +143,10 @@ class LayeredBenchmark {
   std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
   /// Reports the reason why there is no block of this name here.
   void ReportBlock(const dsl::Name& kind, const Place& place);
-  void DeclareGroup(const std::string& name, bool is_joint, const Place& place);
+  /// `block`: of schema::kNamedBlocks; empty for a group of objects.
+  void DeclareGroup(const std::string& name, std::string_view block, const Place& place);
+  /// The labels of the blocks of this kind.
+  std::vector<std::string>& LabelsOf(std::string_view block) { return labels_[block]; }
   void Once(const Place& place, const std::string& what, const text::Span& span,
             const std::string& message);
 
@@ -134,12 +155,12 @@ class LayeredBenchmark {
   std::vector<BenchmarkRef> chain_;  ///< the base first
   struct GroupDeclaration {
     std::string name;
-    bool is_joint = false;
+    std::string_view block;  ///< as in DeclareGroup
     int case_axis = -1;
     std::size_t case_index = 0;
   };
-  std::vector<std::string> labels_, joint_labels_;
-  bool has_unnamed_block_ = false;  ///< `objects { … }`
+  std::map<std::string_view, std::vector<std::string>> labels_;  ///< by block, as in DeclareGroup
+  bool has_unnamed_block_ = false;                               ///< `objects { … }`
   std::map<const dsl::Group*, RobotBlocks> robots_;
   bool lost_robots_ = false;  ///< one has errors
   std::vector<GroupDeclaration> groups_;

@@ -148,7 +148,7 @@ class Expansion {
       return Refuse(kContradiction, setting.path.span,
                     fmt::format("the file of a robot determines '{}'", name),
                     fmt::format("to change one link, write {}.{} outside the block", "LINK", name));
-    if (parameter == nullptr || parameter->IsOfJoints() || name.starts_with("links.")) {
+    if (parameter == nullptr || !parameter->NamedBlock().empty() || name.starts_with("links.")) {
       std::vector<std::string_view> names;
       for (const RobotSetting& known : kSettings) names.push_back(known.name);
       names.insert(names.end(), std::begin(kOfBase), std::end(kOfBase));

@@ -30,6 +30,10 @@ constexpr LanguageWord kLanguageWords[] = {
     {"joints", kStatement, "joints [NAME] { … }",
      "joints between the objects of two groups; if there are several, they have names",
      "joints axle { parent objects; child world; type hinge; axis (0, 1, 0) }"},
+    {"queries", kStatement, "queries [NAME] { … }",
+     "rays, or shapes, for which bodies are found in each cycle; if there are several, they have "
+     "names",
+     "queries sight { type ray; count 1000; from (0, 5, 0); length 100; hits closest }"},
     {"robot", kStatement, "robot NAME { file \"FILE\"; … }",
      "a robot from a URDF file: a group of objects for each link, and a joint for each joint",
      "robot arm { file \"arm.urdf\"; base fixed; location at(0, 0, 0) }"},

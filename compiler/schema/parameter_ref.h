@@ -45,7 +45,8 @@ constexpr bool MayBe(const Parameter& parameter, ValueKind kind) {
     case ValueKind::kDrawn:
       return parameter.distribution;
     case ValueKind::kDrawnNumber:
-      return parameter.grouped && parameter.distribution && parameter.calls.empty() &&
+      return parameter.grouped && parameter.NamedBlock().empty() && parameter.distribution &&
+             parameter.calls.empty() &&
              (parameter.type == ParameterType::kReal || parameter.type == ParameterType::kSwitch);
   }
   return false;

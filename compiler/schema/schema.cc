@@ -42,7 +42,7 @@ std::string Domain::Text() const {
 }
 
 std::string Parameter::FullName() const {
-  return grouped && !IsOfJoints() ? "objects." + std::string(name) : std::string(name);
+  return grouped && NamedBlock().empty() ? "objects." + std::string(name) : std::string(name);
 }
 
 std::string Parameter::UnitText() const {
@@ -187,7 +187,7 @@ std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped) {
   for (const Parameter& parameter : kParameters) {
     std::string_view rest = parameter.name;
     if (parameter.grouped != grouped) continue;
-    if (block.empty() && parameter.IsOfJoints()) continue;
+    if (block.empty() && !parameter.NamedBlock().empty()) continue;
     if (!block.empty()) {
       if (!rest.starts_with(std::string(block) + ".")) continue;
       rest.remove_prefix(block.size() + 1);

@@ -58,12 +58,15 @@ enum class Concern {
   kReport,       ///< what is asked of the results; in the head of a plan, and in no run
 };
 
-/// The block of a joint at the top level: the rows `joints.type` and so on are grouped, by joint.
-inline constexpr std::string_view kJointsBlock = "joints";
-/// True for `joints` and the blocks within.
-constexpr bool IsOfJoints(std::string_view path) {
-  return path == kJointsBlock ||
-         (path.starts_with(kJointsBlock) && path[kJointsBlock.size()] == '.');
+/// The blocks at the top level, other than `objects`, of which there may be several with names: the
+/// rows `joints.type`, `queries.count` and so on are grouped, by block.
+inline constexpr std::string_view kJointsBlock = "joints", kQueriesBlock = "queries";
+inline constexpr std::string_view kNamedBlocks[] = {kJointsBlock, kQueriesBlock};
+/// The one of these that `path` is, or is within; empty for the world and for objects.
+constexpr std::string_view NamedBlockOf(std::string_view path) {
+  for (const std::string_view block : kNamedBlocks)
+    if (path == block || (path.starts_with(block) && path[block.size()] == '.')) return block;
+  return {};
 }
 
 /// A row. Absence of a parameter from a plan means its first default, and ids of runs are hashes of
@@ -79,7 +82,7 @@ struct Parameter {
   };
 
   std::string_view name = {};  ///< without its group: `world.side`; `size`
-  bool grouped = false;        ///< one for each `objects` group, or for each joint (IsOfJoints)
+  bool grouped = false;        ///< one for each `objects` group, or for each block of NamedBlock
   ParameterType type = ParameterType::kReal;
   Domain domain = {};
   bool distribution = false;            ///< may be drawn (for each object; for the world, once)
@@ -101,9 +104,10 @@ struct Parameter {
   /// The parameter of the world whose value in the reference run this is, unless it is `same`.
   std::string_view of_reference = {};
 
-  /// Within its group or joint: `size`, `links.type`; `damping` of a joint.
-  std::string_view OwnName() const {
-    return IsOfJoints() ? name.substr(kJointsBlock.size() + 1) : name;
+  /// Within its group or block: `size`, `links.type`; `damping` of a joint.
+  constexpr std::string_view OwnName() const {
+    const std::string_view block = NamedBlock();
+    return block.empty() ? name : name.substr(block.size() + 1);
   }
   /// `m`; `rad, or m of a slider`.
   std::string UnitText() const;
@@ -111,8 +115,8 @@ struct Parameter {
   std::string_view DefaultText() const {
     return later_default.empty() ? first_default : later_default;
   }
-  /// True if it belongs to a block `joints NAME { }`, not to a group of objects.
-  constexpr bool IsOfJoints() const;
+  /// `joints` of `joints.type`; empty if it belongs to the world or to a group of objects.
+  constexpr std::string_view NamedBlock() const { return NamedBlockOf(name); }
   bool IsIgnoredBy(DerivedScene scene) const { return (ignored_by & scene) != 0; }
   /// `objects.size`, `timestep`.
   std::string FullName() const;
@@ -136,16 +140,14 @@ struct Parameter {
   std::string Takes(std::span<const PluginDetector> plugins = {}) const;
 };
 
-constexpr bool Parameter::IsOfJoints() const { return schema::IsOfJoints(name); }
-
 /// True if `word` is one of the space-separated `words`, as in the tables of schema and series.
 bool ListsWord(std::string_view words, std::string_view word);
 
 std::span<const Parameter> Schema();
 
 /// The blocks that can be used in `block` (a path such as `accuracy`, or empty) and only shorten
-/// names: `world`, `solver`; in a group of objects, those of the group; in `joints`, its own. They
-/// are the parts before the dots in the schema's names, in its order.
+/// names: `world`, `solver`; in a group of objects, those of the group; in `joints` and `queries`,
+/// their own. They are the parts before the dots in the schema's names, in its order.
 std::vector<std::string_view> BlocksIn(std::string_view block, bool grouped);
 
 /// Looks up a name known only at run time; null if there is none. `name` is without its group. A

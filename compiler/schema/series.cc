@@ -13,6 +13,8 @@ std::uint64_t ExtentOf(Dimension dimension, const RunExtents& run) {
       return run.objects;
     case Dimension::kBoxBody:
       return run.bodies;
+    case Dimension::kQueryRow:
+      return run.queries;
     default:
       return InfoOf(dimension).labels.size();
   }
@@ -26,7 +28,9 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
                              kOfPose[] = {kCycle, kBody, Dimension::kPose},
                              kOfBox[] = {kCycle, kBoxBody, kBound},
                              kOfFilter[] = {kBoxBody, Dimension::kFilter},
-                             kOfSample[] = {Dimension::kSample};
+                             kOfSample[] = {Dimension::kSample},
+                             kOfQuery[] = {Dimension::kQuery, kCycle},
+                             kOfAnswer[] = {kCycle, kQueryRow, Dimension::kAnswer};
   switch (shape) {
     case SeriesShape::kScalar:
       return kOfScalar;
@@ -40,6 +44,10 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
       return kOfFilter;
     case SeriesShape::kSample:
       return kOfSample;
+    case SeriesShape::kQuery:
+      return kOfQuery;
+    case SeriesShape::kAnswer:
+      return kOfAnswer;
   }
   return {};
 }

@@ -32,6 +32,8 @@ inline constexpr RecordWord kRecordWords[] = {
     {.name = "memory", .on_traces = true},
     {.name = "pairs", .needs_detection = true, .on_traces = true},
     {.name = "boxes", .needs_detection = true},
+    {.name = "queries"},
+    {.name = "query_errors"},
 };
 
 /// The phases of a cycle, in the order of the `phase` axis. Each is timed separately, in
@@ -43,9 +45,26 @@ inline constexpr std::string_view kPoseParts[] = {"x", "y", "z", "qx", "qy", "qz
 inline constexpr std::string_view kBounds[] = {"lower_x", "lower_y", "lower_z",
                                                "upper_x", "upper_y", "upper_z"};
 inline constexpr std::string_view kFilterParts[] = {"group", "mask", "fixed"};
+/// The words of `queries.type`, in the order of the `query` axis.
+enum class QueryType { kRay, kSweep, kOverlap, kNearest };
+inline constexpr std::string_view kQueryTypes[] = {"ray", "sweep", "overlap", "nearest"};
+inline constexpr std::string_view kAnswerParts[] = {"body", "distance", "normal_x", "normal_y",
+                                                    "normal_z"};
 
 /// A dimension of series in addition to the axes of the sweep.
-enum class Dimension { kPhase, kCycle, kBody, kPose, kBoxBody, kBound, kFilter, kSample };
+enum class Dimension {
+  kPhase,
+  kCycle,
+  kBody,
+  kPose,
+  kBoxBody,
+  kBound,
+  kFilter,
+  kSample,
+  kQuery,
+  kQueryRow,
+  kAnswer
+};
 
 struct DimensionInfo {
   std::string_view name;
@@ -68,6 +87,12 @@ inline constexpr DimensionInfo kDimensions[] = {
     {.name = "bound", .doc = "side of a box", .labels = kBounds},
     {.name = "filter", .doc = "collision filter of a body", .labels = kFilterParts},
     {.name = "sample", .doc = "simulated time of a sample, warm-up included"},
+    {.name = "query", .doc = "type of a query", .labels = kQueryTypes},
+    {.name = "query_row", .doc = "query, in the order of its block and within it"},
+    {.name = "answer",
+     .doc = "part of the answer to a query",
+     .labels = kAnswerParts,
+     .units = "1 m 1 1 1"},
 };
 constexpr const DimensionInfo& InfoOf(Dimension dimension) {
   return kDimensions[static_cast<std::size_t>(dimension)];
@@ -92,6 +117,8 @@ enum class SeriesShape {
   kBox,
   kFilter,  ///< once per run
   kSample,  ///< errors, which are not part of a recording
+  kQuery,   ///< a value for each type of query and each cycle
+  kAnswer,
 };
 std::span<const Dimension> DimensionsOf(SeriesShape shape);
 
@@ -99,7 +126,8 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape);
 struct RunExtents {
   std::uint64_t cycles = 0;
   std::uint64_t objects = 0;
-  std::uint64_t bodies = 0;  ///< objects, and the walls that are present
+  std::uint64_t bodies = 0;   ///< objects, and the walls that are present
+  std::uint64_t queries = 0;  ///< of all blocks
 };
 
 struct Series {
@@ -111,6 +139,7 @@ struct Series {
   std::string_view doc;        ///< the dataset's long_name
   OnTraces on_traces = OnTraces::kNone;
   bool may_be_none = false;  ///< NaN or infinite in a cycle without anything to measure
+  bool of_queries = false;   ///< recorded only by runs with queries
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
   /// The position of the cycle among its dimensions; nullopt if it has one value per run.
@@ -188,6 +217,16 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "max_depth_error", .records = "pairs", .doc = "largest error of the depth of an exact contact, in sizes of the smaller object", .on_traces = kNarrow, .may_be_none = true},
     {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .on_traces = kNarrow, .may_be_none = true},
     {.name = "max_normal_error", .records = "pairs", .unit = "rad", .doc = "largest error of the normal of an exact contact", .on_traces = kNarrow, .may_be_none = true},
+    {.name = "query_time", .records = "timing", .shape = kQuery, .unit = "ns", .doc = "time of all queries of a type in a cycle, which is not part of step; 0 in a cycle without any", .of_queries = true},
+    {.name = "query_update_time", .records = "timing", .unit = "ns", .doc = "time to build or refit cdb's own tree for the queries of a cycle; 0 without it", .of_queries = true},
+    {.name = "query_count", .records = "counts", .type = kInt32, .shape = kQuery, .doc = "queries of a type in the cycle", .of_queries = true},
+    {.name = "query_hits", .records = "counts", .type = kInt32, .shape = kQuery, .doc = "bodies that these queries found", .of_queries = true},
+    {.name = "answers", .records = "queries", .shape = kAnswer, .doc = "the first hit of each query: index of the body (the walls -x +x -y +y -z +z follow the last object), distance along the ray or to the body, unit normal of the body; no value: no hit, or not asked in this cycle", .may_be_none = true, .of_queries = true},
+    {.name = "compared_queries", .records = "query_errors", .type = kInt32, .shape = kQuery, .doc = "queries compared with an exact answer, by brute force in double precision; the others only graze a body", .of_queries = true},
+    {.name = "missed_hits", .records = "query_errors", .type = kInt32, .shape = kQuery, .doc = "compared queries that did not find a body, or found one behind it", .of_queries = true},
+    {.name = "false_hits", .records = "query_errors", .type = kInt32, .shape = kQuery, .doc = "compared queries that found a body where there is none", .of_queries = true},
+    {.name = "hit_error", .records = "query_errors", .shape = kQuery, .unit = "m", .doc = "largest error of the distance of the other hits", .may_be_none = true, .of_queries = true},
+    {.name = "hit_normal_error", .records = "query_errors", .shape = kQuery, .unit = "rad", .doc = "largest error of the normal of the other hits, where the body has one", .may_be_none = true, .of_queries = true},
 });
 // clang-format on
 }  // namespace series_table

@@ -214,6 +214,7 @@ void RunText::Set(const plan::Scene& scene) {
   is_changed = Update(scene.world, "  ", world_) || is_changed;
   is_changed = UpdateAll(scene.groups, "name", groups_) || is_changed;
   is_changed = UpdateAll(scene.joints, "joint", joints_) || is_changed;
+  is_changed = UpdateAll(scene.queries, "queries", queries_) || is_changed;
   if (!is_changed && role_ == scene.role && seeds_ == scene.seeds && plugins_ == scene.plugins)
     return;
   role_ = scene.role;
@@ -237,6 +238,8 @@ void RunText::Join(const plan::Scene& scene) {
   Append("group", groups_);
   if (!joints_.empty()) add("joints:\n");
   Append("joint", joints_);
+  if (!queries_.empty()) add("queries:\n");
+  Append("queries", queries_);
   add(seeds_.empty() ? "seeds:\n  {}\n" : "seeds:\n");
   for (const auto& [stream, seed] : seeds_) add(fmt::format("  {}: {:#018x}\n", stream, seed));
   canonical_ += plan::CanonicalTail(scene);
@@ -349,6 +352,7 @@ void EraseIgnored(bool grouped, DerivedScenes by, plan::Settings& settings) {
 plan::Scene QuietScene(const plan::Scene& scene, DerivedScenes ignored) {
   plan::Scene quiet = scene;
   quiet.role = plan::Role::kMeasured;
+  quiet.DropQueries();
   EraseIgnored(false, ignored, quiet.world);
   quiet.world.Set("omit", schema::WordList{"none"});
   quiet.world.Set("record", schema::WordList{});

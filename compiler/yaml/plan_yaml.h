@@ -82,7 +82,7 @@ class RunText {
 
   std::string indent_;
   Lines world_;
-  std::vector<GroupLines> groups_, joints_;
+  std::vector<GroupLines> groups_, joints_, queries_;
   plan::Role role_ = plan::Role::kMeasured;
   std::map<std::string, std::uint64_t, std::less<>> seeds_;
   std::vector<schema::PluginDetector> plugins_;

@@ -12,6 +12,7 @@
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
@@ -284,19 +285,25 @@ class PlanReader : public ValueReader {
  public:
   using ValueReader::ValueReader;
 
-  /// Appends the settings as they are listed to `canonical`.
+  /// The key of the name of a group, or of a block of schema::kNamedBlocks.
+  static std::string_view NameKey(std::string_view block) {
+    return block == schema::kJointsBlock ? "joint" : block.empty() ? "name" : block;
+  }
+
+  /// Appends the settings as they are listed to `canonical`. `block`: of schema::kNamedBlocks, or
+  /// empty.
   template <bool kGrouped>
   plan::SettingsOf<kGrouped> ReadSettings(const YAML::Node& map, std::string& canonical,
                                           std::span<const schema::PluginDetector> plugins = {},
-                                          bool is_joint = false) const {
+                                          std::string_view block = {}) const {
     if (!map.IsMap()) Fail(map.Mark(), "expected a map of settings");
     plan::SettingsOf<kGrouped> settings;
     std::map<std::string_view, std::string> lines;
     for (const auto& entry : map) {
       const std::string& key = Text(entry.first);
-      if (kGrouped && key == (is_joint ? "joint" : "name")) continue;
+      if (kGrouped && key == NameKey(block)) continue;
       const schema::Parameter* parameter = schema::FindParameter(key, kGrouped);
-      if (parameter == nullptr || parameter->IsOfJoints() != is_joint)
+      if (parameter == nullptr || parameter->NamedBlock() != block)
         Fail(entry.first.Mark(), fmt::format("this version has no parameter `{}`", key));
       schema::Value value = ReadValue(entry.second, *parameter, plugins);
       lines[parameter->name] = plan::CanonicalLine(parameter->name, value);
@@ -341,10 +348,20 @@ class PlanReader : public ValueReader {
       for (const YAML::Node& joint : node["joints"]) {
         const std::string name = Name(Member(joint, "joint"));
         canonical += "joint " + name + "\n";
-        run.scene.joints.push_back({name, ReadSettings<true>(joint, canonical, {}, true)});
+        run.scene.joints.push_back(
+            {name, ReadSettings<true>(joint, canonical, {}, schema::kJointsBlock)});
         CheckJoint(run.scene, run.scene.joints.back(), joint);
       }
     if (const auto fault = analysis::FindReducedFault(run.scene)) Fail(node.Mark(), fault->message);
+    if (node["queries"])
+      for (const YAML::Node& queries : node["queries"]) {
+        const std::string name = Name(Member(queries, "queries"));
+        canonical += "queries " + name + "\n";
+        run.scene.queries.push_back(
+            {name, ReadSettings<true>(queries, canonical, {}, schema::kQueriesBlock)});
+        if (const auto fault = analysis::FindQueryFault(run.scene.queries.back()))
+          Fail(queries.Mark(), fault->message);
+      }
     if (analysis::Collisions(run.scene).ClassCount() > analysis::kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
                                     analysis::kMostCollisionClasses));

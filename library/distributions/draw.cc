@@ -105,15 +105,15 @@ Stream NamedStream(const plan::Scene& scene, std::string_view group, std::string
   return Stream(found->second);
 }
 
-Draw::Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter)
+Draw::Draw(const plan::Scene& scene, const plan::Settings& settings, std::string_view owner,
+           const schema::Parameter& parameter)
     : parameter_(&parameter),
-      value_(&DrawnBy(group != nullptr ? group->settings.ValueOf(parameter)
-                                       : scene.world.ValueOf(parameter))),
+      value_(&DrawnBy(settings.ValueOf(parameter))),
       distribution_(AsDistribution(*value_)),
-      name_(FullName(group != nullptr ? group->name : "", parameter.name)),
+      name_(FullName(owner, parameter.OwnName())),
       stream_(distribution_ == nullptr && !IsRandomWord(*value_)
                   ? Stream(0)
-                  : NamedStream(scene, group != nullptr ? group->name : "", parameter.name)) {}
+                  : NamedStream(scene, owner, parameter.OwnName())) {}
 
 const Value& Draw::Choose() {
   const Value* value = value_;

@@ -26,12 +26,18 @@ class Draw {
 
   /// Throws SceneError if the plan has no seed for a distribution.
   Draw(const plan::Scene& scene, schema::ParameterRef<false, schema::ValueKind::kDrawn> parameter)
-      : Draw(scene, nullptr, *parameter) {}
+      : Draw(scene, scene.world, {}, *parameter) {}
   Draw(const plan::Scene& scene, const plan::Group& group,
        schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter)
-      : Draw(scene, &group, *parameter) {}
+      : Draw(scene, group.settings, group.name, *parameter) {}
+  Draw(const plan::Scene& scene, const plan::Queries& queries,
+       schema::ParameterRef<true, schema::ValueKind::kDrawn> parameter)
+      : Draw(scene, queries.settings, queries.name, *parameter) {}
   /// For a parameter known only at run time; `group` is null for one of the world.
-  Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter);
+  Draw(const plan::Scene& scene, const plan::Group* group, const schema::Parameter& parameter)
+      : Draw(scene,
+             group != nullptr ? static_cast<const plan::Settings&>(group->settings) : scene.world,
+             group != nullptr ? std::string_view(group->name) : std::string_view(), parameter) {}
 
   double Real();
   bool On();
@@ -47,6 +53,9 @@ class Draw {
   Stream& stream() { return stream_; }
 
  private:
+  /// `owner`: the name of the group or block, empty for the world.
+  Draw(const plan::Scene& scene, const plan::Settings& settings, std::string_view owner,
+       const schema::Parameter& parameter);
   const schema::Value& Choose();
   double RealFrom(const schema::Value& value, int component);
   /// True inside the domain of the parameter and the limits of the distribution.

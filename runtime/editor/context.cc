@@ -119,6 +119,9 @@ class ContextFinder {
       context_.expected = Expected::kBase;
     }
   }
+  static bool IsNamedBlock(std::string_view kind) {
+    return !kind.empty() && schema::NamedBlockOf(kind) == kind;
+  }
   static bool IsAssign(const Token& token) { return token.kind == TokenKind::kAssign; }
 
   /// A case is not a block level of its own: its statements belong to the benchmark.
@@ -127,10 +130,10 @@ class ContextFinder {
       const Block& block = blocks_[i];
       if (block.kind == "cases") {
         ++i;  // skip the case itself
-      } else if ((block.kind == "objects" || block.kind == schema::kJointsBlock) &&
-                 context_.block.empty() && !context_.is_grouped) {
+      } else if ((block.kind == "objects" || IsNamedBlock(block.kind)) && context_.block.empty() &&
+                 !context_.is_grouped) {
         context_.is_grouped = true;
-        if (block.kind == schema::kJointsBlock) context_.block = block.kind;
+        if (IsNamedBlock(block.kind)) context_.block = block.kind;
         context_.group = block.label.empty() ? block.kind : block.label;
       } else {
         context_.block = Joined(context_.block, block.kind);
@@ -148,7 +151,7 @@ class ContextFinder {
     } else if (Word(0) == "skip") {
       context_.expected = Expected::kCondition;
       FindCompared();
-    } else if (Word(0) != "cases" && Word(0) != "objects" && Word(0) != schema::kJointsBlock) {
+    } else if (Word(0) != "cases" && Word(0) != "objects" && !IsNamedBlock(Word(0))) {
       context_.parameter = ParameterAt(context_, std::string(Word(0)));
       context_.expected = Expected::kValue;
     }
@@ -199,8 +202,9 @@ const schema::Parameter* ParameterAt(const Context& context, const std::string& 
   const std::size_t dot = path.find('.');
   const std::string own = dot == path.npos ? path : path.substr(dot + 1);
   const auto* of_group = schema::FindParameter(own, true);
-  return of_group != nullptr ? of_group
-                             : schema::FindParameter(Joined(schema::kJointsBlock, own), true);
+  for (const std::string_view block : schema::kNamedBlocks)
+    if (of_group == nullptr) of_group = schema::FindParameter(Joined(block, own), true);
+  return of_group;
 }
 
 namespace {

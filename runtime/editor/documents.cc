@@ -246,10 +246,11 @@ class SymbolCollector {
 
   static Place Inside(const Place& place, const dsl::Group& group) {
     Place inner = place;
-    const bool is_joint = group.kind.text == schema::kJointsBlock;
-    if (place.group.empty() && place.block.empty() && (group.kind.text == "objects" || is_joint)) {
+    const std::string_view block = schema::NamedBlockOf(group.kind.text);
+    if (place.group.empty() && place.block.empty() &&
+        (group.kind.text == "objects" || block == group.kind.text)) {
       inner.group = group.label ? group.label->text : group.kind.text;
-      if (is_joint) inner.block = schema::kJointsBlock;
+      inner.block = block;
     } else {
       inner.block = Joined(place.block, group.kind.text);
     }
@@ -374,9 +375,9 @@ class SymbolCollector {
     const std::size_t dot = path.find('.');
     if (place.parameter == nullptr && !is_grouped && dot != path.npos) {
       place.parameter = schema::FindParameter(path.substr(dot + 1), true);
-      if (place.parameter == nullptr)
-        place.parameter =
-            schema::FindParameter(Joined(schema::kJointsBlock, path.substr(dot + 1)), true);
+      for (const std::string_view block : schema::kNamedBlocks)
+        if (place.parameter == nullptr)
+          place.parameter = schema::FindParameter(Joined(block, path.substr(dot + 1)), true);
     }
     for (const auto& value : setting.values) Refer(*value, place);
   }

@@ -264,13 +264,13 @@ class Completer {
     const std::string prefix = context_.block.empty() ? "" : context_.block + ".";
     for (const Parameter& parameter : schema::Schema())
       if (parameter.grouped == context_.is_grouped && parameter.name.starts_with(prefix) &&
-          parameter.IsOfJoints() == schema::IsOfJoints(context_.block))
+          parameter.NamedBlock() == schema::NamedBlockOf(context_.block))
         Add(std::string(parameter.name.substr(prefix.size())), ItemKind::kProperty, parameter.doc);
     for (const std::string_view block : schema::BlocksIn(context_.block, context_.is_grouped))
       Add(std::string(block), ItemKind::kModule, "a block");
     AddWord("let", ItemKind::kKeyword);
     if (context_.is_grouped || !context_.block.empty()) return;
-    for (const char* word : {"objects", "joints", "cases", "skip"})
+    for (const char* word : {"objects", "joints", "queries", "cases", "skip"})
       AddWord(word, ItemKind::kKeyword);
     for (const Parameter& parameter : schema::Schema())
       if (parameter.grouped) Add(parameter.FullName(), ItemKind::kProperty, parameter.doc);

@@ -215,6 +215,7 @@ class SceneDifferences {
     AddSettings("", a.world, b.world);
     AddNamed("group of objects", a.groups, b.groups);
     AddNamed("joint", a.joints, b.joints);
+    AddNamed("queries", a.queries, b.queries);
     // The streams follow from the distributions, and their seeds from `seed`.
     if (a.seeds != b.seeds && a.world.Count("seed") == b.world.Count("seed"))
       AddTexts("random streams", StreamsOnlyIn(a, b), StreamsOnlyIn(b, a));
@@ -238,7 +239,7 @@ class SceneDifferences {
   }
 
  private:
-  /// Groups or joints.
+  /// Groups, joints or queries.
   template <typename Part>
   void AddNamed(const std::string& what, const std::vector<Part>& a, const std::vector<Part>& b) {
     for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {

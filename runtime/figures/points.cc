@@ -491,7 +491,9 @@ namespace {
 
 /// True if the scenes simulated in two runs differ, whatever the methods.
 bool AreDifferentScenes(const plan::Scene& one, const plan::Scene& other) {
-  if (one.groups.size() != other.groups.size() || one.joints != other.joints) return true;
+  if (one.groups.size() != other.groups.size() || one.joints != other.joints ||
+      one.queries.size() != other.queries.size())
+    return true;
   const auto differ = [](const plan::Settings& a, const plan::Settings& b,
                          const schema::Parameter& parameter) {
     return (a.Has(parameter) || b.Has(parameter)) && a.ValueOf(parameter) != b.ValueOf(parameter);
@@ -499,9 +501,12 @@ bool AreDifferentScenes(const plan::Scene& one, const plan::Scene& other) {
   return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& parameter) {
     if (parameter.concern != schema::Concern::kScene) return false;
     if (!parameter.grouped) return differ(one.world, other.world, parameter);
-    for (std::size_t i = 0; i < one.groups.size(); ++i)
-      if (differ(one.groups[i].settings, other.groups[i].settings, parameter)) return true;
-    return false;
+    const auto any_differs = [&](const auto& a, const auto& b) {
+      for (std::size_t i = 0; i < a.size(); ++i)
+        if (differ(a[i].settings, b[i].settings, parameter)) return true;
+      return false;
+    };
+    return any_differs(one.groups, other.groups) || any_differs(one.queries, other.queries);
   });
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/queries.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/points.h"
 #include "runtime/printers/show.h"
@@ -492,9 +493,35 @@ class Verified {
 
 }  // namespace
 
+namespace {
+
+/// False if cdb's own tree gave a wrong answer: in a run in which nobody else answers.
+bool AnswersOfTreeAreGood(const results::ResultFile& file) {
+  if (!file.Has("missed_hits")) return true;
+  const std::optional<plan::Plan> plan = figures::ReadPlan(file);
+  if (!plan) return true;
+  return std::ranges::none_of(plan->runs, [&](const plan::Run& run) {
+    const results::ResultFile::Cell cell{run.at, run.rep};
+    if (analysis::FindBulletQueries(run.scene) != nullptr ||
+        file.ReadStatus(cell) != results::Status::kDone)
+      return false;
+    for (std::size_t type = 0; type < protocol::kQueryTypeCount; ++type)
+      for (const char* series : {"missed_hits", "false_hits"})
+        for (const double count :
+             file.ReadOfQueries(series, static_cast<schema::QueryType>(type), cell))
+          if (count > 0) return true;
+    return false;
+  });
+}
+
+}  // namespace
+
 VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out) {
   const Verified verified(file);
-  return {TextOf(verified.Made(left_out), Format::kTerminal), verified.IsGood()};
+  Document document = verified.Made(left_out);
+  const figures::Model model(file, {});
+  AddQueries(model, figures::AllAxes(file), document);
+  return {TextOf(document, Format::kTerminal), verified.IsGood() && AnswersOfTreeAreGood(file)};
 }
 
 namespace {

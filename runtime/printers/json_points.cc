@@ -17,6 +17,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/coverage.h"
+#include "runtime/figures/queries.h"
 
 namespace cdb::printers {
 namespace {
@@ -73,6 +74,7 @@ class PointColumns {
     AddFacts(columns);
     if (model_.HasTimes()) AddTimes(columns);
     if (!IsLarge(model_)) AddCounts(columns);
+    if (!IsLarge(model_)) AddQueries(columns);
     AddErrors(columns);
     Json all = {{"at", IsLarge(model_) ? FlatIndices() : Column([](const GridPoint& point) -> Json {
                    return point.at;
@@ -187,6 +189,31 @@ class PointColumns {
     for (const std::string& name : DocumentedMemory(model_))
       all["memory"][name] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.MemoryOf(point, name); });
+  }
+
+  /// Of each type of queries.
+  void AddQueries(Json& all) const {
+    if (!figures::HasQueries(model_.file())) return;
+    using figures::QueryFigures;
+    constexpr std::pair<const char*, double QueryFigures::*> kColumns[] = {
+        {"count", &QueryFigures::count},
+        {"hits", &QueryFigures::hits},
+        {"time", &QueryFigures::time_ns},
+        {"update_time", &QueryFigures::update_ns},
+        {"ns_per_query", &QueryFigures::ns_per_query},
+        {"compared", &QueryFigures::compared},
+        {"missed", &QueryFigures::missed},
+        {"false", &QueryFigures::wrong},
+        {"error", &QueryFigures::error},
+        {"normal_error", &QueryFigures::normal_error}};
+    for (std::size_t type = 0; type < protocol::kQueryTypeCount; ++type)
+      for (const auto& [name, figure] : kColumns)
+        all["queries"][std::string(schema::kQueryTypes[type])][name] =
+            MeasuredColumn([&, figure = figure](const MeasuredPoint& point) {
+              const MeasuredPoint* const points[] = {&point};
+              return figures::QueriesOf(file_, points, static_cast<schema::QueryType>(type)).*
+                     figure;
+            });
   }
 
   void AddErrors(Json& all) const {

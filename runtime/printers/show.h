@@ -144,6 +144,11 @@ void AddPhases(const figures::Model& model, const std::vector<std::size_t>& by,
 /// `by`.
 void AddPairs(const figures::Model& model, const std::vector<std::size_t>& by, Document& document);
 
+/// A table for each type of queries, if there are any: counts, hits and times in a cycle, and
+/// errors against exact answers. A row for each value on the axes `by`.
+void AddQueries(const figures::Model& model, const std::vector<std::size_t>& by,
+                Document& document);
+
 /// Two tables for each of `phases` (detect if that is empty), if the file compares detectors: mean
 /// and worst cycle, pairs, faults and
 /// memory of each detector, in the order of their axis, at each point of the other axes, or of `by`

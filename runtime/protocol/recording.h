@@ -159,6 +159,15 @@ class Recording {
   void Put(schema::RealSeries series, std::size_t cycle, double value) {
     if (const auto values = Reals(series); !values.empty()) values[cycle] = value;
   }
+  /// The same for a series with a value for each type of query, which the cycles follow.
+  void PutRow(schema::IntSeries series, std::size_t cycle,
+              const std::array<std::int32_t, kQueryTypeCount>& row) {
+    PutColumn(Ints(series), cycle, row);
+  }
+  void PutRow(schema::RealSeries series, std::size_t cycle,
+              const std::array<double, kQueryTypeCount>& row) {
+    PutColumn(Reals(series), cycle, row);
+  }
   /// The values of the series as bytes.
   std::span<const std::byte> Bytes(const Series& series) const { return Find(series); }
   /// The run's samples, in the layout of SampleShapeOf the scene; empty if it requests no errors.
@@ -166,6 +175,13 @@ class Recording {
 
  private:
   Recording(int fd, const plan::Scene& scene, bool create);
+  template <typename T>
+  static void PutColumn(std::span<T> values, std::size_t cycle,
+                        const std::array<T, kQueryTypeCount>& row) {
+    const std::size_t cycles = values.size() / row.size();
+    if (values.empty()) return;
+    for (std::size_t i = 0; i < row.size(); ++i) values[i * cycles + cycle] = row[i];
+  }
   /// `series`: an element of the table.
   std::span<std::byte> Find(const Series& series) const;
 

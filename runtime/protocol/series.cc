@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
@@ -9,7 +10,8 @@
 namespace cdb::protocol {
 
 RunExtents ExtentsOf(const plan::Scene& scene) {
-  return {scene.world.Count("cycles"), scene.ObjectCount(), analysis::BodyCount(scene)};
+  return {scene.world.Count("cycles"), scene.ObjectCount(), analysis::BodyCount(scene),
+          scene.QueryCount()};
 }
 
 namespace {
@@ -38,6 +40,7 @@ bool IsRecordedIn(RunKind kind, schema::OnTraces on_traces) {
 
 bool IsRecordedBy(const Series& series, const plan::Scene& scene) {
   if (!IsRecordedIn(KindOf(scene), series.on_traces)) return false;
+  if (series.of_queries && !analysis::HasQueries(scene)) return false;
   return std::ranges::any_of(scene.world.Words("record"), [&](const std::string& word) {
     return schema::ListsWord(series.records, word);
   });
@@ -51,8 +54,10 @@ bool IsRecordedBy(const Series& series, const plan::Plan& plan) {
 const std::vector<const Series*>& RecordedSeriesOf::Find(const plan::Scene& scene) {
   const int kind = static_cast<int>(KindOf(scene));
   const schema::Value& record = scene.world.Get("record");
-  if (kind == kind_ && record == record_) return series_;
+  const bool asks = analysis::HasQueries(scene);
+  if (kind == kind_ && record == record_ && asks == asks_) return series_;
   kind_ = kind;
+  asks_ = asks;
   record_ = record;
   series_.clear();
   for (const Series& series : AllSeries())

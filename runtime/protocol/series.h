@@ -44,6 +44,7 @@ class RecordedSeriesOf {
  private:
   int kind_ = -1;  ///< of run: in a live world, on boxes, on pairs; -1 before the first
   schema::Value record_;
+  bool asks_ = false;  ///< it has queries
   std::vector<const Series*> series_;
 };
 
@@ -52,6 +53,8 @@ inline constexpr std::size_t kPhaseCount = std::size(schema::kPhases);
 constexpr std::size_t IndexOf(Phase phase) { return static_cast<std::size_t>(phase); }
 inline std::span<const std::string_view> PhaseNames() { return schema::kPhases; }
 
+inline constexpr std::size_t kQueryTypeCount = std::size(schema::kQueryTypes);
+inline constexpr std::size_t kAnswerSize = std::size(schema::kAnswerParts);
 inline constexpr std::size_t kPoseSize = std::size(schema::kPoseParts);
 inline constexpr std::size_t kBoxSize = std::size(schema::kBounds);
 inline constexpr std::size_t kFilterSize = std::size(schema::kFilterParts);

@@ -34,7 +34,7 @@ std::string GroupOf(const std::string& path) { return path.substr(0, path.rfind(
 hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
   hdf5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
-  for (const char* name : {"cycle", "sample", "body", "box_body", "contact_row"}) {
+  for (const char* name : {"cycle", "sample", "body", "box_body", "query_row", "contact_row"}) {
     const auto found = std::ranges::find(array.dimensions, GroupOf(array.name) + name);
     if (found == array.dimensions.end()) continue;
     hdf5::SplitEvenly(chunk, static_cast<std::size_t>(found - array.dimensions.begin()),
@@ -56,6 +56,8 @@ class Maker {
     if (facts_.poses) AddCounted("", protocol::Dimension::kBody, facts_.bodies);
     if (facts_.poses) AddLabelled(protocol::Dimension::kPose);
     if (facts_.boxes) AddBoxDimensions();
+    if (std::ranges::any_of(facts_.series, [](const auto* series) { return series->of_queries; }))
+      AddQueryDimensions();
     if (facts_.contacts) AddContactDimensions(contact_rows);
     AddGrid(std::string(kRunGroup));
     const bool has_errors = facts_.samples > 0;
@@ -173,6 +175,13 @@ class Maker {
     AddCounted("", protocol::Dimension::kBoxBody, facts_.box_bodies);
     AddLabelled(protocol::Dimension::kBound);
     AddLabelled(protocol::Dimension::kFilter);
+  }
+
+  void AddQueryDimensions() {
+    AddLabelled(protocol::Dimension::kQuery);
+    if (!facts_.answers) return;
+    AddCounted("", protocol::Dimension::kQueryRow, facts_.queries);
+    AddLabelled(protocol::Dimension::kAnswer);
   }
 
   void AddSampleDimension(const std::string& group) {
@@ -414,6 +423,12 @@ void CheckAxisNames(const plan::Plan& plan) {
                       plan.source.empty() ? "the scenario" : "'" + plan.source + "'"));
 }
 
+std::uint64_t MaxQueries(const plan::Plan& plan) {
+  std::uint64_t most = 0;
+  for (const plan::Run& run : plan.Bounds()) most = std::max(most, run.scene.QueryCount());
+  return most;
+}
+
 }  // namespace
 
 PlanFacts::PlanFacts(const plan::Plan& plan)
@@ -421,9 +436,11 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
       cycles(std::max<std::uint64_t>(1, plan.MaxCycles())),
       bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
       box_bodies(std::max<std::uint64_t>(1, analysis::MaxBodyCount(plan))),
+      queries(std::max<std::uint64_t>(1, MaxQueries(plan))),
       poses(plan.Records("poses")),
       boxes(plan.Records("boxes")),
-      contacts(plan.Records("contacts")) {
+      contacts(plan.Records("contacts")),
+      answers(plan.Records("queries")) {
   CheckAxisNames(plan);
   for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
   series = protocol::RecordedSeries(plan);

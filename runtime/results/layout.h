@@ -64,8 +64,9 @@ struct PlanFacts {
   std::uint64_t cycles;                         ///< extent of `cycle`
   std::uint64_t bodies;                         ///< extent of `body`
   std::uint64_t box_bodies;                     ///< extent of `box_body`
+  std::uint64_t queries;                        ///< extent of `query_row`
   std::vector<const protocol::Series*> series;  ///< recorded by some run
-  bool poses, boxes, contacts;                  ///< some run records them
+  bool poses, boxes, contacts, answers;         ///< some run records them
   std::vector<RunNumber> numbers;               ///< RunNumbers(), and those of /accuracy
   std::vector<RunText> texts;                   ///< RunTexts(), and those of /accuracy
   std::vector<protocol::Series> error_series;   ///< of /accuracy, over `sample`

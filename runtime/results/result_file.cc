@@ -163,6 +163,18 @@ struct ResultFile::Impl {
     return values;
   }
 
+  /// The cycles of one of the `rows` of a series.
+  std::vector<double> Row(std::string_view dataset, std::size_t row, std::size_t rows,
+                          const Cell& cell) {
+    CDB_CHECK(row < rows);
+    return Reading([&] {
+      const std::vector<double>& block = Block(dataset, cell, {rows, cycles});
+      const std::size_t count = CyclesOf(cell);
+      const auto begin = block.begin() + static_cast<long>(row * count);
+      return std::vector(begin, begin + static_cast<long>(count));
+    });
+  }
+
   /// Opens an array, once.
   hdf5::Dataset& Opened(std::string_view dataset) {
     auto found = opened_arrays.find(dataset);
@@ -374,14 +386,12 @@ std::vector<double> ResultFile::ReadSeries(std::string_view dataset, const Cell&
 }
 
 std::vector<double> ResultFile::ReadDuration(protocol::Phase phase, const Cell& cell) const {
-  CDB_CHECK(protocol::IndexOf(phase) < protocol::kPhaseCount);
-  return impl_->Reading([&] {
-    const std::vector<double>& block =
-        impl_->Block("duration", cell, {protocol::kPhaseCount, impl_->cycles});
-    const std::size_t count = impl_->CyclesOf(cell);
-    const auto begin = block.begin() + static_cast<long>(protocol::IndexOf(phase) * count);
-    return std::vector(begin, begin + static_cast<long>(count));
-  });
+  return impl_->Row("duration", protocol::IndexOf(phase), protocol::kPhaseCount, cell);
+}
+
+std::vector<double> ResultFile::ReadOfQueries(std::string_view dataset, schema::QueryType type,
+                                              const Cell& cell) const {
+  return impl_->Row(dataset, static_cast<std::size_t>(type), protocol::kQueryTypeCount, cell);
 }
 
 std::vector<double> ResultFile::ReadSamples(std::string_view dataset, const Cell& cell) const {

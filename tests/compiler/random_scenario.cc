@@ -38,7 +38,7 @@ class Maker {
     for (const schema::Parameter& parameter : schema::Schema()) {
       // Keeps the number of runs small. AddAccuracy sets the accuracy parameters together.
       if (Below(3) != 0 || !MayBeSet(parameter.name) || parameter.name.starts_with("accuracy.") ||
-          parameter.IsOfJoints())
+          !parameter.NamedBlock().empty())
         continue;
       scenario_.settings.push_back(parameter.FullName() + " " + ValueOf(parameter));
     }

@@ -42,8 +42,12 @@ void SeedStreams(plan::Scene& scene, std::uint64_t seed) {
       continue;
     }
     for (const plan::Group& group : scene.groups)
-      if (parameter.distribution || parameter.name == "location")
+      if (parameter.NamedBlock().empty() &&
+          (parameter.distribution || parameter.name == "location"))
         add(group.name + "." + std::string(parameter.name));
+    for (const plan::Queries& queries : scene.queries)
+      if (parameter.NamedBlock() == schema::kQueriesBlock && parameter.distribution)
+        add(queries.name + "." + std::string(parameter.OwnName()));
   }
 }
 

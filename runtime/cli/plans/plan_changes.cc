@@ -30,7 +30,10 @@ class ValuesOfPlan {
       last = &run.at;
       // Groups first: defaults of the world may follow from them.
       for (const plan::Group& group : run.scene.groups) Note(group.name, group.settings);
-      for (const plan::Joint& joint : run.scene.joints) Note(joint.name, joint.settings, true);
+      for (const plan::Joint& joint : run.scene.joints)
+        Note(joint.name, joint.settings, schema::kJointsBlock);
+      for (const plan::Queries& queries : run.scene.queries)
+        Note(queries.name, queries.settings, schema::kQueriesBlock);
       Note("", run.scene.world);
       for (const schema::PluginDetector& plugin : run.scene.plugins)
         Note("plug-in of " + plugin.name, plugin.sha256.substr(0, 12));
@@ -45,13 +48,13 @@ class ValuesOfPlan {
   }
 
  private:
-  void Note(const std::string& group, const plan::Settings& settings, bool is_joint = false) {
+  void Note(const std::string& group, const plan::Settings& settings, std::string_view block = {}) {
     const std::span<const schema::Parameter> schema = schema::Schema();
     std::vector<const schema::Value*>& last = last_[group];
     last.resize(schema.size(), nullptr);
     for (std::size_t i = 0; i < schema.size(); ++i) {
       const schema::Parameter& parameter = schema[i];
-      if (parameter.grouped == group.empty() || parameter.IsOfJoints() != is_joint) continue;
+      if (parameter.grouped == group.empty() || parameter.NamedBlock() != block) continue;
       if (!settings.Has(parameter) && plan::ValueIfAbsent(parameter) == nullptr) continue;
       const schema::Value& value = settings.ValueOf(parameter);
       if (last[i] != nullptr && (last[i] == &value || *last[i] == value)) continue;

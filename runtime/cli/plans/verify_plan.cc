@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/compile.h"
 #include "compiler/schema/catalogue.h"
@@ -115,7 +116,8 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));
     };
-    set("record", schema::WordList{"pairs"});
+    set("record", analysis::HasQueries(run.scene) ? schema::WordList{"pairs", "query_errors"}
+                                                  : schema::WordList{"pairs"});
     set("accuracy.metrics", schema::WordList{"none"});
     set("pair_order", schema::Word{"sorted"});
     set("repeats", std::uint64_t{1});

@@ -130,13 +130,6 @@ using Eigen::Vector3d;
 /// Normals are equivalent if their depths differ by at most this fraction.
 constexpr double kTie = 0.01;
 
-/// The pose in the engine, converted to a quaternion in double precision.
-objects::Pose PoseOf(const btRigidBody& body) {
-  const btTransform& transform = body.getWorldTransform();
-  return {world::ToEigen(transform.getOrigin()),
-          Eigen::Quaterniond(world::ToEigen(transform.getBasis())).normalized()};
-}
-
 /// Bodies whose depth is to be computed.
 struct Candidate {
   BodyPair bodies;
@@ -181,18 +174,6 @@ void Compute(const Candidate& of, ExactContacts& contacts) {
     overlap->has_one_normal = exact::HasOneNormal(of.a, of.pose_a, of.b, of.pose_b, distance, kTie);
 }
 
-/// The solid that the box of a wall is, or the half space behind a plane: as MakeWall of the engine
-/// makes them.
-objects::Solid BoxWall(const btRigidBody& wall) {
-  const auto& box = static_cast<const btBoxShape&>(*wall.getCollisionShape());
-  return {objects::Shape::kCuboid, 2 * world::ToEigen(box.getHalfExtentsWithMargin())};
-}
-exact::HalfSpace PlaneWall(const btRigidBody& wall) {
-  const auto& plane = static_cast<const btStaticPlaneShape&>(*wall.getCollisionShape());
-  const Vector3d normal = world::ToEigen(plane.getPlaneNormal());
-  return {normal, normal.dot(world::ToEigen(wall.getWorldTransform().getOrigin()))};
-}
-
 const btRigidBody& WallOf(const world::Engine& engine, std::uint32_t index) {
   return **std::ranges::find(engine.walls(), static_cast<int>(index),
                              [](const auto& wall) { return wall->getUserIndex(); });
@@ -209,7 +190,7 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   std::vector<Row> rows;
   const auto& objects = engine.initial_state().objects;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    const objects::Pose pose = PoseOf(*engine.objects()[i]);
+    const objects::Pose pose = world::ExactPose(*engine.objects()[i]);
     objects::Box box = objects::Bounds(objects[i].solid, pose.orientation);
     box.lower += pose.position;
     box.upper += pose.position;
@@ -253,17 +234,17 @@ ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyP
     const btRigidBody& a = *engine.objects()[first];
     if (second >= objects.size()) {
       const btRigidBody& wall = WallOf(engine, second);
-      const objects::Pose pose = PoseOf(a);
-      if (wall.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE)
-        Add({first, second}, size_of(first),
-            exact::DistanceOf(objects[first].solid, pose, PlaneWall(wall)), contacts);
+      const objects::Pose pose = world::ExactPose(a);
+      if (const auto plane = world::PlaneOf(wall))
+        Add({first, second}, size_of(first), exact::DistanceOf(objects[first].solid, pose, *plane),
+            contacts);
       else
         candidates.push_back({{first, second},
                               size_of(first),
                               objects[first].solid,
-                              BoxWall(wall),
+                              world::BoxWallSolid(wall),
                               pose,
-                              PoseOf(wall)});
+                              world::ExactPose(wall)});
       continue;
     }
     const btRigidBody& b = *engine.objects()[second];
@@ -273,8 +254,8 @@ ExactContacts ExactOverlaps(const world::Engine& engine, const std::vector<BodyP
                           std::min(size_of(first), size_of(second)),
                           objects[first].solid,
                           objects[second].solid,
-                          PoseOf(a),
-                          PoseOf(b)});
+                          world::ExactPose(a),
+                          world::ExactPose(b)});
   }
   Draw(candidates, draw, most, contacts.uncompared);
   for (const Candidate& candidate : candidates) Compute(candidate, contacts);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/confinement.h"
@@ -20,6 +21,7 @@
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/processor_time.h"
+#include "runtime/engine/probes/queries.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/worker/settle.h"
@@ -52,11 +54,14 @@ class Stepper {
 };
 
 bool RecordsPairs(const plan::Scene& scene) { return scene.world.Lists("record", "pairs"); }
+bool ComparesQueries(const plan::Scene& scene) {
+  return analysis::HasQueries(scene) && scene.world.Lists("record", "query_errors");
+}
 
-/// Times and memory are measured without the referee.
+/// Times and memory are measured without the referees.
 bool WantsSecondPass(const plan::Scene& scene) {
   return analysis::SamplingOf(scene) ||
-         (RecordsPairs(scene) &&
+         ((RecordsPairs(scene) || ComparesQueries(scene)) &&
           (scene.world.Lists("record", "timing") || scene.world.Lists("record", "memory")));
 }
 
@@ -67,6 +72,10 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   if (streams.narrow_input_fd >= 0) narrow_input.emplace(engine, streams.narrow_input_fd);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);
+  std::optional<probes::Queries> queries;
+  if (analysis::HasQueries(scene)) queries.emplace(scene, engine, recording);
+  std::optional<probes::QueryReferee> query_referee;
+  if (ComparesQueries(scene) && !WantsSecondPass(scene)) query_referee.emplace(engine, recording);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
   Stepper stepper(scene, engine);
@@ -77,7 +86,10 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
     if (referee) referee->BeforeStep();
     stepper.Step();
+    if (queries) queries->Ask(cycle);
     probes.Record(cycle);
+    if (queries) queries->Record(cycle);
+    if (query_referee) query_referee->Compare(*queries, cycle);
     if (referee) referee->AfterStep(cycle);
     recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
   }
@@ -94,6 +106,12 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   if (RecordsPairs(scene)) referee.emplace(engine, recording);
   std::optional<probes::Probes> probes;
   if (scene.role == plan::Role::kReference) probes.emplace(scene, engine, recording, -1);
+  std::optional<probes::Queries> queries;
+  std::optional<probes::QueryReferee> query_referee;
+  if (ComparesQueries(scene)) {
+    queries.emplace(scene, engine, recording);
+    query_referee.emplace(engine, recording);
+  }
   Stepper stepper(scene, engine);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t steps = warmup + scene.world.Count("cycles");
@@ -105,6 +123,10 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
     stepper.Step();
     if (sampler) sampler->AfterStep();
     if (referee && i >= warmup) referee->AfterStep(i - warmup);
+    if (queries && i >= warmup) {
+      queries->Ask(i - warmup);
+      query_referee->Compare(*queries, i - warmup);
+    }
     if (probes) probes->Record(i);
   }
 }

@@ -2,6 +2,7 @@
 // Eigen, in double.
 #pragma once
 
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <LinearMath/btTransform.h>
 
 #include <Eigen/Core>
@@ -39,6 +40,12 @@ inline Eigen::Quaterniond ToEigen(const btQuaternion& q) {
 
 inline objects::Pose ToPose(const btTransform& pose) {
   return {ToEigen(pose.getOrigin()), ToEigen(pose.getRotation()).normalized()};
+}
+
+/// The pose of a body, converted to a quaternion in double precision.
+inline objects::Pose ExactPose(const btCollisionObject& body) {
+  const btTransform& pose = body.getWorldTransform();
+  return {ToEigen(pose.getOrigin()), Eigen::Quaterniond(ToEigen(pose.getBasis())).normalized()};
 }
 
 inline bool IsFinite(const btVector3& v) {

@@ -162,6 +162,18 @@ btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& directio
   return farthest;
 }
 
+std::optional<exact::HalfSpace> PlaneOf(const btCollisionObject& wall) {
+  if (wall.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE) return std::nullopt;
+  const auto& plane = static_cast<const btStaticPlaneShape&>(*wall.getCollisionShape());
+  const Eigen::Vector3d normal = ToEigen(plane.getPlaneNormal());
+  return exact::HalfSpace{normal, normal.dot(ToEigen(wall.getWorldTransform().getOrigin()))};
+}
+
+Solid BoxWallSolid(const btCollisionObject& wall) {
+  const auto& box = static_cast<const btBoxShape&>(*wall.getCollisionShape());
+  return {Shape::kCuboid, 2 * ToEigen(box.getHalfExtentsWithMargin())};
+}
+
 std::vector<ShapePool::Points>& ShapePool::PointsOf(const objects::ConvexDecomposition& form) {
   std::vector<Points>& pieces = points_[&form];
   if (!pieces.empty()) return pieces;

@@ -10,10 +10,12 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "library/exact/signed_distance.h"
 #include "library/objects/solid.h"
 
 namespace cdb::world {
@@ -50,6 +52,11 @@ class SolidShape : public btConvexInternalShape {
 /// The outermost point along `direction` of a convex shape, or of a compound of convex shapes, in
 /// its own frame, including the margin.
 btVector3 FarthestPoint(const btCollisionShape& shape, const btVector3& direction);
+
+/// The half space behind a wall that is a plane; nullopt if it is a box, whose solid is
+/// BoxWallSolid.
+std::optional<exact::HalfSpace> PlaneOf(const btCollisionObject& wall);
+objects::Solid BoxWallSolid(const btCollisionObject& wall);
 
 /// Makes and owns shapes. Equal solids with equal margins share one, and compounds of one form
 /// share its vertices whatever their size. Not thread-safe.

@@ -56,7 +56,7 @@ Json ParametersOf(const std::string& text, const std::string& benchmark) {
       if (!parameter.grouped) parameters.push_back(ParameterOf(parameter, text, benchmark, ""));
     for (const std::string& group : GroupsIn(text, benchmark))
       for (const schema::Parameter& parameter : schema::Schema())
-        if (parameter.grouped && !parameter.IsOfJoints())
+        if (parameter.grouped && parameter.NamedBlock().empty())
           parameters.push_back(ParameterOf(parameter, text, benchmark, group));
   } catch (const EditError&) {
     return nullptr;  // the diagnostics give the reason

@@ -19,7 +19,9 @@ plan::Plan PlanWithEverything() {
   for (const schema::Metric& metric : schema::Metrics()) metrics.emplace_back(metric.name);
   schema::WordList record;
   for (const schema::RecordWord& word : schema::kRecordWords) record.emplace_back(word.name);
-  return MakePlan({NumberAxis("x", {1, 2})}, 1, {.record = record, .metrics = metrics});
+  plan::Plan plan = MakePlan({NumberAxis("x", {1, 2})}, 1, {.record = record, .metrics = metrics});
+  for (plan::Run& run : plan.runs) run.scene.queries.push_back({"sight", {}});
+  return plan;
 }
 
 /// Of a narrow phase on recorded pairs, which has series of its own.

@@ -150,6 +150,9 @@ TEST(Series, EveryCycleHasEveryValue) {
   for (const schema::RecordWord& word : schema::kRecordWords)
     if (word.name != "contacts") words.emplace_back(word.name);  // written to a file of the runner
   Record(scene, words);
+  scene.queries.push_back({"sight", {}});
+  scene.queries[0].settings.Set("queries.count", std::uint64_t{20});
+  SeedStreams(scene);
   Recorded run = RunHere(scene);
   ASSERT_TRUE(run.done()) << run.message();
   for (const protocol::Series& series : protocol::AllSeries()) {
