@@ -176,14 +176,6 @@ Fault FindMotorFault(const plan::Joint& joint) {
                     "give it a velocity or a position, or remove the effort"};
 }
 
-bool IsPulled(const plan::Scene& scene, const plan::Group& group) {
-  if (group.settings.Count("quantity") == 0) return false;
-  return group.HasLinks() || std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
-           return scene.HoldsObjects(joint) && (joint.settings.WordOr(kParent) == group.name ||
-                                                joint.settings.WordOr(kChild) == group.name);
-         });
-}
-
 std::optional<ReducedFault> FindReducedFault(const plan::Group& group) {
   const auto fault = [&](GroupParameter parameter, const char* what, const char* help) {
     return ReducedFault{
@@ -224,6 +216,13 @@ bool HasMotor(const plan::Joint& joint) {
   return HasNumber(joint, "joints.motor.velocity") || HasNumber(joint, "joints.motor.position");
 }
 
+bool IsJoined(const plan::Scene& scene, std::string_view group) {
+  return std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
+    return scene.HoldsObjects(joint) &&
+           (joint.settings.WordOr(kParent) == group || joint.settings.WordOr(kChild) == group);
+  });
+}
+
 const plan::Joint* FindMotor(const plan::Scene& scene) { return FindJoint(scene, HasMotor); }
 
 const plan::Joint* FindLosses(const plan::Scene& scene) {
@@ -249,7 +248,7 @@ std::optional<ReducedFault> FindReducedFault(const plan::Scene& scene) {
                         "joints in reduced coordinates do not sleep, but sleeping is on",
                         "write sleeping off"};
   for (const plan::Group& group : scene.groups)
-    if (IsPulled(scene, group))
+    if (group.settings.Count("quantity") > 0 && (group.HasLinks() || IsJoined(scene, group.name)))
       if (auto fault = FindReducedFault(group)) return fault;
   return std::nullopt;
 }

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "compiler/plan/plan.h"
 
@@ -12,6 +13,8 @@ namespace cdb::analysis {
 std::string TextOf(const plan::Joint& joint);
 bool HasLimits(const plan::Joint& joint);
 bool HasMotor(const plan::Joint& joint);
+/// Whether a joint that holds objects joins the group to another, or to the world.
+bool IsJoined(const plan::Scene& scene, std::string_view group);
 /// The first joint that holds objects and has a motor; null if there is none. Likewise for limits
 /// or damping, which take energy.
 const plan::Joint* FindMotor(const plan::Scene& scene);

@@ -19,9 +19,10 @@ constexpr double kSwing = 3;
 /// From here on, a chain that is let go aside of its anchor has lost a tenth of its energy.
 constexpr double kCertainSwing = 8;
 
-/// True for a chain of joints that is held at one end, in a field of gravity.
+/// True for a chain of joints that is held at one end, in a field of gravity, by constraints.
 bool IsHeldChain(const SceneFacts& scene, const GroupFacts& objects) {
-  return scene.g > 0 && objects.chained && !objects.springs && objects.settings->On("links.anchor");
+  return scene.g > 0 && objects.chained && !objects.springs &&
+         objects.settings->On("links.anchor") && scene.world->WordOr("coordinates") == "maximal";
 }
 
 /// True if the chain begins straight below its anchor.
@@ -39,9 +40,7 @@ bool Hangs(const SceneFacts& scene, const GroupFacts& objects) {
 
 /// The distance that joints open in one step, divided by the distance corrected in one step.
 std::optional<Estimate> HeavyEnd(const SceneFacts& scene, const GroupFacts& objects) {
-  if (!(scene.g > 0) || !objects.chained || objects.springs ||
-      !objects.settings->On("links.anchor") || objects.quantity < 2)
-    return std::nullopt;
+  if (!IsHeldChain(scene, objects) || objects.quantity < 2) return std::nullopt;
   // The joints open no faster than the end falls.
   const bool open = scene.g * scene.Time() * scene.Time() < objects.least_side;
   const double sag = scene.g * scene.timestep * scene.timestep / objects.least_side;

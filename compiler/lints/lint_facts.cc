@@ -10,6 +10,7 @@
 
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
@@ -179,17 +180,6 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
   return bounds;
 }
 
-namespace {
-
-bool IsJoined(const plan::Scene& scene, std::string_view group) {
-  return std::ranges::any_of(scene.joints, [&](const plan::Joint& joint) {
-    return scene.HoldsObjects(joint) && (joint.settings.WordOr("joints.parent") == group ||
-                                         joint.settings.WordOr("joints.child") == group);
-  });
-}
-
-}  // namespace
-
 SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   SceneFacts facts;
   const plan::WorldSettings& world = scene.world;
@@ -217,7 +207,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
         facts.groups.push_back(*std::move(objects));
   }
   for (GroupFacts& objects : facts.groups)
-    objects.linked = objects.linked || IsJoined(scene, scene.groups[objects.index].name);
+    objects.linked = objects.linked || analysis::IsJoined(scene, scene.groups[objects.index].name);
   for (const GroupFacts& objects : facts.groups) {
     facts.count += objects.quantity;
     if (objects.moves) facts.moving += objects.quantity;
