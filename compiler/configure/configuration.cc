@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/configure/axes.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/dimensions.h"
@@ -50,6 +51,8 @@ void AddSeeds(plan::Scene& scene) {
     for (const auto& [name, value] : group.settings)
       if (IsDrawn(value)) add(fmt::format("{}.{}", group.name, name));
   }
+  if (scene.world.WordOr("configurations.positions") == "uniform")
+    for (const plan::Joint& joint : scene.joints) add(joint.name + analysis::kPositionStream);
 }
 
 }  // namespace

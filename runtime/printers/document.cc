@@ -494,7 +494,13 @@ class Verified {
 
 VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::string>& left_out) {
   const Verified verified(file);
-  return {TextOf(verified.Made(left_out), Format::kTerminal), verified.IsGood()};
+  Document document = verified.Made(left_out);
+  const figures::Model model(file);
+  AddConfigurations(model, figures::AllAxes(file), document);
+  std::vector<const figures::MeasuredPoint*> points;
+  for (const figures::MeasuredPoint& point : model.points()) points.push_back(&point);
+  const ConfigurationFigures sums = ConfigurationFiguresOf(model, points);
+  return {TextOf(document, Format::kTerminal), verified.IsGood() && sums.missed == 0};
 }
 
 namespace {

@@ -57,6 +57,7 @@ Document Brief(const figures::Model& model) {
   AddPhases(model, by.front(), {}, tables);
   if (!tables.empty()) document.push_back(std::move(tables.front()));
   AddPairs(model, by.front(), document);
+  AddConfigurations(model, by.front(), document);
   AddBudget(model, false, document);  // the answer is in the head
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
@@ -76,6 +77,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
     AddPairs(model, by, document);
+    AddConfigurations(model, by, document);
   }
   AddDetectors(model, asked, options.phases, document);
   AddRatios(model, options.baseline, options.phases, document);
