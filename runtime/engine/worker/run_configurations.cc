@@ -258,6 +258,9 @@ class ConfigurationRun {
     const auto duration = recording_.Reals("duration");
     const bool records_heap = !recording_.Reals("heap").empty();
     std::vector<std::uint8_t> hits(block);
+    // Without a broad phase, all that may touch.
+    const std::int32_t pairs =
+        SeriesCount(checker.balls().with_obstacles.size() + checker.balls().with_links.size());
     const auto check = [&](std::size_t first) {
       const std::size_t count = std::min(block, positions.size() / freedoms - first);
       hits.resize(count);
@@ -277,6 +280,7 @@ class ConfigurationRun {
             duration[protocol::IndexOf(phase) * cycles_ + cycle] = share;
         if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
         recording_.Put("hit", cycle, std::int32_t{hit});
+        recording_.Put("pairs", cycle, pairs);
         hash.Add(hit);
         ++cycle;
       }

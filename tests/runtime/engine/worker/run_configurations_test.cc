@@ -57,7 +57,6 @@ std::string Arm(const std::string& settings) {
 
 /// The pairs of objects that may hit in Arm: links that are not joined, and links with the rest.
 constexpr std::pair<std::size_t, std::size_t> kSelf[] = {{0, 2}, {0, 3}, {1, 3}};
-bool IsLink(std::size_t object) { return object >= 1 && object <= 3; }
 
 struct Truth {
   int self = 0, scene = 0;     ///< pairs that overlap by more than `kMargin`
@@ -83,31 +82,43 @@ Truth TruthOf(const layouts::InitialState& state, const std::vector<objects::Pos
 
 TEST(Configurations, HitWhereBruteForceSaysSo) {
   constexpr std::size_t kCount = 300;
-  const plan::Scene scene =
+  plan::Scene scene =
       SceneOfText(Arm(fmt::format("configurations.positions uniform; cycles {}", kCount)));
-  const Recorded run = CheckHere(scene);
-  ASSERT_TRUE(run.done()) << run.message();
   const layouts::InitialState state = layouts::MakeInitialState(scene);
-  ASSERT_TRUE(IsLink(3) && state.objects.size() == 9);
+  ASSERT_EQ(state.objects.size(), 9u);
   const robots::KinematicTree tree(scene, state);
   const std::vector<double> positions = robots::PositionsOf(scene);
+  std::vector<Truth> truths;
   std::vector<objects::Pose> poses;
-  int hits = 0, self = 0, compared = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
     tree.PosesAt(std::span(positions).subspan(3 * i, 3), poses);
-    const Truth truth = TruthOf(state, poses);
-    if (truth.is_open) continue;
-    ++compared;
-    EXPECT_EQ(run.recording.Ints("self_hits")[i], truth.self) << i;
-    EXPECT_EQ(run.recording.Ints("scene_hits")[i], truth.scene) << i;
-    EXPECT_EQ(run.recording.Ints("hit")[i], truth.self + truth.scene > 0) << i;
-    hits += truth.self + truth.scene > 0;
-    self += truth.self > 0;
+    truths.push_back(TruthOf(state, poses));
   }
-  EXPECT_GT(compared, 290);
-  EXPECT_GT(hits, 50);
-  EXPECT_LT(hits, 250);
-  EXPECT_GT(self, 10);
+  // Bullet misses an overlap now and then.
+  for (const auto& [narrow_phase, most_missed] : {std::pair{"batch", 0}, {"own", 4}}) {
+    SetWorld(scene, "narrow_phase", Word(narrow_phase));
+    const Recorded run = CheckHere(scene);
+    ASSERT_TRUE(run.done()) << run.message();
+    int hits = 0, with_self = 0, compared = 0, missed = 0;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const Truth& truth = truths[i];
+      if (truth.is_open) continue;
+      ++compared;
+      const std::int32_t self = run.recording.Ints("self_hits")[i],
+                         of_scene = run.recording.Ints("scene_hits")[i];
+      EXPECT_LE(self, truth.self) << i;
+      EXPECT_LE(of_scene, truth.scene) << i;
+      missed += truth.self - self + truth.scene - of_scene;
+      EXPECT_EQ(run.recording.Ints("hit")[i], self + of_scene > 0) << i;
+      hits += truth.self + truth.scene > 0;
+      with_self += truth.self > 0;
+    }
+    EXPECT_LE(missed, most_missed) << narrow_phase;
+    EXPECT_GT(compared, 290);
+    EXPECT_GT(hits, 50);
+    EXPECT_LT(hits, 250);
+    EXPECT_GT(with_self, 10);
+  }
 }
 
 TEST(Configurations, AreJudgedByTheReferee) {
