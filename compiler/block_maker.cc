@@ -4,7 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/checks/configuration_checks.h"
 #include "compiler/checks/scene_checks.h"
 #include "compiler/configure/axes.h"
 #include "dsl/text/check.h"
@@ -74,7 +76,11 @@ grid::Block BlockMaker::MakeConditions() {
   block.complete = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
     configuration->Complete(scene);
   };
-  block.lay_trace = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
+  block.lay = [scenario = scenario_, configuration = configuration_](plan::Scene& scene) {
+    if (analysis::HasConfigurations(scene)) {
+      checks::LayConfigurations(*scenario, configuration->layers(), scene);
+      return;
+    }
     std::string why;
     const auto facts = scenario->TraceAt(analysis::TraceOf(scene)->path, why);
     CDB_CHECK(facts);

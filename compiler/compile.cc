@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/block_maker.h"
@@ -471,12 +472,13 @@ void GridChecks::Check() {
       [&](bool) { checks.emplace(benchmark_, found.emplace()); },
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         configure::Configuration& configuration = choose_(sample.block, sample.local);
-        if (!analysis::TraceOf(scene)) {
+        plan::Scene laid = scene;
+        if (analysis::HasConfigurations(scene))
+          checks->PassConfigurations(configuration, laid);
+        else if (analysis::TraceOf(scene))
+          checks->PassTraced(configuration, laid);
+        else
           checks->Pass(configuration, scene);
-        } else {
-          plan::Scene traced = scene;
-          checks->PassTraced(configuration, traced);
-        }
       });
   Replay(*found);
 }
@@ -535,7 +537,7 @@ void GridChecks::Lint() {
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         const std::uint64_t runs = sample.points * grid_.head.repeats;
         looked_at += runs;
-        if (analysis::TraceOf(scene)) return;
+        if (grid::IsLaid(scene)) return;
         configure::Configuration& configuration = choose_(sample.block, sample.local);
         findings->Add(configuration, scene, runs);
         idle->Add(configuration, scene);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/trace.h"
@@ -259,7 +260,7 @@ std::span<const QuestionInfo> Questions() { return kQuestions; }
 
 Coverage CoverageOf(const plan::Scene& scene) {
   Coverage coverage;
-  if (!CanMove(scene)) return coverage;
+  if (!CanMove(scene) || HasConfigurations(scene)) return coverage;
   const bool is_recorded = scene.world.Lists("record", "stability");
   for (const QuestionInfo& info : kQuestions) {
     if (!info.arises(scene)) continue;

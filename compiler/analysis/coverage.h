@@ -49,7 +49,8 @@ struct Coverage {
   std::vector<const QuestionInfo*> checked;
   std::vector<Open> unchecked;
 };
-/// All questions are open if the scene does not record stability; none arises if nothing can move.
+/// All questions are open if the scene does not record stability; none arises if nothing can move,
+/// or nothing is simulated.
 Coverage CoverageOf(const plan::Scene& scene);
 
 /// True if objects of this type may roll on their round side, which Bullet does not support well.

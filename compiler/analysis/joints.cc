@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -99,15 +100,16 @@ Fault FindTypeFault(const plan::Joint& joint) {
     GroupParameter parameter;
     const char* what;
   };
-  constexpr std::array<Part, 9> kParts = {{{"joints.axis", "axis"},
-                                           {"joints.start", "start"},
-                                           {"joints.limits.lower", "limits"},
-                                           {"joints.limits.upper", "limits"},
-                                           {"joints.damping", "damping"},
-                                           {"joints.friction", "friction"},
-                                           {"joints.motor.velocity", "motor"},
-                                           {"joints.motor.position", "motor"},
-                                           {"joints.motor.effort", "motor"}}};
+  constexpr std::array<Part, 10> kParts = {{{"joints.axis", "axis"},
+                                            {"joints.start", "start"},
+                                            {"joints.goal", "goal"},
+                                            {"joints.limits.lower", "limits"},
+                                            {"joints.limits.upper", "limits"},
+                                            {"joints.damping", "damping"},
+                                            {"joints.friction", "friction"},
+                                            {"joints.motor.velocity", "motor"},
+                                            {"joints.motor.position", "motor"},
+                                            {"joints.motor.effort", "motor"}}};
   for (const Part& part : kParts)
     if (joint.settings.Has(*part.parameter))
       return JointFault{
@@ -158,6 +160,15 @@ Fault FindStartFault(const plan::Scene& scene, const plan::Joint& joint) {
                     sides.parent == plan::kWorldWord
                         ? "place the child where the joint shall start"
                         : fmt::format("write location relative_to({}, (x, y, z))", sides.parent)};
+}
+
+/// Nothing else goes to a goal.
+Fault FindGoalFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (!joint.settings.Has(*GroupParameter("joints.goal")) || HasConfigurations(scene))
+    return std::nullopt;
+  return JointFault{"joints.goal",
+                    fmt::format("{} has a goal, but the scene is simulated", TextOf(joint)),
+                    "write configurations { positions path }, or a motor that seeks a position"};
 }
 
 Fault FindMotorFault(const plan::Joint& joint) {
@@ -237,6 +248,7 @@ std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::J
   if (Fault fault = FindTypeFault(joint)) return fault;
   if (Fault fault = FindLimitFault(joint)) return fault;
   if (Fault fault = FindStartFault(scene, joint)) return fault;
+  if (Fault fault = FindGoalFault(scene, joint)) return fault;
   return FindMotorFault(joint);
 }
 

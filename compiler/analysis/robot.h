@@ -53,6 +53,7 @@ struct RobotJoint {
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  ///< in the frame of the parent
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           ///< in the frame of the joint
   std::optional<std::pair<double, double>> limits;           ///< rad or m
+  std::string mimic = {};  ///< the joint that it mimics; empty: none
   double damping = 0, friction = 0;
   double effort = 0, velocity = 0;  ///< the largest ones of its motor; 0: not given
 };

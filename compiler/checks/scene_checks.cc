@@ -11,6 +11,7 @@
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/checks/configuration_checks.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/series.h"
@@ -23,6 +24,16 @@ bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scen
          CheckAccuracy(configuration, scene);
 }
 
+bool SceneChecks::PassConfigurations(configure::Configuration& configuration, plan::Scene& scene) {
+  std::vector<LaidFault> faults =
+      LayConfigurations(configuration.scenario(), configuration.layers(), scene);
+  Report(configuration, faults);
+  if (!faults.empty() || !CheckCounts(configuration, scene)) return false;
+  faults = FindFaultsOfConfigurations(scene);
+  Report(configuration, faults);
+  return faults.empty();
+}
+
 bool SceneChecks::PassTraced(configure::Configuration& configuration, plan::Scene& scene) {
   return Trace(configuration, scene) && CheckCounts(configuration, scene);
 }
@@ -33,17 +44,22 @@ bool SceneChecks::Trace(configure::Configuration& configuration, plan::Scene& sc
   const auto facts = configuration.scenario().TraceAt(analysis::TraceOf(scene)->path, why);
   CDB_CHECK(facts);
   const auto faults = LayTrace(configuration.layers(), *facts, scene);
-  for (const TracedFault& fault : faults) {
-    if (!untraceable_.emplace(fault.key, fault.word).second) continue;
+  Report(configuration, faults);
+  return faults.empty();
+}
+
+void SceneChecks::Report(configure::Configuration& configuration,
+                         const std::vector<LaidFault>& faults) {
+  for (const LaidFault& fault : faults) {
+    if (!unlaid_.emplace(fault.key, fault.word).second) continue;
     text::Span span = configuration.SpanOf(fault.key, benchmark_);
     if (!fault.word.empty()) {
       span = configuration.SpanOfWord(fault.key, fault.word);
-    } else if (fault.kind == &scenario::kContradiction) {
+    } else if (fault.kind == &scenario::kContradiction && configuration.IsSet(fault.key)) {
       span = configuration.layers().settings.at(fault.key).node->path.span;
     }
     diagnostics_.Report(*fault.kind, span, fault.message, fault.help);
   }
-  return faults.empty();
 }
 
 // Limits on several parameters together.
@@ -464,9 +480,9 @@ std::string MeaningfulNames() {
 
 }  // namespace
 
-std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
-                                  plan::Scene& scene) {
-  std::vector<TracedFault> faults;
+std::vector<LaidFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
+                                plan::Scene& scene) {
+  std::vector<LaidFault> faults;
   const auto is_set = [&](schema::WorldParameter parameter) {
     return layers.settings.contains({"", parameter.get()});
   };

@@ -19,6 +19,14 @@
 
 namespace cdb::checks {
 
+/// The fault of one setting in a scene that is run on a trace, or checked in configurations.
+struct LaidFault {
+  const dsl::DiagnosticKind* kind = nullptr;
+  scenario::ParameterKey key;
+  std::string word = {};  ///< of the list in the setting; empty: the whole setting
+  std::string message, help;
+};
+
 /// Checks the scenes of one benchmark. Each fault is reported once, as most scenes share it. Not
 /// thread-safe.
 class SceneChecks {
@@ -32,9 +40,12 @@ class SceneChecks {
   /// Does the same for a scene whose detector is run on a trace, and turns it into a scene of the
   /// trace.
   bool PassTraced(configure::Configuration& configuration, plan::Scene& scene);
+  /// Does the same for a scene that is checked in configurations of its joints.
+  bool PassConfigurations(configure::Configuration& configuration, plan::Scene& scene);
 
  private:
   bool Trace(configure::Configuration& configuration, plan::Scene& scene);
+  void Report(configure::Configuration& configuration, const std::vector<LaidFault>& faults);
   bool CheckCounts(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckPlaces(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckTable(configure::Configuration& configuration, const plan::Scene& scene,
@@ -62,7 +73,7 @@ class SceneChecks {
   /// Words of `omit` already rejected: the reason can differ between runs.
   std::set<std::tuple<const text::Source*, std::size_t, schema::Component>> refused_;
   std::set<std::pair<scenario::ParameterKey, std::string>>
-      untraceable_;          ///< settings, and words of `record`, that cannot be used with a trace
+      unlaid_;  ///< settings, and words of `record`, that a trace or configurations do not take
   bool inaccurate_ = false;  ///< a fault in the settings of accuracy
 
   std::optional<double> interval_s_;  ///< of the samples, once a run has any
@@ -70,18 +81,10 @@ class SceneChecks {
 
 // A scene whose detector is run on a trace, and the settings that still apply to it.
 
-/// The fault of one setting.
-struct TracedFault {
-  const dsl::DiagnosticKind* kind = nullptr;
-  scenario::ParameterKey key;
-  std::string word;  ///< of the list in the setting; empty: the whole setting
-  std::string message, help;
-};
-
 /// Gives `scene` the properties of the trace: one object per body, no walls, its time step and
 /// precision, all of its cycles and everything that can be recorded, unless `layers` sets
 /// otherwise. Returns the settings of `layers` that have no meaning with a trace.
-std::vector<TracedFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
-                                  plan::Scene& scene);
+std::vector<LaidFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
+                                plan::Scene& scene);
 
 }  // namespace cdb::checks

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/configure/axes.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/evaluate/dimensions.h"
@@ -56,6 +57,8 @@ void AddSeeds(plan::Scene& scene) {
       if (parameter.NamedBlock() == schema::kQueriesBlock &&
           IsDrawn(queries.settings.ValueOf(parameter)))
         add(fmt::format("{}.{}", queries.name, parameter.OwnName()));
+  if (scene.world.WordOr("configurations.positions") == "uniform")
+    for (const plan::Joint& joint : scene.joints) add(joint.name + analysis::kPositionStream);
 }
 
 }  // namespace

@@ -224,8 +224,8 @@ class Converter {
       if (const auto detector = schema::FindDetector(text, plugins_))
         return CanBeUsed(*detector) ? std::optional(Value(word)) : std::nullopt;
     if (parameter_.HasWord(text)) return Value(word);
-    // The existence of groups is checked with the whole scene.
-    if (parameter_.word_source == schema::WordSource::kGroups) return Value(word);
+    // The existence of groups and joints is checked with the whole scene.
+    if (schema::AreNamesOfScene(parameter_.word_source)) return Value(word);
     if (parameter_.TakesCall(text)) {
       const schema::ParametrisedWord& info = *schema::FindParametrisedWord(text);
       if (auto call = schema::WithDefaults(info)) return Value(std::move(*call));

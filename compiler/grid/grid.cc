@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/plan_yaml.h"
@@ -130,6 +131,10 @@ bool Cursor::FindLocal(const Point& place, Point& local) const {
   return !grid_.blocks[block].IsSkipped(local);
 }
 
+bool IsLaid(const plan::Scene& configured) {
+  return analysis::TraceOf(configured) || analysis::HasConfigurations(configured);
+}
+
 bool Cursor::HasRun(const Point& place) const {
   Point local(place.size());
   return FindLocal(place, local);
@@ -160,7 +165,7 @@ void Cursor::MoveTo(std::size_t block, const Point& local) {
 
 plan::Scene Cursor::MakeScene() const {
   plan::Scene scene = configured();
-  if (analysis::TraceOf(scene)) grid_.blocks[block_].lay_trace(scene);
+  if (IsLaid(scene)) grid_.blocks[block_].lay(scene);
   return scene;
 }
 
@@ -202,10 +207,10 @@ void WriteYaml(const Grid& grid, const std::function<void(std::string_view)>& wr
   yaml::PlanWriter writer(grid.head, write);
   ForEachSkipped(grid, [&](const Point& place) { writer.AddSkipped(place); });
   ForEachPoint(grid, [&](const Cursor& cursor, const Point& place) {
-    const bool is_traced = analysis::TraceOf(cursor.configured()).has_value();
-    const plan::Scene traced = is_traced ? cursor.MakeScene() : plan::Scene();
+    const bool is_laid = IsLaid(cursor.configured());
+    const plan::Scene laid = is_laid ? cursor.MakeScene() : plan::Scene();
     for (std::uint64_t rep = 0; rep < grid.head.repeats; ++rep)
-      writer.AddRun(place, rep, is_traced ? traced : cursor.configured());
+      writer.AddRun(place, rep, is_laid ? laid : cursor.configured());
     return true;
   });
   writer.Finish();

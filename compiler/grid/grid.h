@@ -89,8 +89,8 @@ struct Block {
   std::vector<VaryingSetting> varying;
   /// Sets the seeds and plug-ins that follow from the settings of a scene.
   std::function<void(plan::Scene&)> complete;
-  /// Applies the facts of its trace to a scene that has one.
-  std::function<void(plan::Scene&)> lay_trace;
+  /// Turns a scene into that of its trace, or of its configurations (IsLaid).
+  std::function<void(plan::Scene&)> lay;
 
   bool IsSkipped(const Point& local) const;
   /// The axes read by conditions of `skip`.
@@ -100,6 +100,10 @@ struct Block {
   /// The position on the grid.
   Point PlaceOf(const Point& local) const;
 };
+
+/// True if the settings of a scene are not yet those of its runs: it is run on a trace, or checked
+/// in configurations.
+bool IsLaid(const plan::Scene& configured);
 
 /// For each combination of some axes of a block: the number of points with a run, and the first.
 struct Remaining {

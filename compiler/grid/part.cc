@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/grid/survey.h"
@@ -119,7 +120,9 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   // These words determine which programs are needed and which series are recorded.
   bounds.AddFirstOfEach([](const plan::Scene& scene) {
     return schema::WordList{std::string(scene.world.WordOr("precision")),
-                            analysis::TraceOf(scene) ? "trace" : "scene",
+                            analysis::TraceOf(scene)             ? "trace"
+                            : analysis::HasConfigurations(scene) ? "configurations"
+                                                                 : "scene",
                             analysis::NeedsReference(scene) ? "reference" : "none"};
   });
   return bounds.Take();
@@ -193,7 +196,7 @@ plan::WholePlan MakeWhole(std::shared_ptr<const Grid> grid) {
   whole.for_each_run = [grid](const plan::WholePlan::VisitRun& visit) {
     yaml::RunText text("");
     ForEachPoint(*grid, [&](const Cursor& cursor, const Point& place) {
-      if (analysis::TraceOf(cursor.configured())) {
+      if (IsLaid(cursor.configured())) {
         text.Set(cursor.MakeScene());
       } else {
         text.Set(cursor.configured());

@@ -26,6 +26,7 @@ std::string LowerCase(std::string text) {
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall || call.name == schema::kPathCall) return kTableFormats;
+  if (call.name == schema::kListCall) return analysis::kTextFormats;
   if (call.name == schema::kHeightsCall) return plan::kHeightFormats;
   return plan::kModelFormats;
 }
@@ -80,18 +81,19 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
   const bool is_heights = call.name == schema::kHeightsCall;
-  const bool is_imported =
-      !is_table && !is_heights && !formats.empty() && !plan::ImporterOf(extension).empty();
+  const bool is_list = call.name == schema::kListCall;
+  const bool is_imported = !is_table && !is_list && !is_heights && !formats.empty() &&
+                           !plan::ImporterOf(extension).empty();
   if (!formats.empty() && !is_imported && std::ranges::find(formats, extension) == formats.end()) {
-    const auto [kind, remedy] = is_table     ? plan::ForeignModel()
+    const auto [kind, remedy] = is_table || is_list ? plan::ForeignModel()
                                 : is_heights ? plan::ForeignHeightsOf(name, std::string_view())
                                              : plan::ForeignModelOf(name, std::string_view());
     diagnostics.Report(
         scenario::kOutOfDomain, written,
         kind.empty() ? fmt::format("'{}' is not a readable {}", name,
-                                   is_table     ? "table"
-                                   : is_heights ? "height field"
-                                                : "model")
+                                   is_table || is_list ? "table"
+                                   : is_heights        ? "height field"
+                                                       : "model")
                      : fmt::format("'{}' is {}, {}", name, kind,
                                    is_heights ? "not a height field that cdb reads"
                                               : "not a model that cdb reads"),

@@ -32,6 +32,9 @@ Referent Names::Resolve(const std::string& path, const scenario::Scope& scope) c
   if (scope.parameter != nullptr && scope.parameter->word_source == schema::WordSource::kGroups &&
       IsGroup(path))
     return {};
+  if (scope.parameter != nullptr && scope.parameter->word_source == schema::WordSource::kJoints &&
+      std::ranges::find(layers_.joints, path) != layers_.joints.end())
+    return {};
   if (auto let = FindLet(path, scope)) return {std::move(let), std::nullopt};
   if (auto measure = FindMeasure(path, scope))
     return {std::nullopt, std::nullopt, false, std::move(measure)};

@@ -484,6 +484,8 @@ class Expansion {
         set("limits.upper", syntax_.Number(upper));
         if (lower > 0 || upper < 0) set("start", syntax_.Number((lower + upper) / 2));
       }
+      if (const std::string followed = NameOfMimicked(joint); !followed.empty())
+        set("mimic", syntax_.Word(followed));
       if (joint.damping > 0) set("damping", syntax_.Number(joint.damping));
       if (joint.friction > 0) set("friction", syntax_.Number(joint.friction));
       if (joint.effort > 0 && Word("hold", "off") == "on") {
@@ -492,6 +494,15 @@ class Expansion {
       }
     }
     result_.block.statements.push_back(syntax_.Statement(std::move(group)));
+  }
+
+  /// The name of the joint that this one mimics, if that one moves.
+  std::string NameOfMimicked(const RobotJoint& joint) const {
+    for (std::size_t i = 0; i < robot_->joints.size(); ++i)
+      if (!joint.mimic.empty() && robot_->joints[i].name == joint.mimic &&
+          robot_->joints[i].type != RobotJoint::Type::kFixed)
+        return result_.joints[i];
+    return {};
   }
 
   /// The settings that the user wrote.

@@ -90,6 +90,10 @@ constexpr Parameter kPath[] = {
     Argument("then", kWord, kAny, "", "after the last line: stay there, or repeat from the first", {.first_default = "stay", .words = "stay repeat"}),
     Argument("start", kWord, kAny, "", "the time that is 0 s in the run: that of the file, or that of its first line", {.first_default = "zero", .words = "zero first", .omitted_at_default = true}),
     kColumns, kRotation, kUp, kSeparator, kDecimal, kHeader};
+constexpr Parameter kList[] = {
+    Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file: a line for each configuration, a column for each joint, in rad and m"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    kSeparator, kDecimal, kHeader};
 constexpr Parameter kEmpirical[] = {
     Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file"),
     Argument("column", kText, kAny, "", "the column of the values: its heading, or its number such as \"#2\"; a unit may follow: \"size [mm]\"", {.first_default = "first", .words = "first"}),
@@ -170,6 +174,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"relative_to", "each at an offset from the object of another group with the same number, and turned with it", kRelative},
     {"poses", "positions from a file, with orientations and velocities if it has them", kPoses},
     {"path", "one kinematic object, moved along the poses of a file: columns t, x, y, z, and qw, qx, qy, qz if it turns", kPath},
+    {"list", "positions of joints from a file, a line for each configuration", kList},
     {"box", "the box between two corners", kBox},
     {"above", "the box over the bounding box of a group, from its top up", kAbove},
     {"beside", "the box at one side of the bounding box of a group, as large along the other axes", kBeside},

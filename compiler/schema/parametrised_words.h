@@ -54,6 +54,8 @@ inline constexpr std::string_view kPosesCall = "poses";
 inline constexpr std::string_view kHeightsCall = "heights";
 /// The layout that reads the path of a kinematic object.
 inline constexpr std::string_view kPathCall = "path";
+/// The positions of joints that a file lists.
+inline constexpr std::string_view kListCall = "list";
 /// The layout at the objects of another group.
 inline constexpr std::string_view kRelativeCall = "relative_to";
 /// A part of a list, as the parameter that its scope has.

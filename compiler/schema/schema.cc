@@ -91,6 +91,7 @@ std::vector<std::string_view> Parameter::AllWords(std::span<const PluginDetector
       add(ClosedForms());
       break;
     case kGroups:
+    case kJoints:
       break;
   }
   return all;
@@ -136,7 +137,9 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
       text = "on or off";
       break;
     case kWord:
-      text = word_source == kGroups ? "the name of a group" : "one of";
+      text = word_source == kGroups   ? "the name of a group"
+             : word_source == kJoints ? "the name of a joint"
+                                      : "one of";
       break;
     case kWords:
       text = "a list of";
@@ -152,7 +155,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
       break;
   }
   if (domain.min == -kInfinity && type == kReal) text = "a number";
-  const bool only_words = (type == kWord && word_source != kGroups) || type == kWords;
+  const bool only_words = (type == kWord && !AreNamesOfScene(word_source)) || type == kWords;
   std::string alone, listed;
   const auto list = [&](std::string_view word, std::string_view brackets) {
     listed += only_words ? (listed.empty() ? " " : ", ") : ", or ";
@@ -169,6 +172,7 @@ std::string Parameter::Takes(std::span<const PluginDetector> plugins) const {
   for (const std::string_view call : AllCalls())
     list(call, RequiredArguments(*FindParametrisedWord(call)).empty() ? "" : "( )");
   if (word_source == kGroups && type == kWords) listed += " groups, and walls";
+  if (word_source == kJoints && type == kWords) listed += " joints";
   text = (alone.empty() ? "" : alone + "or ") + text + listed;
   if (distribution) text += ", or a distribution";
   return text;

@@ -36,7 +36,12 @@ enum class WordSource {
   kMetrics,
   kClosedForms,
   kGroups,  ///< of the benchmark, and `walls`; known only within a scene
+  kJoints,  ///< of the benchmark; known only within a scene
 };
+/// True if the words are known only within a scene.
+constexpr bool AreNamesOfScene(WordSource source) {
+  return source == WordSource::kGroups || source == WordSource::kJoints;
+}
 
 /// The numbers that a parameter takes: those between `min` and `max`. Applies to each component of
 /// a vector and each part of a ratio.
@@ -79,6 +84,7 @@ struct Parameter {
     kReference = 2,  ///< the reference run (compiler/analysis/reference.h)
     kTrace = 4,      ///< the run on recorded boxes (compiler/checks/scene_checks.h)
     kDrop = 8,  ///< drops the objects of its piles, for many runs; ignores what kPile does, too
+    kConfigurations = 16,  ///< checks configurations of joints (compiler/analysis/configurations.h)
   };
 
   std::string_view name = {};  ///< without its group: `world.side`; `size`

@@ -18,20 +18,21 @@ namespace cdb::schema {
 /// A word of `record`, which selects series.
 struct RecordWord {
   std::string_view name;
-  bool needs_detection = false;  ///< means nothing without broad and narrow phase
-  bool on_traces = false;        ///< can be recorded by a detector that runs on a trace
+  bool needs_detection = false;    ///< means nothing without broad and narrow phase
+  bool on_traces = false;          ///< can be recorded by a detector that runs on a trace
+  bool on_configurations = false;  ///< can be recorded of configurations, without a simulation
 };
 
 inline constexpr RecordWord kRecordWords[] = {
-    {.name = "timing", .needs_detection = true, .on_traces = true},
-    {.name = "counts", .needs_detection = true, .on_traces = true},
+    {.name = "timing", .needs_detection = true, .on_traces = true, .on_configurations = true},
+    {.name = "counts", .needs_detection = true, .on_traces = true, .on_configurations = true},
     {.name = "energy"},
     {.name = "stability"},
-    {.name = "contacts", .needs_detection = true},
-    {.name = "poses"},
-    {.name = "memory", .on_traces = true},
-    {.name = "pairs", .needs_detection = true, .on_traces = true},
-    {.name = "boxes", .needs_detection = true},
+    {.name = "contacts", .needs_detection = true, .on_configurations = true},
+    {.name = "poses", .on_configurations = true},
+    {.name = "memory", .on_traces = true, .on_configurations = true},
+    {.name = "pairs", .needs_detection = true, .on_traces = true, .on_configurations = true},
+    {.name = "boxes", .needs_detection = true, .on_configurations = true},
     {.name = "queries"},
     {.name = "query_errors"},
 };
@@ -109,6 +110,13 @@ enum class OnTraces {
   kNarrowOnly,  ///< as kNarrow, and no run in a live world
 };
 
+/// Whether the runs that check configurations record a series.
+enum class OnConfigurations {
+  kNo,
+  kYes,
+  kOnly,  ///< and no other run
+};
+
 /// The dimensions of a series (DimensionsOf).
 enum class SeriesShape {
   kScalar,  ///< a value for each cycle
@@ -138,6 +146,7 @@ struct Series {
   std::string_view unit = {};  ///< in the notation of results files; empty if there is none
   std::string_view doc;        ///< the dataset's long_name
   OnTraces on_traces = OnTraces::kNone;
+  OnConfigurations on_configurations = OnConfigurations::kNo;
   bool may_be_none = false;  ///< NaN or infinite in a cycle without anything to measure
   bool of_queries = false;   ///< recorded only by runs with queries
 
@@ -154,12 +163,13 @@ namespace series_table {
 using enum SeriesType;
 using enum SeriesShape;
 using enum OnTraces;
+using enum OnConfigurations;
 // clang-format off
 inline constexpr auto kRows = std::to_array<Series>({
-    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth},
-    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth},
-    {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow},
-    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow},
+    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth, .on_configurations = kYes},
+    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth, .on_configurations = kYes},
+    {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes},
     {.name = "unhandled_pairs", .records = "counts", .type = kInt32, .doc = "pairs of the trace that the narrow phase does not handle; they are not in its time, and Bullet makes their contacts", .on_traces = kNarrowOnly},
     {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation"},
     {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2"},
@@ -194,29 +204,35 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "rolling_error", .records = "stability", .doc = "largest deviation of the speed at which a ball, cylinder or capsule rolls on a wall or a fixed cuboid, by its angular momentum about the line of contact, relative to its largest speed so far", .may_be_none = true},
     {.name = "impact_error", .records = "stability", .doc = "deviation of the impulses of impacts so far from those by the shapes, velocities and coefficients of the scene, relative to the sum of these", .may_be_none = true},
     {.name = "unjudged_impacts", .records = "stability", .type = kInt32, .doc = "impacts so far that were not compared"},
-    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth},
+    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth, .on_configurations = kYes},
     {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots", .may_be_none = true},
     {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes, or past a limit", .may_be_none = true},
     {.name = "joint_stretch", .records = "stability", .doc = "largest sum of the gaps of a chain of joints over its length", .may_be_none = true},
-    {.name = "poses", .records = "poses", .shape = kPose, .doc = "position and orientation quaternion (x, y, z, w) after the cycle: of the centre of mass and of the axes of the sides; of a mesh, of its origin and of the axes of its file"},
-    {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .may_be_none = true},
-    {.name = "box_filters", .records = "boxes", .shape = kFilter, .doc = "bits of the group of the body and of the groups that it may collide with, and 1 if it is fixed; float64, as masks have 32 bits"},
-    {.name = "exact_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that may collide and whose boxes overlap, by brute force in double precision", .on_traces = kBroad},
-    {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = kBroad},
-    {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = kBroad},
-    {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = kBroad},
-    {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision", .on_traces = kNarrow},
-    {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn", .on_traces = kNarrow},
-    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make", .on_traces = kNarrow},
-    {.name = "unlisted_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs that the broad phase did not list, which are missed, too", .on_traces = kNarrow},
-    {.name = "bullet_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs whose contacts Bullet makes, not the detector", .on_traces = kNarrow},
-    {.name = "bullet_missed_contacts", .records = "pairs", .type = kInt32, .doc = "missed contacts of these pairs", .on_traces = kNarrow},
-    {.name = "bullet_uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "uncompared contacts of pairs whose contacts Bullet makes", .on_traces = kNarrow},
-    {.name = "false_contacts", .records = "pairs", .type = kInt32, .doc = "pairs with a contact deeper than a thousandth of the size of the smaller object, although they do not overlap", .on_traces = kNarrow},
-    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of exact contacts, in sizes of the smaller object", .on_traces = kNarrow, .may_be_none = true},
-    {.name = "max_depth_error", .records = "pairs", .doc = "largest error of the depth of an exact contact, in sizes of the smaller object", .on_traces = kNarrow, .may_be_none = true},
-    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .on_traces = kNarrow, .may_be_none = true},
-    {.name = "max_normal_error", .records = "pairs", .unit = "rad", .doc = "largest error of the normal of an exact contact", .on_traces = kNarrow, .may_be_none = true},
+    {.name = "poses", .records = "poses", .shape = kPose, .doc = "position and orientation quaternion (x, y, z, w) after the cycle: of the centre of mass and of the axes of the sides; of a mesh, of its origin and of the axes of its file", .on_configurations = kYes},
+    {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .on_configurations = kYes, .may_be_none = true},
+    {.name = "box_filters", .records = "boxes", .shape = kFilter, .doc = "bits of the group of the body and of the groups that it may collide with, and 1 if it is fixed; float64, as masks have 32 bits", .on_configurations = kYes},
+    {.name = "hit", .records = "timing counts pairs", .type = kInt32, .doc = "1 if the robot hits itself or the scene in this configuration, else 0", .on_configurations = kOnly},
+    {.name = "self_hits", .records = "counts", .type = kInt32, .doc = "pairs of links that overlap; -1 if only a hit was asked for", .on_configurations = kOnly},
+    {.name = "scene_hits", .records = "counts", .type = kInt32, .doc = "pairs of a link and an object, or wall, of the scene that overlap; -1 if only a hit was asked for", .on_configurations = kOnly},
+    {.name = "least_distance", .records = "counts", .unit = "m", .doc = "least distance of two bodies that may touch, one of them a link; 0 if they overlap; only with configurations.ask distance", .on_configurations = kOnly, .may_be_none = true},
+    {.name = "distance_error", .records = "pairs", .unit = "m", .doc = "difference of the least distance from that by geometry in double precision, with its proof", .on_configurations = kOnly, .may_be_none = true},
+    {.name = "exact_hit", .records = "pairs", .type = kInt32, .doc = "1 if two bodies overlap by more than a ten thousandth of the size of the smaller one, 0 if none overlap, by geometry in double precision; -1 if neither is certain", .on_configurations = kOnly},
+    {.name = "exact_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that may collide and whose boxes overlap, by brute force in double precision", .on_traces = kBroad, .on_configurations = kYes},
+    {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = kBroad, .on_configurations = kYes},
+    {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = kBroad, .on_configurations = kYes},
+    {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = kBroad, .on_configurations = kYes},
+    {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "unlisted_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs that the broad phase did not list, which are missed, too", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "bullet_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts of pairs whose contacts Bullet makes, not the detector", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "bullet_missed_contacts", .records = "pairs", .type = kInt32, .doc = "missed contacts of these pairs", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "bullet_uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "uncompared contacts of pairs whose contacts Bullet makes", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "false_contacts", .records = "pairs", .type = kInt32, .doc = "pairs with a contact deeper than a thousandth of the size of the smaller object, although they do not overlap", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "depth_error", .records = "pairs", .doc = "mean error of the depth of exact contacts, in sizes of the smaller object", .on_traces = kNarrow, .on_configurations = kYes, .may_be_none = true},
+    {.name = "max_depth_error", .records = "pairs", .doc = "largest error of the depth of an exact contact, in sizes of the smaller object", .on_traces = kNarrow, .on_configurations = kYes, .may_be_none = true},
+    {.name = "normal_error", .records = "pairs", .unit = "rad", .doc = "mean error of the normals of exact contacts", .on_traces = kNarrow, .on_configurations = kYes, .may_be_none = true},
+    {.name = "max_normal_error", .records = "pairs", .unit = "rad", .doc = "largest error of the normal of an exact contact", .on_traces = kNarrow, .on_configurations = kYes, .may_be_none = true},
     {.name = "query_time", .records = "timing", .shape = kQuery, .unit = "ns", .doc = "time of all queries of a type in a cycle, which is not part of step; 0 in a cycle without any", .of_queries = true},
     {.name = "query_update_time", .records = "timing", .unit = "ns", .doc = "time to build or refit cdb's own tree for the queries of a cycle; 0 without it", .of_queries = true},
     {.name = "query_count", .records = "counts", .type = kInt32, .shape = kQuery, .doc = "queries of a type in the cycle", .of_queries = true},

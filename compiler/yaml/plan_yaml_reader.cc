@@ -139,8 +139,8 @@ class ValueReader : public Nodes {
         if (!node.IsSequence()) Fail(node.Mark(), "expected a list of words");
         schema::WordList words;
         for (const YAML::Node& item : node) {
-          const bool is_group = parameter.word_source == schema::WordSource::kGroups;
-          if (!is_group && !parameter.HasWord(Text(item))) FailWord(item, parameter);
+          const bool is_name = schema::AreNamesOfScene(parameter.word_source);
+          if (!is_name && !parameter.HasWord(Text(item))) FailWord(item, parameter);
           words.push_back(Text(item));
         }
         return words;
@@ -148,7 +148,7 @@ class ValueReader : public Nodes {
       case schema::ParameterType::kText:
         return schema::Text{Text(node)};
       case schema::ParameterType::kWord:
-        if (parameter.word_source == schema::WordSource::kGroups) return schema::Word{Text(node)};
+        if (schema::AreNamesOfScene(parameter.word_source)) return schema::Word{Text(node)};
         break;
     }
     FailWord(node, parameter);

@@ -107,6 +107,11 @@ class Document {
       texts.push_back(count == 1 ? name : fmt::format("{} {}", count, name));
     return texts;
   }
+  /// The joint that this one mimics; empty if there is none.
+  std::string FollowedBy(std::string_view joint) const {
+    const auto found = followed_.find(joint);
+    return found == followed_.end() ? std::string() : found->second;
+  }
   /// The line of a link or a joint; that of the root if there is none.
   std::size_t LineOf(std::string_view kind, std::string_view name) const {
     for (const Element& element : elements_)
@@ -140,9 +145,10 @@ class Document {
                         element.line, element.name),
             "write a box, a cylinder, a sphere or a mesh");
       is_out[i] = 1;
-      if (parent.name == "joint" && element.name == "mimic")
+      if (parent.name == "joint" && element.name == "mimic") {
         mimics_.emplace_back(parent.Attribute("name"));
-      else
+        followed_.emplace(parent.Attribute("name"), element.Attribute("joint"));
+      } else
         ++left_out_[element.name];
       for (std::size_t at = element.begin; at < element.end; ++at)
         if (text_[at] != '\n') text_[at] = ' ';
@@ -154,6 +160,7 @@ class Document {
   std::vector<Element> elements_;
   std::map<std::string, int> left_out_;
   std::vector<std::string> mimics_;
+  std::map<std::string, std::string, std::less<>> followed_;  ///< by the joint that mimics it
 };
 
 /// The mesh file that a robot names. `package://NAME/REST` (and `model://`) is REST in the folder
@@ -371,6 +378,7 @@ class Builder {
     RobotJoint joint;
     joint.name = from.name;
     joint.line = document_.LineOf("joint", from.name);
+    joint.mimic = document_.FollowedBy(from.name);
     joint.parent = parent;
     joint.child = child;
     const auto refuse = [&](const std::string& cause, const char* remedy) {

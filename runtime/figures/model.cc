@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/schema/catalogue.h"
 #include "dsl/text/check.h"
 #include "runtime/figures/bootstrap.h"
@@ -119,7 +120,9 @@ void Model::ReadTimeSteps() const {
   time_steps_.emplace();
   if (const auto plan = ReadPlan(file_))
     for (const plan::Run& run : plan->runs)
-      time_steps_->emplace(run.id, run.scene.world.Real("timestep"));
+      time_steps_->emplace(run.id, analysis::HasConfigurations(run.scene)
+                                       ? kNone  // nothing moves with time
+                                       : run.scene.world.Real("timestep"));
 }
 
 double Model::TimeStepOf(const MeasuredPoint& point) const {

@@ -521,7 +521,12 @@ VerifyText VerifyTable(const results::ResultFile& file, const std::vector<std::s
   Document document = verified.Made(left_out);
   const figures::Model model(file, {});
   AddQueries(model, figures::AllAxes(file), document);
-  return {TextOf(document, Format::kTerminal), verified.IsGood() && AnswersOfTreeAreGood(file)};
+  AddConfigurations(model, figures::AllAxes(file), document);
+  std::vector<const figures::MeasuredPoint*> points;
+  for (const figures::MeasuredPoint& point : model.points()) points.push_back(&point);
+  const ConfigurationFigures sums = ConfigurationFiguresOf(model, points);
+  return {TextOf(document, Format::kTerminal),
+          verified.IsGood() && AnswersOfTreeAreGood(file) && sums.missed == 0};
 }
 
 namespace {

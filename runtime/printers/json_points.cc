@@ -18,6 +18,7 @@
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/queries.h"
+#include "runtime/printers/show.h"
 
 namespace cdb::printers {
 namespace {
@@ -183,6 +184,7 @@ class PointColumns {
     for (const std::string& series : DocumentedCounts(model_))
       all["counts"][series] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.CountOf(point, series); });
+    if (file_.Has("hit")) AddConfigurations(all);
     if (model_.HasNarrowTraces())
       all["ns_per_pair"] =
           MeasuredColumn([&](const MeasuredPoint& point) { return model_.NsPerPairOf(point); });
@@ -214,6 +216,27 @@ class PointColumns {
               return figures::QueriesOf(file_, points, static_cast<schema::QueryType>(type)).*
                      figure;
             });
+  }
+  /// Null for points that check none.
+  void AddConfigurations(Json& all) const {
+    const auto add = [&](const char* name, auto of) {
+      all["configurations"][name] = Column([&](const GridPoint& point) -> Json {
+        if (point.measured == nullptr) return nullptr;
+        const ConfigurationFigures sums = ConfigurationFiguresOf(model_, {point.measured});
+        return sums.all == 0 ? Json(nullptr) : Json(of(*point.measured, sums));
+      });
+    };
+    using Sums = ConfigurationFigures;
+    add("count", [](const MeasuredPoint&, const Sums& sums) { return Json(sums.all); });
+    add("hit", [](const MeasuredPoint&, const Sums& sums) { return Json(sums.hit); });
+    add("compared", [](const MeasuredPoint&, const Sums& sums) { return Json(sums.compared); });
+    add("missed", [](const MeasuredPoint&, const Sums& sums) { return Json(sums.missed); });
+    add("false", [](const MeasuredPoint&, const Sums& sums) { return Json(sums.wrong); });
+    if (model_.HasTimes())
+      add("per_second", [&](const MeasuredPoint& point, const Sums&) {
+        return ModelNumber(
+            model_, ConfigurationsPerSecond(model_.TimeOf(point, protocol::Phase::kStep).value));
+      });
   }
 
   void AddErrors(Json& all) const {

@@ -58,6 +58,7 @@ Document Brief(const figures::Model& model) {
   if (!tables.empty()) document.push_back(std::move(tables.front()));
   AddPairs(model, by.front(), document);
   AddQueries(model, by.front(), document);
+  AddConfigurations(model, by.front(), document);
   AddBudget(model, false, document);  // the answer is in the head
   Section doubts = BriefDoubts(model);
   if (!doubts.lines.empty()) document.push_back(std::move(doubts));
@@ -78,6 +79,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
     AddPhases(model, by, options.phases, document);
     AddPairs(model, by, document);
     AddQueries(model, by, document);
+    AddConfigurations(model, by, document);
   }
   AddDetectors(model, asked, options.phases, document);
   AddRatios(model, options.baseline, options.phases, document);

@@ -149,6 +149,23 @@ void AddPairs(const figures::Model& model, const std::vector<std::size_t>& by, D
 void AddQueries(const figures::Model& model, const std::vector<std::size_t>& by,
                 Document& document);
 
+/// Sums over the configurations that runs checked.
+struct ConfigurationFigures {
+  std::size_t all = 0, hit = 0;
+  bool are_told_apart = false;  ///< the next two are known
+  std::size_t self = 0, scene = 0;
+  std::size_t compared = 0;           ///< with exact geometry, which was certain
+  std::size_t missed = 0, wrong = 0;  ///< of these: hits not found, and hits where there is none
+  double distance_error = figures::kNone;  ///< m: the largest
+};
+ConfigurationFigures ConfigurationFiguresOf(const figures::Model& model,
+                                            const std::vector<const figures::MeasuredPoint*>& of);
+/// From the time of one.
+double ConfigurationsPerSecond(double step_ns);
+/// A table of them; none for a file without any.
+void AddConfigurations(const figures::Model& model, const std::vector<std::size_t>& by,
+                       Document& document);
+
 /// Two tables for each of `phases` (detect if that is empty), if the file compares detectors: mean
 /// and worst cycle, pairs, faults and
 /// memory of each detector, in the order of their axis, at each point of the other axes, or of `by`

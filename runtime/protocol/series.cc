@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
@@ -16,22 +17,27 @@ RunExtents ExtentsOf(const plan::Scene& scene) {
 
 namespace {
 
-enum class RunKind { kLive, kOnBoxes, kOnPairs };
+enum class RunKind { kLive, kOnBoxes, kOnPairs, kConfigurations };
 
 RunKind KindOf(const plan::Scene& scene) {
+  if (analysis::HasConfigurations(scene)) return RunKind::kConfigurations;
   if (!analysis::TraceOf(scene)) return RunKind::kLive;
   return analysis::IsOnPairs(scene) ? RunKind::kOnPairs : RunKind::kOnBoxes;
 }
 
-bool IsRecordedIn(RunKind kind, schema::OnTraces on_traces) {
+bool IsRecordedIn(RunKind kind, const Series& series) {
   using enum schema::OnTraces;
+  const schema::OnTraces on_traces = series.on_traces;
   switch (kind) {
     case RunKind::kLive:
-      return on_traces != kNarrowOnly;
+      return on_traces != kNarrowOnly &&
+             series.on_configurations != schema::OnConfigurations::kOnly;
     case RunKind::kOnBoxes:
       return on_traces == kBroad || on_traces == kBoth;
     case RunKind::kOnPairs:
       return on_traces == kNarrow || on_traces == kNarrowOnly || on_traces == kBoth;
+    case RunKind::kConfigurations:
+      return series.on_configurations != schema::OnConfigurations::kNo;
   }
   return false;
 }
@@ -39,7 +45,7 @@ bool IsRecordedIn(RunKind kind, schema::OnTraces on_traces) {
 }  // namespace
 
 bool IsRecordedBy(const Series& series, const plan::Scene& scene) {
-  if (!IsRecordedIn(KindOf(scene), series.on_traces)) return false;
+  if (!IsRecordedIn(KindOf(scene), series)) return false;
   if (series.of_queries && !analysis::HasQueries(scene)) return false;
   return std::ranges::any_of(scene.world.Words("record"), [&](const std::string& word) {
     return schema::ListsWord(series.records, word);

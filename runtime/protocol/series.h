@@ -42,7 +42,7 @@ class RecordedSeriesOf {
   const std::vector<const Series*>& Find(const plan::Scene& scene);
 
  private:
-  int kind_ = -1;  ///< of run: in a live world, on boxes, on pairs; -1 before the first
+  int kind_ = -1;  ///< of run: in a live world, on a trace and so on; -1 before the first
   schema::Value record_;
   bool asks_ = false;  ///< it has queries
   std::vector<const Series*> series_;

@@ -153,7 +153,9 @@ class Maker {
   /// Excludes what links cannot have: fixed objects, piles, and a missing anchor. A trace would
   /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
-    if (parameter == "trace" || parameter == "coordinates") return false;
+    if (parameter == "trace" || parameter == "coordinates" ||
+        parameter.starts_with("configurations."))
+      return false;
     const bool is_ground = Sets("mass fixed");
     if (is_ground && Sets(parameter)) return false;
     if (is_ground && std::ranges::count(kOfMovingObjects, parameter) > 0) return false;

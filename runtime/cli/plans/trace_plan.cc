@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/trace.h"
 #include "runtime/cli/options/subcommand.h"
 
@@ -41,6 +42,11 @@ plan::Plan MakeTracePlan(plan::Plan plan) {
     if (analysis::TraceOf(run.scene))
       throw options::CommandError(
           fmt::format("{}: {} already runs on a trace; trace a benchmark of a live world",
+                      plan.benchmark, plan::Describe(plan, run)));
+    if (analysis::HasConfigurations(run.scene))
+      throw options::CommandError(
+          fmt::format("{}: {} checks configurations, and nothing moves from one to the next; trace "
+                      "a benchmark of a live world",
                       plan.benchmark, plan::Describe(plan, run)));
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));

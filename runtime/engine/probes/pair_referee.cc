@@ -159,7 +159,10 @@ void Draw(std::vector<Candidate>& candidates, std::uint64_t draw, std::size_t mo
 /// Null if the two do not overlap, or are not known to.
 ExactOverlap* Add(const BodyPair& bodies, double size, const exact::SignedDistance& distance,
                   ExactContacts& contacts) {
-  if (-distance.lower <= kLeastOverlap * size) return nullptr;
+  if (-distance.lower <= kLeastOverlap * size) {
+    contacts.touching += distance.lower < 0;
+    return nullptr;
+  }
   if (!distance.IsTight(size)) {
     contacts.uncompared.push_back(bodies);
     return nullptr;

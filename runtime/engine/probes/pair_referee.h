@@ -43,6 +43,10 @@ struct ExactContacts {
   /// Other pairs that may overlap as deeply: those whose depth is not known to a billionth of the
   /// size of the smaller object, and those that were not drawn.
   std::vector<BodyPair> uncompared;  ///< in their order
+  /// Pairs that are not known to be apart, but overlap by no more than kLeastOverlap.
+  std::size_t touching = 0;
+  /// True if it is certain that no two of the bodies overlap.
+  bool AreAllApart() const { return overlaps.empty() && uncompared.empty() && touching == 0; }
 };
 
 /// `pairs`, and those of objects and walls that may touch.
@@ -100,6 +104,8 @@ class PairReferee {
   /// Call before and after each step that belongs to a recorded cycle.
   void BeforeStep();
   void AfterStep(std::uint64_t cycle);
+  /// Those of the last BeforeStep.
+  const ExactContacts& contacts() const { return contacts_; }
 
  private:
   void ReadBoxes();

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <vector>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/pose_table.h"
@@ -24,6 +25,7 @@
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/worker/memory_shortage.h"
 #include "runtime/engine/worker/replay.h"
+#include "runtime/engine/worker/run_configurations.h"
 #include "runtime/engine/worker/run_scene.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
@@ -86,7 +88,9 @@ void RunWorker(Streams streams, const Kept& kept) {
                               run.scene.world.WordOr("precision"), world::EnginePrecision()));
   } else {
     try {
-      if (analysis::TraceOf(run.scene)) {
+      if (analysis::HasConfigurations(run.scene)) {
+        RunConfigurations(run, recording, streams);
+      } else if (analysis::TraceOf(run.scene)) {
         ReplayTrace(run, recording, protocol::kTraceFd);
       } else {
         RunScenario(run, recording, streams, kept);

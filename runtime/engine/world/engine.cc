@@ -11,6 +11,7 @@
 #include <numbers>
 #include <string>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -62,7 +63,7 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
 }
 
 /// The extent of sweep and prune's coordinates: the cube, and, if walls are missing, also the
-/// largest distance that an object can fly in the run.
+/// largest distance that an object can fly in the run, or a robot reach.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   const double half = scene.world.Real("world.side") / 2;
   const analysis::Collisions collisions(scene);
@@ -70,6 +71,13 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
   for (std::size_t i = 0; i < scene.groups.size(); ++i)
     are_held = are_held && collisions.MayTouchWalls(i);
   if (are_held) return half;
+  if (analysis::HasConfigurations(scene)) {
+    // The links of a robot reach about as far as it is long.
+    double farthest = 0;
+    for (const ObjectState& object : state.objects)
+      farthest = std::max(farthest, object.pose.position.norm() + object.solid.OuterRadius());
+    return std::max(half, std::min(2 * farthest, analysis::kLargestBox));
+  }
   double fastest = 0;
   for (const ObjectState& object : state.objects)
     fastest = std::max(fastest, object.linear_velocity.norm());

@@ -51,6 +51,15 @@ class Engine {
     }
   }
 
+  /// Broad and narrow phase of the bodies where they are. Nothing moves.
+  void Detect() {
+    if (timed_world_ != nullptr) {
+      timed_world_->TimedDetection();
+    } else {
+      world_->performDiscreteCollisionDetection();
+    }
+  }
+
   /// The omissions; may be fewer than those it was built with.
   const omissions::Omissions& omissions() const { return omissions_; }
   /// True if `wall` (0 to 5: -x, +x, -y, +y, -z, +z) is in the scene, but omitted for this object.

@@ -18,6 +18,13 @@ void TimedWorld::TimedStep(btScalar timestep) {
   stamps_.step_end = Now();
 }
 
+void TimedWorld::TimedDetection() {
+  stamps_ = {};
+  stamps_.step_begin = Now();
+  performDiscreteCollisionDetection();
+  stamps_.step_end = Now();
+}
+
 void TimedWorld::performDiscreteCollisionDetection() {
   const bool detects = !Omits(schema::Component::kDetection);
   stamps_.detect_begin = Now();

@@ -108,6 +108,8 @@ class TimedWorld final : public LeanWorld {
 
   /// One internal step of `timestep` s, with time stamps.
   void TimedStep(btScalar timestep);
+  /// Broad and narrow phase alone, with time stamps; `step` is the time of both.
+  void TimedDetection();
   /// Nanoseconds of each phase of the last TimedStep, each the difference of its two stamps.
   std::array<double, protocol::kPhaseCount> Durations() const;
 
