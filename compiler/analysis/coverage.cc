@@ -28,6 +28,10 @@ const Group* FindGroup(const Scene& scene, auto holds) {
 
 bool IsFixed(const Group& group) { return group.settings.WordOr("mass") == "fixed"; }
 
+bool Spins(const Group& group) {
+  return !IsFixed(group) && !IsZero(group.settings.Get("angular_velocity"));
+}
+
 bool CanMove(const Scene& scene) {
   return FindGroup(scene, [](const Group& group) { return !IsFixed(group); }) != nullptr;
 }
@@ -156,8 +160,7 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const Group* moving = FindGroup(scene, HasKinematic))
     return fmt::format("sliding on moving ground, such as group {}, is not examined", moving->name);
   const auto spins = [](const Group& group) {
-    return !IsFixed(group) && group.settings.WordOr("type") != "sphere" &&
-           !IsZero(group.settings.Get("angular_velocity"));
+    return Spins(group) && group.settings.WordOr("type") != "sphere";
   };
   if (const Group* group = FindGroup(scene, spins))
     return fmt::format("group {} spins, and how objects turn on a face or a rim is not examined",
@@ -210,6 +213,24 @@ Reason WhyNotImpacts(const Scene& scene) {
 
 bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
 
+/// A gyroscope sinks, with errors that fall with the time step.
+Reason WhyNotJoints(const Scene& scene) {
+  const Group* spins = FindGroup(scene, [](const Group& group) {
+    return Spins(group) && group.HasLinks() && group.settings.WordOr("links.type") == "ball";
+  });
+  for (const plan::Joint& joint : scene.joints) {
+    if (joint.settings.WordOr("joints.type") != "ball" || !scene.HoldsObjects(joint)) continue;
+    for (const std::string_view side :
+         {joint.settings.WordOr("joints.parent"), joint.settings.WordOr("joints.child")}) {
+      const Group* group = scene.FindGroup(side);
+      if (group != nullptr && Spins(*group)) spins = group;
+    }
+  }
+  if (spins == nullptr) return std::nullopt;
+  return fmt::format("group {} spins on a ball joint, and its angular momentum is not examined",
+                     spins->name);
+}
+
 Reason WhyNotSleep(const Scene& scene) {
   const std::string group = scene.PulledGroup();
   if (group.empty()) return std::nullopt;
@@ -242,7 +263,7 @@ constexpr QuestionInfo kQuestions[] = {
      "impacts that Bullet finds end as shapes, velocities and coefficients say", false, Always,
      WhyNotImpacts},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
-     AlwaysChecked},
+     WhyNotJoints},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},
 };
 

@@ -122,20 +122,33 @@ Polygon Hull(Polygon points) {
   return hull;
 }
 
+/// The point of a solid farthest along a direction that is tilted from `outward`, both in its axes.
+/// Of what is round only the core counts, as it touches in one point or line however it turns.
+Vector3d CorePoint(const Solid& solid, const Vector3d& outward, double tilt,
+                   const Vector3d& direction) {
+  const double across = std::hypot(outward.x(), outward.z());
+  if (solid.shape == objects::Shape::kCylinder && solid.sides.x() == solid.sides.z() &&
+      across > tilt) {
+    const Vector3d radius =
+        solid.sides.x() / 2 * Vector3d(outward.x(), 0, outward.z()).normalized();
+    return radius + std::copysign(solid.sides.y() / 2, direction.y()) * Vector3d::UnitY();
+  }
+  const double radius = ConvexPart(solid, 0, Matrix3d::Identity(), Vector3d::Zero()).radius();
+  return solid.Support(direction) - radius * direction.normalized();
+}
+
 /// Counterclockwise: support points along directions around, each a little farther.
 Polygon FaceOf(const Solid& solid, const Pose& pose, const Vector3d& outward, double tilt,
                double thickness, const Plane& plane) {
   Polygon face;
   const Eigen::Quaterniond back = pose.orientation.conjugate();
-  const double radius = ConvexPart(solid, 0, Matrix3d::Identity(), Vector3d::Zero()).radius();
   for (int i = 0; i < kDirections; ++i) {
     // Not along the axes, where faces have their edges.
     const double angle = 2 * std::numbers::pi * (i + 0.37) / kDirections;
     const Vector2d way(std::cos(angle), std::sin(angle));
     const Vector3d direction = outward + tilt * (way.x() * plane.x + way.y() * plane.y);
-    // Of the core: what is round touches in one point, however it turns.
-    const Vector3d corner = pose.position + pose.orientation * solid.Support(back * direction) -
-                            radius * direction.normalized();
+    const Vector3d corner =
+        pose.position + pose.orientation * CorePoint(solid, back * outward, tilt, back * direction);
     face.push_back(plane.In(corner) + thickness * way);
   }
   return Hull(std::move(face));

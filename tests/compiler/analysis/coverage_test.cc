@@ -72,6 +72,11 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "losses: the joint has limits; impacts: only the direction is examined of objects with "
        "links or joints, as of group a; sleep: joints may hold the objects of group a, and their "
        "forces are not judged"},
+      {"objects a { quantity 1; angular_velocity (0, 9, 0) } joints { child a; type ball }",
+       "energy, losses, passing",
+       "impacts: only the direction is examined of objects with links or joints, as of group a; "
+       "joints: group a spins on a ball joint, and its angular momentum is not examined; sleep: "
+       "joints may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3 } joints elbow { child a; motor { velocity 1; effort 2 } }",
        "passing, joints",
        "energy: a motor drives the joint elbow; losses: a motor drives the joint elbow; impacts: "

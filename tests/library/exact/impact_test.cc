@@ -167,5 +167,39 @@ TEST(SolveImpact, KeepsMomentaAndLosesEnergy) {
   }
 }
 
+TEST(ImpactCourse, FollowsTheEdgesOfACubeInTurn) {
+  for (const double e : {0., 0.5, 1.})
+    for (const double tilt : {0.01, 0.04, 0.1}) {
+      SCOPED_TRACE(testing::Message() << "e = " << e << ", tilt " << tilt);
+      exact::ImpactCourse::Body cube;
+      cube.solid = &kCube;
+      cube.pose.orientation = Eigen::AngleAxisd(tilt, Vector3d::UnitZ());
+      cube.mass = 2;
+      cube.inertia = cube.mass * kCube.InertiaPerMass();
+      cube.velocity = Vector3d(0, -1, 0);
+      // The lower edge is on the left; its height below the centre and its distance from it.
+      const double height = (std::cos(tilt) + std::sin(tilt)) / 2,
+                   beside = (std::cos(tilt) - std::sin(tilt)) / 2;
+      cube.pose.position.y() = height;
+      exact::ImpactCourse course(cube, {},
+                                 {0, e, Vector3d::Zero(), Slip::kLeft, {Vector3d::UnitY(), 0}});
+      // An impulse J beside the centre changes v by J / m, and the spin by J x / I.
+      const double inertia = kCube.InertiaPerMass().z();
+      const double change = (1 + e) / (1 + beside * beside / inertia);
+      course.Advance(1e-4, 1);
+      EXPECT_NEAR(course.a().velocity.y(), -1 + change, 2e-3);
+      EXPECT_NEAR(course.a().spin.z(), -beside * change / inertia, 1e-2);
+      // The other edge follows: nothing approaches any more, and no energy is gained.
+      course.Advance(1, 2000);
+      EXPECT_GT(course.a().velocity.y() + std::abs(course.a().spin.z()), -1e-3);
+      EXPECT_LT(course.a().velocity.squaredNorm() + inertia * course.a().spin.squaredNorm(),
+                1 + 1e-3);
+      if (e == 1) {
+        EXPECT_NEAR(course.a().velocity.squaredNorm() + inertia * course.a().spin.squaredNorm(), 1,
+                    1e-3);
+      }
+    }
+}
+
 }  // namespace
 }  // namespace cdb::tests

@@ -177,5 +177,70 @@ TEST(ImpactWatch, ExaminesDirectionsInACrowd) {
   EXPECT_GT(run.error, 0.05);
 }
 
+/// A ball of 0.1 m that flies along x over the upper edge of a fixed cube of 0.4 m on its edge,
+/// which is at the origin.
+struct OverEdge {
+  double height, start, speed, e;
+  std::string Text() const {
+    return fmt::format(
+        "cycles 30; acceleration 0; contact faithful; world {{ side 200; walls none }}\n"
+        "objects a {{ quantity 1; size 0.1; restitution {}; friction 0; location at({}, {}, 0)\n"
+        "linear_velocity ({}, 0, 0) }}\n"
+        "objects b {{ quantity 1; type cuboid; size 0.4; mass fixed; restitution 1; friction 0\n"
+        "location at(0, {}, 0); orientation (0, 0, pi / 4) }}",
+        e, start, height, speed, -0.4 / std::sqrt(2.));
+  }
+  /// m/s, after the impact: the edge is a point.
+  Vector3d After() const {
+    const Vector3d velocity(speed, 0, 0);
+    if (height >= 0.05) return velocity;
+    const Vector3d normal(-std::sqrt(0.05 * 0.05 - height * height) / 0.05, height / 0.05, 0);
+    return velocity - (1 + e) * velocity.dot(normal) * normal;
+  }
+};
+
+TEST(ImpactWatch, FindsImpactsThatBulletMisses) {
+  const OverEdge missed{0.048, -0.255, 1.8, 0};
+  const ImpactRun run = RunImpact(missed.Text());
+  EXPECT_NEAR(run.first.x(), 1.8, 1e-6) << "Bullet has become better";
+  EXPECT_NEAR(run.error, std::sqrt(1 - 0.96 * 0.96), 1e-3);
+  EXPECT_EQ(run.verdict, protocol::Verdict::kDrifting);
+  // A graze hardly counts, and a pass above the edge not at all.
+  EXPECT_LT(RunImpact(OverEdge{0.0499, -0.255, 1.8, 0}.Text()).error, 0.08);
+  EXPECT_TRUE(std::isnan(RunImpact(OverEdge{0.0501, -0.255, 1.8, 0}.Text()).error));
+}
+
+TEST(ImpactWatch, AgreesWithClosedFormsWhetherBulletFindsAnImpactOrNot) {
+  std::mt19937 random(11);
+  const auto between = [&](double from, double to) {
+    return from + (to - from) * (random() / 4294967296.);
+  };
+  int missed = 0, found = 0, clear = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    const double speed = 6 * between(0.3, 1.4);  // of the ball's size in a cycle
+    const OverEdge over{between(0.02, 0.055), -0.3 - between(0, speed / 60), speed,
+                        scene % 2 == 0 ? 0. : 0.7};
+    SCOPED_TRACE(over.Text());
+    const ImpactRun run = RunImpact(over.Text());
+    const Vector3d start(speed, 0, 0);
+    const double change = (over.After() - start).norm(), error = (over.After() - run.first).norm();
+    const bool is_missed = (run.first - start).norm() < 1e-3 * speed;
+    clear += change == 0;
+    missed += is_missed && change > 0;
+    found += !is_missed;
+    const double ratio = is_missed ? error / std::max(change, speed) : error / change;
+    if (change == 0) {
+      EXPECT_TRUE(is_missed && run.verdict == protocol::Verdict::kStable);
+    } else if (ratio < 0.11) {
+      EXPECT_EQ(run.verdict, protocol::Verdict::kStable) << ratio;
+    } else if (ratio > 0.14) {
+      EXPECT_NE(run.verdict, protocol::Verdict::kStable) << ratio;
+    }
+  }
+  EXPECT_GT(missed, 5);
+  EXPECT_GT(found, 10);
+  EXPECT_GT(clear, 3);
+}
+
 }  // namespace
 }  // namespace cdb::tests
