@@ -32,18 +32,18 @@ using HintLists = std::vector<std::vector<PairHint>>;
 /// one before.
 class Hints {
  public:
-  /// `place`: of the first pair among all, from 0 to 1.
-  void Begin(const HintLists& last, double place, std::vector<PairHint>& current) {
+  /// `place`: of the first pair among all, from 0 to 1. `memory`: for the hints of this cycle.
+  void Begin(const HintLists& last, double place, std::vector<PairHint> memory) {
     last_ = &last;
-    current_ = &current;
+    current_ = std::move(memory);
     place_ = place;
     is_first_ = true;
     list_ = index_ = 0;
   }
   /// That of the last cycle, to be changed for the next. Valid until the next call.
   Hint& Of(const Pair& pair, std::uint32_t piece_a, std::uint32_t piece_b) {
-    current_->push_back({pair, piece_a, piece_b, {}});
-    PairHint& entry = current_->back();
+    current_.push_back({pair, piece_a, piece_b, {}});
+    PairHint& entry = current_.back();
     if (std::exchange(is_first_, false)) Seek(entry);
     constexpr int kSoon = 16;
     std::size_t list = list_, index = index_;
@@ -57,6 +57,8 @@ class Hints {
     }
     return entry.hint;
   }
+  /// Those of this cycle.
+  std::vector<PairHint> Take() { return std::move(current_); }
 
  private:
   /// From the end of a list to the next one that is not empty. False at the end of the last.
@@ -83,7 +85,7 @@ class Hints {
   }
 
   const HintLists* last_ = nullptr;
-  std::vector<PairHint>* current_ = nullptr;
+  std::vector<PairHint> current_;
   double place_ = 0;
   bool is_first_ = true;
   std::size_t list_ = 0, index_ = 0;  ///< in those of the last cycle
@@ -130,8 +132,8 @@ class Table {
 };
 constexpr Table kTable;
 
-/// Finds the contacts of consecutive pairs.
-class Finder {
+/// Finds the contacts of consecutive pairs. Nothing of it is in a cache line of another thread's.
+class alignas(64) Finder {
  public:
   explicit Finder(const Pieces& pieces) : pieces_(pieces) {}
   Hints hints;
@@ -280,9 +282,10 @@ class Batch final : public Detector {
         work, 0, pairs.size(), 1, [&](unsigned part, std::size_t from, std::size_t to) {
           Finder& finder = *finders_[part];
           finder.contacts.clear();
-          finder.hints.Begin(last_, static_cast<double>(from) / count, current_[part]);
+          finder.hints.Begin(last_, static_cast<double>(from) / count, std::move(current_[part]));
           finder.Find(scene, pairs.subspan(from, to - from),
                       part == 0 ? contacts : finder.contacts);
+          current_[part] = finder.hints.Take();
         });
     for (unsigned part = 1; part < parts; ++part) {
       const std::vector<Contact>& found = finders_[part]->contacts;
