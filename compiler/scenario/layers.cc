@@ -26,8 +26,8 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
 }
 
 /// True for names that a let must not have. Names of components, errors and closed forms are
-/// allowed: `gravity`, `height` and `spin` are useful names in a scene, and after the parameter
-/// that takes them they are words (Names::Resolve).
+/// allowed, and those that only queries take: `gravity`, `height`, `spin` and `side` are useful
+/// names in a scene, and after the parameter that takes them they are words (Names::Resolve).
 bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
   const bool is_reserved_distribution =
       name == "uniform" || name == "normal" || name == "log_uniform" || name == "any";
@@ -35,6 +35,7 @@ bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDe
       name == "on" || name == "off")
     return true;
   return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& p) {
+    if (p.NamedBlock() == schema::kQueriesBlock) return false;
     const bool is_shared = p.word_source == schema::WordSource::kComponents ||
                            p.word_source == schema::WordSource::kMetrics ||
                            p.word_source == schema::WordSource::kClosedForms;

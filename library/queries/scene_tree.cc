@@ -121,7 +121,8 @@ void SceneTree<Real>::Sweep(const Placed& from, const Eigen::Vector3d& along, do
     if (hits != Hits::kAll) found.resize(before);
     found.push_back(HitOf(id, *touch));
     if (hits == Hits::kClosest) most = touch->distance;
-    return hits == Hits::kAny;
+    // Nothing is nearer than what it overlaps.
+    return hits == Hits::kAny || (hits == Hits::kClosest && most == 0);
   };
   for (const HalfSpace& space : half_spaces_)
     if (take(space.id, SweepTo(from, along, most, space.exact()))) return;
@@ -159,20 +160,23 @@ void SceneTree<Real>::Nearest(const Placed& at, double reach, std::vector<Hit<Re
   const std::size_t before = found.size();
   double most = reach;
   const auto take = [&](std::int32_t id, const std::optional<Touch>& touch) {
-    if (!touch) return;
-    found.resize(before);
-    found.push_back(HitOf(id, *touch));
-    most = touch->distance;
+    if (touch) {
+      found.resize(before);
+      found.push_back(HitOf(id, *touch));
+      most = touch->distance;
+    }
+    return most == 0;  // nothing is nearer
   };
-  for (const HalfSpace& space : half_spaces_) take(space.id, DistanceTo(at, most, space.exact()));
+  for (const HalfSpace& space : half_spaces_)
+    if (take(space.id, DistanceTo(at, most, space.exact()))) return;
   const objects::Box box = objects::Bounds(at.solid, Eigen::Quaterniond::Identity());
   float limit = RoundedUp(most);
   tree_.ForNear(BoxAround(at.position + box.lower, at.position + box.upper), limit,
                 [&](std::size_t index) {
                   const Body& body = bodies_[index];
-                  take(body.id, DistanceTo(at, most, body.solid, body.pose()));
+                  const bool is_last = take(body.id, DistanceTo(at, most, body.solid, body.pose()));
                   limit = RoundedUp(most);
-                  return false;
+                  return is_last;
                 });
 }
 

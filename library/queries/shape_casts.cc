@@ -81,6 +81,10 @@ std::optional<Touch> DistanceTo(const Placed& at, double reach, const objects::S
   const Vector3d offset = at.position - pose.position;
   std::optional<Touch> least;
   ForPieces(at, Vector3d::Zero(), reach, body, pose, [&](std::size_t piece) {
+    if (reach == 0) {  // whether they overlap takes less time than how far they are apart
+      if (pair.PiecesOverlap(piece, 0, offset)) least = Touch{0, Vector3d::Zero()};
+      return least.has_value();
+    }
     const Gap gap = pair.PieceGap(piece, 0, offset);
     if (gap.distance <= (least ? least->distance : reach))
       least = Touch{gap.distance, gap.direction};

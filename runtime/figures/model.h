@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -121,5 +122,26 @@ class Model {
   mutable std::optional<std::vector<results::ReferenceTrouble>> reference_troubles_;
   mutable std::optional<std::map<std::string, double>> time_steps_;  ///< by run
 };
+
+// Figures of queries (`queries { }`): times, hits, and errors against exact answers.
+
+/// Of one type of queries, over the cycles of some points and their repeats. NaN: not recorded.
+struct QueryFigures {
+  double count, hits;              ///< means of a cycle
+  double time_ns, update_ns;       ///< means of a cycle: of the queries, and of cdb's own tree
+  double ns_per_query;             ///< over all queries
+  double compared, missed, wrong;  ///< sums; of `wrong`, false hits
+  double error, normal_error;      ///< the largest; m, rad
+
+  /// True if any such query was asked.
+  bool HasQueries() const { return count > 0 || compared > 0 || time_ns > 0; }
+};
+
+/// True if some run has queries.
+bool HasQueries(const results::ResultFile& file);
+
+/// Throws StoreError.
+QueryFigures QueriesOf(const results::ResultFile& file,
+                       std::span<const MeasuredPoint* const> points, schema::QueryType type);
 
 }  // namespace cdb::figures

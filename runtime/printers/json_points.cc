@@ -17,7 +17,7 @@
 #include "compiler/schema/schema.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/coverage.h"
-#include "runtime/figures/queries.h"
+#include "runtime/figures/model.h"
 #include "runtime/printers/show.h"
 
 namespace cdb::printers {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/queries.h"
+#include "runtime/figures/model.h"
 #include "runtime/printers/show.h"
 #include "runtime/terminal/table.h"
 

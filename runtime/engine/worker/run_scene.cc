@@ -21,9 +21,9 @@
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/processor_time.h"
-#include "runtime/engine/probes/queries.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
+#include "runtime/engine/scene_queries/queries.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
 
@@ -72,9 +72,9 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   if (streams.narrow_input_fd >= 0) narrow_input.emplace(engine, streams.narrow_input_fd);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);
-  std::optional<probes::Queries> queries;
+  std::optional<scene_queries::Queries> queries;
   if (analysis::HasQueries(scene)) queries.emplace(scene, engine, recording);
-  std::optional<probes::QueryReferee> query_referee;
+  std::optional<scene_queries::QueryReferee> query_referee;
   if (ComparesQueries(scene) && !WantsSecondPass(scene)) query_referee.emplace(engine, recording);
   const std::uint64_t warmup = scene.world.Count("warmup");
   const std::uint64_t cycles = scene.world.Count("cycles");
@@ -106,8 +106,8 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   if (RecordsPairs(scene)) referee.emplace(engine, recording);
   std::optional<probes::Probes> probes;
   if (scene.role == plan::Role::kReference) probes.emplace(scene, engine, recording, -1);
-  std::optional<probes::Queries> queries;
-  std::optional<probes::QueryReferee> query_referee;
+  std::optional<scene_queries::Queries> queries;
+  std::optional<scene_queries::QueryReferee> query_referee;
   if (ComparesQueries(scene)) {
     queries.emplace(scene, engine, recording);
     query_referee.emplace(engine, recording);

@@ -86,9 +86,13 @@ TEST(ShapeCasts, HaveTheDistanceOfTheSolids) {
     if (distance == 0) continue;
     ++apart;
     EXPECT_FALSE(queries::DistanceTo(at, 0.99 * distance, of.body, of.pose));
-    // Moved by the distance against the normal, they touch; by less, they do not.
+    // The normal points along the shortest way: half of the distance brings it half as near.
+    EXPECT_NEAR(
+        objects::Distance(of.shape,
+                          {of.from - distance / 2 * touch->normal, Eigen::Quaterniond::Identity()},
+                          of.body, of.pose),
+        distance / 2, 1e-7 * (1 + distance));
     EXPECT_FALSE(OverlapAt(of, of.from - 0.999 * distance * touch->normal));
-    EXPECT_TRUE(OverlapAt(of, of.from - (distance + 1e-4) * touch->normal));
   }
   EXPECT_GT(apart, 200);
 }

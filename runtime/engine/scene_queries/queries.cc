@@ -1,4 +1,4 @@
-#include "runtime/engine/probes/queries.h"
+#include "runtime/engine/scene_queries/queries.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/timed_world.h"
 
-namespace cdb::probes {
+namespace cdb::scene_queries {
 namespace {
 
 using distributions::Draw;
@@ -265,4 +265,4 @@ void Queries::Record(std::uint64_t cycle) {
     }
 }
 
-}  // namespace cdb::probes
+}  // namespace cdb::scene_queries

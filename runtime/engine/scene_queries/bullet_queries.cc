@@ -4,10 +4,10 @@
 
 #include "dsl/text/check.h"
 #include "library/layouts/initial_state.h"
-#include "runtime/engine/probes/queries.h"
+#include "runtime/engine/scene_queries/queries.h"
 #include "runtime/engine/world/conversions.h"
 
-namespace cdb::probes {
+namespace cdb::scene_queries {
 namespace {
 
 /// Keeps the hits of one query that Bullet reports, as the mode asks. The pieces of a body come one
@@ -145,4 +145,4 @@ void BulletQueries::Overlap(std::size_t query, Answers& answers) {
   world_.contactTest(&object_, hits);
 }
 
-}  // namespace cdb::probes
+}  // namespace cdb::scene_queries

@@ -5,10 +5,10 @@
 
 #include "compiler/analysis/queries.h"
 #include "dsl/text/check.h"
-#include "runtime/engine/probes/queries.h"
+#include "runtime/engine/scene_queries/queries.h"
 #include "runtime/engine/world/conversions.h"
 
-namespace cdb::probes {
+namespace cdb::scene_queries {
 namespace {
 
 using Eigen::Vector3d;
@@ -175,4 +175,4 @@ void QueryReferee::Compare(const Queries& asked, std::uint64_t cycle) {
   put_largest("hit_normal_error", &Errors::normal);
 }
 
-}  // namespace cdb::probes
+}  // namespace cdb::scene_queries

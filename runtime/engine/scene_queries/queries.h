@@ -2,8 +2,8 @@
 // exact answers. They read the world and change nothing in it.
 //
 // They are asked after the step, about the poses at its end. Bullet finds bodies through the broad
-// phase, whose boxes it updates at the start of a step only: it can miss a body that moved out of
-// its box.
+// phase, whose boxes it updates at the start of a step, up to the poses that it predicts for the
+// end: it can miss a body that a contact has turned aside.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/recording.h"
 
-namespace cdb::probes {
+namespace cdb::scene_queries {
 
 /// One `queries` block: its queries, drawn once, in Bullet's precision. The ray of a sweep is the
 /// way of its shape, that of a shape that stays begins where it is; its length is the reach of a
@@ -151,4 +151,4 @@ class QueryReferee {
   queries::ExactQueries exact_;
 };
 
-}  // namespace cdb::probes
+}  // namespace cdb::scene_queries
