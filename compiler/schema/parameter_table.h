@@ -132,7 +132,7 @@ struct ParameterTable {
      .also = "joints group planning_group move_group",
      .concern = Concern::kMethod},
     {.name = "configurations.by", .type = kWord, .first_default = "detector", .words = "detector lanes",
-     .doc = "what checks them: the broad and the narrow phase of the detector, or lanes, cdb's own check of links that are balls against fixed boxes, balls and capsules, for many configurations at a time",
+     .doc = "what checks them: the broad and the narrow phase of the detector, or lanes, cdb's own check of links that are balls against fixed boxes, balls, capsules and cylinders, for many configurations at a time",
      .also = "engine method backend simd",
      .concern = Concern::kMeasurement},
     {.name = "configurations.ask", .type = kWord, .first_default = "contacts", .words = "hit contacts distance",

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/configurations.h"
+
 namespace cdb::view {
 namespace {
 
@@ -137,6 +139,7 @@ Json RunOf(const SceneRecording& recording) {
               {"acceleration", {acceleration.x(), acceleration.y(), acceleration.z()}},
               {"record", world.Words("record")},
               {"notices", recording.notices}};
+  if (analysis::HasConfigurations(recording.scene)) run["has_configurations"] = true;
   run["groups"] = Json::array();
   for (const plan::Group& group : recording.scene.groups)
     run["groups"].push_back({{"name", group.name}, {"quantity", group.settings.Count("quantity")}});

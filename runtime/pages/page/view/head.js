@@ -6,7 +6,9 @@ const kSound = { stable: true, unknown: null };
 function chip(run) {
   if (!run.is_run) return element('span', { class: 'chip' }, 'not run');
   if (run.status !== 'done') return element('span', { class: 'chip bad' }, run.status);
-  if (run.verdict === 'unknown') return element('span', { class: 'chip' }, 'no verdict: record has no stability');
+  if (run.verdict === 'unknown')
+    return element('span', { class: 'chip' },
+      `no verdict: ${run.has_configurations ? 'nothing is simulated' : 'record has no stability'}`);
   const from = run.first_bad_cycle >= 0 ? ` from cycle ${run.first_bad_cycle}` : '';
   return element('span', { class: `chip ${kSound[run.verdict] ? 'good' : 'bad'}` },
     `${kSound[run.verdict] ? '✓' : '✗'} ${run.verdict}${run.criterion ? ` (${run.criterion})` : ''}${from}`);
@@ -15,7 +17,8 @@ function chip(run) {
 function lineOf(recording, index, isOne) {
   const { run } = recording;
   const facts = [run.name, `${recording.count} objects`, run.name.includes('detector') ? '' : `detector ${run.detector}`,
-    run.cycles ? `${run.cycles} cycles of ${Number((run.timestep * 1000).toPrecision(4))} ms` : ''];
+    !run.cycles ? '' : run.has_configurations ? `${run.cycles} configurations`
+      : `${run.cycles} cycles of ${Number((run.timestep * 1000).toPrecision(4))} ms`];
   return element('p', { class: 'run' }, ...(isOne ? [] : [element('b', { class: `run${index}` }, `${'AB'[index]} `)]),
     chip(run), ` ${facts.filter(Boolean).join(' · ')} · ${run.file}`,
     ...(run.message ? [element('br'), element('span', { class: 'message' }, run.message)] : []));
