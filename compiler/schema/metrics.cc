@@ -96,6 +96,8 @@ const std::vector<ResultNames>& ReservedNames() {
       {"a dimension of the results",
        NamesOf({"rep", "contact_row", "contact_side", "xyz"},
                std::span(kDimensions).first(static_cast<std::size_t>(Dimension::kSample)))},
+      {"a dimension of the results",
+       NamesOf({}, std::span(kDimensions).subspan(static_cast<std::size_t>(Dimension::kQuery)))},
       {"a series of the results", NamesOf({}, kSeries)},
       {"an array of contacts in the results",
        {"contact_body", "contact_point", "contact_normal", "contact_distance", "contact_first"}},

@@ -156,7 +156,7 @@ TEST(Queries, AreAnsweredByBulletAboutAsExactly) {
     EXPECT_GT(counts("compared_queries"), 1200) << name;
     EXPECT_LT(counts("missed_hits"), 40) << name;
     EXPECT_LT(counts("false_hits"), 40) << name;
-    // In sizes of 1.5 m: btSubsimplexConvexCast stops early.
+    // In sizes of 1.5 m: btSubsimplexConvexCast is inexact.
     EXPECT_LT(Largest(OfType(std::as_const(recorded.recording).Reals("hit_error"), type)), 0.5)
         << name;
   }
