@@ -259,9 +259,8 @@ constexpr QuestionInfo kQuestions[] = {
      "friction brakes objects that slide flat on fixed ground as its coefficient says, and turns "
      "none of them; what rolls keeps its speed",
      false, FrictionArises, WhyNotFriction},
-    {Question::kImpacts, "impacts",
-     "impacts that Bullet finds end as shapes, velocities and coefficients say", false, Always,
-     WhyNotImpacts},
+    {Question::kImpacts, "impacts", "impacts end as shapes, velocities and coefficients say", false,
+     Always, WhyNotImpacts},
     {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
      WhyNotJoints},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},

@@ -7,10 +7,38 @@
 #include <vector>
 
 #include "runtime/engine/probes/body_states.h"
-#include "runtime/engine/probes/supports.h"
 #include "runtime/engine/world/coefficients.h"
 
 namespace cdb::probes {
+
+// What pushes each object in a cycle.
+
+/// rad: normals that differ by less are the same.
+inline constexpr double kSameNormal = 0.05;
+
+struct Support {
+  const btCollisionObject* ground = nullptr;  ///< null: nothing pushes the object
+  btVector3 normal;                           ///< unit, of one contact, towards the object
+  bool is_single = true;                      ///< all contacts are with `ground`, and along it
+};
+
+/// By the impulses of Bullet's contacts. The engine must outlive it. Not thread-safe.
+class Supports {
+ public:
+  explicit Supports(world::Engine& engine);
+
+  /// Whether the scene has walls or fixed objects that are not kinematic. Without them, there are
+  /// no supports.
+  bool has_ground() const { return has_ground_; }
+  /// Call after each cycle.
+  void Find();
+  const Support& Of(std::size_t object) const { return supports_[object]; }
+
+ private:
+  world::Engine& engine_;
+  bool has_ground_ = false;
+  std::vector<Support> supports_;  ///< by object
+};
 
 /// Judged are objects that lie flat on one fixed body, a wall or an object, and touch nothing else:
 /// a face is within 0.05 rad of the ground, and reaches around the centre of mass by a tenth of the
