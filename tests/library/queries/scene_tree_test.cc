@@ -37,9 +37,9 @@ objects::Solid TorusSurface() {
 
 /// Random bodies of every shape in a cube, in a tree and by brute force.
 template <typename Real>
-class Both {
+class Answerers {
  public:
-  Both(int count, double side, std::uint64_t seed) : stream_(seed), side_(side) {
+  Answerers(int count, double side, std::uint64_t seed) : stream_(seed), side_(side) {
     for (int i = 0; i < count; ++i) {
       const objects::Shape shape =
           objects::kClosedShapes[static_cast<std::size_t>(i) % objects::kClosedShapes.size()];
@@ -108,7 +108,7 @@ class Both {
 /// In double precision, the tree finds what brute force does, whatever it stands on.
 TEST(SceneTree, FindsWhatBruteForceFinds) {
   for (const int count : {0, 1, 2, 5, 40, 400}) {
-    Both<double> both(count, 40, 3 + static_cast<std::uint64_t>(count));
+    Answerers<double> both(count, 40, 3 + static_cast<std::uint64_t>(count));
     int hits = 0;
     for (int cycle = 0; cycle < 4; ++cycle) {
       for (int i = 0; i < 300; ++i) {
@@ -145,7 +145,7 @@ std::set<std::int32_t> BodiesOf(const std::vector<Hit>& hits) {
 
 TEST(SceneTree, FindsWhatBruteForceFindsForShapes) {
   for (const int count : {0, 3, 150}) {
-    Both<double> both(count, 30, 21);
+    Answerers<double> both(count, 30, 21);
     int swept = 0, overlapping = 0;
     for (int cycle = 0; cycle < 3; ++cycle) {
       for (int i = 0; i < 100; ++i) {
@@ -190,7 +190,7 @@ TEST(SceneTree, FindsWhatBruteForceFindsForShapes) {
 }
 
 TEST(SceneTree, FindsAlmostTheSameInSinglePrecision) {
-  Both<float> both(300, 40, 17);
+  Answerers<float> both(300, 40, 17);
   int compared = 0, differing = 0;
   for (int cycle = 0; cycle < 3; ++cycle) {
     for (int i = 0; i < 1000; ++i) {
@@ -214,7 +214,7 @@ TEST(SceneTree, FindsAlmostTheSameInSinglePrecision) {
 }
 
 TEST(SceneTree, AnswersTheSameToTheBit) {
-  Both<float> one(200, 30, 5), other(200, 30, 5);
+  Answerers<float> one(200, 30, 5), other(200, 30, 5);
   for (int cycle = 0; cycle < 3; ++cycle) {
     for (int i = 0; i < 200; ++i) {
       const auto ray = one.RandomRay();
