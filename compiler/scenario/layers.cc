@@ -25,9 +25,16 @@ bool HasBlock(std::string_view outer, bool grouped, std::string_view name) {
   return std::ranges::find(blocks, name) != blocks.end();
 }
 
+/// Parameters whose words may be names of lets, as scenarios had such lets before.
+bool LeavesItsWords(const schema::Parameter& parameter) {
+  return parameter.NamedBlock() == schema::kQueriesBlock ||
+         parameter.name.starts_with("configurations.") || parameter.name.ends_with("coordinates");
+}
+
 /// True for names that a let must not have. Names of components, errors and closed forms are
-/// allowed, and those that only queries take: `gravity`, `height`, `spin` and `side` are useful
-/// names in a scene, and after the parameter that takes them they are words (Names::Resolve).
+/// allowed, and those that only queries or configurations take: `gravity`, `distance`, `spin` and
+/// `side` are useful names in a scene, and after the parameter that takes them they are words
+/// (Names::Resolve).
 bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDetector> plugins) {
   const bool is_reserved_distribution =
       name == "uniform" || name == "normal" || name == "log_uniform" || name == "any";
@@ -35,7 +42,7 @@ bool IsWordOfTheLanguage(std::string_view name, std::span<const schema::PluginDe
       name == "on" || name == "off")
     return true;
   return std::ranges::any_of(schema::Schema(), [&](const schema::Parameter& p) {
-    if (p.NamedBlock() == schema::kQueriesBlock) return false;
+    if (LeavesItsWords(p)) return false;
     const bool is_shared = p.word_source == schema::WordSource::kComponents ||
                            p.word_source == schema::WordSource::kMetrics ||
                            p.word_source == schema::WordSource::kClosedForms;

@@ -157,7 +157,8 @@ TEST(Series, EveryCycleHasEveryValue) {
   ASSERT_TRUE(run.done()) << run.message();
   for (const protocol::Series& series : protocol::AllSeries()) {
     ASSERT_EQ(protocol::IsRecordedBy(series, scene),
-              series.on_traces != schema::OnTraces::kNarrowOnly)
+              series.on_traces != schema::OnTraces::kNarrowOnly &&
+                  series.on_configurations != schema::OnConfigurations::kOnly)
         << series.name;
     if (!protocol::IsRecordedBy(series, scene)) continue;
     if (series.type == protocol::SeriesType::kInt32) {
