@@ -42,7 +42,7 @@ std::string_view ParentOf(const plan::Joint& joint) {
 
 bool IsHeldStill(const plan::Group& group) { return group.settings.WordOr("mass") == "fixed"; }
 
-/// What one joint cannot be.
+/// Faults of one joint.
 Refused FindFault(const plan::Scene& scene, const plan::Joint& joint) {
   if (joint.settings.WordOr("joints.type") == "ball")
     return Refusal(joint, "joints.type",
@@ -52,6 +52,13 @@ Refused FindFault(const plan::Scene& scene, const plan::Joint& joint) {
     return Refusal(joint, "joints.child",
                    fmt::format("the child of {} is the world", TextOf(joint)),
                    "exchange parent and child: the parent holds the child");
+  if (const plan::Group* parent = scene.FindGroup(ParentOf(joint));
+      parent != nullptr && parent->settings.Count("quantity") > 1)
+    return Refusal(joint, "joints.parent",
+                   fmt::format("{} holds its child to {} objects: a loop, which configurations "
+                               "cannot have",
+                               TextOf(joint), parent->settings.Count("quantity")),
+                   "let the parent be a single object");
   const plan::Group& child = *scene.FindGroup(ChildOf(joint));
   if (child.settings.Count("quantity") > 1)
     return Refusal(joint, "joints.child",
@@ -108,7 +115,7 @@ Refused FindTreeFault(const plan::Scene& scene) {
   return std::nullopt;
 }
 
-/// Answers that are not to be had.
+/// Answers that are not available.
 Refused FindAskFault(const plan::Scene& scene) {
   const schema::WorldParameter ask = "configurations.ask", record = "record";
   const bool is_by_lanes = scene.world.WordOr("configurations.by") == "lanes";
@@ -128,7 +135,7 @@ Refused FindAskFault(const plan::Scene& scene) {
   return std::nullopt;
 }
 
-/// What a position of this joint cannot be.
+/// Faults of the position of a joint.
 Refused FindPositionFault(const plan::Scene& scene, const Freedom& freedom) {
   const plan::Joint& joint = *freedom.joint;
   const bool is_path = scene.world.WordOr(kPositions) == "path";

@@ -55,6 +55,12 @@ std::vector<LaidFault> LayConfigurations(const scenario::Scenario& scenario,
            {},
            fmt::format("'{}' has no meaning for configurations", setting.node->path.text),
            AdviceOn(*key.second)});
+  if (!scene.queries.empty())
+    faults.push_back({&scenario::kContradiction,
+                      {"", schema::WorldParameter("configurations.positions").get()},
+                      {},
+                      "queries are of scenes in motion, and configurations are checked one by one",
+                      "remove one of the two blocks"});
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
   const std::vector<std::string_view> recordable = RecordableWords();
   for (const std::string& word : scene.world.Words("record"))

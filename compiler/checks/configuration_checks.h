@@ -16,7 +16,7 @@ namespace cdb::checks {
 std::vector<LaidFault> LayConfigurations(const scenario::Scenario& scenario,
                                          const scenario::Layers& layers, plan::Scene& scene);
 
-/// What the joints, the objects and the list of the scene, which is laid, cannot be.
+/// Faults of a scene after LayConfigurations: of its joints, objects and list.
 std::vector<LaidFault> FindFaultsOfConfigurations(const plan::Scene& scene);
 
 }  // namespace cdb::checks

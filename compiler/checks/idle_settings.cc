@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/configure/configuration.h"
@@ -63,6 +64,13 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
            "fixed");
   }
+  for (const auto parameter :
+       {schema::WorldParameter("detector"), schema::WorldParameter("narrow_phase"),
+        schema::WorldParameter("pair_order"), schema::WorldParameter("threads")})
+    Look(configuration, {"", parameter.get()},
+         analysis::HasConfigurations(scene) && scene.world.WordOr("configurations.by") == "lanes",
+         fmt::format("lanes check the configurations, and {} has no effect", parameter.name()),
+         "remove it, or write configurations.by detector");
   if (scene.world.WordOr("coordinates") == "reduced")
     Look(configuration, {"", schema::WorldParameter("coordinates").get()},
          scene.PulledGroup().empty(), "the scene has no joints, so it has no reduced coordinates",

@@ -301,7 +301,7 @@ struct ParameterTable {
      .doc = "asked in the first cycle and in every such cycle after it",
      .also = "interval period", .ignored_by = kPile | kReference | kTrace | kConfigurations},
     {.name = "queries.implementation", .grouped = true, .type = kWord, .first_default = "bullet", .words = "bullet tree",
-     .doc = "who answers: bullet, through the broad phase of the run, or cdb's own tree",
+     .doc = "the implementation: bullet, through the broad phase of the run, or cdb's own tree",
      .also = "engine method backend by detector", .concern = Concern::kMeasurement, .ignored_by = kPile | kReference | kTrace | kConfigurations},
     {.name = "sleeping", .type = kSwitch, .first_default = "on",
      .doc = "objects at rest are put to sleep",

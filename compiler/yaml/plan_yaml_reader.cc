@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/queries.h"
@@ -353,6 +354,9 @@ class PlanReader : public ValueReader {
         CheckJoint(run.scene, run.scene.joints.back(), joint);
       }
     if (const auto fault = analysis::FindReducedFault(run.scene)) Fail(node.Mark(), fault->message);
+    if (analysis::HasConfigurations(run.scene))
+      if (const auto fault = analysis::FindConfigurationFault(run.scene))
+        Fail(node.Mark(), fault->message);
     if (node["queries"])
       for (const YAML::Node& queries : node["queries"]) {
         const std::string name = Name(Member(queries, "queries"));

@@ -30,8 +30,8 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// The calling thread's pool of this size, which all who work in turn share: as many threads then
-  /// serve a whole cycle, and need not fall asleep and be woken between its phases.
+  /// The calling thread's pool of this size, shared by the phases of a cycle, so that threads stay
+  /// awake between them.
   static std::shared_ptr<ThreadPool> Shared(unsigned threads);
 
   unsigned size() const { return static_cast<unsigned>(threads_.size()) + 1; }

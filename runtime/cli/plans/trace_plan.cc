@@ -55,6 +55,7 @@ plan::Plan MakeTracePlan(plan::Plan plan) {
     set("pair_order", schema::Word{"sorted"});
     set("accuracy.metrics", schema::WordList{"none"});
     set("repeats", std::uint64_t{1});
+    run.scene.DropQueries();
     run.id = plan::RunId(run.scene, 0);
   }
   plan.references.clear();

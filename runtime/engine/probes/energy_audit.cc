@@ -145,12 +145,12 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
              velocity_in(states, manifold.getBody1(), world::ToEigen(point.getPositionWorldOnB()));
     };
     const Vector3d at_start = relative(before), at_end = relative(now);
-    const auto work = [&](btScalar impulse, const btVector3& direction) {
-      return -static_cast<double>(impulse) * (at_start + at_end).dot(world::ToEigen(direction)) / 2;
+    const auto work = [&](const btVector3& impulse) {
+      return -(at_start + at_end).dot(world::ToEigen(impulse)) / 2;
     };
-    taken += std::max(0.0, work(point.m_appliedImpulseLateral1, point.m_lateralFrictionDir1));
+    taken += std::max(0.0, work(world::FrictionImpulse(point)));
     // Negative where a contact pushes objects out of each other.
-    const double impact = work(point.m_appliedImpulse, point.m_normalWorldOnB);
+    const double impact = work(point.m_appliedImpulse * point.m_normalWorldOnB);
     const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
     const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
                  rebound = std::max(0.0, at_end.dot(normal)),

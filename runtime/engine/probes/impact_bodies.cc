@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using exact::ImpactBody;
 
-/// An approach by more than such a fall, in least sides, and by so many falls in a cycle.
+/// An approach in least sides, and in falls of a cycle.
 constexpr double kImpactFall = 0.05, kImpactFalls = 4;
 /// 1/s: without gravity, of the least side.
 constexpr double kImpactRate = 0.1;

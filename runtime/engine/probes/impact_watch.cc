@@ -23,7 +23,7 @@ constexpr int kMostCycles = 12;
 constexpr double kExact = 0.01;
 /// Of the approach: an impact that leaves less is completed.
 constexpr double kComplete = 0.1;
-/// Bullet's shapes may be rounded, and touch later by a way of so many least sides; in cycles.
+/// Bullet's shapes may be rounded, and touch later: the way in least sides, and in cycles.
 constexpr double kRounded = 0.06, kMostLate = 50;
 /// In cycles: further back, if they overlapped there.
 constexpr double kFarthestBack = 4;
@@ -86,7 +86,7 @@ void ImpactWatch::ReadPairs() {
       if (!world::HasImpulse(manifold, point)) continue;
       pushes = true;
       impulse += world::ToEigen(point.m_appliedImpulse * point.m_normalWorldOnB +
-                                point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1);
+                                world::FrictionImpulse(point));
     }
     if (!pushes) continue;
     const auto a = static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex());

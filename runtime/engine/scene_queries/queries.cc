@@ -67,7 +67,7 @@ class QueryDraw {
   }
   Vector3d Direction() {
     std::string_view word;
-    while (true) {
+    for (int tries = 0; tries < distributions::Draw::kMaxRedraws; ++tries) {
       const auto direction = direction_.VectorOrWord(&word);
       if (!direction) {
         // All directions are alike in a vector of normal numbers.
@@ -78,12 +78,13 @@ class QueryDraw {
         return direction->normalized();
       }
     }
+    throw library::SceneError("`queries.direction`: all directions that were drawn are 0");
   }
   double Length() {
     std::string_view word;
     return length_.RealOrWord(&word).value_or(side_);
   }
-  /// Both ends in Bullet's precision, so that all who answer are asked the same.
+  /// Both ends in Bullet's precision, so that all implementations get the same query.
   queries::Ray<double> Rounded(const Vector3d& from, const Vector3d& to) const {
     const Vector3d begin = world::RoundedForBullet(from), end = world::RoundedForBullet(to);
     const double length = (end - begin).norm();

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "compiler/analysis/queries.h"
 #include "dsl/text/check.h"
@@ -92,6 +93,10 @@ void QueryReferee::Compare(const QueryBlock& block, const queries::Ray<double>& 
   const queries::Hits hits = block.hits;
   const auto plain = [&](const ExactHit& hit) { return IsPlain(block, hit, ray, rounding); };
   const auto first_plain = std::ranges::find_if(truth, plain);
+  // An answer is compared with the first hit of its body; pieces of a body may be hit later, too.
+  const auto is_late = [&](const queries::Hit<double>& hit, const ExactHit& first) {
+    return hit.distance > first.distance + 2 * rounding + kFalse * std::min(first.size, ray.length);
+  };
   double missed = 0, wrong = 0;
   bool grazes = false;
   // A ball that is lost in rounding.
@@ -125,17 +130,17 @@ void QueryReferee::Compare(const QueryBlock& block, const queries::Ray<double>& 
     errors.normal = std::fmax(errors.normal, AngleBetween(same->normal, hit.normal));
   }
   if (hits == queries::Hits::kAll) {
-    std::int32_t last = -1;
+    std::set<std::int32_t> seen;
     for (const ExactHit& exact : truth) {
-      if (!plain(exact) || exact.body == last) continue;
-      last = exact.body;
-      missed += std::ranges::none_of(answer, [&](const auto& hit) { return hit.body == last; });
+      if (!plain(exact) || !seen.insert(exact.body).second) continue;
+      const bool has_distance = block.type != schema::QueryType::kOverlap;
+      missed += std::ranges::none_of(answer, [&](const auto& hit) {
+        return hit.body == exact.body && !(has_distance && is_late(hit, exact));
+      });
     }
   } else if (first_plain != truth.end()) {
-    const bool is_behind = hits == queries::Hits::kClosest && nearest != nullptr &&
-                           nearest->body != first_plain->body &&
-                           nearest->distance > first_plain->distance + 2 * rounding +
-                                                   kFalse * std::min(first_plain->size, ray.length);
+    const bool is_behind =
+        hits == queries::Hits::kClosest && nearest != nullptr && is_late(*nearest, *first_plain);
     missed += nearest == nullptr || is_behind;
   } else if (nearest == nullptr) {
     grazes = !truth.empty();

@@ -63,4 +63,13 @@ inline Eigen::Vector3d RoundedForBullet(const Eigen::Vector3d& v) {
   return rounded;
 }
 
+/// A frame at `origin` with x along `line`, a unit vector; that of the world if it is 0.
+inline btTransform FrameAlong(const btVector3& line, const btVector3& origin) {
+  if (line.isZero()) return btTransform(btMatrix3x3::getIdentity(), origin);
+  btVector3 y, z;
+  btPlaneSpace1(line, y, z);
+  return btTransform(
+      btMatrix3x3(line.x(), y.x(), z.x(), line.y(), y.y(), z.y(), line.z(), y.z(), z.z()), origin);
+}
+
 }  // namespace cdb::world

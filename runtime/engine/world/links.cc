@@ -47,14 +47,6 @@ class PlainSpring : public btGeneric6DofSpring2Constraint {
   btScalar length_;
 };
 
-/// A frame at `origin` with x along `line`, a unit vector.
-btTransform FrameAlong(const btVector3& line, const btVector3& origin) {
-  btVector3 y, z;
-  btPlaneSpace1(line, y, z);
-  return btTransform(
-      btMatrix3x3(line.x(), y.x(), z.x(), line.y(), y.y(), z.y(), line.z(), y.z(), z.z()), origin);
-}
-
 btVector3 InBody(const btRigidBody& body, const btVector3& point) {
   return body.getWorldTransform().invXform(point);
 }

@@ -32,4 +32,10 @@ inline bool HasImpulse(const btPersistentManifold& manifold, const btManifoldPoi
          point.m_appliedImpulse != 0;
 }
 
+/// The impulse of friction on the first body. The second direction is used by multibodies only.
+inline btVector3 FrictionImpulse(const btManifoldPoint& point) {
+  return point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+         point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2;
+}
+
 }  // namespace cdb::world

@@ -9,6 +9,8 @@
 #include <map>
 #include <utility>
 
+#include "runtime/engine/world/conversions.h"
+
 namespace cdb::world {
 namespace {
 
@@ -35,36 +37,50 @@ class Rows : public btMultiBodyConstraint {
   void debugDraw(btIDebugDraw*) override {}
 };
 
-/// The rows of an AxisDrive for the one degree of freedom of a link.
-class LinkDrive final : public Rows {
- public:
-  /// `sign`: -1 if the link is the first of the two bodies.
-  LinkDrive(btMultiBody& body, int link, btMultiBody& ground, AxisDrive& drive, btScalar sign)
-      : Rows(&body, link, &ground, kBase),
-        drive_(drive),
-        sign_(sign),
-        jacobian_(static_cast<std::size_t>(6 + body.getNumDofs()), btScalar(0)) {
-    jacobian_[static_cast<std::size_t>(6 + body.getLink(link).m_dofOffset)] = sign;
+/// A place on a link.
+struct Side {
+  btMultiBody* body;
+  int link;
+  btTransform frame;  ///< in the link: the pivot, and x along the axis
+
+  btTransform Pose() const {
+    return (link == kBase ? body->getBaseWorldTransform()
+                          : body->getLink(link).m_cachedWorldTransform) *
+           frame;
   }
+};
+
+/// The rows of an AxisDrive.
+class JointDrive final : public Rows {
+ public:
+  JointDrive(JointKind kind, const Side& first, const Side& second, AxisDrive& drive)
+      : Rows(second.body, second.link, first.body, first.link),
+        turns_(kind == JointKind::kHinge),
+        first_(first),
+        second_(second),
+        drive_(drive) {}
 
   void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                             const btContactSolverInfo& info) override {
-    const btScalar rate = sign_ * m_bodyA->getJointVel(m_linkA);
+    const btVector3 axis = first_.Pose().getBasis().getColumn(0), none(0, 0, 0);
+    const btVector3 point = second_.Pose().getOrigin();
+    btScalar rate = 0;
     const auto add = [&](btScalar velocity) -> btMultiBodySolverConstraint& {
-      const btVector3 none(0, 0, 0);
-      btScalar no_jacobian[6] = {};  // of the ground
       btMultiBodySolverConstraint& row = NewRow(rows);
-      fillMultiBodyConstraint(row, data, jacobian_.data(), no_jacobian, none, none, none, none, 0,
-                              info, 0, 0, false, 1, false, velocity);
+      rate = fillMultiBodyConstraint(row, data, nullptr, nullptr, turns_ ? axis : none,
+                                     turns_ ? none : axis, point, point, 0, info, 0, 0, turns_, 1,
+                                     false, velocity);
       return row;
     };
     // The velocity that a unit impulse gives the joint is known once a row is filled.
-    const btMultiBodySolverConstraint& trial = add(0);
-    const btScalar mobility = trial.m_jacDiagABInv > 0 ? 1 / trial.m_jacDiagABInv : btScalar(0);
+    const btScalar inverse = add(0).m_jacDiagABInv;
     rows.pop_back();
     AxisDrive::RowList list;
-    drive_.ListRows(
-        {.rate = rate, .mobility = mobility, .fps = 1 / info.m_timeStep, .erp = info.m_erp}, list);
+    drive_.ListRows({.rate = rate,
+                     .mobility = inverse > 0 ? 1 / inverse : btScalar(0),
+                     .fps = 1 / info.m_timeStep,
+                     .erp = info.m_erp},
+                    list);
     for (int i = 0; i < list.count; ++i) {
       btMultiBodySolverConstraint& row = add(list.rows[i].velocity);
       row.m_lowerLimit = list.rows[i].least;
@@ -73,21 +89,15 @@ class LinkDrive final : public Rows {
   }
 
  private:
+  const bool turns_;
+  const Side first_, second_;
   AxisDrive& drive_;
-  const btScalar sign_;
-  std::vector<btScalar> jacobian_;
 };
 
-/// A joint that closes a loop: the pivots of two links, or of one and of the ground, are held
-/// together, and those of their axes that the joint fixes.
+/// A joint that closes a loop: the pivots are held together, and those of the axes that the joint
+/// fixes.
 class LoopJoint final : public Rows {
  public:
-  /// A place on a link.
-  struct Side {
-    btMultiBody* body;
-    int link;
-    btTransform frame;  ///< in the link: the pivot, and x along the axis
-  };
   LoopJoint(JointKind kind, const Side& first, const Side& second)
       : Rows(first.body, first.link, second.body, second.link),
         kind_(kind),
@@ -96,7 +106,7 @@ class LoopJoint final : public Rows {
 
   void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                             const btContactSolverInfo& info) override {
-    const btTransform first = PoseOf(first_), second = PoseOf(second_);
+    const btTransform first = first_.Pose(), second = second_.Pose();
     const btVector3 none(0, 0, 0), gap = first.getOrigin() - second.getOrigin();
     const auto add = [&](const btVector3& about, const btVector3& along, btScalar error) {
       fillMultiBodyConstraint(NewRow(rows), data, nullptr, nullptr, about, along, first.getOrigin(),
@@ -121,12 +131,6 @@ class LoopJoint final : public Rows {
   }
 
  private:
-  static btTransform PoseOf(const Side& side) {
-    return (side.link == kBase ? side.body->getBaseWorldTransform()
-                               : side.body->getLink(side.link).m_cachedWorldTransform) *
-           side.frame;
-  }
-
   const JointKind kind_;
   const Side first_, second_;
 };
@@ -134,16 +138,6 @@ class LoopJoint final : public Rows {
 btVector3 InertiaOf(const btRigidBody& body) {
   const btVector3& inverse = body.getInvInertiaDiagLocal();
   return {1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z()};
-}
-
-/// x along the axis, at the pivot.
-btTransform FrameOf(const JointFrame& joint) {
-  if (joint.axis.isZero()) return btTransform(btMatrix3x3::getIdentity(), joint.pivot);
-  btVector3 y, z;
-  btPlaneSpace1(joint.axis, y, z);
-  const btVector3& x = joint.axis;
-  return btTransform(btMatrix3x3(x.x(), y.x(), z.x(), x.y(), y.y(), z.y(), x.z(), y.z(), z.z()),
-                     joint.pivot);
 }
 
 }  // namespace
@@ -312,30 +306,25 @@ void Multibodies::Grow(std::span<const JointFrame> joints) {
     for (const auto& collider : tree->colliders)
       links_[static_cast<std::size_t>(tree->BodyOf(collider->m_link)->getUserIndex())] =
           collider.get();
-    for (std::size_t link = 0; link < tree->branches.size(); ++link) {
-      const JointFrame& joint = *tree->branches[link].joint;
-      if (joint.drive != nullptr)
-        constraints_.push_back(std::make_unique<LinkDrive>(
-            *tree->body, static_cast<int>(link), *ground_, *joint.drive,
-            joint.second == tree->bodies[link] ? btScalar(1) : btScalar(-1)));
-    }
   }
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (!is_used[i]) Close(joints[i]);
+  for (std::size_t i = 0; i < joints.size(); ++i) AddRows(joints[i], is_used[i]);
   for (const auto& tree : trees_) {
     StartMoving(*tree);
     Mirror(*tree);
   }
 }
 
-void Multibodies::Close(const JointFrame& joint) {
-  const auto side = [&](btRigidBody& body) -> LoopJoint::Side {
+void Multibodies::AddRows(const JointFrame& joint, bool is_in_tree) {
+  const btTransform frame = FrameAlong(joint.axis, joint.pivot);
+  const auto side = [&](const btRigidBody& body) -> Side {
     const btMultiBodyLinkCollider* link = IsGround(body) ? nullptr : LinkOf(body);
-    if (link == nullptr) return {ground_.get(), kBase, FrameOf(joint)};
-    return {link->m_multiBody, link->m_link, body.getWorldTransform().inverse() * FrameOf(joint)};
+    if (link == nullptr) return {ground_.get(), kBase, frame};
+    return {link->m_multiBody, link->m_link, body.getWorldTransform().inverse() * frame};
   };
-  constraints_.push_back(
-      std::make_unique<LoopJoint>(joint.kind, side(*joint.first), side(*joint.second)));
+  const Side first = side(*joint.first), second = side(*joint.second);
+  if (joint.drive != nullptr)
+    constraints_.push_back(std::make_unique<JointDrive>(joint.kind, first, second, *joint.drive));
+  if (!is_in_tree) constraints_.push_back(std::make_unique<LoopJoint>(joint.kind, first, second));
 }
 
 // The momenta of the bodies, as forces on the tree at rest in one second, give H^-1 J^T M v: the

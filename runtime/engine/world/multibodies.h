@@ -36,7 +36,7 @@ struct JointFrame {
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 (the articulated-body
 /// algorithm), as in Bullet. Differences from rigid bodies: no split impulse, explicit gyroscopic
-/// torques, two directions of friction. Not thread-safe.
+/// torques, two directions of friction, contacts without warm starting. Not thread-safe.
 class Multibodies {
  public:
   /// Joins the objects of user index 0 to `objects` - 1, and gives them the velocities, nearest in
@@ -60,7 +60,8 @@ class Multibodies {
   struct Tree;
 
   void Grow(std::span<const JointFrame> joints);
-  void Close(const JointFrame& joint);
+  /// Its drive, and, if it closes a loop, the joint itself.
+  void AddRows(const JointFrame& joint, bool is_in_tree);
   void StartMoving(Tree& tree);
   void Mirror(Tree& tree);
   btMultiBodyLinkCollider* LinkOf(const btCollisionObject& body) const;

@@ -439,6 +439,66 @@ TEST_P(InCoordinates, AFreeChainKeepsItsMomentumAndItsStart) {
   EXPECT_LT(engine.links().MeasureGaps().largest, IsReduced() ? 100 * kEpsilon : 0.01);
 }
 
+TEST_P(InCoordinates, AMotorTurnsWhateverHingeOfALoopItIsOn) {
+  // A parallelogram whose cranks turn at the speed of either motor.
+  for (const std::size_t driven : {std::size_t{0}, std::size_t{1}}) {
+    plan::Scene scene = JointScene();
+    SetGroup(scene, "aspect", schema::Ratio{{0.1, 1, 0.1}});
+    AddPart(scene, "other", PlaceAt(1, 0, 0));
+    const std::size_t bar = AddPart(scene, "bar", PlaceAt(0.5, -0.5, 0));
+    SetGroup(scene, "orientation", Vector3d(0, 0, std::numbers::pi / 2), bar);
+    AddJoint(scene, "hinge", "objects", "world", {0, 0.5, 0});
+    AddJoint(scene, "hinge", "objects", "bar", {0, -0.5, 0});
+    AddJoint(scene, "hinge", "other", "bar", {0, -0.5, 0});
+    AddJoint(scene, "hinge", "other", "world", {0, 0.5, 0});
+    auto& joint = scene.joints[driven == 0 ? 0 : 3].settings;
+    joint.Set("joints.motor.velocity", 2.0);
+    joint.Set("joints.motor.effort", 1e3);
+    world::Engine engine = EngineOfJoints(scene);
+    Steps(engine, 60);
+    EXPECT_NEAR(SpinOf(engine).z(), -2, 2e-2) << driven;
+    EXPECT_NEAR(SpinOf(engine, 1).z(), -2, 2e-2) << driven;
+    EXPECT_LT(engine.links().MeasureGaps().largest, 2e-3);
+  }
+}
+
+TEST_P(InCoordinates, ABridgeHangsBetweenItsAnchors) {
+  plan::Scene scene = JointScene();
+  SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
+  SetGroup(scene, "aspect", schema::Ratio{{1, 0.2, 0.5}});
+  AddPart(scene, "other", PlaceAt(1, 0, 0));
+  AddJoint(scene, "ball", "objects", "world", {-0.5, 0, 0});
+  AddJoint(scene, "ball", "objects", "other", {0.5, 0, 0});
+  AddJoint(scene, "ball", "other", "world", {0.5, 0, 0});
+  world::Engine engine = EngineOfJoints(scene);
+  Steps(engine, 240);
+  EXPECT_LT(engine.links().MeasureGaps().largest, 5e-3);
+  EXPECT_NEAR(Position(engine, 0).y(), 0, 0.05);
+  EXPECT_NEAR(Position(engine, 1).y(), 0, 0.05);
+}
+
+TEST_P(InCoordinates, FrictionOfASlideTakesWhatItShouldInAnyDirection) {
+  // Two plates on a hinge slide on the floor; v^2 = v_0^2 - 2 mu g s.
+  for (const double angle : {0.0, 0.7, 0.5 * std::numbers::pi}) {
+    plan::Scene scene = JointScene(480);
+    SetWorld(scene, "world.walls", Word("floor"));
+    SetWorld(scene, "world.side", 20.0);
+    SetWorld(scene, "cycles", std::uint64_t{200});
+    SetWorld(scene, "record", schema::WordList{"stability", "counts"});
+    SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
+    SetGroup(scene, "friction", 0.4);
+    SetGroup(scene, "aspect", schema::Ratio{{1, 0.1, 1}});
+    SetGroup(scene, "location", PlaceAt(0, -9.95, 0));
+    const Vector3d velocity(2 * std::cos(angle), 0, 2 * std::sin(angle));
+    SetGroup(scene, "linear_velocity", velocity);
+    AddPart(scene, "other", PlaceAt(1.05, -9.95, 0));
+    AddJoint(scene, "fixed", "objects", "other", {0.525, 0, 0});
+    const Recorded run = RunHere(scene);
+    ASSERT_TRUE(run.done()) << run.message();
+    EXPECT_LT(run.recording.Reals("lost_energy").back(), 0.1) << angle;
+  }
+}
+
 TEST_P(InCoordinates, WhatStandsOnLegsRests) {
   // Two legs with a motor that holds them, on the floor.
   plan::Scene scene = JointScene();
