@@ -93,9 +93,21 @@ void QueryReferee::Compare(const QueryBlock& block, const queries::Ray<double>& 
   const queries::Hits hits = block.hits;
   const auto plain = [&](const ExactHit& hit) { return IsPlain(block, hit, ray, rounding); };
   const auto first_plain = std::ranges::find_if(truth, plain);
-  // An answer is compared with the first hit of its body; pieces of a body may be hit later, too.
+  // The exact hit of its body that is nearest to an answer; null if there is none.
+  const auto same_as = [&](const queries::Hit<double>& hit) {
+    const ExactHit* same = nullptr;
+    for (const ExactHit& exact : truth)
+      if (exact.body == hit.body &&
+          (same == nullptr ||
+           std::fabs(exact.distance - hit.distance) < std::fabs(same->distance - hit.distance)))
+        same = &exact;
+    return same;
+  };
+  // A later hit than `first`: of another body, or of another piece of the same one.
   const auto is_late = [&](const queries::Hit<double>& hit, const ExactHit& first) {
-    return hit.distance > first.distance + 2 * rounding + kFalse * std::min(first.size, ray.length);
+    const double limit = first.distance + 2 * rounding + kFalse * std::min(first.size, ray.length);
+    if (hit.body != first.body) return hit.distance > limit;
+    return same_as(hit) != &first && same_as(hit)->distance > limit;
   };
   double missed = 0, wrong = 0;
   bool grazes = false;
@@ -104,12 +116,7 @@ void QueryReferee::Compare(const QueryBlock& block, const queries::Ray<double>& 
   const queries::Hit<double>* nearest = nullptr;
   for (const queries::Hit<double>& hit : answer) {
     if (nearest == nullptr || hit.distance < nearest->distance) nearest = &hit;
-    const ExactHit* same = nullptr;
-    for (const ExactHit& exact : truth)
-      if (exact.body == hit.body &&
-          (same == nullptr ||
-           std::fabs(exact.distance - hit.distance) < std::fabs(same->distance - hit.distance)))
-        same = &exact;
+    const ExactHit* same = same_as(hit);
     if (same == nullptr) {
       const double way = analysis::Moves(block.type) ? hit.distance : 0;
       const objects::Solid& shape = block.type == schema::QueryType::kRay ? dot : block.shape;
