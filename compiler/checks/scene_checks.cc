@@ -383,7 +383,10 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
     return report(scenario::kContradiction, fault.parameter, fault.message, fault.help);
   const auto sampling = analysis::SamplingOf(scene);
   if (!sampling) return true;
-  if (const auto joined = analysis::FindReducedFault(analysis::ReferenceOf(scene)))
+  const auto joined = analysis::NeedsReference(scene)
+                          ? analysis::FindReducedFault(analysis::ReferenceOf(scene))
+                          : std::nullopt;
+  if (joined)
     return report(scenario::kContradiction,
                   schema::WorldParameter("accuracy.reference.coordinates").get(),
                   "in the reference run, " + joined->message, joined->help);
