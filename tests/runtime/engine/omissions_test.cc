@@ -26,7 +26,7 @@ struct Ball {
   Vector3d position, velocity = Vector3d::Zero();
 };
 
-layouts::InitialState At(const plan::Scene& scene, const std::vector<Ball>& balls) {
+layouts::InitialState WithBalls(const plan::Scene& scene, const std::vector<Ball>& balls) {
   layouts::InitialState state = layouts::DrawObjects(scene);
   for (std::size_t i = 0; i < balls.size(); ++i) {
     state.objects.at(i).pose.position = balls[i].position;
@@ -41,7 +41,7 @@ layouts::InitialState TowardsWall(const plan::Scene& scene, int wall, double sho
   const double sign = wall % 2 == 0 ? -1 : 1;
   const double steps = static_cast<double>(scene.world.Count("cycles")) - 1;
   const double speed = (1000 - 25 - short_of) / (steps * scene.world.Real("timestep"));
-  return At(scene, {{Vector3d::Zero(), sign * speed * Vector3d::Unit(wall / 2)}});
+  return WithBalls(scene, {{Vector3d::Zero(), sign * speed * Vector3d::Unit(wall / 2)}});
 }
 
 TEST(OmitWalls, ReachedInTheLastCycleOrJustNot) {
@@ -71,7 +71,7 @@ TEST(OmitWalls, AVelocityThatGravityTurns) {
   SetWorld(scene, "cycles", std::uint64_t{400});
   // Thrown up, it turns at v^2 / 2g.
   const auto thrown = [&](double height) {
-    return RunPaired(scene, At(scene, {{{0, -900, 0}, {0, std::sqrt(200 * height), 0}}}));
+    return RunPaired(scene, WithBalls(scene, {{{0, -900, 0}, {0, std::sqrt(200 * height), 0}}}));
   };
   EXPECT_EQ(thrown(1860).omissions.walls.at(0) & 1 << 3, 0);  // 15 m short of the ceiling
   EXPECT_NE(thrown(1880).omissions.walls.at(0) & 1 << 3, 0);
@@ -82,7 +82,7 @@ TEST(OmitSolver, ASpinThatBeginsByACollision) {
   SetGroup(scene, "restitution", 1.0);
   // A glancing collision in the fourth cycle from the end, and a similar one that misses.
   const auto passing = [&](double offset) {
-    return RunPaired(scene, At(scene, {{{0, 0, 0}}, {{-500, offset, 0}, {480, 0, 0}}}));
+    return RunPaired(scene, WithBalls(scene, {{{0, 0, 0}}, {{-500, offset, 0}, {480, 0, 0}}}));
   };
   const PairedRun hit = passing(40);
   EXPECT_FALSE(hit.Omits(Component::kSolver));
@@ -99,8 +99,8 @@ TEST(OmitWalls, WhatACollisionSendsThere) {
   SetWorld(scene, "cycles", std::uint64_t{300});
   SetGroup(scene, "restitution", 1.0);
   // The first hits the second obliquely, and neither would reach a wall along y without that.
-  const PairedRun paired =
-      RunPaired(scene, At(scene, {{{-300, 30, 0}, {300, 0, 0}}, {{0, 0, 0}}, {{0, 0, 900}}}));
+  const PairedRun paired = RunPaired(
+      scene, WithBalls(scene, {{{-300, 30, 0}, {300, 0, 0}}, {{0, 0, 0}}, {{0, 0, 900}}}));
   EXPECT_NE(paired.omissions.walls.at(0) & 1 << 3, 0);
   EXPECT_NE(paired.omissions.walls.at(1) & 1 << 2, 0);
   EXPECT_FALSE(paired.tripped) << *paired.tripped;
@@ -113,7 +113,7 @@ TEST(OmitRotation, TheSameBitsForeverOrNotAtAll) {
       SetGroup(scene, "type", Word(type));
       SetGroup(scene, "orientation", turn);
       SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-      const PairedRun paired = RunPaired(scene, At(scene, {{{0, 0, 0}, {3, 0, 1}}}));
+      const PairedRun paired = RunPaired(scene, WithBalls(scene, {{{0, 0, 0}, {3, 0, 1}}}));
       EXPECT_TRUE(paired.Omits(Component::kSolver));
       if (turn.isZero()) {
         EXPECT_TRUE(paired.Omits(Component::kRotation)) << paired.why(Component::kRotation);
@@ -126,7 +126,7 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
   plan::Scene scene = Balls(1);
   SetWorld(scene, "cycles", std::uint64_t{400});
   const auto moving = [&](double speed) {
-    return RunPaired(scene, At(scene, {{{0, 0, 0}, {speed, 0, 0}}}));
+    return RunPaired(scene, WithBalls(scene, {{{0, 0, 0}, {speed, 0, 0}}}));
   };
   EXPECT_FALSE(moving(0.5).Omits(Component::kSleeping));
   EXPECT_FALSE(moving(0.5).Omits(Component::kSolver));
@@ -138,9 +138,11 @@ TEST(OmitSleeping, OnlyWhereNothingComesToRest) {
   SetGroup(scene, "linear_damping", 0.0);
   // Thrown upwards, it is slow only for a moment.
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
-  EXPECT_TRUE(RunPaired(scene, At(scene, {{{0, 0, 0}, {0, 9, 0}}})).Omits(Component::kSleeping));
+  EXPECT_TRUE(
+      RunPaired(scene, WithBalls(scene, {{{0, 0, 0}, {0, 9, 0}}})).Omits(Component::kSleeping));
   SetWorld(scene, "acceleration", Vector3d(0, -0.1, 0));
-  EXPECT_FALSE(RunPaired(scene, At(scene, {{{0, 0, 0}, {0, 0.4, 0}}})).Omits(Component::kSleeping));
+  EXPECT_FALSE(
+      RunPaired(scene, WithBalls(scene, {{{0, 0, 0}, {0, 0.4, 0}}})).Omits(Component::kSleeping));
 }
 
 TEST(OmitDetection, ANeighbourKeepsASlowOneAwake) {
@@ -148,7 +150,7 @@ TEST(OmitDetection, ANeighbourKeepsASlowOneAwake) {
   plan::Scene scene = Balls(2);
   SetWorld(scene, "cycles", std::uint64_t{400});
   const PairedRun paired =
-      RunPaired(scene, At(scene, {{{0, 0, 0}, {0.5, 0, 0}}, {{-20, 48, 0}, {4, 0, 0}}}));
+      RunPaired(scene, WithBalls(scene, {{{0, 0, 0}, {0.5, 0, 0}}, {{-20, 48, 0}, {4, 0, 0}}}));
   EXPECT_FALSE(paired.Omits(Component::kDetection));
 }
 
@@ -206,7 +208,7 @@ TEST(OmissionGuard, SeesAnObjectThatTouchesTwo) {
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   // One lies on the floor, another falls onto it.
-  const auto state = At(scene, {{{0, -975, 0}}, {{1, -915, 0}}});
+  const auto state = WithBalls(scene, {{{0, -975, 0}}, {{1, -915, 0}}});
   const PairedRun paired = RunPaired(scene, state);
   ASSERT_TRUE(paired.tripped);
   EXPECT_NE(paired.tripped->find("object 1 was in two contacts at once"), std::string::npos);
@@ -218,7 +220,7 @@ TEST(OmissionGuard, SeesASleeperThatHadANeighbour) {
   SetWorld(scene, "cycles", std::uint64_t{200});
   SetWorld(scene, "detector", Word("dbvt"));
   // Their boxes overlap, but the balls do not.
-  const auto state = At(scene, {{{0, 0, 0}}, {{40, 40, 0}}});
+  const auto state = WithBalls(scene, {{{0, 0, 0}}, {{40, 40, 0}}});
   const PairedRun paired = RunPaired(scene, state);
   ASSERT_TRUE(paired.tripped);
   EXPECT_NE(paired.tripped->find("came to rest after it had been near another"), std::string::npos);
@@ -256,7 +258,7 @@ TEST(Omit, TheRecordSaysWhatBecameOfEachComponent) {
 
 TEST(Omit, AutoDetectsWhereARecordAsks) {
   plan::Scene scene = Balls(2);
-  const auto state = At(scene, {{{0, 0, 0}}, {{500, 0, 0}}});
+  const auto state = WithBalls(scene, {{{0, 0, 0}}, {{500, 0, 0}}});
   for (const char* what : {"timing", "counts", "contacts", "pairs"}) {
     SetWorld(scene, "record", WordList{what});
     EXPECT_FALSE(omissions::DecideOmissions(scene, state).Omits(Component::kDetection)) << what;

@@ -34,6 +34,14 @@ plan::Plan PlanOnPairs() {
   return plan;
 }
 
+/// Of configurations of joints, which have series of their own, too.
+plan::Plan PlanOfConfigurations() {
+  plan::Plan plan = MakePlan({}, 1, {.record = {"counts", "pairs"}});
+  for (plan::Run& run : plan.runs)
+    run.scene.world.Set("configurations.positions", schema::Word{"uniform"});
+  return plan;
+}
+
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const results::PlanFacts facts(plan);
@@ -59,6 +67,7 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   ASSERT_EQ(errors.size(), schema::Errors().size());
   std::set<std::string> used = NamesBesideAxes(plan);
   used.merge(NamesBesideAxes(PlanOnPairs()));
+  used.merge(NamesBesideAxes(PlanOfConfigurations()));
   for (const std::string& name : used)
     EXPECT_TRUE(schema::FindNameClash(name, errors))
         << name << " is in the results and missing in compiler/schema/metrics.cc";
