@@ -40,7 +40,8 @@ TEST(LanguageWords, HaveExamplesThatCompile) {
     if (word.name == "use" || word.name == "empirical" || word.name == "robot") continue;
     std::string text(word.example);
     const bool is_item = text.starts_with("benchmark ") || text.starts_with("let ");
-    if (text.find(" from ") != text.npos) text = "benchmark paper_experiment2 { }\n" + text;
+    if (text.starts_with("benchmark ") && text.find(" from ") != text.npos)
+      text = "benchmark paper_experiment2 { }\n" + text;
     if (!is_item) text = "benchmark b {\n" + text + "\n}";
     const compiler::Compilation result = CompileText(text + "\nbenchmark last { }\n");
     for (const dsl::Diagnostic& one : result.diagnostics.all())
