@@ -52,7 +52,7 @@ std::span<const T> OfType(std::span<const T> values, QueryType type) {
   const std::size_t cycles = values.size() / protocol::kQueryTypeCount;
   return values.subspan(static_cast<std::size_t>(type) * cycles, cycles);
 }
-std::int64_t Sum(std::span<const std::int32_t> values) {
+std::int64_t TotalOf(std::span<const std::int32_t> values) {
   return std::accumulate(values.begin(), values.end(), std::int64_t{0});
 }
 double Largest(std::span<const double> values) {
@@ -77,7 +77,7 @@ TEST(Queries, ChangeNoMotion) {
     const Recorded with = RunHere(scene);
     ASSERT_TRUE(with.done()) << with.message();
     EXPECT_EQ(with.hash(), without.hash()) << detector;
-    EXPECT_GT(Sum(with.recording.Ints("query_hits")), 100);
+    EXPECT_GT(TotalOf(with.recording.Ints("query_hits")), 100);
     for (const double time : with.recording.Reals("query_time")) EXPECT_GT(time, 0);
   }
 }
@@ -96,7 +96,7 @@ TEST(Queries, AreAnsweredExactlyByTheTree) {
       for (std::size_t i = 0; i < protocol::kQueryTypeCount; ++i) {
         const auto type = static_cast<QueryType>(i);
         const auto counts = [&](schema::IntSeries series) {
-          return Sum(OfType(std::as_const(recorded.recording).Ints(series), type));
+          return TotalOf(OfType(std::as_const(recorded.recording).Ints(series), type));
         };
         EXPECT_GT(counts("query_hits"), 50) << kTypes[i];
         EXPECT_GT(counts("compared_queries"), 1000) << kTypes[i];
@@ -150,7 +150,7 @@ TEST(Queries, AreAnsweredByBulletAboutAsExactly) {
   ASSERT_TRUE(recorded.done()) << recorded.message();
   for (const QueryType type : {QueryType::kRay, QueryType::kSweep, QueryType::kOverlap}) {
     const auto counts = [&](schema::IntSeries series) {
-      return Sum(OfType(std::as_const(recorded.recording).Ints(series), type));
+      return TotalOf(OfType(std::as_const(recorded.recording).Ints(series), type));
     };
     const char* name = kTypes[static_cast<std::size_t>(type)];
     EXPECT_GT(counts("compared_queries"), 1200) << name;
@@ -172,7 +172,7 @@ TEST(Queries, FindFastBodiesWhereBulletPredictsThem) {
     SetWorld(scene, "detector", Word(detector));
     const Recorded recorded = RunHere(scene);
     EXPECT_TRUE(recorded.done()) << recorded.message();
-    return Sum(recorded.recording.Ints("missed_hits"));
+    return TotalOf(recorded.recording.Ints("missed_hits"));
   };
   const std::int64_t by_all = missed_by("simple");
   EXPECT_LT(by_all, 20) << "it asks every body, whatever its box";
@@ -211,9 +211,9 @@ TEST(Queries, FindSurfacesAndCompounds) {
     for (const char* type : kTypes) Add(scene, type, type, "tree");
     const Recorded recorded = RunHere(scene);
     ASSERT_TRUE(recorded.done()) << recorded.message();
-    EXPECT_EQ(Sum(recorded.recording.Ints("missed_hits")), 0);
-    EXPECT_EQ(Sum(recorded.recording.Ints("false_hits")), 0);
-    EXPECT_GT(Sum(recorded.recording.Ints("query_hits")), 500);
+    EXPECT_EQ(TotalOf(recorded.recording.Ints("missed_hits")), 0);
+    EXPECT_EQ(TotalOf(recorded.recording.Ints("false_hits")), 0);
+    EXPECT_GT(TotalOf(recorded.recording.Ints("query_hits")), 500);
   }
 }
 
