@@ -202,19 +202,19 @@ TEST(Queries, KeepTheTreeOfSweepAndPrune) {
   EXPECT_EQ(hits_of(by_sap), hits_of(RunHere(scene)));
 }
 
-TEST(Queries, FindSurfacesAndCompounds) {
-  for (const char* model : {"bunny"}) {
-    plan::Scene scene = AtRest({"query_errors", "counts"});
-    SetGroup(scene, "type", Word(model));
-    SetGroup(scene, "quantity", std::uint64_t{10});
-    SetGroup(scene, "size", 3.0);
-    for (const char* type : kTypes) Add(scene, type, type, "tree");
-    const Recorded recorded = RunHere(scene);
-    ASSERT_TRUE(recorded.done()) << recorded.message();
-    EXPECT_EQ(TotalOf(recorded.recording.Ints("missed_hits")), 0);
-    EXPECT_EQ(TotalOf(recorded.recording.Ints("false_hits")), 0);
-    EXPECT_GT(TotalOf(recorded.recording.Ints("query_hits")), 500);
-  }
+TEST(Queries, FindCompounds) {
+  plan::Scene scene = AtRest({"query_errors", "counts"});
+  SetGroup(scene, "type", Word("bunny"));
+  SetGroup(scene, "quantity", std::uint64_t{10});
+  SetGroup(scene, "size", 3.0);
+  for (const char* type : kTypes) Add(scene, type, type, "tree");
+  const Recorded recorded = RunHere(scene);
+  if (recorded.message().find("is not on this machine") != std::string::npos)
+    GTEST_SKIP() << recorded.message();
+  ASSERT_TRUE(recorded.done()) << recorded.message();
+  EXPECT_EQ(TotalOf(recorded.recording.Ints("missed_hits")), 0);
+  EXPECT_EQ(TotalOf(recorded.recording.Ints("false_hits")), 0);
+  EXPECT_GT(TotalOf(recorded.recording.Ints("query_hits")), 500);
 }
 
 }  // namespace
