@@ -29,13 +29,6 @@ std::string AdviceOn(const schema::Parameter& parameter) {
   return "remove it: configurations are checked for collisions, and nothing is simulated";
 }
 
-std::vector<std::string_view> RecordableWords() {
-  std::vector<std::string_view> words;
-  for (const schema::RecordWord& word : schema::kRecordWords)
-    if (word.on_configurations) words.push_back(word.name);
-  return words;
-}
-
 }  // namespace
 
 std::vector<LaidFault> LayConfigurations(const scenario::Scenario& scenario,
@@ -62,16 +55,8 @@ std::vector<LaidFault> LayConfigurations(const scenario::Scenario& scenario,
                       "queries are of scenes in motion, and configurations are checked one by one",
                       "remove one of the two blocks"});
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
-  const std::vector<std::string_view> recordable = RecordableWords();
-  for (const std::string& word : scene.world.Words("record"))
-    if (std::ranges::find(recordable, word) == recordable.end())
-      faults.push_back({&scenario::kContradiction,
-                        {"", schema::WorldParameter("record").get()},
-                        word,
-                        fmt::format("'{}' cannot be recorded for configurations: nothing is "
-                                    "simulated",
-                                    word),
-                        fmt::format("what can be: {}", fmt::join(recordable, ", "))});
+  AddRecordFaults(scene, &schema::RecordWord::on_configurations,
+                  "for configurations: nothing is simulated", faults);
   if (!is_set("world.walls")) set("world.walls", schema::Word{"none"});
   set("omit", schema::WordList{"none"});
   const schema::Call* list = analysis::ConfigurationListOf(scene);

@@ -483,6 +483,20 @@ std::string MeaningfulNames() {
 
 }  // namespace
 
+void AddRecordFaults(const plan::Scene& scene, bool schema::RecordWord::*is_recordable,
+                     std::string_view where, std::vector<LaidFault>& faults) {
+  std::vector<std::string_view> recordable;
+  for (const schema::RecordWord& word : schema::kRecordWords)
+    if (word.*is_recordable) recordable.push_back(word.name);
+  for (const std::string& word : scene.world.Words("record"))
+    if (std::ranges::find(recordable, word) == recordable.end())
+      faults.push_back({&scenario::kContradiction,
+                        {"", schema::WorldParameter("record").get()},
+                        word,
+                        fmt::format("'{}' cannot be recorded {}", word, where),
+                        fmt::format("what can be: {}", fmt::join(recordable, ", "))});
+}
+
 std::vector<LaidFault> LayTrace(const scenario::Layers& layers, const analysis::TraceFacts& facts,
                                 plan::Scene& scene) {
   std::vector<LaidFault> faults;
@@ -539,18 +553,8 @@ std::vector<LaidFault> LayTrace(const scenario::Layers& layers, const analysis::
                                        : "warmup must leave at least one cycle to time"});
 
   if (!is_set("record")) set("record", schema::WordList{"counts", "timing"});
-  std::vector<std::string_view> recorded;
-  for (const schema::RecordWord& word : schema::kRecordWords)
-    if (word.on_traces) recorded.push_back(word.name);
-  for (const std::string& word : scene.world.Words("record"))
-    if (std::ranges::find(recorded, word) == recorded.end())
-      faults.push_back({&scenario::kContradiction,
-                        {"", schema::WorldParameter("record").get()},
-                        word,
-                        fmt::format("'{}' cannot be recorded on a trace, which has boxes and no "
-                                    "bodies",
-                                    word),
-                        fmt::format("what can be: {}", fmt::join(recorded, ", "))});
+  AddRecordFaults(scene, &schema::RecordWord::on_traces,
+                  "on a trace, which has boxes and no bodies", faults);
 
   // The trace determines the size of the scene; other settings of objects in the plan have no
   // effect.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "compiler/configure/configuration.h"
 #include "compiler/plan/plan.h"
 #include "compiler/scenario/layers.h"
+#include "compiler/schema/series.h"
 #include "dsl/diagnostics.h"
 
 namespace cdb::checks {
@@ -78,6 +80,11 @@ class SceneChecks {
 
   std::optional<double> interval_s_;  ///< of the samples, once a run has any
 };
+
+/// Adds a fault for each word of `record` whose row has not `is_recordable`; `where`: why, after
+/// "cannot be recorded".
+void AddRecordFaults(const plan::Scene& scene, bool schema::RecordWord::*is_recordable,
+                     std::string_view where, std::vector<LaidFault>& faults);
 
 // A scene whose detector is run on a trace, and the settings that still apply to it.
 

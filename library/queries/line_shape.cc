@@ -121,9 +121,7 @@ void LineShape<Real>::AddPieces(const objects::Compound& compound) {
     boxes.push_back(BoxAround(box.min(), box.max()));
     all.extend(box);
   }
-  half_ = (all.sizes() / 2).template cast<Real>();
-  middle_ = all.center().template cast<Real>();
-  BuildTree(boxes);
+  SetBoxes(boxes, all);
 }
 
 template <typename Real>
@@ -143,13 +141,13 @@ void LineShape<Real>::AddTriangles(const objects::Compound& surface) {
     boxes.push_back(BoxAround(box.min(), box.max()));
     all.extend(box);
   }
-  half_ = (all.sizes() / 2).template cast<Real>();
-  middle_ = all.center().template cast<Real>();
-  BuildTree(boxes);
+  SetBoxes(boxes, all);
 }
 
 template <typename Real>
-void LineShape<Real>::BuildTree(const std::vector<FloatBox>& boxes) {
+void LineShape<Real>::SetBoxes(const std::vector<FloatBox>& boxes, const Eigen::AlignedBox3d& all) {
+  half_ = (all.sizes() / 2).template cast<Real>();
+  middle_ = all.center().template cast<Real>();
   if (boxes.size() > kFewPieces) tree_.Build(boxes);
 }
 

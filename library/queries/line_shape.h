@@ -77,7 +77,8 @@ class LineShape {
   Chord<Real> PieceChord(std::size_t piece, const Vec<Real>& from, const Vec<Real>& along) const;
   void AddPieces(const objects::Compound& compound);
   void AddTriangles(const objects::Compound& surface);
-  void BuildTree(const std::vector<FloatBox>& boxes);
+  /// `all` is around the boxes of the pieces.
+  void SetBoxes(const std::vector<FloatBox>& boxes, const Eigen::AlignedBox3d& all);
 
   template <typename Visit>
   void Visit1(std::size_t piece, const Vec<Real>& from, const Vec<Real>& along,

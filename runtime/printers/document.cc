@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/analysis/queries.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/points.h"
 #include "runtime/printers/show.h"

@@ -1,6 +1,5 @@
 // Queries by Bullet's own functions. A ray finds convex shapes by btSubsimplexConvexCast, whose
 // answers are inexact (https://github.com/bulletphysics/bullet3/issues/4464).
-#include <algorithm>
 
 #include "dsl/text/check.h"
 #include "library/layouts/initial_state.h"

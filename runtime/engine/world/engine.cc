@@ -72,7 +72,7 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
     are_held = are_held && collisions.MayTouchWalls(i);
   if (are_held) return half;
   if (analysis::HasConfigurations(scene)) {
-    // The links of a robot reach about as far as it is long.
+    // A folded arm may reach farther than this; sweep and prune then clamps its boxes.
     double farthest = 0;
     for (const ObjectState& object : state.objects)
       farthest = std::max(farthest, object.pose.position.norm() + object.solid.OuterRadius());

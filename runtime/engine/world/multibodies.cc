@@ -64,17 +64,15 @@ class JointDrive final : public Rows {
                             const btContactSolverInfo& info) override {
     const btVector3 axis = first_.Pose().getBasis().getColumn(0), none(0, 0, 0);
     const btVector3 point = second_.Pose().getOrigin();
-    btScalar rate = 0;
-    const auto add = [&](btScalar velocity) -> btMultiBodySolverConstraint& {
-      btMultiBodySolverConstraint& row = NewRow(rows);
-      rate = fillMultiBodyConstraint(row, data, nullptr, nullptr, turns_ ? axis : none,
-                                     turns_ ? none : axis, point, point, 0, info, 0, 0, turns_, 1,
-                                     false, velocity);
-      return row;
-    };
-    // The velocity that a unit impulse gives the joint is known once a row is filled.
-    const btScalar inverse = add(0).m_jacDiagABInv;
+    // The rows differ only in the velocity that they seek and in their limits, which depend on what
+    // the first is filled with.
+    const int at = rows.size();
+    const btScalar rate =
+        fillMultiBodyConstraint(NewRow(rows), data, nullptr, nullptr, turns_ ? axis : none,
+                                turns_ ? none : axis, point, point, 0, info, 0, 0, turns_);
+    const btMultiBodySolverConstraint first = rows[at];
     rows.pop_back();
+    const btScalar inverse = first.m_jacDiagABInv;
     AxisDrive::RowList list;
     drive_.ListRows({.rate = rate,
                      .mobility = inverse > 0 ? 1 / inverse : btScalar(0),
@@ -82,7 +80,9 @@ class JointDrive final : public Rows {
                      .erp = info.m_erp},
                     list);
     for (int i = 0; i < list.count; ++i) {
-      btMultiBodySolverConstraint& row = add(list.rows[i].velocity);
+      btMultiBodySolverConstraint& row = rows.expandNonInitializing();
+      row = first;
+      row.m_rhs = (list.rows[i].velocity - rate) * inverse;
       row.m_lowerLimit = list.rows[i].least;
       row.m_upperLimit = list.rows[i].most;
     }

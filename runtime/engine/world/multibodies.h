@@ -31,7 +31,7 @@ struct JointFrame {
 
 /// The trees of a scene's joints. Objects remain rigid bodies of the world for detection; their
 /// poses and velocities are those of the links, set after each step. In the solver, the links take
-/// their place. Joints that close a loop are constraints, as are drives. All that touch are solved
+/// their place. Joints that close a loop are constraints, as are drives. All contacts are solved
 /// as one island.
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 (the articulated-body
