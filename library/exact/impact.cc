@@ -202,6 +202,11 @@ namespace {
 constexpr int kMostRounds = 400;
 /// rad: the accuracy of the direction of friction.
 constexpr double kSameSlip = 1e-6;
+/// rad: where the secant method takes its second angle.
+constexpr double kNearby = 1e-3;
+constexpr int kMostSecants = 12;
+/// The cosine from which on friction is nearly against the motion.
+constexpr double kNearlyAgainst = 0.9;
 /// Of the largest impulse: changes below it end the iterations.
 constexpr double kSettled = 1e-7;
 
@@ -239,44 +244,107 @@ Vector3d ImpulseAlong(const Vector3d& slip, const ImpactContact& contact, const 
   return gain > 0 ? Vector3d((contact.rebound - free.dot(n)) / gain * unit) : Vector3d::Zero();
 }
 
-/// The same with friction in any direction.
-Vector3d ImpulseOf(const ImpactContact& contact, const Matrix3d& yield, const Matrix3d& inverse,
-                   const Vector3d& free) {
-  const Vector3d& n = contact.normal;
-  if (free.dot(n) >= contact.rebound) return Vector3d::Zero();
-  const auto along = [&](const Vector3d& v) -> Vector3d { return v - v.dot(n) * n; };
-  const Vector3d sticks = inverse * (contact.rebound * n - free);
-  const double press = sticks.dot(n), hold = along(sticks).norm();
-  if (press > 0 && hold <= contact.friction * press) return sticks;
-  // It slips: the direction in which friction is against what is left of the motion.
-  const Vector3d x = n.unitOrthogonal(), y = n.cross(x);
-  const auto at = [&](double angle) -> std::pair<double, Vector3d> {
-    const Vector3d way = std::cos(angle) * x + std::sin(angle) * y,
-                   unit = n + contact.friction * way;
-    const double gain = n.dot(yield * unit);
-    if (!(gain > 0)) return {-2, Vector3d::Zero()};
-    const Vector3d impulse = (contact.rebound - free.dot(n)) / gain * unit;
-    const Vector3d left = along(free + yield * impulse);
-    return {left.norm() > 0 ? -way.dot(left) / left.norm() : 1, impulse};
+/// The impulse of a contact with friction in any direction, found anew for each motion of its point
+/// that the other contacts leave.
+class SlidingContact {
+ public:
+  SlidingContact(const ImpactContact& contact, const Matrix3d& yield)
+      : contact_(contact),
+        inverse_(yield.inverse()),
+        axes_(Axes(contact.normal)),
+        along_(axes_.transpose() * yield * axes_) {}
+
+  /// `free`: the motion of the point without this contact.
+  Vector3d ImpulseFor(const Vector3d& free) {
+    const Vector3d& n = contact_.normal;
+    if (free.dot(n) >= contact_.rebound) return Vector3d::Zero();
+    const Vector3d sticks = axes_.transpose() * (inverse_ * (contact_.rebound * n - free));
+    if (sticks.x() > 0 && sticks.tail<2>().norm() <= contact_.friction * sticks.x())
+      return axes_ * sticks;
+    free_ = axes_.transpose() * free;
+    if (contact_.friction == 0) return axes_ * At(way_).impulse;
+    if (!Refine()) Search(sticks.tail<2>());
+    return axes_ * At(way_).impulse;
+  }
+
+ private:
+  struct Slide {
+    double cosine = -2;  ///< of the angle between friction and what it opposes: -2 if it is none
+    double sine = 0;     ///< of the same
+    Vector3d impulse = Vector3d::Zero();  ///< in axes_
   };
-  if (contact.friction == 0) return at(0).second;
-  double best = std::atan2(sticks.dot(y), sticks.dot(x));
-  auto [cosine, impulse] = at(best);
-  const auto seek = [&](double angle) {
-    const auto found = at(angle);
-    if (found.first <= cosine) return false;
-    best = angle;
-    std::tie(cosine, impulse) = found;
-    return true;
-  };
-  for (double step = std::numbers::pi / 8; step > kSameSlip; step /= 2) {
-    while (seek(best + step)) {
+
+  /// The normal, and two across it.
+  static Matrix3d Axes(const Vector3d& n) {
+    Matrix3d axes;
+    axes.col(0) = n;
+    axes.col(1) = n.unitOrthogonal();
+    axes.col(2) = n.cross(Vector3d(axes.col(1)));
+    return axes;
+  }
+
+  static Vector2d Across(const Vector2d& way) { return {-way.y(), way.x()}; }
+
+  /// With friction along a unit vector across the normal.
+  Slide At(const Vector2d& way) const {
+    const Vector3d unit(1, contact_.friction * way.x(), contact_.friction * way.y());
+    const double gain = along_.row(0).dot(unit);
+    if (!(gain > 0)) return {};
+    Slide slide{1, 0, (contact_.rebound - free_.x()) / gain * unit};
+    const Vector2d left = (free_ + along_ * slide.impulse).tail<2>();
+    const double speed = left.norm();
+    if (speed > 0) {
+      slide.cosine = -way.dot(left) / speed;
+      slide.sine = -Across(way).dot(left) / speed;
     }
-    while (seek(best - step)) {
+    return slide;
+  }
+
+  /// From the direction of last time, by the secant method; false if that does not lead to one.
+  bool Refine() {
+    const Vector2d from = way_, across = Across(way_);
+    const auto turned = [&](double tangent) {
+      return Vector2d((from + tangent * across).normalized());
+    };
+    double before = kNearby, here = 0;
+    Slide at_before = At(turned(before)), at_here = At(from);
+    for (int step = 0; step < kMostSecants; ++step) {
+      if (at_here.cosine < kNearlyAgainst || at_before.sine == at_here.sine) return false;
+      const double next = here - at_here.sine * (here - before) / (at_here.sine - at_before.sine);
+      way_ = turned(next);
+      if (std::abs(next - here) <= kSameSlip) return true;
+      before = std::exchange(here, next);
+      at_before = std::exchange(at_here, At(way_));
+    }
+    return false;
+  }
+
+  /// From that in which it would stick.
+  void Search(const Vector2d& sticks) {
+    way_ = sticks.normalized();
+    double cosine = At(way_).cosine;
+    const auto seek = [&](double turn) {
+      const Vector2d way = Eigen::Rotation2Dd(turn) * way_;
+      const double found = At(way).cosine;
+      if (found <= cosine) return false;
+      way_ = way;
+      cosine = found;
+      return true;
+    };
+    for (double step = std::numbers::pi / 8; step > kSameSlip; step /= 2) {
+      while (seek(step)) {
+      }
+      while (seek(-step)) {
+      }
     }
   }
-  return impulse;
-}
+
+  const ImpactContact& contact_;
+  Matrix3d inverse_, axes_;
+  Matrix3d along_;                    ///< the yield in axes_
+  Vector3d free_ = Vector3d::Zero();  ///< in axes_
+  Vector2d way_ = Vector2d::UnitX();  ///< of friction, last time: a unit vector
+};
 
 }  // namespace
 
@@ -286,7 +354,8 @@ Vector3d VelocityAt(const ImpactBody& body, const Vector3d& point) {
 
 void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> contacts, Slip slip) {
   struct Row {
-    Matrix3d yield, inverse;
+    Matrix3d yield;
+    SlidingContact sliding;
     Vector3d first;  ///< unit: the direction of sliding
     Vector3d impulse = Vector3d::Zero();
   };
@@ -297,7 +366,7 @@ void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> co
     const Vector3d motion =
         VelocityAt(bodies[contact.a], contact.point) - VelocityAt(bodies[contact.b], contact.point);
     const Vector3d across = motion - motion.dot(contact.normal) * contact.normal;
-    rows.push_back({yield, yield.inverse(),
+    rows.push_back({yield, SlidingContact(contact, yield),
                     across.norm() > 0 ? across.normalized() : contact.normal.unitOrthogonal()});
   }
   for (int round = 0; round < kMostRounds; ++round) {
@@ -310,7 +379,7 @@ void SolveImpact(std::span<ImpactBody> bodies, std::span<const ImpactContact> co
           VelocityAt(a, contact.point) - VelocityAt(b, contact.point) - row.yield * row.impulse;
       const Vector3d impulse = slip == Slip::kFirst
                                    ? ImpulseAlong(row.first, contact, row.yield, free)
-                                   : ImpulseOf(contact, row.yield, row.inverse, free);
+                                   : row.sliding.ImpulseFor(free);
       const Vector3d added = impulse - row.impulse;
       Push(a, contact.point, added);
       Push(b, contact.point, -added);
