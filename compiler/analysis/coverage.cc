@@ -59,6 +59,10 @@ bool HasSpinningFriction(const Group& group) {
 
 bool IsSoft(const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }
 
+bool HasSprings(const Group& group) {
+  return group.HasLinks() && group.settings.WordOr("links.type") == "spring";
+}
+
 Reason WhyNotLosses(const Scene& scene) {
   if (Reason driven = WhyNotEnergy(scene)) return driven;
   if (scene.world.WordOr("expect") == "anything") return "the scene says expect anything";
@@ -70,8 +74,7 @@ Reason WhyNotLosses(const Scene& scene) {
       {"damping", IsDamped},
       {"springs with damping",
        [](const Group& group) {
-         return group.settings.WordOr("links.type") == "spring" &&
-                !IsZero(group.settings.Get("links.damping"));
+         return HasSprings(group) && !IsZero(group.settings.Get("links.damping"));
        }},
       {"rolling friction", HasRollingFriction},
       {"spinning friction", HasSpinningFriction},
@@ -183,6 +186,14 @@ Reason WhyNotFriction(const Scene& scene) {
   if (other != nullptr && FindGroup(scene, rolls) != nullptr)
     return fmt::format("rolling on group {}, which is not of cuboids, is not examined",
                        other->name);
+  const Group* roller = FindGroup(scene, rolls);
+  const Group* slab = FindGroup(scene, [&](const Group& group) {
+    return !IsFixed(group) && MayBe(group.settings.Get("type"), "cuboid") &&
+           (&group != roller || group.settings.Count("quantity") > 1);
+  });
+  if (roller != nullptr && slab != nullptr)
+    return fmt::format(
+        "rolling on objects that can move, such as those of group {}, is not examined", slab->name);
   return std::nullopt;
 }
 
@@ -211,7 +222,21 @@ Reason WhyNotImpacts(const Scene& scene) {
   return std::nullopt;
 }
 
-bool HasLinks(const Scene& scene) { return !scene.PulledGroup().empty(); }
+bool SpringsArise(const Scene& scene) { return FindGroup(scene, HasSprings) != nullptr; }
+
+Reason WhyNotSprings(const Scene& scene) {
+  return fmt::format("the motion of group {} is not compared with the stiffness of its springs",
+                     FindGroup(scene, HasSprings)->name);
+}
+
+/// Springs may stretch.
+bool JointsArise(const Scene& scene) {
+  return std::ranges::any_of(scene.joints,
+                             [&](const plan::Joint& joint) { return scene.HoldsObjects(joint); }) ||
+         FindGroup(scene, [](const Group& group) {
+           return group.HasLinks() && !HasSprings(group);
+         }) != nullptr;
+}
 
 /// A gyroscope sinks, with errors that fall with the time step.
 Reason WhyNotJoints(const Scene& scene) {
@@ -261,8 +286,10 @@ constexpr QuestionInfo kQuestions[] = {
      false, FrictionArises, WhyNotFriction},
     {Question::kImpacts, "impacts", "impacts end as shapes, velocities and coefficients say", false,
      Always, WhyNotImpacts},
-    {Question::kJoints, "joints", "joints do not open, bend or stretch", true, HasLinks,
+    {Question::kJoints, "joints", "joints do not open, bend or stretch", true, JointsArise,
      WhyNotJoints},
+    {Question::kSprings, "springs", "springs pull as their stiffness and damping say", false,
+     SpringsArise, WhyNotSprings},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},
 };
 

@@ -22,6 +22,7 @@ enum class Question {
   kFriction,
   kImpacts,
   kJoints,
+  kSprings,
   kSleep,
 };
 

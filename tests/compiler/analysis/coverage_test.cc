@@ -114,6 +114,18 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
       {"objects a { quantity 3; type cylinder } objects hub { quantity 1; mass fixed }",
        "energy, losses, passing, impacts, sleep",
        "friction: rolling on group hub, which is not of cuboids, is not examined"},
+      {"objects a { quantity 3; type capsule } objects slab { quantity 1; type cuboid }",
+       "energy, losses, passing, impacts, sleep",
+       "friction: rolling on objects that can move, such as those of group slab, is not examined"},
+      {"objects a { quantity 3; type any(cuboid, cylinder) }",
+       "energy, losses, passing, impacts, sleep",
+       "friction: rolling on objects that can move, such as those of group a, is not examined"},
+      {"objects a { quantity 1; type any(cuboid, cylinder) }",
+       "energy, losses, passing, friction, impacts, sleep", ""},
+      {"objects a { quantity 3; links { type spring } }", "energy, losses, passing",
+       "impacts: only the direction is examined of objects with links or joints, as of group a; "
+       "springs: the motion of group a is not compared with the stiffness of its springs; sleep: "
+       "links may hold the objects of group a, and their forces are not judged"},
       {"objects a { quantity 3; type cuboid; friction 0 }",
        "energy, losses, passing, impacts, sleep", ""},
       {"objects a { quantity 3; type cuboid } world.wall_friction 0",
