@@ -234,6 +234,10 @@ class Expander {
       } else {
         axis.order = std::min(axis.order, sweep.order);
         if (axis.axis.title.empty()) axis.axis.title = sweep.title;
+        if (axis.axis.sampled != sweep.sampled)
+          diagnostics_.Report(scenario::kMisplacedSweep, sweep.span,
+                              fmt::format("'{}' has other points in another case", sweep.name),
+                              "sample in one place, outside the cases");
       }
       return;
     }
@@ -242,6 +246,7 @@ class Expander {
     axis.axis.parameter = sweep.parameter;
     axis.axis.unit = sweep.unit;
     axis.axis.title = sweep.title;
+    axis.axis.sampled = sweep.sampled;
     axis.order = sweep.order;
     axis.sweep = &sweep;
     axes_.push_back(std::move(axis));

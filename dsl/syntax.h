@@ -36,13 +36,13 @@ enum class ExprKind {
   kCall,      ///< text: the function; arguments; axis from `as`; items: the two limits of `in`
   kNegate,    ///< items: the operand
   kBinary,    ///< op; items: left, right
-  kRange,     ///< items: first, last, and the step or the count if given; range
+  kRange,     ///< items: first, last, and the step or the count if given; range, is_log
   kQuantity,  ///< items: the value; text: its unit, `m/s^2`; text_span
   kError,     ///< could not be parsed, which was reported: an unknown value
 };
 
-/// The form of a range: `a .. b`, `step d`, `count n`, `count n log`.
-enum class RangeKind { kByOne, kStep, kCount, kCountLog };
+/// The form of a range: `a .. b`, `step d`, `count n`, `sobol n`, `latin n`.
+enum class RangeKind { kByOne, kStep, kCount, kSobol, kLatin };
 
 /// `let a, b = zip(sweep(…), sweep(…)) as name "title"`: sweeps that vary together. Each is the
 /// value of a separate let.
@@ -61,6 +61,7 @@ struct Expr {
   std::string text;
   char op = 0;  ///< one of + - * / ^
   RangeKind range = RangeKind::kByOne;
+  bool is_log = false;   ///< of a kRange: `log`
   text::Span text_span;  ///< of the unit of a kQuantity
   std::vector<ExprPtr> items;
   std::vector<Argument> arguments;

@@ -140,7 +140,21 @@ ExprPtr ValueParser::FinishRange(ExprPtr first) {
   return Finish(std::move(range), cursor_.SpanOf(dots));
 }
 
-/// Parses `step d`, `count n` or `log` after a range, or a word that was meant as one of these.
+namespace {
+
+struct RangeForm {
+  std::string_view word;
+  RangeKind kind;
+};
+constexpr RangeForm kRangeForms[] = {{"step", RangeKind::kStep},
+                                     {"count", RangeKind::kCount},
+                                     {"sobol", RangeKind::kSobol},
+                                     {"latin", RangeKind::kLatin}};
+
+}  // namespace
+
+/// Parses `step d`, `count n`, `sobol n`, `latin n` or `log` after a range, or a word that was
+/// meant as one of these.
 ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   const Token token = cursor_.Peek();
   if (token.kind == TokenKind::kDots) {
@@ -152,10 +166,11 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   }
   if (token.kind != TokenKind::kPath) return RangeWord::kNone;
   const std::string_view word = cursor_.Text(token);
-  const bool known = word == "step" || word == "count" || word == "log";
+  const bool known = word == "log" || std::ranges::find(kRangeForms, word, &RangeForm::word) !=
+                                          std::end(kRangeForms);
   std::string_view meant = word;
   if (!known) {
-    meant = word == "by" ? "step" : DidYouMean(word, {"step", "count", "log"});
+    meant = word == "by" ? "step" : DidYouMean(word, {"step", "count", "sobol", "latin", "log"});
     const bool follows =
         meant == "log" || cursor_.AtValueStart(1) || cursor_.Peek(1).kind == TokenKind::kMinus;
     if (meant.empty() || !follows || word == "as") return RangeWord::kNone;
@@ -164,18 +179,18 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
                    text::Concat({"did you mean '", meant, "'?"}));
   }
   cursor_.Take();
-  if (meant != "log") return ParseRangeNumber(range, token, meant == "step", known);
-  if (range.range == RangeKind::kCount)
-    range.range = RangeKind::kCountLog;
+  if (meant != "log") return ParseRangeNumber(range, token, meant);
+  if (range.range != RangeKind::kByOne && range.range != RangeKind::kStep)
+    range.is_log = true;
   else if (known)
     cursor_.Report(kBadRange, cursor_.SpanOf(token), "'log' needs the number of values",
                    "write: a .. b count n log");
   return RangeWord::kTaken;
 }
 
-/// Parses the number after `step` or `count`, or after `word`, meant as one (`known` is false).
-ValueParser::RangeWord ValueParser::ParseRangeNumber(Expr& range, const Token& word, bool is_step,
-                                                     bool known) {
+/// Parses the number after `word`, which is one of kRangeForms or meant as one.
+ValueParser::RangeWord ValueParser::ParseRangeNumber(Expr& range, const Token& word,
+                                                     std::string_view meant) {
   if (cursor_.AtStatementEnd() || AtClose() || cursor_.At(TokenKind::kComma)) {
     cursor_.Report(kMissingValue, cursor_.SpanOf(word),
                    cursor_.Quote(word) + " needs a number after it");
@@ -184,12 +199,12 @@ ValueParser::RangeWord ValueParser::ParseRangeNumber(Expr& range, const Token& w
   ExprPtr item = ParseSum();
   if (!item) return RangeWord::kFailed;
   if (range.items.size() == 3) {
-    if (known)
+    if (cursor_.Text(word) == meant)
       cursor_.Report(kBadRange, cursor_.SpanOf(word),
-                     "a range can have 'step' or 'count', not both");
+                     "a range can have one of 'step', 'count', 'sobol' and 'latin'");
     return RangeWord::kTaken;
   }
-  range.range = is_step ? RangeKind::kStep : RangeKind::kCount;
+  range.range = std::ranges::find(kRangeForms, meant, &RangeForm::word)->kind;
   range.items.push_back(std::move(item));
   return RangeWord::kTaken;
 }

@@ -53,7 +53,7 @@ class ValueParser {
   ExprPtr FinishRange(ExprPtr first);
   enum class RangeWord { kTaken, kNone, kFailed };
   RangeWord TakeRangeWord(Expr& range);
-  RangeWord ParseRangeNumber(Expr& range, const Token& word, bool is_step, bool known);
+  RangeWord ParseRangeNumber(Expr& range, const Token& word, std::string_view meant);
 
   ConditionPtr ParseAnd();
   /// Operands that an operator separates, from the left.

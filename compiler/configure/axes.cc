@@ -186,11 +186,45 @@ class AxisFinder {
     axis.name = zip.axis ? zip.axis->text : zip.names[0].text;
     axis.span = zip.axis ? zip.axis->span : zip.span;
     axis.title = zip.axis_title;
+    if (IsSampledZip(zip, scope)) {
+      if (AddSampled(zip, scope, columns, axis)) axes_.push_back(std::move(axis));
+      return;
+    }
     axis.values = Coordinates(columns[0]);
     const std::unordered_set<plan::Coordinate> distinct(axis.values.begin(), axis.values.end());
     if (distinct.size() < axis.values.size()) axis.values = JoinedLabels(columns);
     CheckDistinct(axis, *evaluator_.sweeps().Find(first, scope), columns[0]);
     axes_.push_back(std::move(axis));
+  }
+
+  bool IsSampledZip(const dsl::Zip& zip, const scenario::Scope& scope) {
+    return std::ranges::any_of(zip.sweeps, [&](const Expr* sweep) {
+      return evaluator_.sweeps().Find(*sweep, scope)->sampled.has_value();
+    });
+  }
+
+  /// Sets the values to the numbers of the points. False after a diagnostic.
+  bool AddSampled(const dsl::Zip& zip, const scenario::Scope& scope,
+                  const std::vector<std::vector<Value>>& columns, SweepAxis& axis) {
+    const auto fail = [&](const char* message, const char* help) {
+      evaluator_.Error(scenario::kBadArguments, zip.span, message, help);
+      return false;
+    };
+    if (!zip.axis) return fail("these points have no name", "name their axis: zip(…) as design");
+    for (std::size_t i = 0; i < zip.sweeps.size(); ++i) {
+      const evaluate::Sweep* sweep = evaluator_.sweeps().Find(*zip.sweeps[i], scope);
+      if (sweep->sampled != evaluator_.sweeps().Find(*zip.sweeps[0], scope)->sampled)
+        return fail("only some of these ranges are sampled, or not in the same way",
+                    "write the same word in all of them: zip(sweep(1 .. 5 sobol 64), sweep(0 .. 1 "
+                    "sobol 64))");
+      plan::Coordinates coordinates{
+          zip.names[i].text, sweep->ends.first, sweep->ends.second, sweep->is_log, {}};
+      for (const Value& value : columns[i]) coordinates.values.push_back(AsNumber(value)->AsReal());
+      axis.sampled.push_back(std::move(coordinates));
+    }
+    for (std::size_t i = 0; i < columns[0].size(); ++i)
+      axis.values.emplace_back(static_cast<double>(i + 1));
+    return true;
   }
 
   /// False, with a diagnostic, if there are too many points with another axis of `values` values.

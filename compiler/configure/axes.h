@@ -28,6 +28,7 @@ struct SweepAxis {
   int component = -1;         ///< 0, 1, 2: the sweep is in a vector or a ratio
   std::pair<int, int> order;  ///< of its statement, and its position in it
   std::vector<plan::Coordinate> values;
+  std::vector<plan::Coordinates> sampled = {};  ///< of a zip of sampled ranges
 };
 
 /// The maximum number of runs of a benchmark.

@@ -259,7 +259,7 @@ Dimensions::Dimension Dimensions::FindQuantity(const Expr& expr, const scenario:
 
 Dimensions::Dimension Dimensions::FindRange(const Expr& expr, const scenario::Scope& scope) {
   const bool has_count =
-      expr.range == dsl::RangeKind::kCount || expr.range == dsl::RangeKind::kCountLog;
+      expr.range != dsl::RangeKind::kByOne && expr.range != dsl::RangeKind::kStep;
   if (has_count) RequirePure({Find(*expr.items[2], scope), expr.items[2]->span}, "a count");
   Parts parts = ItemsOf(expr, scope, has_count ? 2 : expr.items.size());
   // `0 .. 10 cm` counts in steps of one metre.

@@ -7,6 +7,7 @@
 
 #include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/samples.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -81,7 +82,7 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
                        "sweep() does not take weights", "separate the values by commas");
       good = false;
     } else {
-      good = AddItems(*argument.value, scope, sweep.items) && good;
+      good = AddItems(call, *argument.value, scope, sweep) && good;
     }
   }
   if (good && sweep.items.size() > kMaxAxisValues) {
@@ -99,8 +100,8 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   return sweep;
 }
 
-bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
-                      std::vector<Sweep::Item>& items) {
+bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope& scope,
+                      Sweep& sweep) {
   const Expr* range = expr.kind == ExprKind::kRange ? &expr : nullptr;
   scenario::Scope inner = scope;
   if (expr.kind == ExprKind::kPath) {
@@ -111,18 +112,45 @@ bool Sweeps::AddItems(const Expr& expr, const scenario::Scope& scope,
       inner = referent.let->scope;
     }
   }
+  if (range != nullptr && IsSampled(range->range)) return AddSamples(call, *range, inner, sweep);
   if (range != nullptr) {
     auto numbers = ExpandRange(*range, inner, evaluator_);
     if (!numbers) return false;
     const bool is_count =
         scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kCount;
-    if (is_count && range->range == dsl::RangeKind::kCountLog) RoundBetweenEnds(*numbers);
-    for (const Number& number : *numbers) items.push_back({nullptr, number});
+    if (is_count && range->is_log) RoundBetweenEnds(*numbers);
+    for (const Number& number : *numbers) sweep.items.push_back({nullptr, number});
     return true;
   }
-  items.push_back({&expr, std::nullopt});
+  sweep.items.push_back({&expr, std::nullopt});
   // Reported here, since a value with an error might never be chosen.
   return evaluator_.Evaluate(expr, scope).has_value();
+}
+
+/// The numbers of one of the sampled ranges of a zip.
+bool Sweeps::AddSamples(const Expr& call, const Expr& range, const scenario::Scope& scope,
+                        Sweep& sweep) {
+  const char* word = range.range == dsl::RangeKind::kSobol ? "sobol" : "latin";
+  const auto fail = [&](std::string message, std::string help) {
+    evaluator_.Error(scenario::kBadRange, range.span, std::move(message), std::move(help));
+    return false;
+  };
+  if (call.zip == nullptr)
+    return fail(fmt::format("'{}' varies several values at once, and this is one", word),
+                "write 'count', or let a, b = zip(sweep(1 .. 5 sobol 64), sweep(0 .. 1 sobol 64))");
+  if (call.arguments.size() > 1)
+    return fail(fmt::format("a range with '{}' is the only argument of its sweep", word), "");
+  const auto& sweeps = call.zip->sweeps;
+  if (sweeps.size() > kMostDimensions)
+    return fail(fmt::format("these are {} values, and '{}' varies at most {}", sweeps.size(), word,
+                            kMostDimensions),
+                "");
+  auto sampled = ExpandSamples(
+      range, static_cast<std::size_t>(std::ranges::find(sweeps, &call) - sweeps.begin()), scope,
+      evaluator_);
+  if (!sampled) return false;
+  sweep = *std::move(sampled);
+  return true;
 }
 
 namespace {
@@ -153,8 +181,8 @@ Number WithoutRoundingErrors(const Number& value, double scale) {
   return std::fabs(written - real) <= tolerance ? Number(written) : value;
 }
 
-/// `bounds`: first, last, count.
-std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
+/// Nullopt after a diagnostic. `bounds`: first, last, count.
+std::optional<Integer> CountOf(const dsl::Expr& range, const Numbers& bounds,
                                Evaluator& evaluator) {
   const Number &first = bounds[0], &last = bounds[1];
   const auto count = bounds[2].AsWhole();
@@ -163,11 +191,18 @@ std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
                            "a count must be a whole number, 1 or more");
   if (*count > static_cast<Integer>(kMaxAxisValues))
     return TooMany(range, bounds[2].AsReal(), evaluator);
-  const bool log = range.range == dsl::RangeKind::kCountLog;
-  if (log && (first.AsReal() <= 0 || last.AsReal() <= 0))
+  if (range.is_log && (first.AsReal() <= 0 || last.AsReal() <= 0))
     return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
+  return count;
+}
+
+std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
+                               Evaluator& evaluator) {
+  const Number &first = bounds[0], &last = bounds[1];
+  const auto count = CountOf(range, bounds, evaluator);
+  if (!count) return std::nullopt;
   const auto between = [&](Integer i) {
-    if (!log)
+    if (!range.is_log)
       return WithoutRoundingErrors(
           first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1),
           std::max(std::fabs(first.AsReal()), std::fabs(last.AsReal())));
@@ -208,10 +243,9 @@ std::optional<Numbers> BySteps(const dsl::Expr& range, const Number& first, cons
   return numbers;
 }
 
-}  // namespace
-
-std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
-                                   Evaluator& evaluator) {
+/// First, last, and the step or count if given; nullopt after a diagnostic.
+std::optional<Numbers> BoundsOf(const dsl::Expr& range, const scenario::Scope& scope,
+                                Evaluator& evaluator) {
   if (!Dimensions(evaluator.layers(), evaluator).Check(range, scope)) return std::nullopt;
   Numbers bounds;
   for (const auto& item : range.items) {
@@ -219,10 +253,35 @@ std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope
     if (!number) return std::nullopt;
     bounds.push_back(*number);
   }
+  return bounds;
+}
+
+}  // namespace
+
+std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
+                                   Evaluator& evaluator) {
+  const auto bounds = BoundsOf(range, scope, evaluator);
+  if (!bounds) return std::nullopt;
   using enum dsl::RangeKind;
-  if (range.range == kCount || range.range == kCountLog) return ByCount(range, bounds, evaluator);
-  const Number step = range.range == kStep ? bounds[2] : Number::Whole(1);
-  return BySteps(range, bounds[0], bounds[1], step, evaluator);
+  if (range.range == kCount) return ByCount(range, *bounds, evaluator);
+  const Number step = range.range == kStep ? (*bounds)[2] : Number::Whole(1);
+  return BySteps(range, (*bounds)[0], (*bounds)[1], step, evaluator);
+}
+
+std::optional<Sweep> ExpandSamples(const dsl::Expr& range, std::size_t dimension,
+                                   const scenario::Scope& scope, Evaluator& evaluator) {
+  const auto bounds = BoundsOf(range, scope, evaluator);
+  const auto count = bounds ? CountOf(range, *bounds, evaluator) : std::nullopt;
+  if (!count) return std::nullopt;
+  const auto size = static_cast<std::size_t>(*count);
+  const double first = (*bounds)[0].AsReal(), last = (*bounds)[1].AsReal();
+  Sweep sweep{{}, range.range, {first, last}, range.is_log};
+  for (const double part : range.range == dsl::RangeKind::kSobol
+                               ? SobolCoordinates(dimension, size)
+                               : LatinCoordinates(dimension, size))
+    sweep.items.push_back({nullptr, Number(range.is_log ? first * std::pow(last / first, part)
+                                                        : first + part * (last - first))});
+  return sweep;
 }
 
 void RoundBetweenEnds(std::vector<Number>& numbers) {

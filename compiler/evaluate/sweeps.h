@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "compiler/scenario/layers.h"
@@ -21,6 +22,11 @@ struct Sweep {
     std::optional<schema::Number> number;
   };
   std::vector<Item> items;
+  /// kSobol or kLatin if the items are such a range, otherwise nullopt; its ends, and whether it is
+  /// logarithmic.
+  std::optional<dsl::RangeKind> sampled = std::nullopt;
+  std::pair<double, double> ends = {};
+  bool is_log = false;
 };
 
 class Sweeps {
@@ -38,8 +44,10 @@ class Sweeps {
 
  private:
   std::optional<Sweep> Expand(const dsl::Expr& call, const scenario::Scope& scope);
-  bool AddItems(const dsl::Expr& expr, const scenario::Scope& scope,
-                std::vector<Sweep::Item>& items);
+  bool AddItems(const dsl::Expr& call, const dsl::Expr& expr, const scenario::Scope& scope,
+                Sweep& sweep);
+  bool AddSamples(const dsl::Expr& call, const dsl::Expr& range, const scenario::Scope& scope,
+                  Sweep& sweep);
 
   Evaluator& evaluator_;
   std::map<const dsl::Expr*, std::optional<Sweep>> sweeps_;
@@ -54,10 +62,19 @@ class Evaluator;
 /// The maximum number of values on one axis.
 inline constexpr std::size_t kMaxAxisValues = 1'000'000;
 
-/// Nullopt after a diagnostic.
+inline bool IsSampled(dsl::RangeKind kind) {
+  return kind == dsl::RangeKind::kSobol || kind == dsl::RangeKind::kLatin;
+}
+
+/// Of a range that is not sampled. Nullopt after a diagnostic.
 std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,
                                                        const scenario::Scope& scope,
                                                        Evaluator& evaluator);
+
+/// The sampled range that is the `dimension`th of its zip, in the order of the points. Nullopt
+/// after a diagnostic.
+std::optional<Sweep> ExpandSamples(const dsl::Expr& range, std::size_t dimension,
+                                   const scenario::Scope& scope, Evaluator& evaluator);
 
 /// Rounds the numbers between the ends of a logarithmic range to integers, and removes duplicates:
 /// a count cannot be 34.66.

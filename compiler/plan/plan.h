@@ -100,13 +100,25 @@ using Coordinate = std::variant<double, std::string>;
 /// As it enters the hash of a plan.
 std::string CoordinateText(const Coordinate& coordinate);
 
+/// What varies along an axis of sampled points.
+struct Coordinates {
+  std::string name;            ///< of the let
+  double first = 0, last = 0;  ///< of its range
+  bool is_log = false;         ///< sampled evenly in its logarithm
+  std::vector<double> values;  ///< of each point
+  bool operator==(const Coordinates&) const = default;
+};
+
 struct Axis {
-  std::string name;                ///< `quantity`, `aspect_z`
-  std::string parameter;           ///< `objects.quantity`, or empty (a `let` or `cases`)
-  std::string unit;                ///< of its values, from the schema; may be empty
-  std::vector<Coordinate> values;  ///< all numbers or all text
-  std::string title = {};          ///< of a figure's axis, from `as "title"`; may be empty
+  std::string name;                       ///< `quantity`, `aspect_z`
+  std::string parameter;                  ///< `objects.quantity`, or empty (a `let` or `cases`)
+  std::string unit;                       ///< of its values, from the schema; may be empty
+  std::vector<Coordinate> values;         ///< all numbers or all text
+  std::string title = {};                 ///< of a figure's axis, from `as "title"`; may be empty
+  std::vector<Coordinates> sampled = {};  ///< if its values are the numbers of sampled points
   bool IsText() const { return !values.empty() && values[0].index() == 1; }
+  /// True if its values are numbers of something that may be more or less.
+  bool IsScale() const { return !IsText() && sampled.empty(); }
   /// True if every value is an integer that fits into an int32.
   bool IsInteger() const;
   bool operator==(const Axis&) const = default;

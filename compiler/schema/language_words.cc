@@ -60,6 +60,14 @@ constexpr LanguageWord kLanguageWords[] = {
      "cycles sweep(100 .. 500 step 100)"},
     {"count", kModifier, "sweep(A .. B count N)",
      "the number of values of a range, both ends included", "objects.size sweep(1 .. 2 count 5)"},
+    {"sobol", kModifier, "zip(sweep(A .. B sobol N [log]), …) as NAME",
+     "N points that fill the ranges of several values evenly, by Sobol's sequence; a larger N "
+     "keeps "
+     "them",
+     "let mu, bounce = zip(sweep(0 .. 1 sobol 64), sweep(0 .. 1 sobol 64)) as design"},
+    {"latin", kModifier, "zip(sweep(A .. B latin N [log]), …) as NAME",
+     "N points that fill the ranges of several values evenly, as a Latin hypercube",
+     "let mu, bounce = zip(sweep(0 .. 1 latin 64), sweep(0 .. 1 latin 64)) as design"},
     {"log", kModifier, "sweep(A .. B count N log), log(X)",
      "the values of a range grow by a factor instead of a difference; as a function, the natural "
      "logarithm",

@@ -133,7 +133,19 @@ void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
       out << YAML::DoubleQuoted << std::get<std::string>(value);
     }
   }
-  out << YAML::EndSeq << YAML::EndMap;
+  out << YAML::EndSeq;
+  if (!axis.sampled.empty()) out << YAML::Key << "sampled" << YAML::Value << YAML::BeginSeq;
+  for (const plan::Coordinates& coordinates : axis.sampled) {
+    out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << coordinates.name;
+    out << YAML::Key << "first" << YAML::Value << YamlReal(coordinates.first);
+    out << YAML::Key << "last" << YAML::Value << YamlReal(coordinates.last);
+    out << YAML::Key << "log" << YAML::Value << coordinates.is_log;
+    out << YAML::Key << "values" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const double value : coordinates.values) out << YamlReal(value);
+    out << YAML::EndSeq << YAML::EndMap;
+  }
+  if (!axis.sampled.empty()) out << YAML::EndSeq;
+  out << YAML::EndMap;
 }
 
 /// Appends each line of `text` after `indent`.

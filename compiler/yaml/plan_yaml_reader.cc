@@ -427,6 +427,18 @@ class PlanReader : public ValueReader {
       }
     }
     if (axis.values.empty()) Fail(node.Mark(), "an axis needs a value");
+    for (const YAML::Node& item : node["sampled"]) {
+      plan::Coordinates coordinates{Name(Member(item, "name")),
+                                    Real(Member(item, "first")),
+                                    Real(Member(item, "last")),
+                                    Text(Member(item, "log")) == "true",
+                                    {}};
+      for (const YAML::Node& value : Member(item, "values"))
+        coordinates.values.push_back(Real(value));
+      if (coordinates.values.size() != axis.values.size())
+        Fail(item.Mark(), fmt::format("`{}` has not one value for each point", coordinates.name));
+      axis.sampled.push_back(std::move(coordinates));
+    }
     return axis;
   }
 

@@ -12,17 +12,16 @@
 #include "runtime/terminal/table.h"
 
 namespace cdb::figures {
-namespace {
 
-constexpr std::size_t kMostEnumerated = 6, kDrawn = 1000;
-
-/// The 97.5 % quantile of Student's t, by the expansion in powers of 1 / nu about that of the
-/// normal distribution; within 0.3 % from nu = 4 on (Abramowitz and Stegun 26.7.5).
 double StudentQuantile(double nu) {
   const double z = 1.959964, z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
   return z + (z3 + z) / (4 * nu) + (5 * z5 + 16 * z3 + 3 * z) / (96 * nu * nu) +
          (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
 }
+
+namespace {
+
+constexpr std::size_t kMostEnumerated = 6, kDrawn = 1000;
 
 /// The fraction of the draws beyond each end of the interval.
 double TailOf(std::size_t n) {

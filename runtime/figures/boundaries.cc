@@ -399,7 +399,7 @@ std::string BoundaryText(const results::ResultFile& file,
                          const std::map<Point, std::string>& states, const BoundaryWords& words) {
   std::optional<Boundary> best;
   for (std::size_t i = 0; i < file.axes().size(); ++i) {
-    if (file.axes()[i].IsText()) continue;
+    if (!file.axes()[i].IsScale()) continue;
     Boundary along(file, states, words, i);
     if (!along.IsFlat() && (!best || along.IsBetterThan(*best))) best.emplace(std::move(along));
   }

@@ -160,6 +160,7 @@ std::vector<Conclusion> Conclusions(const Model& model) {
   ConcludeDetectors(model, all);
   ConcludeVerdicts(model, all);
   ConcludeAxes(model, all);
+  ConcludeEffects(model, all);
   ConcludeDetectorLimits(model, all);
   DoubtNoisyTimes(model, all);
   return all;
@@ -285,6 +286,7 @@ void ConcludeAxes(const Model& model, std::vector<Conclusion>& all) {
     const plan::Axis& axis = model.axis(i);
     // Times over seeds only scatter.
     if (i == detectors || axis.values.size() < 2 || axis.name == "seed") continue;
+    if (!axis.sampled.empty()) continue;
     if (axis.IsText()) {
       AddFastestValue(model, i, all);
     } else {

@@ -51,6 +51,8 @@ void ConcludeDetectorLimits(const Model& model, std::vector<Conclusion>& all);
 /// The change of the time of a step along the other axes, and its growth with the number of
 /// objects.
 void ConcludeAxes(const Model& model, std::vector<Conclusion>& all);
+/// The effects of each parameter along axes of sampled points.
+void ConcludeEffects(const Model& model, std::vector<Conclusion>& all);
 /// The configurations within the `budget` of the scenario.
 void ConcludeBudget(const Model& model, std::vector<Conclusion>& all);
 /// For each error: the most accurate configuration within real time, and the fastest of the front.

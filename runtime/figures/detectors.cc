@@ -141,7 +141,7 @@ double AddCounts(double sum, const std::vector<double>& counts) {
   return sum;
 }
 
-bool CanFit(const plan::Axis& axis) { return !axis.IsText() && axis.values.size() >= kLeastPoints; }
+bool CanFit(const plan::Axis& axis) { return axis.IsScale() && axis.values.size() >= kLeastPoints; }
 
 /// The number of objects at each point. Empty if it is not useful, or the plan cannot be read.
 std::map<Point, double> ObjectCounts(const results::ResultFile& file) {

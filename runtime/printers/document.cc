@@ -556,7 +556,7 @@ using plan::Axis;
 /// The graded axis; none if no axis has numbers.
 std::optional<std::size_t> OwnAxis(const std::vector<Axis>& axes) {
   for (std::size_t i = axes.size(); i-- > 0;)
-    if (!axes[i].IsText()) return i;
+    if (axes[i].IsScale()) return i;
   return std::nullopt;
 }
 

@@ -279,7 +279,7 @@ void AddPlots(const figures::Model& model, const std::vector<protocol::Phase>& p
        phases.empty() ? std::vector{protocol::Phase::kStep} : phases) {
     document.push_back(OverCycles(model, phase));
     for (const std::size_t i : figures::AllAxes(model.file()))
-      if (!model.axis(i).IsText() && model.axis(i).values.size() >= kLeastOnAxis)
+      if (model.axis(i).IsScale() && model.axis(i).values.size() >= kLeastOnAxis)
         AddOverAxis(model, i, phase, document);
   }
 }

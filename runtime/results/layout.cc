@@ -60,6 +60,8 @@ class Maker {
       AddQueryDimensions();
     if (facts_.contacts) AddContactDimensions(contact_rows);
     AddGrid(std::string(kRunGroup));
+    for (std::size_t i = 0; i < plan_.axes.size(); ++i)
+      if (!plan_.axes[i].sampled.empty()) AddColumns(plan_.axes[i], facts_.integer_axes[i]);
     const bool has_errors = facts_.samples > 0;
     if (has_errors) AddGrid(std::string(kAccuracyGroup));
     if (has_errors) AddSampleDimension(std::string(kAccuracyGroup));
@@ -99,6 +101,21 @@ class Maker {
     for (std::size_t i = 0; i < plan_.axes.size(); ++i)
       AddDimension(group, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
     AddDimension(group, Counted("rep", plan_.repeats, "timed repeat of a point"));
+  }
+
+  /// Of an axis of sampled points.
+  void AddColumns(const plan::Axis& axis, bool is_integer) {
+    const std::string group(kSampledGroup);
+    AddDimension(group, AxisDimension(axis, is_integer));
+    for (const plan::Coordinates& sampled : axis.sampled)
+      layout_.columns.push_back(
+          {group + sampled.name,
+           group + axis.name,
+           sampled.values,
+           {{"long_name", fmt::format("{} at the points of {}", sampled.name, axis.name)},
+            {"scale", sampled.is_log ? kLogScale : "linear"}},
+           sampled.first,
+           sampled.last});
   }
 
   /// Adds an array over the grid and the `inner` dimensions of its group.
@@ -602,6 +619,15 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
     for (const auto& [name, text] : array.attributes) dataset.SetText(name.c_str(), text);
     SetFlags(dataset, array);
     attachments.push_back({array.name, array.dimensions});
+  }
+  for (const Column& column : layout.columns) {
+    hdf5::Dataset dataset =
+        file.CreateDataset({column.name, Type::kFloat64, {column.values.size()}, {}, 0});
+    dataset.Write(column.values);
+    for (const auto& [name, text] : column.attributes) dataset.SetText(name.c_str(), text);
+    dataset.SetNumber(kFirstAttribute, Type::kFloat64, column.first);
+    dataset.SetNumber(kLastAttribute, Type::kFloat64, column.last);
+    attachments.push_back({column.name, {column.dimension}});
   }
   file.AttachScales(attachments);
 }

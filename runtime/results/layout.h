@@ -25,6 +25,7 @@ namespace cdb::results {
 /// The groups of the file. Names of arrays include their group: `run/host`.
 inline constexpr std::string_view kRunGroup = "run/";
 inline constexpr std::string_view kAccuracyGroup = "accuracy/";
+inline constexpr std::string_view kSampledGroup = "sampled/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
 
 /// A missing real number.
@@ -98,11 +99,20 @@ struct Array {
   const protocol::Series* series = nullptr;
 };
 
+/// What varies along an axis of sampled points: known before the first run.
+struct Column {
+  std::string name, dimension;  ///< including their group
+  std::vector<double> values;
+  std::map<std::string, std::string> attributes;
+  double first, last;  ///< of the range
+};
+
 struct Layout {
   /// First the axes, in the order of the plan, then `rep`. Each group has the dimensions of its
   /// arrays, with their coordinates, so that a reader of one group can select by label.
   std::vector<Dimension> dimensions;
   std::vector<Array> arrays;
+  std::vector<Column> columns;
   hdf5::Shape grid;  ///< extents of the axes and of `rep`
 
   const Array& Get(std::string_view name) const;

@@ -56,6 +56,14 @@ struct ResultFile::Impl {
       } else {
         for (const double value : dataset.Read()) axis.values.emplace_back(value);
       }
+      for (const std::string& sampled : Words(dataset.Text(kSampledAttribute))) {
+        const hdf5::Dataset column = file.OpenDataset(std::string(kSampledGroup) + sampled);
+        axis.sampled.push_back({sampled, column.Number(kFirstAttribute),
+                                column.Number(kLastAttribute), column.Text("scale") == kLogScale,
+                                column.Read()});
+        if (axis.sampled.back().values.size() != axis.values.size())
+          throw hdf5::Error(sampled + " has not one value for each point");
+      }
       grid.push_back(axis.values.size());
       kept.emplace_back(axis.values.size());
       std::iota(kept.back().begin(), kept.back().end(), std::size_t{0});

@@ -83,6 +83,10 @@ Dimension AxisDimension(const plan::Axis& axis, bool is_integer) {
   dimension.attributes.emplace("units", axis.unit.empty() && !axis.IsText() ? kNoUnit : axis.unit);
   dimension.attributes.emplace("long_name", LongName(axis));
   dimension.attributes.emplace("title", axis.title);
+  std::string sampled;
+  for (const plan::Coordinates& coordinates : axis.sampled)
+    sampled.append(sampled.empty() ? "" : " ").append(coordinates.name);
+  if (!sampled.empty()) dimension.attributes.emplace(kSampledAttribute, sampled);
   return dimension;
 }
 

@@ -207,6 +207,10 @@ Dimension Counted(std::string name, std::uint64_t size, std::string doc);
 Dimension Labelled(std::string name, std::vector<std::string> texts, std::string doc);
 /// The unit of a number without one, by the netCDF Climate and Forecast conventions.
 inline constexpr const char* kNoUnit = "1";
+/// Of an axis of sampled points: the names of what varies, which are arrays in /sampled, whose
+/// `scale` is `linear` or kLogScale, with the ends of their ranges.
+inline constexpr const char *kSampledAttribute = "sampled", *kLogScale = "log",
+                            *kFirstAttribute = "first", *kLastAttribute = "last";
 /// The values of an axis. `is_integer`: the result of Axis::IsInteger, which checks all values.
 Dimension AxisDimension(const plan::Axis& axis, bool is_integer);
 

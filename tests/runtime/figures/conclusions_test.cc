@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "compiler/evaluate/samples.h"
 #include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
@@ -547,6 +548,42 @@ TEST(Conclusions, TellHowAStepScales) {
             "A step takes 4.00 times as long with quantity 40 as with quantity 10 (95 % interval "
             "4.00 .. 4.00), the geometric mean over 3 cells.");
   EXPECT_EQ(scaling.certainty, Certainty::kClear);
+}
+
+/// n^1 times e^(bounce / 10), for each of two detectors.
+TEST(Conclusions, StateTheEffectsOfSampledParameters) {
+  constexpr std::size_t kPoints = 32;
+  plan::Axis design = NumberAxis("design", {});
+  design.sampled = {{"n", 10, 1000, true, {}}, {"bounce", 0, 1, false, {}}};
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    design.values.emplace_back(static_cast<double>(i + 1));
+    design.sampled[0].values.push_back(10 *
+                                       std::pow(100, evaluate::SobolCoordinates(0, kPoints)[i]));
+    design.sampled[1].values.push_back(evaluate::SobolCoordinates(1, kPoints)[i]);
+  }
+  const plan::Plan plan = MakePlan({TextAxis("detector", {"dbvt", "sap"}), design}, 1,
+                                   {.cycles = kMadeUpCycles, .record = {"timing"}});
+  const auto make_up = [&](const plan::Run& run) {
+    const double n = design.sampled[0].values[run.at[1]],
+                 bounce = design.sampled[1].values[run.at[1]];
+    return MadeUp{.ns = 1000 * n * std::exp(bounce / 10)};
+  };
+  WithMadeUpFile(plan, make_up, [&](const results::ResultFile& file) {
+    EXPECT_EQ(file.axes()[1].sampled, design.sampled);
+    std::vector<Conclusion> effects;
+    for (const Conclusion& of : figures::Conclusions(figures::Model(file))) {
+      EXPECT_NE(of.kind, "scaling") << of.answer;
+      if (of.kind == "effects") effects.push_back(of);
+    }
+    ASSERT_EQ(effects.size(), 2u);
+    EXPECT_EQ(effects[1].question, "What changes the time of a step of sap over design?");
+    EXPECT_EQ(effects[1].answer,
+              "n from 10.0 to 1000: 100 times (95 % interval 100 .. 100), 100 % of the variance; "
+              "bounce from 0 to 1.00: 1.11 times (95 % interval 1.11 .. 1.11), less than 0.1 % of "
+              "the variance. Not explained: less than 0.1 %; by a fit to 32 points.");
+    EXPECT_EQ(effects[1].certainty, Certainty::kClear);
+    return 0;
+  });
 }
 
 TEST(Conclusions, NameTheMostAccurateWithinRealTime) {

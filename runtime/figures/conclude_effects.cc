@@ -1,0 +1,141 @@
+// Conclusions about the effects of sampled parameters (conclusions.h).
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compiler/schema/metrics.h"
+#include "runtime/figures/conclusions.h"
+#include "runtime/figures/effects.h"
+#include "runtime/figures/errors.h"
+#include "runtime/figures/ratios.h"
+#include "runtime/terminal/table.h"
+
+namespace cdb::figures {
+namespace {
+
+/// Limit of values of the axis of detectors that get separate conclusions.
+constexpr std::size_t kMaxDetectors = 4;
+/// Limits of the parameters and of the pairs of them that are named; pairs with a smaller share of
+/// the variance are not.
+constexpr std::size_t kMaxMains = 6, kMaxPairs = 3;
+constexpr double kLeastShare = 0.01;
+
+class EffectConclusions {
+ public:
+  EffectConclusions(const Model& model, std::size_t axis, std::vector<Conclusion>& all)
+      : model_(model), axis_(axis), sampled_(model.axis(axis).sampled), all_(all) {}
+
+  /// `what`: `the time of a step`.
+  void Add(const std::string& what, std::string_view kind,
+           const std::function<double(const MeasuredPoint&)>& figure_of) {
+    const auto detectors = model_.detector_axis();
+    const std::size_t count = detectors ? model_.axis(*detectors).values.size() : 1;
+    if (count == 1 || count > kMaxDetectors) return AddFor({}, what, kind, figure_of);
+    for (std::size_t i = 0; i < count; ++i) AddFor(i, what, kind, figure_of);
+  }
+
+ private:
+  static std::string Share(double share) {
+    const double percent = 100 * share;
+    if (percent < 0.1) return "less than 0.1 %";
+    return percent < 9.95 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent);
+  }
+  std::string Name(std::size_t parameter) const { return sampled_[parameter].name; }
+
+  /// The geometric mean at each point over all other axes but detectors, where all are measured and
+  /// sound; NaN elsewhere.
+  std::vector<double> FiguresOf(std::optional<std::size_t> detector,
+                                const std::function<double(const MeasuredPoint&)>& figure_of) {
+    std::vector<std::vector<double>> values(model_.axis(axis_).values.size());
+    for (const GridPoint& point : model_.grid()) {
+      if (detector && point.at[*model_.detector_axis()] != *detector) continue;
+      values[point.at[axis_]].push_back(point.IsVoid() ? kNone : figure_of(*point.measured));
+    }
+    std::size_t most = 0;
+    for (const auto& of : values) most = std::max(most, of.size());
+    std::vector<double> figures;
+    for (const auto& of : values)
+      figures.push_back(of.size() == most && most > 0 ? GeometricMean(of) : kNone);
+    return figures;
+  }
+
+  void AddFor(std::optional<std::size_t> detector, const std::string& what, std::string_view kind,
+              const std::function<double(const MeasuredPoint&)>& figure_of) {
+    const std::vector<double> figures = FiguresOf(detector, figure_of);
+    const auto effects = FitEffects(sampled_, figures);
+    const std::string of = detector ? " of " + terminal::CoordinateText(
+                                                   model_.axis(*model_.detector_axis()), *detector)
+                                    : std::string();
+    const std::string question =
+        fmt::format("What changes {}{} over {}?", what, of, AxisWords(model_.axis(axis_)));
+    if (!effects) {
+      all_.push_back(
+          {question,
+           fmt::format("Unknown: it needs {} sound points of {}, at which it is above 0 and "
+                       "not always the same.",
+                       2 * (sampled_.size() + 1), figures.size()),
+           kind, Certainty::kUnknown});
+      return;
+    }
+    std::vector<std::string> parts;
+    for (const MainEffect& main : effects->mains) {
+      if (parts.size() == kMaxMains) break;
+      const plan::Coordinates& parameter = sampled_[main.parameter];
+      parts.push_back(fmt::format(
+          "{} from {} to {}: {} times (95 % interval {}), {} of the variance", parameter.name,
+          terminal::ShortNumber(parameter.first), terminal::ShortNumber(parameter.last),
+          terminal::ShortNumber(main.ratio), IntervalText(main.interval), Share(main.share)));
+    }
+    std::string answer;
+    for (const std::string& part : parts) answer += (answer.empty() ? "" : "; ") + part;
+    if (effects->mains.size() > parts.size())
+      answer += fmt::format("; {} others have less", effects->mains.size() - parts.size());
+    answer += ".";
+    std::vector<std::string> pairs;
+    for (const Interaction& pair : effects->interactions)
+      if (pair.share >= kLeastShare && pairs.size() < kMaxPairs)
+        pairs.push_back(
+            fmt::format("{} with {} {}", Name(pair.a), Name(pair.b), Share(pair.share)));
+    if (!pairs.empty())
+      answer += fmt::format(" Together, beyond that: {}.", JoinWords(pairs));
+    else if (!effects->has_interactions)
+      answer += " What they do together takes more points to tell.";
+    answer += fmt::format(" Not explained: {}; by a fit to {} points", Share(effects->unexplained),
+                          effects->points);
+    if (effects->points < figures.size())
+      answer += fmt::format("; {} are left out, as some run is not sound or has no such figure",
+                            figures.size() - effects->points);
+    const Interval& largest = effects->mains[0].interval;
+    all_.push_back({question, answer + ".", kind,
+                    largest.low > 1 || largest.high < 1 ? Certainty::kClear : Certainty::kTie});
+  }
+
+  const Model& model_;
+  const std::size_t axis_;
+  const std::vector<plan::Coordinates>& sampled_;
+  std::vector<Conclusion>& all_;
+};
+
+}  // namespace
+
+void ConcludeEffects(const Model& model, std::vector<Conclusion>& all) {
+  for (std::size_t i = 0; i < model.file().axes().size(); ++i) {
+    if (model.axis(i).sampled.empty()) continue;
+    EffectConclusions effects(model, i, all);
+    if (model.HasTimes())
+      effects.Add("the time of a step", "effects", [&](const MeasuredPoint& point) {
+        return model.TimeOf(point, protocol::Phase::kStep).value;
+      });
+    for (const auto& [error, figures] : CollectAllErrors(model))
+      effects.Add(fmt::format("the error of {}", error->name), "error_effects",
+                  [&model, name = error->name](const MeasuredPoint& point) {
+                    return model.ErrorOf(point, std::string(name));
+                  });
+  }
+}
+
+}  // namespace cdb::figures
