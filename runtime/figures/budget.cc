@@ -9,6 +9,7 @@
 
 #include "runtime/figures/boundaries.h"
 #include "runtime/figures/conclusions.h"
+#include "runtime/figures/requirements.h"
 
 namespace cdb::figures {
 
@@ -17,17 +18,6 @@ std::string_view FitName(Fit fit) {
 }
 
 namespace {
-
-/// The lower bound for the 99th percentile of `repeats` of a noisy machine (budget.h).
-double LeastP99(const std::vector<std::vector<double>>& repeats) {
-  std::vector<double> fastest;
-  for (const std::vector<double>& repeat : repeats) {
-    fastest.resize(std::max(fastest.size(), repeat.size()), kNone);
-    for (std::size_t c = 0; c < repeat.size(); ++c) fastest[c] = std::fmin(fastest[c], repeat[c]);
-  }
-  std::ranges::sort(fastest);
-  return Percentile(fastest, repeats.size() > 1 ? 0.99 : 0.5);
-}
 
 /// ` Along quantity: fits up to 100, does not fit from 200.`, or, if no axis of numbers matters,
 /// the fitting configurations; empty if none fits or all do.
@@ -44,9 +34,16 @@ std::string WhereText(const results::ResultFile& file, const std::map<Point, std
 
 Fit FitOf(const BudgetFigures& of) {
   const Interval range = of.interval.value_or(Interval{of.p99.value, of.p99.value});
-  if (range.high <= of.budget_ns) return Fit::kYes;
-  return range.low > of.budget_ns && (!of.at_least || *of.at_least > of.budget_ns) ? Fit::kNo
-                                                                                   : Fit::kUnclear;
+  switch (JudgeTime(range, of.at_least, plan::Comparison::kAtMost, of.budget_ns)) {
+    case Answer::kMet:
+      return Fit::kYes;
+    case Answer::kNotMet:
+      return Fit::kNo;
+    case Answer::kCannotTell:
+    case Answer::kNotRun:
+      break;
+  }
+  return Fit::kUnclear;
 }
 
 /// `No: the 99th percentile is 112 ms (95 % interval 110 .. 115).`
@@ -83,8 +80,7 @@ std::vector<BudgetFigures> BudgetOf(const Model& model, const Budget& budget,
     figures.worst = kNone;
     for (const std::vector<double>& repeat : repeats)
       figures.worst = std::fmax(figures.worst, Largest(repeat));
-    if (2 * CountNoisy(model.file(), point.cells) >= point.cells.size())
-      figures.at_least = LeastP99(repeats);
+    figures.at_least = TimeAtLeast(model.file(), point, phase, CycleStatistic::kP99);
     figures.fit = FitOf(figures);
     all.push_back(figures);
   }
