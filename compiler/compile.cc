@@ -157,7 +157,10 @@ class Expander {
     const bool has_axes = !FailedBut(UnitErrors()) && layered_.is_complete();
     if (!has_axes || !MakeHead() || !MakeBlocks() || HasUnreadSkip()) {
       // There is no grid, but each setting can still be checked.
-      for (const auto& configuration : configurations_) configuration->CheckSettings();
+      for (const auto& configuration : configurations_) {
+        configuration->CheckSettings();
+        checks::ReadRequirements(*configuration, plan::kLeastRepeats);
+      }
       return std::nullopt;
     }
     AddSettings();

@@ -456,6 +456,7 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance,
     std::optional<results::StoredAnswers> answers;
     if (judge && !plan.requirements.empty()) {
       Merger(plan, provenance, places, base, nullptr).Write(temporary.path());
+      files::AppendSeal(temporary.path(), out);
       answers = judge(temporary.path());
     }
     Merger merger(plan, provenance, places, base, answers ? &*answers : nullptr);
