@@ -328,7 +328,7 @@ void ReportNotRecorded(const WrittenRequirement& requirement, std::string_view b
       help = "times need `record timing`";
       break;
     case plan::FigureKind::kSeries:
-      help = fmt::format("record {} has it", RecordWordOf(*schema::FindSeries(figure.name)));
+      help = fmt::format("`record {}` has it", RecordWordOf(*schema::FindSeries(figure.name)));
       break;
     case plan::FigureKind::kError:
       help = fmt::format(

@@ -284,7 +284,10 @@ std::string QuantityText(const plan::Figure& figure, double value) {
   const std::string_view unit = figure.Unit();
   if (unit == "ns") return TimeText(value);
   if (unit == "bytes") return fmt::format("{} MB", terminal::ShortNumber(value / 1e6));
-  return fmt::format("{}{}{}", terminal::ShortNumber(value), unit.empty() ? "" : " ", unit);
+  const bool is_whole = value == std::round(value) && std::fabs(value) < 1e6;
+  return fmt::format("{}{}{}",
+                     is_whole ? fmt::format("{:.0f}", value) : terminal::ShortNumber(value),
+                     unit.empty() ? "" : " ", unit);
 }
 
 }  // namespace

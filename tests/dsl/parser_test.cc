@@ -243,7 +243,7 @@ TEST(Parser, OnlyIsTheOppositeOfSkip) {
 
 TEST(Parser, RequirementsAreComparisons) {
   EXPECT_EQ(Tree("benchmark b { require p99(step) < 4 ms and verdict == stable }"),
-            "benchmark b\n  require (and (< (call p99 step) (4 ms)) (== verdict stable))\n");
+            "benchmark b\n  require (and (< (call p99 step) (unit 4 ms)) (== verdict stable))\n");
   EXPECT_EQ(Errors("benchmark b { require }"), "missing-comparison");
   EXPECT_EQ(Errors("benchmark b { require p99(step) }"), "missing-comparison");
   EXPECT_EQ(Errors("let require = 1\nbenchmark b { size require }"), "");

@@ -430,7 +430,8 @@ export function requirements(doc) {
     'Points that do not meet a requirement',
   );
   const more = open.length - mostFailures;
-  return [rows, points, more > 0 ? h('p', { class: 'note' }, `And ${more} more: cdb show --json.`) : null].filter(
+  const head = h('p', { class: 'note' }, 'Where one is not met, or that cannot be told:');
+  return [rows, head, points, more > 0 ? h('p', { class: 'note' }, `And ${more} more: cdb show --json.`) : null].filter(
     Boolean,
   );
 }
