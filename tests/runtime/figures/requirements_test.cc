@@ -227,8 +227,8 @@ TEST(Requirements, AreShownWithTheFirstPointsThatFail) {
   const std::string text = WithMadeUpFile(plan, OfScene, [](const results::ResultFile& file) {
     return printers::Show(file, {.is_brief = true}).text;
   });
-  EXPECT_NE(text.find("p99(step) < 3000: not met at 1 of 3 points. Along quantity: met up to 20, "
-                      "not met from 40."),
+  EXPECT_NE(text.find("p99(step) < 3000: not met at 1 of 3 points. Along the number of "
+                      "objects: met up to 20, not met from 40."),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("quantity 40: 4.00 us"), std::string::npos) << text;
