@@ -18,7 +18,6 @@
 #include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/bootstrap.h"
-#include "runtime/figures/budget.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/errors.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
 #include "runtime/results/store.h"

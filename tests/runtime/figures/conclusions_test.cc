@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "tests/runtime/figures/made_up_file.h"
 
 namespace cdb::tests {
