@@ -7,6 +7,7 @@
 #include <string>
 
 #include "compiler/plan/foreign_model.h"
+#include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/figures/points.h"
