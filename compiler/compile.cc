@@ -393,6 +393,18 @@ class Expander {
   /// Reports requirements on figures that no run has.
   void CheckRequirements() {
     if (requirements_.empty()) return;
+    // The arrays of /requirements, whose group has the axes, too (runtime/results/layout.cc).
+    constexpr std::string_view kNames[] = {"requirement", "figure", "comparison", "limit",
+                                           "answer",      "value",  "low",        "high"};
+    for (const GridAxis& axis : axes_)
+      if (std::ranges::find(kNames, axis.axis.name) != std::end(kNames))
+        diagnostics_.Report(
+            scenario::kReservedName,
+            axis.sweep == nullptr ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
+            fmt::format("an axis beside requirements cannot be called '{}', which is a name of "
+                        "theirs in the results",
+                        axis.axis.name),
+            fmt::format("give it another name, such as {}_of", axis.axis.name));
     std::vector<bool> is_recorded(requirements_.size(), false);
     grid::Survey(grid_).Look(
         std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
