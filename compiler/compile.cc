@@ -15,6 +15,7 @@
 #include "compiler/block_maker.h"
 #include "compiler/checks/file_lets.h"
 #include "compiler/checks/idle_settings.h"
+#include "compiler/checks/requirement_checks.h"
 #include "compiler/configure/axes.h"
 #include "compiler/evaluate/convert.h"
 #include "compiler/grid/survey.h"
@@ -156,7 +157,10 @@ class Expander {
     const bool has_axes = !FailedBut(UnitErrors()) && layered_.is_complete();
     if (!has_axes || !MakeHead() || !MakeBlocks() || HasUnreadSkip()) {
       // There is no grid, but each setting can still be checked.
-      for (const auto& configuration : configurations_) configuration->CheckSettings();
+      for (const auto& configuration : configurations_) {
+        configuration->CheckSettings();
+        checks::ReadRequirements(*configuration, plan::kLeastRepeats);
+      }
       return std::nullopt;
     }
     AddSettings();
@@ -302,7 +306,7 @@ class Expander {
       for (std::size_t a = 0; a < axes_.size(); ++a)
         if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
     const double points = grid::CountOf(grid_.extents());
-    return FindRepeats() && FindBudget() &&
+    return FindRepeats() && FindBudget() && FindRequirements() &&
            (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
   }
 
@@ -369,6 +373,55 @@ class Expander {
     return true;
   }
 
+  bool FindRequirements() {
+    bool is_first = true;
+    for (const auto& configuration : configurations_) {
+      auto found = checks::ReadRequirements(*configuration, grid_.head.repeats);
+      if (!found) return false;
+      for (std::size_t i = 0; i < found->size() && !is_first; ++i) {
+        if ((*found)[i].what.IsSame(requirements_[i].what)) continue;
+        diagnostics_.Report(scenario::kWrongPlace, (*found)[i].span,
+                            "the limit of a requirement must be the same in every case",
+                            "write a number, or set its names outside the cases");
+        return false;
+      }
+      if (is_first) requirements_ = std::move(*found);
+      is_first = false;
+    }
+    std::vector<plan::Requirement>& all = grid_.head.requirements;
+    for (const checks::WrittenRequirement& one : requirements_)
+      if (std::ranges::none_of(all, [&](const auto& other) { return one.what.IsSame(other); }))
+        all.push_back(one.what);
+    return true;
+  }
+
+  /// Reports requirements on figures that no run has.
+  void CheckRequirements() {
+    if (requirements_.empty()) return;
+    // The arrays of /requirements, whose group has the axes, too (runtime/results/layout.cc).
+    constexpr std::string_view kNames[] = {"requirement", "figure", "comparison", "limit",
+                                           "answer",      "value",  "low",        "high"};
+    for (const GridAxis& axis : axes_)
+      if (std::ranges::find(kNames, axis.axis.name) != std::end(kNames))
+        diagnostics_.Report(
+            scenario::kReservedName,
+            axis.sweep == nullptr ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
+            fmt::format("an axis beside requirements cannot be called '{}', which is a name of "
+                        "theirs in the results",
+                        axis.axis.name),
+            fmt::format("give it another name, such as {}_of", axis.axis.name));
+    std::vector<bool> is_recorded(requirements_.size(), false);
+    grid::Survey(grid_).Look(
+        std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
+        [&](const grid::Sample&, const plan::Scene& scene) {
+          for (std::size_t i = 0; i < requirements_.size(); ++i)
+            if (checks::HasFigure(scene, requirements_[i].what.figure)) is_recorded[i] = true;
+        });
+    for (std::size_t i = 0; i < requirements_.size(); ++i)
+      if (!is_recorded[i])
+        checks::ReportNotRecorded(requirements_[i], benchmark_.benchmark->name.text, diagnostics_);
+  }
+
   /// Makes the blocks without settings: the points with a run. False if there are too many.
   bool MakeBlocks() {
     double runs = 0;
@@ -417,6 +470,7 @@ class Expander {
     checks.Check();
     if (Failed() || is_broken_) return;
     CheckAxisNames(ErrorsOfAllRuns());
+    CheckRequirements();
     if (Failed()) return;
     if (grid_.point_count == 0) {
       diagnostics_.Report(scenario::kNoRuns, benchmark_.benchmark->name.span,
@@ -450,6 +504,7 @@ class Expander {
   std::vector<std::shared_ptr<configure::Configuration>> configurations_;
   std::deque<BlockMaker> makers_;  ///< for each configuration
   std::vector<GridAxis> axes_;
+  std::vector<checks::WrittenRequirement> requirements_;
   grid::Grid grid_;
   /// A point has an error, which another benchmark may already have reported.
   bool is_broken_ = false;

@@ -83,6 +83,7 @@ class RoleFinder {
     for (const Case& one : cases.cases) Visit(one.block);
   }
   void Visit(const Skip& skip) { Visit(*skip.when); }
+  void Visit(const Require& require) { Visit(*require.what); }
   void Visit(const Group& group) { Visit(group.block); }
   void Visit(const Setting& setting) {
     roles_.settings.insert(setting.path.span.begin);

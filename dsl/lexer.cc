@@ -300,10 +300,15 @@ void Lexer::LexPercent() {
   const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
   const char c = next == std::string_view::npos ? '\n' : text_[next];
   const bool remainder = text::IsNameChar(c) || c == '(';
+  const TokenKind last = LastKind();
+  if (!remainder && (last == TokenKind::kNumber || last == TokenKind::kRightParen)) {
+    Add(TokenKind::kPath, at_ + 1);  // a unit
+    return;
+  }
   Report(kForeignOperator, at_, at_ + 1, "'%' has no meaning here",
          remainder ? "there is no remainder operator; the operators are + - * / ^"
-                   : "a percentage is written as a fraction: 5 % is 0.05 or 5/100");
-  // Between two values it is an operator; after a single value it is a unit, and is dropped.
+                   : "as a unit, it follows a number or a parenthesis: 5 % is 0.05");
+  // Between two values it is an operator; elsewhere it is dropped.
   if (remainder)
     Add(TokenKind::kStar, at_ + 1, true);
   else

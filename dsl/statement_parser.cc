@@ -26,6 +26,8 @@ void StatementParser::ParseStatement(std::vector<Statement>& statements) {
     keep(ParseCases());
   } else if (cursor_.AtWord("skip") || cursor_.AtWord("only")) {
     keep(std::optional(ParseSkip()));
+  } else if (cursor_.AtWord("require")) {
+    keep(std::optional(ParseRequire()));
   } else if (cursor_.AtWord("benchmark") || cursor_.AtWord("use")) {
     ParseMisplaced();
   } else if (RefuseLoop()) {
@@ -119,6 +121,8 @@ void StatementParser::Poison(Statement& statement, int faults) {
     if (!is_sound || !let->value) Poison(*let);
   } else if (auto* skip = std::get_if<Skip>(&statement.what)) {
     if (!is_sound) skip->when = nullptr;
+  } else if (auto* require = std::get_if<Require>(&statement.what)) {
+    if (!is_sound) require->what = nullptr;
   } else if (auto* setting = std::get_if<Setting>(&statement.what)) {
     if (is_sound && !setting->values.empty()) return;
     setting->values.clear();
@@ -463,6 +467,20 @@ Skip StatementParser::ParseSkip() {
   skip.when = values_.ParseCondition();
   if (!skip.when) SkipStatement();
   return skip;
+}
+
+Require StatementParser::ParseRequire() {
+  Require require;
+  const Token word = cursor_.Take();
+  if (cursor_.AtStatementEnd()) {
+    cursor_.Report(kMissingComparison, cursor_.SpanOf(word),
+                   "'require' does not state what is required",
+                   "for example: require p99(step) < 4 ms");
+    return require;
+  }
+  require.what = values_.ParseCondition();
+  if (!require.what) SkipStatement();
+  return require;
 }
 
 }  // namespace cdb::dsl

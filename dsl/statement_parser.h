@@ -39,6 +39,7 @@ class StatementParser {
   std::optional<Cases> ParseCases();
   std::optional<Case> ParseCase();
   Skip ParseSkip();
+  Require ParseRequire();
   bool AtGroup() const;
   std::optional<Group> ParseGroup(Name kind, bool faulty);
   Setting ParseSetting(Name path);

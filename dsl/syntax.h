@@ -110,6 +110,10 @@ struct Skip {
   ConditionPtr when;     ///< null if it could not be parsed, which was reported
   bool is_only = false;  ///< `only when`: keeps the points that meet the condition
 };
+/// `require p99(step) < 4 ms`: a comparison of a figure of the results with a value.
+struct Require {
+  ConditionPtr what;  ///< null if it could not be parsed, which was reported
+};
 struct Group {
   Name kind;                  ///< `objects`
   std::optional<Name> label;  ///< `pebbles`
@@ -122,7 +126,7 @@ struct Setting {
 
 struct Statement {
   text::Span span;
-  std::variant<Let, Cases, Skip, Group, Setting> what;
+  std::variant<Let, Cases, Skip, Require, Group, Setting> what;
 };
 
 struct Use {

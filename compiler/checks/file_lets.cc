@@ -49,6 +49,8 @@ class NameCollector {
         for (const dsl::Case& one : cases->cases) Add(one.block);
       } else if (const auto* skip = std::get_if<dsl::Skip>(&statement.what)) {
         if (skip->when) Add(*skip->when);
+      } else if (const auto* require = std::get_if<dsl::Require>(&statement.what)) {
+        if (require->what) Add(*require->what);
       } else if (const auto* group = std::get_if<dsl::Group>(&statement.what)) {
         if (group->label) groups_.insert(group->label->text);
         Add(group->block);

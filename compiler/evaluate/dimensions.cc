@@ -128,16 +128,29 @@ void Dimensions::CheckFor(const schema::Parameter& parameter, std::string_view u
   using enum schema::ParameterType;
   const bool takes_numbers = parameter.type == kCount || parameter.type == kReal ||
                              parameter.type == kVector || parameter.type == kRatio;
-  if (found.kind != Kind::kUnit || !takes_numbers) return;
+  if (takes_numbers) Require(parameter.name, unit, found, expr);
+}
+
+bool Dimensions::CheckFor(std::string_view name, std::string_view unit, const Expr& expr,
+                          const scenario::Scope& scope) {
+  is_faulty_ = false;
+  const Dimension found = Find(expr, scope);
+  if (!is_faulty_) Require(name, unit, found, expr);
+  return !is_faulty_;
+}
+
+void Dimensions::Require(std::string_view name, std::string_view unit, const Dimension& found,
+                         const Expr& expr) {
+  if (found.kind != Kind::kUnit) return;
   const Unit wanted = SchemaUnit(unit);
   if (wanted.HasDimensionOf(found.unit)) return;
   if (wanted.IsPure()) {
-    Report(expr.span, fmt::format("'{}' has no unit, but this is {}", parameter.name,
-                                  DimensionName(found.unit)));
+    Report(expr.span,
+           fmt::format("'{}' has no unit, but this is {}", name, DimensionName(found.unit)));
   } else {
     const bool is_rate = expr.kind == ExprKind::kQuantity && expr.text == "Hz" && unit == "s";
     Report(expr.span,
-           fmt::format("'{}' is {}, but this is {}", parameter.name, DimensionName(wanted),
+           fmt::format("'{}' is {}, but this is {}", name, DimensionName(wanted),
                        DimensionName(found.unit)),
            is_rate ? fmt::format("write 1/{} s", text::TextOf(expr.items[0]->span))
                    : fmt::format("a number without a unit is in {}", unit));

@@ -33,6 +33,9 @@ class Dimensions {
   void CheckLet(const dsl::Let& let, const scenario::Scope& scope);
   /// False, with a report, if the units of the parts of `expr` do not match.
   bool Check(const dsl::Expr& expr, const scenario::Scope& scope);
+  /// The same, and if `expr` is not of the dimension of `unit`, which `name` has.
+  bool CheckFor(std::string_view name, std::string_view unit, const dsl::Expr& expr,
+                const scenario::Scope& scope);
 
  private:
   enum class Kind {
@@ -82,6 +85,9 @@ class Dimensions {
   void RequirePure(const Part& part, const char* what);
   void CheckFor(const schema::Parameter& parameter, std::string_view unit, const dsl::Expr& expr,
                 const scenario::Scope& scope);
+  /// Reports a written unit that is not of the dimension of `unit`.
+  void Require(std::string_view name, std::string_view unit, const Dimension& found,
+               const dsl::Expr& expr);
   void Check(const dsl::Condition& condition, const scenario::Scope& scope);
   /// The unit of one side of a comparison; nullopt if it matches every number.
   std::optional<text::Unit> SideOf(const dsl::Expr& expr, const scenario::Scope& scope);

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/plan/requirement.h"
 #include "compiler/plan/settings.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/value.h"
@@ -162,6 +163,7 @@ struct Plan {
   std::uint64_t repeats = 1;
   std::optional<double> budget_s;                 ///< that a step, or a frame, may take
   std::optional<double> frame_s;                  ///< that the steps within the budget make up
+  std::vector<Requirement> requirements;          ///< `require`; without the budget
   std::vector<Run> runs;                          ///< in grid order, repeats innermost
   std::vector<std::vector<std::size_t>> skipped;  ///< points that `skip` left out, in grid order
   /// Reference runs and their twins, each once; they follow from `runs` (AddReferences).
@@ -177,7 +179,8 @@ struct Plan {
   void ForEachSkipped(const WholePlan::VisitPoint& visit) const;
 
   /// 64 hex digits, a hash of axes, repeats, runs and skipped points, which determine the results;
-  /// titles, source, text, budget and frame are excluded. That of `whole` if there is one.
+  /// titles, source, text, budget, frame and requirements are excluded. That of `whole` if there
+  /// is one.
   std::string Sha256() const;
   /// Gives a plan that was read from an earlier format the ids of this one.
   void Renew();

@@ -271,6 +271,8 @@ void LayeredBenchmark::Walk(const dsl::Block& block, const Place& place) {
       WalkGroup(*group, place);
     } else if (const auto* setting = std::get_if<dsl::Setting>(&statement.what)) {
       WalkSetting(*setting, place);
+    } else if (const auto* require = std::get_if<dsl::Require>(&statement.what)) {
+      WalkRequire(*require, statement.span, place);
     } else if (const auto* skip = std::get_if<dsl::Skip>(&statement.what)) {
       Entry entry;
       entry.case_axis = place.case_axis;
@@ -293,6 +295,17 @@ void LayeredBenchmark::WalkLet(const dsl::Let& let, const Place& place) {
   entry.case_index = place.case_index;
   entry.let = {&let, {place.file, place.group, place.block, nullptr}, order_};
   entries_.push_back(std::move(entry));
+}
+
+void LayeredBenchmark::WalkRequire(const dsl::Require& require, const text::Span& span,
+                                   const Place& place) {
+  if (place.case_axis >= 0 || !place.group.empty() || !place.block.empty())
+    diagnostics_.Report(kWrongPlace, span, "a requirement is of the whole benchmark",
+                        place.case_axis >= 0 ? "set it outside the cases; a value that differs "
+                                               "between them needs a benchmark for each"
+                                             : "set it outside this block");
+  else
+    requirements_.push_back({&require, {place.file, place.group, place.block, nullptr}, order_});
 }
 
 std::optional<std::string> LayeredBenchmark::KindBefore(const std::string& name,
@@ -521,6 +534,7 @@ bool LayeredBenchmark::IsUnread(const Entry& entry) {
 Layers LayeredBenchmark::Lay(const std::vector<std::size_t>& chosen) const {
   Layers layers;
   layers.is_incomplete = !is_complete();
+  layers.requirements = requirements_;
   layers.has_unread = layers.is_incomplete;
   for (const GroupDeclaration& group : groups_) {
     const bool stands = group.case_axis < 0 ||

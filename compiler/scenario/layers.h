@@ -55,6 +55,7 @@ struct Layers {
   std::map<std::pair<std::string, std::string>, Placed<dsl::Let>>
       lets;  ///< by group and block, and name
   std::vector<Placed<dsl::Skip>> skips;
+  std::vector<Placed<dsl::Require>> requirements;  ///< the same for every choice of cases
   /// A value, or the condition of a skip, had a syntax error.
   bool has_unread = false;
   /// Statements had syntax errors, here or outside the benchmarks: one of them may define an
@@ -139,6 +140,7 @@ class LayeredBenchmark {
   void WalkCases(const dsl::Cases& cases, const Place& place);
   void WalkSetting(const dsl::Setting& setting, const Place& place);
   void WalkLet(const dsl::Let& let, const Place& place);
+  void WalkRequire(const dsl::Require& require, const text::Span& span, const Place& place);
   bool IsLet(const std::string& name, const Place& place) const;
   std::optional<ParameterKey> Resolve(const dsl::Name& path, const Place& place);
   /// Reports the reason why there is no block of this name here.
@@ -166,6 +168,7 @@ class LayeredBenchmark {
   std::vector<GroupDeclaration> groups_;
   std::vector<CaseAxis> case_axes_;
   std::vector<Entry> entries_;
+  std::vector<Placed<dsl::Require>> requirements_;
   struct Seen {
     text::Span span;
     const dsl::Group* objects;  ///< as in Place

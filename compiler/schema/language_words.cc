@@ -40,6 +40,11 @@ constexpr LanguageWord kLanguageWords[] = {
     {"only", kStatement, "only when CONDITION",
      "keeps these points of the grid and skips all others",
      "only when quantity in (10, 100) or detector == dbvt"},
+    {"require", kStatement, "require FIGURE < VALUE",
+     "requires a figure of the results, at each point: exit status 5 if one is not met; figures "
+     "are "
+     "verdict, p99(PHASE), max(SERIES), error(NAME) and facts of a run such as peak_rss",
+     "require p99(step) < 4 ms and verdict == stable"},
     {"from", kModifier, "benchmark NAME from BASE { … }",
      "extends a benchmark: takes the statements of the base and overrides them",
      "benchmark mine from paper_experiment2 { detector dbvt }"},

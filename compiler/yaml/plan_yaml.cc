@@ -118,6 +118,17 @@ void WritePlugins(YAML::Emitter& out, const std::vector<schema::PluginDetector>&
   out << YAML::EndMap;
 }
 
+void WriteRequirements(YAML::Emitter& out, const std::vector<plan::Requirement>& requirements) {
+  out << YAML::Key << "requirements" << YAML::Value << YAML::BeginSeq;
+  for (const plan::Requirement& of : requirements)
+    out << YAML::BeginMap << YAML::Key << "text" << YAML::Value << YAML::DoubleQuoted << of.text
+        << YAML::Key << "figure" << YAML::Value << YAML::DoubleQuoted << of.figure.Text()
+        << YAML::Key << "comparison" << YAML::Value << YAML::DoubleQuoted
+        << std::string(plan::ComparisonText(of.comparison)) << YAML::Key << "limit" << YAML::Value
+        << YamlReal(of.limit) << YAML::EndMap;
+  out << YAML::EndSeq;
+}
+
 void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
   out << YAML::BeginMap << YAML::Key << "name" << YAML::Value << axis.name;
   out << YAML::Key << "parameter" << YAML::Value << YAML::DoubleQuoted << axis.parameter;
@@ -294,6 +305,7 @@ PlanWriter::PlanWriter(const plan::Plan& head, std::function<void(std::string_vi
   out << YAML::Key << "repeats" << YAML::Value << head.repeats;
   if (head.budget_s) out << YAML::Key << "budget" << YAML::Value << YamlReal(*head.budget_s);
   if (head.frame_s) out << YAML::Key << "frame" << YAML::Value << YamlReal(*head.frame_s);
+  if (!head.requirements.empty()) WriteRequirements(out, head.requirements);
   out << YAML::Key << "axes" << YAML::Value << YAML::BeginSeq;
   for (const plan::Axis& axis : head.axes) WriteAxis(out, axis);
   out << YAML::EndSeq << YAML::EndMap;

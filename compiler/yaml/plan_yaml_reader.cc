@@ -442,6 +442,14 @@ class PlanReader : public ValueReader {
     return axis;
   }
 
+  plan::Requirement ReadRequirement(const YAML::Node& node) const {
+    const auto figure = plan::FindFigure(Text(Member(node, "figure")));
+    const auto comparison = plan::FindComparison(Text(Member(node, "comparison")));
+    if (!figure) Fail(node.Mark(), "there is no such figure");
+    if (!comparison) Fail(node.Mark(), "there is no such comparison");
+    return {Text(Member(node, "text")), *figure, *comparison, Real(Member(node, "limit"))};
+  }
+
   plan::Plan ReadPlan(const YAML::Node& root) const {
     if (root.IsMap() && root[std::string(kShortPlanFormat)])
       throw PlanError(
@@ -461,6 +469,9 @@ class PlanReader : public ValueReader {
     plan.repeats = Count(Member(root, "repeats"));
     if (const YAML::Node budget = root["budget"]) plan.budget_s = Real(budget);
     if (const YAML::Node frame = root["frame"]) plan.frame_s = Real(frame);
+    if (const YAML::Node requirements = root["requirements"])
+      for (const YAML::Node& requirement : requirements)
+        plan.requirements.push_back(ReadRequirement(requirement));
     for (const YAML::Node& axis : Member(root, "axes")) plan.axes.push_back(ReadAxis(axis));
     for (const YAML::Node& run : Member(root, "runs")) {
       plan.runs.push_back(ReadRun(run, plan.version));

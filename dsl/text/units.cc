@@ -50,6 +50,7 @@ constexpr auto kUnitRows = std::to_array<UnitRow>({
     {"Pa", Pressure(0)},
     {"kPa", Pressure(3)},
     {"MPa", Pressure(6)},
+    {"%", {.tens = -2}},
     {"B", Memory(1)},
     {"kB", Memory(1, 3)},
     {"MB", Memory(1, 6)},

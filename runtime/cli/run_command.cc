@@ -214,7 +214,8 @@ std::optional<protocol::Verdict> RequiredVerdict(const RunArguments& arguments,
                       arguments.require, sized.plan.benchmark));
   std::vector<std::string_view> words;
   for (const protocol::VerdictInfo& info : protocol::Verdicts()) {
-    if (info.verdict == protocol::Verdict::kUnknown || HasVoidTimings(info.verdict)) continue;
+    if (info.verdict == protocol::Verdict::kUnknown || protocol::HasVoidTimings(info.verdict))
+      continue;
     if (info.name == arguments.require) return info.verdict;
     words.push_back(info.name);
   }

@@ -41,7 +41,7 @@ struct ShowArguments {
   bool plots = false;
   bool method = false;  ///< only the sentences on the method
   bool all = false;     ///< not only the conclusions and one table
-  bool csv = false, json = false, is_markdown = false, is_latex = false;
+  bool csv = false, json = false, is_junit = false, is_markdown = false, is_latex = false;
 };
 
 /// An option, whether it is given, and the reason why it does not go with the form of output.
@@ -80,13 +80,25 @@ void CheckMethod(const ShowArguments& a) {
                 {has_tables, "--method prints sentences; remove the options of tables"}});
 }
 
+/// Throws CommandError for options that have no effect on test cases.
+void CheckJunit(const ShowArguments& a) {
+  const bool has_tables = !a.table.empty() || !a.error.empty() || !a.budget.empty() ||
+                          !a.by.empty() || !a.phases.empty() || !a.statistic.empty() ||
+                          !a.baseline.empty() || a.plots || a.all || a.method || a.only_sound;
+  CheckMisfits({{has_tables,
+                 "--junit has the requirements of the scenario; remove the options of "
+                 "tables"}});
+}
+
 /// Throws CommandError for options that have no effect on the chosen output.
 void CheckOptions(const ShowArguments& a) {
   options::CheckOneForm({{"--json", a.json},
                          {"--csv", a.csv},
+                         {"--junit", a.is_junit},
                          {"--markdown", a.is_markdown},
                          {"--latex", a.is_latex}});
   if (a.method) CheckMethod(a);
+  if (a.is_junit) CheckJunit(a);
   CheckTable(a);
   if (a.json)
     CheckMisfits(
@@ -188,6 +200,7 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
     document.text += '\n';
     return document;
   }
+  if (arguments.is_junit) return printers::JunitText(file);
   if (arguments.method) return printers::ShowMethod(file, FormatOf(arguments));
   if (!arguments.error.empty())
     return printers::ShowError(file, {{arguments.error, arguments.by, arguments.each},
@@ -219,7 +232,7 @@ options::ExitStatus Show(const ShowArguments& arguments) {
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);
-  return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
+  return options::StatusOf(shown.bad_count, shown.not_met_count);
 }
 
 void DeclareShow(options::Subcommand& command) {
@@ -258,6 +271,8 @@ void DeclareShow(options::Subcommand& command) {
   command.Flag("--csv", arguments->csv, "print comma-separated values, one line per point");
   command.Flag("--json", arguments->json,
                "print everything as one JSON document (cdb doc document)");
+  command.Flag("--junit", arguments->is_junit,
+               "print the requirements of the scenario as JUnit XML (cdb doc requirements)");
   command.Flag("--markdown", arguments->is_markdown, "print the tables in Markdown");
   command.Flag("--latex", arguments->is_latex, "print the tables for LaTeX with booktabs");
   command.Action([arguments] {

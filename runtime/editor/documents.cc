@@ -395,6 +395,8 @@ class SymbolCollector {
         for (const dsl::Case& one : cases->cases) Refer(one.block, place);
       } else if (const auto* skip = std::get_if<dsl::Skip>(&statement.what)) {
         if (skip->when) Refer(*skip->when, place);
+      } else if (const auto* require = std::get_if<dsl::Require>(&statement.what)) {
+        if (require->what) Refer(*require->what, place);
       }
     }
   }

@@ -8,6 +8,7 @@
 #include "compiler/schema/catalogue.h"
 #include "dsl/text/check.h"
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/requirements.h"
 
 namespace cdb::figures {
 namespace {
@@ -62,6 +63,13 @@ const std::vector<std::size_t>& Model::scene_axes() const {
 const std::vector<DetectorFindings>& Model::findings() const {
   if (!findings_) findings_ = FindingsOf(file_);
   return *findings_;
+}
+
+const std::vector<JudgedRequirement>& Model::requirements() const {
+  if (!requirements_)
+    requirements_ =
+        std::make_shared<const std::vector<JudgedRequirement>>(JudgeRequirements(*this));
+  return *requirements_;
 }
 
 const std::vector<results::ReferenceTrouble>& Model::reference_troubles() const {

@@ -29,6 +29,8 @@ struct ModelOptions {
   std::optional<std::size_t> fastest_of = {};  ///< as of CycleTimes
 };
 
+struct JudgedRequirement;
+
 /// A point with at least one run.
 struct GridPoint {
   Point at;
@@ -59,6 +61,8 @@ class Model {
   CycleTimes& times() const { return times_; }
   const CellGroups& runs() const;
   const std::vector<DetectorFindings>& findings() const;
+  /// The requirements of the scenario, judged (requirements.h).
+  const std::vector<JudgedRequirement>& requirements() const;
   /// Reference runs that failed or are not sound.
   const std::vector<results::ReferenceTrouble>& reference_troubles() const;
   /// `reference drifting from 0.35 s on` if the truth that a point is compared with is not sound;
@@ -119,6 +123,7 @@ class Model {
   mutable std::optional<std::vector<std::size_t>> scene_axes_;
   mutable std::optional<CellGroups> runs_;
   mutable std::optional<std::vector<DetectorFindings>> findings_;
+  mutable std::shared_ptr<const std::vector<JudgedRequirement>> requirements_;
   mutable std::optional<std::vector<results::ReferenceTrouble>> reference_troubles_;
   mutable std::optional<std::map<std::string, double>> time_steps_;  ///< by run
 };

@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "compiler/plan/requirement.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/terminal/table.h"
 
@@ -172,40 +173,9 @@ void Winsorise(SortedCycles& cycles, const std::vector<double>& typical) {
       time = std::clamp(time, typical[c] * (1 - limit), typical[c] * (1 + limit));
 }
 
-constexpr std::string_view kStatisticNames[] = {"mean", "median", "p5",  "p95",
-                                                "p99",  "min",    "max", "worst"};
 constexpr std::string_view kStatisticHeads[] = {
     "Mean",    "Median",  "5th percentile", "95th percentile", "99th percentile",
     "Minimum", "Maximum", "Worst"};
-
-/// The statistic of the times of the cycles. NaN if one of them is NaN, as in a draw without the
-/// longest repeat.
-double StatisticOf(std::vector<double> cycles, CycleStatistic statistic) {
-  if (cycles.empty() || std::ranges::any_of(cycles, [](double time) { return std::isnan(time); }))
-    return kNone;
-  const auto percentile = [&cycles](double p) {
-    std::ranges::sort(cycles);
-    return Percentile(cycles, p);
-  };
-  switch (statistic) {
-    case CycleStatistic::kMean:
-      return Mean(cycles);
-    case CycleStatistic::kMedian:
-      return percentile(0.5);
-    case CycleStatistic::kP5:
-      return percentile(0.05);
-    case CycleStatistic::kP95:
-      return percentile(0.95);
-    case CycleStatistic::kP99:
-      return percentile(0.99);
-    case CycleStatistic::kMin:
-      return std::ranges::min(cycles);
-    case CycleStatistic::kMax:
-    case CycleStatistic::kWorst:
-      break;
-  }
-  return std::ranges::max(cycles);
-}
 
 /// The longest cycle of the repeats, and of the repeats in each draw.
 Estimate WorstOf(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap) {
@@ -236,7 +206,34 @@ std::vector<protocol::Phase> AllPhases() {
   return phases;
 }
 
-std::span<const std::string_view> CycleStatisticNames() { return kStatisticNames; }
+double StatisticOf(std::vector<double> values, CycleStatistic statistic) {
+  if (values.empty() || std::ranges::any_of(values, [](double value) { return std::isnan(value); }))
+    return kNone;
+  const auto percentile = [&values](double p) {
+    std::ranges::sort(values);
+    return Percentile(values, p);
+  };
+  switch (statistic) {
+    case CycleStatistic::kMean:
+      return Mean(values);
+    case CycleStatistic::kMedian:
+      return percentile(0.5);
+    case CycleStatistic::kP5:
+      return percentile(0.05);
+    case CycleStatistic::kP95:
+      return percentile(0.95);
+    case CycleStatistic::kP99:
+      return percentile(0.99);
+    case CycleStatistic::kMin:
+      return std::ranges::min(values);
+    case CycleStatistic::kMax:
+    case CycleStatistic::kWorst:
+      break;
+  }
+  return std::ranges::max(values);
+}
+
+std::span<const std::string_view> CycleStatisticNames() { return plan::kCycleStatistics; }
 
 PhaseTimes TimesOver(const std::vector<std::vector<double>>& repeats, const Bootstrap& bootstrap,
                      CycleStatistic statistic, std::optional<std::size_t> fastest_of) {
@@ -304,7 +301,7 @@ double CycleTimes::StatisticOf(const MeasuredPoint& point, protocol::Phase phase
 }
 
 std::string_view CycleTimes::StatisticName() const {
-  return kStatisticNames[static_cast<std::size_t>(statistic_)];
+  return plan::kCycleStatistics[static_cast<std::size_t>(statistic_)];
 }
 
 std::string_view CycleTimes::StatisticHead() const {

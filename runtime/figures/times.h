@@ -65,6 +65,8 @@ enum class CycleStatistic {
 };
 /// `mean`, `median`, … in the order of CycleStatistic.
 std::span<const std::string_view> CycleStatisticNames();
+/// The statistic of values; NaN if one of them is NaN, or if there are none.
+double StatisticOf(std::vector<double> values, CycleStatistic statistic);
 
 /// `step`.
 std::string PhaseName(protocol::Phase phase);

@@ -50,10 +50,12 @@ std::string CsvField(std::string_view text);
 /// A header line, then a line for each row.
 std::string CsvOf(const Table& table);
 
-/// Text, and the number of runs that failed or are void, with references.
+/// Text; the number of runs that failed or are void, with references; and in how many points a
+/// requirement is not met.
 struct Printed {
   std::string text;
   std::size_t bad_count = 0;
+  std::size_t not_met_count = 0;
 };
 
 // Sentences about the runs of a results file, for summaries.

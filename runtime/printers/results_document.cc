@@ -18,11 +18,11 @@
 #include "compiler/schema/components.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/bootstrap.h"
-#include "runtime/figures/budget.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/json_points.h"
 
@@ -87,6 +87,34 @@ Json DocumentBudget(const figures::Model& model) {
           {"text", budget->Text()},
           {"phase", "step"},
           {"points", std::move(points)}};
+}
+
+Json DocumentRequirements(const figures::Model& model) {
+  Json all = Json::array();
+  if (IsLarge(model)) return all;
+  const std::string interval = model.times().IntervalName();
+  for (const figures::JudgedRequirement& of : model.requirements()) {
+    Json points = Json::array();
+    for (const figures::JudgedPoint& point : of.points)
+      points.push_back({{"point", model.IndexOf(point.at)},
+                        {"answer", figures::AnswerName(point.answer)},
+                        {"value", JsonNumber(point.value, 9)},
+                        {"low", JsonNumber(point.low, 9)},
+                        {"high", JsonNumber(point.high, 9)},
+                        {"limit", JsonNumber(point.limit, 9)},
+                        {"text", figures::ReasonText(of, point, interval)}});
+    all.push_back({{"text", of.what.text},
+                   {"budget", of.is_budget},
+                   {"figure", of.what.figure.Text()},
+                   {"comparison", plan::ComparisonText(of.what.comparison)},
+                   {"unit", of.what.figure.Unit()},
+                   {"answer", figures::AnswerName(of.Whole())},
+                   {"met", of.Count(figures::Answer::kMet)},
+                   {"not_met", of.Count(figures::Answer::kNotMet)},
+                   {"cannot_tell", of.Count(figures::Answer::kCannotTell)},
+                   {"points", std::move(points)}});
+  }
+  return all;
 }
 
 Json DocumentCoverage(const figures::Model& model) {
@@ -217,6 +245,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["ratios"] = DocumentRatios(model, ratios);
   document["fronts"] = DocumentFronts(model);
   document["budget"] = DocumentBudget(model);
+  document["requirements"] = DocumentRequirements(model);
   if (options.for_page) {
     document["pooled"] = DocumentPooled(model, ratios);
     document["cycles"] = DocumentCycles(model);
@@ -232,7 +261,8 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["build"] = DocumentBuild(file);
   document["provenance"] = DocumentProvenance(file);
   // The text of damaged files may not be UTF-8.
-  return {document.dump(-1, ' ', false, Json::error_handler_t::replace), model.bad_count()};
+  return {document.dump(-1, ' ', false, Json::error_handler_t::replace), model.bad_count(),
+          figures::CountNotMet(model.requirements())};
 }
 
 Printed CsvText(const results::ResultFile& file, const CsvOptions& options) {

@@ -17,6 +17,7 @@
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/printers/document.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
@@ -52,6 +53,7 @@ void AddBudget(const figures::Model& model, bool has_answer, Document& document)
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
 Document Brief(const figures::Model& model) {
   Document document = {BriefHead(model)};
+  AddRequirements(model, document);
   Document tables;
   const auto by = ChooseTables(model, {});
   AddPhases(model, by.front(), {}, tables);
@@ -72,9 +74,12 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   for (const std::string& name : options.by) asked.push_back(figures::FindAxis(file, name));
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
-  if (options.is_brief) return {TextOf(Brief(model), options.format), model.bad_count()};
+  if (options.is_brief)
+    return {TextOf(Brief(model), options.format), model.bad_count(),
+            figures::CountNotMet(model.requirements())};
   // Whoever asks for certain rows does not ask how the file is stored.
   Document document = {SummaryHead(model, asked.empty())};
+  AddRequirements(model, document);
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
     AddPairs(model, by, document);
@@ -86,7 +91,8 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   AddOtherFaults(model, document);
   AddBudget(model, true, document);
   if (options.plots) AddPlots(model, options.phases, document);
-  return {TextOf(document, options.format), model.bad_count()};
+  return {TextOf(document, options.format), model.bad_count(),
+          figures::CountNotMet(model.requirements())};
 }
 
 std::string MoreText(const results::ResultFile& file, const std::string& name) {

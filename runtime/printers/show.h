@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
 #include "runtime/results/store.h"
@@ -128,6 +128,13 @@ Section BriefDoubts(const figures::Model& model);
 /// a sentence.
 Section BudgetSection(const figures::Model& model, const figures::Budget& budget,
                       protocol::Phase phase, bool has_answer);
+
+/// The requirements of the scenario, each with its answer, and the first points that fail; none
+/// without `require`.
+void AddRequirements(const figures::Model& model, Document& document);
+/// A test case for each requirement and point, as JUnit XML: failed if it is not met, skipped if
+/// that cannot be told (`cdb show --junit`). Throws StoreError.
+Printed JunitText(const results::ResultFile& file);
 
 /// Detectors that missed pairs, and those that are known to miss some and were not checked.
 std::vector<std::string> WrongDetectors(const figures::Model& model);

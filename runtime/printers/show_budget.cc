@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "runtime/figures/budget.h"
 #include "runtime/figures/coverage.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/show.h"
 #include "runtime/terminal/table.h"

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "compiler/analysis/configurations.h"
 #include "compiler/analysis/queries.h"
-#include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
 
@@ -15,50 +13,13 @@ RunExtents ExtentsOf(const plan::Scene& scene) {
           scene.QueryCount()};
 }
 
-namespace {
-
-enum class RunKind { kLive, kOnBoxes, kOnPairs, kConfigurations };
-
-RunKind KindOf(const plan::Scene& scene) {
-  if (analysis::HasConfigurations(scene)) return RunKind::kConfigurations;
-  if (!analysis::TraceOf(scene)) return RunKind::kLive;
-  return analysis::IsOnPairs(scene) ? RunKind::kOnPairs : RunKind::kOnBoxes;
-}
-
-bool IsRecordedIn(RunKind kind, const Series& series) {
-  using enum schema::OnTraces;
-  const schema::OnTraces on_traces = series.on_traces;
-  switch (kind) {
-    case RunKind::kLive:
-      return on_traces != kNarrowOnly &&
-             series.on_configurations != schema::OnConfigurations::kOnly;
-    case RunKind::kOnBoxes:
-      return on_traces == kBroad || on_traces == kBoth;
-    case RunKind::kOnPairs:
-      return on_traces == kNarrow || on_traces == kNarrowOnly || on_traces == kBoth;
-    case RunKind::kConfigurations:
-      return series.on_configurations != schema::OnConfigurations::kNo;
-  }
-  return false;
-}
-
-}  // namespace
-
-bool IsRecordedBy(const Series& series, const plan::Scene& scene) {
-  if (!IsRecordedIn(KindOf(scene), series)) return false;
-  if (series.of_queries && !analysis::HasQueries(scene)) return false;
-  return std::ranges::any_of(scene.world.Words("record"), [&](const std::string& word) {
-    return schema::ListsWord(series.records, word);
-  });
-}
-
 bool IsRecordedBy(const Series& series, const plan::Plan& plan) {
   return std::ranges::any_of(plan.Bounds(),
                              [&](const plan::Run& run) { return IsRecordedBy(series, run.scene); });
 }
 
 const std::vector<const Series*>& RecordedSeriesOf::Find(const plan::Scene& scene) {
-  const int kind = static_cast<int>(KindOf(scene));
+  const int kind = static_cast<int>(analysis::KindOf(scene));
   const schema::Value& record = scene.world.Get("record");
   const bool asks = analysis::HasQueries(scene);
   if (kind == kind_ && record == record_ && asks == asks_) return series_;

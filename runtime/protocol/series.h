@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "compiler/analysis/recorded.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/series.h"
 
@@ -28,8 +29,8 @@ inline std::span<const Series> AllSeries() { return schema::kSeries; }
 
 RunExtents ExtentsOf(const plan::Scene& scene);
 
-/// True if `scene`, or any run of `plan`, requests the series.
-bool IsRecordedBy(const Series& series, const plan::Scene& scene);
+using analysis::IsRecordedBy;
+/// True if any run of `plan` records the series.
 bool IsRecordedBy(const Series& series, const plan::Plan& plan);
 
 /// The series that some run records, in the order of AllSeries, found in one pass over the runs.

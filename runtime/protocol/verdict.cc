@@ -28,36 +28,6 @@ constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
 
-constexpr VerdictInfo kVerdicts[] = {
-    {kUnknown, "unknown", "the run was not executed, or did not record stability"},
-    {kStable, "stable", "none of the above"},
-    {kDrifting, "drifting",
-     "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
-     "object; friction or rolling was off by 0.05, or friction turned an object by > 0.1 rad that "
-     "lay flat; impacts were off by an eighth; if the scene must rest, late speed > 0.02 sqrt(g "
-     "S), "
-     "or an object moved by > 0.25 S"},
-    {kPenetrating, "penetrating",
-     "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
-     "pressed in, or, if the scene must rest, any depth > 0.25 "
-     "S"},
-    {kCollapsed, "collapsed",
-     "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
-     "its support; an object sleeps unheld"},
-    {kClamped, "clamped",
-     "an object turned by less than 0.9 of its spin times the time step, or is frozen"},
-    {kTunnelled, "tunnelled",
-     "an object passed through another, or its centre of mass is beyond a wall at the end, unless "
-     "it fell over the edge of a floor"},
-    {kExploded, "exploded", "energy rose by more than its scale"},
-    {kFrozen, "frozen", "rounding changes the motion of at least 1 % of the objects by a tenth"},
-    {kRemoved, "removed",
-     "a box, extended by its displacement, exceeds 1e6 m, or Bullet disabled the object"},
-    {kNonFinite, "non_finite", "the state of an object is not finite"},
-    {kTimedOut, "timed_out", "the run exceeded its timeout"},
-    {kCrashed, "crashed", "the process of the run ended abnormally"},
-};
-
 /// A criterion: the series that it judges, and the first bad cycle, or -1.
 struct Found {
   std::string_view series;
@@ -289,10 +259,10 @@ class Case {
 
 }  // namespace
 
-std::span<const VerdictInfo> Verdicts() { return kVerdicts; }
+std::span<const VerdictInfo> Verdicts() { return schema::kVerdicts; }
 
 std::string_view VerdictName(Verdict verdict) {
-  const VerdictInfo& info = kVerdicts[static_cast<std::size_t>(verdict)];
+  const VerdictInfo& info = schema::kVerdicts[static_cast<std::size_t>(verdict)];
   CDB_CHECK(info.verdict == verdict);
   return info.name;
 }

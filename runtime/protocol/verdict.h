@@ -9,34 +9,13 @@
 #include <string_view>
 
 #include "compiler/plan/plan.h"
+#include "compiler/schema/verdicts.h"
 #include "runtime/protocol/recording.h"
 
 namespace cdb::protocol {
 
-/// `flag_values` of the array `verdict`, in this order: later values are worse. The worst one that
-/// applies is reported.
-enum class Verdict : std::int8_t {
-  kUnknown,  ///< the run did not start, or `record` lacks stability
-  kStable,
-  kDrifting,
-  kPenetrating,
-  kCollapsed,
-  kClamped,
-  kTunnelled,
-  kExploded,
-  kFrozen,
-  kRemoved,
-  kNonFinite,
-  kTimedOut,
-  kCrashed,
-};
-
-/// One row of the table of verdicts, the only place where they are defined.
-struct VerdictInfo {
-  Verdict verdict;
-  std::string_view name;  ///< `non_finite`
-  std::string_view doc;   ///< the criterion, in one line
-};
+using Verdict = schema::Verdict;
+using VerdictInfo = schema::VerdictInfo;
 std::span<const VerdictInfo> Verdicts();
 std::string_view VerdictName(Verdict verdict);
 

@@ -67,11 +67,13 @@ class Maker {
     if (has_errors) AddSampleDimension(std::string(kAccuracyGroup));
     const bool holds_references = !plan_.references.empty();
     if (holds_references) AddReferenceDimensions();
+    if (!plan_.requirements.empty()) AddRequirementDimensions();
     for (const protocol::Series* series : facts_.series) AddSeries(*series);
     if (facts_.contacts) AddContacts();
     AddRunArrays();
     for (const protocol::Series& series : facts_.error_series) AddSeries(series);
     if (holds_references) AddReferences();
+    if (!plan_.requirements.empty()) AddRequirements();
     return std::move(layout_);
   }
 
@@ -239,6 +241,50 @@ class Maker {
       if (row.flags != nullptr) array.flags = row.flags();
       Describe(array, row.unit, row.doc);
     }
+  }
+
+  /// The axes without `rep`: points are judged, not runs.
+  void AddRequirementDimensions() {
+    for (std::size_t i = 0; i < plan_.axes.size(); ++i)
+      AddDimension(kRequirementsGroup, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
+    std::vector<std::string> texts;
+    std::string units;
+    for (const plan::Requirement& requirement : plan_.requirements) {
+      texts.push_back(requirement.text);
+      std::string unit(requirement.figure.Unit());
+      std::ranges::replace(unit, ' ', '.');
+      units += fmt::format("{}{}", units.empty() ? "" : " ", unit.empty() ? kNoUnit : unit);
+    }
+    AddDimension(kRequirementsGroup,
+                 Labelled("requirement", std::move(texts), "requirement of the scenario"));
+    layout_.dimensions.back().units_by_label = std::move(units);
+  }
+
+  void AddRequirements() {
+    const std::vector<std::string> one = {"requirement"};
+    std::vector<std::string> all;
+    for (const plan::Axis& axis : plan_.axes) all.push_back(axis.name);
+    all.emplace_back("requirement");
+    const auto add = [&](const char* name, Type type, const std::vector<std::string>& dimensions,
+                         const char* doc) -> Array& {
+      Array& array = Add(kRequirementsGroup + name, type, dimensions, false);
+      if (type == Type::kFloat64) array.fill = kNaN;
+      array.has_fill_value = type == Type::kFloat64;
+      Describe(array, "", doc);
+      return array;
+    };
+    add("figure", Type::kText, one, "figure that is required to be in a range");
+    add("comparison", Type::kText, one, "comparison of the figure with the limit");
+    add("limit", Type::kFloat64, one, "limit of the figure; of a verdict, its number");
+    Array& answer = add("answer", Type::kInt8, all, "whether the point meets the requirement");
+    answer.flags = "not_run cannot_tell not_met met";
+    answer.attributes.erase("units");
+    answer.attributes.erase("component_units");
+    answer.attributes.erase("comment");
+    add("value", Type::kFloat64, all, "the figure of the point");
+    add("low", Type::kFloat64, all,
+        "lower end of its 95 % interval over the repeats, or of the values that it may have");
+    add("high", Type::kFloat64, all, "upper end of the same");
   }
 
   void AddContactDimensions(std::uint64_t rows) {
@@ -630,6 +676,27 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
     attachments.push_back({column.name, {column.dimension}});
   }
   file.AttachScales(attachments);
+}
+
+void WriteRequirements(hdf5::File& file, const std::vector<plan::Requirement>& requirements,
+                       const StoredAnswers* answers) {
+  if (requirements.empty()) return;
+  std::vector<std::string> figures, comparisons;
+  std::vector<double> limits;
+  for (const plan::Requirement& requirement : requirements) {
+    figures.push_back(requirement.figure.Text());
+    comparisons.emplace_back(plan::ComparisonText(requirement.comparison));
+    limits.push_back(requirement.limit);
+  }
+  const auto open = [&](const char* name) { return file.OpenDataset(kRequirementsGroup + name); };
+  open("figure").WriteText(figures);
+  open("comparison").WriteText(comparisons);
+  open("limit").Write(limits);
+  if (answers == nullptr) return;
+  open("answer").Write(answers->answer);
+  open("value").Write(answers->value);
+  open("low").Write(answers->low);
+  open("high").Write(answers->high);
 }
 
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,

@@ -27,6 +27,7 @@ inline constexpr std::string_view kRunGroup = "run/";
 inline constexpr std::string_view kAccuracyGroup = "accuracy/";
 inline constexpr std::string_view kSampledGroup = "sampled/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
+inline const std::string kRequirementsGroup = "requirements/";
 
 /// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -133,6 +134,10 @@ hdf5::Shape ChunkStart(const Array& array, const hdf5::Shape& cell, std::uint64_
 
 /// Creates every dataset, with scales and attributes. Coordinates are filled, arrays are not.
 void CreateArrays(hdf5::File& file, const Layout& layout);
+
+/// Fills the arrays of /requirements, if there are any; without `answers`, none was judged.
+void WriteRequirements(hdf5::File& file, const std::vector<plan::Requirement>& requirements,
+                       const StoredAnswers* answers);
 
 /// Writes the attributes of the file itself. `what` is the line of `history`.
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,

@@ -191,6 +191,27 @@ struct ResultFile::Impl {
     return found->second;
   }
 
+  const std::vector<plan::Requirement>& Requirements() {
+    if (requirements) return *requirements;
+    requirements.emplace();
+    const auto path = [](const char* array) { return kRequirementsGroup + array; };
+    if (!file.Has("requirements")) return *requirements;
+    Reading([&] {
+      const auto written = file.OpenDataset(path("requirement")).ReadText();
+      const auto figures = file.OpenDataset(path("figure")).ReadText();
+      const auto comparisons = file.OpenDataset(path("comparison")).ReadText();
+      const auto limits = file.OpenDataset(path("limit")).Read();
+      for (std::size_t i = 0; i < written.size(); ++i) {
+        const auto figure = plan::FindFigure(figures.at(i));
+        const auto comparison = plan::FindComparison(comparisons.at(i));
+        if (!figure || !comparison)
+          throw hdf5::Error(fmt::format("the requirement '{}' is not one of this cdb", written[i]));
+        requirements->push_back({written[i], *figure, *comparison, limits.at(i)});
+      }
+    });
+    return *requirements;
+  }
+
   std::size_t CyclesOf(const Cell& cell) {
     return static_cast<std::size_t>(
         std::clamp(Number("n_cycles", cell), 0.0, static_cast<double>(cycles)));
@@ -246,6 +267,7 @@ struct ResultFile::Impl {
   std::uint64_t cycles = 0;
   std::map<std::string, std::vector<double>, std::less<>> numbers;
   std::map<std::string, std::vector<std::string>, std::less<>> texts;
+  std::optional<std::vector<plan::Requirement>> requirements;  ///< once read
   std::map<std::string, Series, std::less<>> series;
   std::map<std::string, hdf5::Dataset, std::less<>> opened_arrays;
   std::map<std::string, Fact> facts;
@@ -302,6 +324,9 @@ std::optional<double> ResultFile::budget_ns() const {
 std::optional<double> ResultFile::frame_s() const {
   const double seconds = impl_->file.Number("frame");
   return seconds > 0 ? std::optional(seconds) : std::nullopt;
+}
+const std::vector<plan::Requirement>& ResultFile::requirements() const {
+  return impl_->Requirements();
 }
 const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }

@@ -119,6 +119,8 @@ class ResultFile {
   std::optional<double> budget_ns() const;
   /// The simulated time of these steps, s; nullopt if the budget is for one step.
   std::optional<double> frame_s() const;
+  /// `require` of the scenario, without the budget.
+  const std::vector<plan::Requirement>& requirements() const;
   const std::string& source() const;  ///< the scenario file, as the user named it
   /// Restricts `axis` to the values with the indices `kept`, in that order, for all later calls:
   /// axes and cells are those of the selection. `kept` is not empty.
@@ -179,6 +181,12 @@ class ResultFile {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// The answers to the requirements of a file, for each point of its grid and each requirement, the
+/// requirement fastest (figures/requirements.h).
+struct StoredAnswers {
+  std::vector<double> answer, value, low, high;
 };
 
 // The dimensions of a results file, with their coordinates.

@@ -80,6 +80,12 @@ class Dumper {
     out_ += skip.when ? Dump(*skip.when) : "(error)";
     out_ += '\n';
   }
+  void Line(const dsl::Require& require) {
+    Start();
+    out_ += "require ";
+    out_ += require.what ? Dump(*require.what) : "(error)";
+    out_ += '\n';
+  }
   void Line(const dsl::Group& group) {
     Start();
     out_ += "group ";

@@ -76,6 +76,9 @@ class Walker {
   void Visit(const dsl::Skip& skip) {
     if (skip.when) Height(*skip.when);
   }
+  void Visit(const dsl::Require& require) {
+    if (require.what) Height(*require.what);
+  }
   void Visit(const dsl::Group& group) {
     Check(group.kind.span);
     Visit(group.block);

@@ -241,6 +241,14 @@ TEST(Parser, OnlyIsTheOppositeOfSkip) {
   EXPECT_EQ(Errors("let only = 1\nbenchmark b { size only }"), "");
 }
 
+TEST(Parser, RequirementsAreComparisons) {
+  EXPECT_EQ(Tree("benchmark b { require p99(step) < 4 ms and verdict == stable }"),
+            "benchmark b\n  require (and (< (call p99 step) (unit 4 ms)) (== verdict stable))\n");
+  EXPECT_EQ(Errors("benchmark b { require }"), "missing-comparison");
+  EXPECT_EQ(Errors("benchmark b { require p99(step) }"), "missing-comparison");
+  EXPECT_EQ(Errors("let require = 1\nbenchmark b { size require }"), "");
+}
+
 TEST(Parser, SpansHoldWhatWasWritten) {
   const Parsed parsed("let v = ( a + f(1) as z ) * 2 # c\n");
   ASSERT_FALSE(parsed.diagnostics.has_errors());

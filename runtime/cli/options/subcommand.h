@@ -22,7 +22,13 @@ enum class ExitStatus {
   kFailedRuns = 3,        ///< complete, but with failed runs
   kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
   kOtherScenes = 5,  ///< `cdb compare` did not compare a benchmark, whose scenes differ
+  kNotMet = 5,       ///< `cdb run` or `cdb show`: a requirement of the scenario is not met
 };
+
+/// The exit status of results with so many bad runs, and points that do not meet a requirement.
+constexpr ExitStatus StatusOf(std::size_t bad, std::size_t not_met) {
+  return not_met > 0 ? ExitStatus::kNotMet : bad > 0 ? ExitStatus::kFailedRuns : ExitStatus::kGood;
+}
 
 /// The exit status of a command that was stopped by `signal`.
 constexpr ExitStatus StoppedBy(int signal) { return static_cast<ExitStatus>(128 + signal); }

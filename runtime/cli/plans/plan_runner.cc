@@ -20,6 +20,7 @@
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/series.h"
 #include "runtime/results/files/safe_file.h"
@@ -222,7 +223,7 @@ void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is
   const fs::path folder = RunsFolderOf(out);
   try {
     journal::Merge(plan, provenance_, {folder}, out,
-                   !is_anew && fs::exists(out, error) ? out : fs::path());
+                   !is_anew && fs::exists(out, error) ? out : fs::path(), figures::AnswersToStore);
   } catch (const journal::DamagedRun& damaged) {
     journal::Journal::OpenToWrite(folder, plan.Sha256()).Forget(damaged.run_id());
     throw;
@@ -262,7 +263,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
     return end;
   }
   if (options_.shard.count > 1) return end;
-  journal::Merge(plan, provenance_, {folder}, out, out);
+  journal::Merge(plan, provenance_, {folder}, out, out, figures::AnswersToStore);
   if (lock.TryLockAlone()) RemoveMergedRuns(plan, folder);
   end.is_merged = true;
   return end;

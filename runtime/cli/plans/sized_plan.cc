@@ -157,12 +157,16 @@ options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   if (!is_quiet) {
     terminal::Print(fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(file, out.string()),
                                 out.string()));
-  } else if (shown.bad_count > 0) {
-    terminal::Say(
-        fmt::format("some runs did not end well, or missed pairs: `cdb show {}` names them\n",
-                    terminal::ShellWord(out.string())));
+  } else {
+    const auto say = [&](std::size_t count, const char* what) {
+      if (count > 0)
+        terminal::Say(
+            fmt::format("{}: `cdb show {}` names them\n", what, terminal::ShellWord(out.string())));
+    };
+    say(shown.bad_count, "some runs did not end well, or missed pairs");
+    say(shown.not_met_count, "requirements are not met");
   }
-  return shown.bad_count > 0 ? options::ExitStatus::kFailedRuns : options::ExitStatus::kGood;
+  return options::StatusOf(shown.bad_count, shown.not_met_count);
 }
 
 }  // namespace cdb::plans

@@ -14,6 +14,7 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/figures/points.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/journal/merge.h"
 #include "runtime/results/store.h"
@@ -59,7 +60,8 @@ bool IsThereAlready(const fs::path& out, const plan::Plan& plan, std::string_vie
   std::error_code error;
   if (!fs::exists(out, error)) return false;
   const results::ResultFile file(out);
-  if (file.plan_sha256() == plan.Sha256()) return CountMissing(file, plan) == 0;
+  if (file.plan_sha256() == plan.Sha256())
+    return CountMissing(file, plan) == 0 && file.requirements() == plan.requirements;
   const bool is_earlier = IsOfEarlierFormat(file, plan);
   if (is_earlier && hint.empty() && CountMissing(file, plan) == 0) return true;
   throw options::CommandError(fmt::format(
@@ -96,7 +98,7 @@ std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan
 void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& places, const fs::path& out) {
   std::error_code error;
   journal::Merge(plan, options::CollectProvenance(), places, out,
-                 fs::exists(out, error) ? out : fs::path());
+                 fs::exists(out, error) ? out : fs::path(), figures::AnswersToStore);
 }
 
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {

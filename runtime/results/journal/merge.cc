@@ -64,10 +64,12 @@ std::size_t FlatIndex(const hdf5::Shape& grid, const std::vector<std::size_t>& a
 
 class Merger {
  public:
-  /// `base`: empty, or the file with the runs that no journal holds.
+  /// `base`: empty, or the file with the runs that no journal holds. `answers`: null if the
+  /// requirements were not judged.
   Merger(const plan::Plan& plan, const results::Provenance& provenance,
-         const std::vector<fs::path>& places, const fs::path& base)
-      : plan_(plan), provenance_(provenance), journals_(places), facts_(plan) {
+         const std::vector<fs::path>& places, const fs::path& base,
+         const results::StoredAnswers* answers)
+      : plan_(plan), provenance_(provenance), journals_(places), facts_(plan), answers_(answers) {
     journals_.RequirePlan(plan, facts_.sha256);
     if (!base.empty()) base_.emplace(base, facts_);
     hdf5::Shape grid;
@@ -106,6 +108,7 @@ class Merger {
     if (!plan_.references.empty())
       MergeReferences(plan_, layout_, journals_, base_ ? &base_->file() : nullptr, file);
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
+    results::WriteRequirements(file, plan_.requirements, answers_);
     WriteProvenance(file);
     file.Close();
   }
@@ -411,6 +414,7 @@ class Merger {
   const results::Provenance& provenance_;
   Journals journals_;
   const results::PlanFacts facts_;
+  const results::StoredAnswers* answers_;
   std::optional<MergeBase> base_;
   std::vector<Cells> runs_;  ///< each id once, in grid order
   results::Layout layout_;
@@ -433,7 +437,8 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance, const 
 }
 
 void Merge(const plan::Plan& plan, const results::Provenance& provenance,
-           const std::vector<fs::path>& places, const fs::path& out, const fs::path& base) {
+           const std::vector<fs::path>& places, const fs::path& out, const fs::path& base,
+           const JudgeRequirements& judge) {
   std::error_code not_there;
   for (const fs::path& place : places)
     if (!fs::exists(place, not_there) || fs::is_directory(place, not_there))
@@ -448,7 +453,13 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance,
   files::RemoveStaleTemporariesBeside(out);
   files::TemporaryFile temporary(out);
   try {
-    Merger merger(plan, provenance, places, base);
+    std::optional<results::StoredAnswers> answers;
+    if (judge && !plan.requirements.empty()) {
+      Merger(plan, provenance, places, base, nullptr).Write(temporary.path());
+      files::AppendSeal(temporary.path(), out);
+      answers = judge(temporary.path());
+    }
+    Merger merger(plan, provenance, places, base, answers ? &*answers : nullptr);
     merger.Write(temporary.path());
     merger.Verify(temporary.path());
     merger.Prove(temporary.path());

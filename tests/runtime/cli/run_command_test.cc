@@ -7,6 +7,7 @@
 #include <string>
 
 #include "compiler/plan/foreign_model.h"
+#include "compiler/schema/components.h"
 #include "compiler/schema/schema.h"
 #include "runtime/cli/options/provenance.h"
 #include "runtime/figures/points.h"
@@ -29,6 +30,34 @@ TEST(Run, GivesATableAFileAndNothingElse) {
   EXPECT_TRUE(program.Exists("small.h5"));
   EXPECT_FALSE(program.Exists("small.runs"));
   EXPECT_EQ(Hashes(program.folder() / "small.h5").size(), 4u);
+}
+
+TEST(Run, JudgesRequirements) {
+  const Program program;
+  const auto scenario = [](const char* requirement) {
+    return fmt::format(
+        "benchmark gate {{\n  cycles 5\n  record counts, stability\n  require {}\n"
+        "  objects {{ quantity sweep(3, 4); size 5 }}\n}}\n",
+        requirement);
+  };
+  program.Write("gate.cdb", scenario("max(pairs) >= 0 %"));
+  const Finished run = program.Run({"run", "gate.cdb"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("max(pairs) >= 0 %"), std::string::npos) << run.out;
+  // The finished runs are judged anew.
+  program.Write("gate.cdb", scenario("max(pairs) < 0"));
+  const Finished again = program.Run({"run", "gate.cdb"});
+  EXPECT_EQ(again.status, 5) << again.err;
+  EXPECT_NE(again.out.find("max(pairs) < 0: not met at any of 2 points."), std::string::npos)
+      << again.out;
+  EXPECT_EQ(again.err.find("running"), std::string::npos) << again.err;
+  EXPECT_EQ(program.Run({"show", "gate.h5"}).status, 5);
+  const Finished junit = program.Run({"show", "gate.h5", "--junit"});
+  EXPECT_EQ(junit.status, 5);
+  EXPECT_NE(junit.out.find("failures=\"2\""), std::string::npos) << junit.out;
+  EXPECT_EQ(program.Run({"show", "gate.h5", "--junit", "--by", "quantity"}).status, 2);
+  EXPECT_EQ(program.Run({"run", "gate.cdb", "-q"}).err,
+            "requirements are not met: `cdb show gate.h5` names them\n");
 }
 
 TEST(Run, IsRepeatableToTheBit) {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "compiler/evaluate/samples.h"
-#include "runtime/figures/budget.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/requirements.h"
 #include "tests/runtime/figures/made_up_file.h"
 
 namespace cdb::tests {

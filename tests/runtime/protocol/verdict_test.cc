@@ -58,7 +58,7 @@ class VerdictTest : public testing::Test {
   Judgement Judged() const { return Judge(scene_, recording_, kCycles); }
   void ExpectVerdict(Verdict verdict, std::int64_t first) const {
     const Judgement judgement = Judged();
-    EXPECT_EQ(judgement.verdict, verdict) << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict, verdict) << protocol::VerdictName(judgement.verdict);
     EXPECT_EQ(judgement.first_bad_cycle, first);
   }
 
@@ -283,12 +283,12 @@ TEST_F(VerdictTest, LooksAtCyclesThatRanOnly) {
 TEST(Verdicts, HaveNamesOfTheirOwnInTheOrderOfTheirNumbers) {
   std::set<std::string_view> names;
   for (const protocol::VerdictInfo& info : protocol::Verdicts()) {
-    EXPECT_EQ(VerdictName(info.verdict), info.name);
+    EXPECT_EQ(protocol::VerdictName(info.verdict), info.name);
     EXPECT_TRUE(names.insert(info.name).second);
     EXPECT_EQ(info.name.find(' '), std::string_view::npos);
   }
-  EXPECT_TRUE(HasVoidTimings(Verdict::kFrozen));
-  EXPECT_FALSE(HasVoidTimings(Verdict::kExploded));
+  EXPECT_TRUE(protocol::HasVoidTimings(Verdict::kFrozen));
+  EXPECT_FALSE(protocol::HasVoidTimings(Verdict::kExploded));
 }
 
 TEST_F(VerdictTest, CountsTheObjectsThatItConcerns) {

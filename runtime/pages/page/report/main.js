@@ -71,7 +71,9 @@ function figuresOf(doc, change) {
 /** Sections in order: [id, heading, figures and elements]. */
 function sectionsOf(doc, figures, key) {
   const take = (...names) => names.filter((name) => name !== key).map((name) => figures[name]);
+  const requirements = parts.requirements(doc);
   return [
+    requirements && ['requirements', parts.requirementsTitle(doc), requirements],
     ['machine', 'What ran, and where', parts.machine(doc)],
     has.times(doc) && [
       'over-axes',

@@ -380,6 +380,62 @@ export function budget(doc) {
   ];
 }
 
+/** The heading of the requirements: how many are met. */
+export function requirementsTitle(doc) {
+  const all = requirementsOf(doc);
+  const met = all.filter((each) => each.answer === 'met').length;
+  return met === all.length ? 'Requirements: all met' : `Requirements: ${met} of ${all.length} met`;
+}
+
+/** Those of `require`, with the budget if there is one; none if the budget is the only one. */
+function requirementsOf(doc) {
+  const all = doc.raw.requirements ?? [];
+  return all.every((each) => each.budget) ? [] : all;
+}
+
+/** The requirements of the scenario, and the points that do not meet them. */
+export function requirements(doc) {
+  const all = requirementsOf(doc);
+  if (all.length === 0) return null;
+  const emphasis = (answer) => (answer === 'met' ? answer : h('strong', {}, answer));
+  const rows = table(
+    [
+      { label: 'requirement' },
+      { label: 'answer' },
+      ...['met', 'not met', 'cannot tell'].map((label) => ({ label, isNumber: true })),
+    ],
+    all.map((each) => [
+      h('code', {}, bdi(each.text)),
+      emphasis(each.answer),
+      count(each.met),
+      count(each.not_met),
+      count(each.cannot_tell),
+    ]),
+    'Requirements of the scenario',
+  );
+  const open = all.flatMap((each) =>
+    each.points
+      .filter((point) => point.answer !== 'met')
+      .map((point) => [
+        h('code', {}, bdi(each.text)),
+        pointText(doc, point.point) || 'the only one',
+        emphasis(point.answer),
+        point.text,
+      ]),
+  );
+  if (open.length === 0) return [rows];
+  const points = table(
+    [{ label: 'requirement' }, { label: 'configuration' }, { label: 'answer' }, { label: 'figure' }],
+    open.slice(0, mostFailures),
+    'Points that do not meet a requirement',
+  );
+  const more = open.length - mostFailures;
+  const head = h('p', { class: 'note' }, 'Where one is not met, or that cannot be told:');
+  return [rows, head, points, more > 0 ? h('p', { class: 'note' }, `And ${more} more: cdb show --json.`) : null].filter(
+    Boolean,
+  );
+}
+
 const mostFailures = 200;
 
 export function failures(doc) {
