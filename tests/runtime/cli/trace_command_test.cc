@@ -9,6 +9,7 @@
 #include "runtime/results/store.h"
 #include "runtime/results/trace_file.h"
 #include "tests/library/deforming/folding_cloth.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -251,6 +252,22 @@ TEST(Trace, OfADeformingMeshServesEveryDetector) {
     EXPECT_EQ(refused.status, 1);
     EXPECT_NE(refused.err.find("a deforming mesh has no poses"), std::string::npos) << refused.err;
   }
+}
+
+TEST(Trace, OfTheExampleOfADeformingMesh) {
+  const Program program;
+  std::vector<std::string> words = {"trace", "--primitives", "edge_edge"};
+  for (const char* frame : {"fold_0.obj", "fold_1.obj", "fold_2.obj"})
+    words.push_back((SourceFolder() / "examples" / frame).string());
+  ASSERT_EQ(program.Run(words).status, 0);
+  const analysis::TraceFacts facts =
+      results::ReadTraceFacts(program.folder() / "fold_0.edge_edge.trace.h5");
+  EXPECT_EQ(facts.bodies, 49u + 72 - 1);  // Euler's formula of a disc
+  EXPECT_EQ(facts.cycles, 2u);
+  program.Write("on.cdb", "benchmark on { trace \"fold_0.edge_edge.trace.h5\"; detector grid }");
+  const Finished verified = program.Run({"verify", "on.cdb"});
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("exact"), std::string::npos) << verified.out;
 }
 
 TEST(Trace, OfADeformingMeshSaysWhatIsWrong) {
