@@ -14,7 +14,7 @@
 namespace cdb::analysis {
 
 struct TraceFacts {
-  std::string sha256;        ///< of its boxes and filters, 64 hex digits
+  std::string sha256;        ///< of its boxes and filters, or of all of a mesh; 64 hex digits
   std::uint64_t bodies = 0;  ///< including walls
   std::uint64_t cycles = 0;
   double timestep_s = 0;
@@ -23,6 +23,9 @@ struct TraceFacts {
   /// --pairs).
   std::string pairs_sha256 = {};
   std::uint64_t pairs = 0;  ///< of all cycles
+  /// Of a deforming mesh (library/deforming/primitives.h), whose bodies are these; else empty.
+  std::string primitives = {};
+  std::uint64_t vertices = 0;
 };
 
 /// Reads a trace from disk; a function, so that the compiler does not depend on HDF5. The facts

@@ -528,7 +528,9 @@ std::vector<LaidFault> LayTrace(const scenario::Layers& layers, const analysis::
       fault(kNarrowPhase,
             fmt::format("a narrow phase needs pairs, and '{}' has only boxes",
                         analysis::TraceOf(scene)->path),
-            "record them: cdb trace FILE --pairs");
+            facts.primitives.empty()
+                ? "record them: cdb trace FILE --pairs"
+                : "a deforming mesh has no poses; time broad phases on it, by `detector`");
     if (is_set(kDetector))
       fault(kDetector,
             "with 'narrow_phase', a run on a trace has the recorded pairs and no detector",

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace cdb::detectors {
 namespace {
@@ -42,7 +43,7 @@ Component BestAxis(const std::vector<Row>& rows) {
 
 }  // namespace
 
-std::vector<Pair> ExactPairs(const Scene& scene) {
+std::vector<Pair> ExactPairs(const Scene& scene, const PairFilter& asked) {
   std::vector<Row> rows;
   rows.reserve(scene.size);
   for (Id body = 0; body < scene.size; ++body) {
@@ -57,13 +58,19 @@ std::vector<Pair> ExactPairs(const Scene& scene) {
     for (auto b = a + 1; b != rows.end() && b->box.lower.*axis <= a->box.upper.*axis; ++b)
       if (Overlap(a->box, b->box) && scene.MayCollide(a->body, b->body))
         pairs.push_back({std::min(a->body, b->body), std::max(a->body, b->body)});
+  if (asked) std::erase_if(pairs, [&](const Pair& pair) { return !asked(pair); });
   std::ranges::sort(pairs);
   return pairs;
 }
 
-PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found) {
-  const std::vector<Pair> exact = ExactPairs(scene);
-  std::erase_if(found, [&](const Pair& pair) { return !scene.MayCollide(pair.a, pair.b); });
+PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found, const PairFilter& asked) {
+  std::erase_if(found, [&](const Pair& pair) {
+    return !scene.MayCollide(pair.a, pair.b) || (asked && !asked(pair));
+  });
+  return ComparePairs(ExactPairs(scene, asked), std::move(found));
+}
+
+PairFaults ComparePairs(const std::vector<Pair>& exact, std::vector<Pair> found) {
   std::ranges::sort(found);
   const std::size_t listed = found.size();
   found.erase(std::unique(found.begin(), found.end()), found.end());

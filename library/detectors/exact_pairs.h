@@ -1,6 +1,7 @@
 // Exact pairs, computed by brute force, and the comparison of a list of pairs with them.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,10 +10,13 @@
 
 namespace cdb::detectors {
 
+/// Pairs that are asked for, of those that may collide; all if it is empty.
+using PairFilter = std::function<bool(const Pair&)>;
+
 /// All pairs of bodies that may collide and whose boxes overlap, in order. Boxes are compared
 /// unchanged, in double; they are sorted along one axis, and every pair that overlaps on it is
 /// tested. Boxes with a NaN overlap nothing. Threads: any.
-std::vector<Pair> ExactPairs(const Scene& scene);
+std::vector<Pair> ExactPairs(const Scene& scene, const PairFilter& asked = {});
 
 /// The errors of a list of pairs.
 struct PairFaults {
@@ -24,9 +28,12 @@ struct PairFaults {
   bool operator==(const PairFaults&) const = default;
 };
 
-/// `found` may be in any order; pairs that may not collide are dropped first, as by the engine.
+/// `found` may be in any order; pairs that may not collide or are not asked for are dropped first,
+/// as by the engine.
 /// Every id must be a body of the scene, and a < b.
-PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found);
+PairFaults ComparePairs(const Scene& scene, std::vector<Pair> found, const PairFilter& asked = {});
+/// The same with pairs of ExactPairs.
+PairFaults ComparePairs(const std::vector<Pair>& exact, std::vector<Pair> found);
 
 /// For messages: `bodies 12 and 47, whose boxes (…) to (…) and (…) to (…) overlap by 1 x 2 x 0.3
 /// m`.

@@ -1,8 +1,10 @@
 // `cdb trace`: records the boxes of runs, and, if asked, their pairs, so that detectors can be run
-// on them.
+// on them; or those of the primitives of a deforming mesh.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,12 +12,17 @@
 #include <system_error>
 #include <vector>
 
+#include "compiler/plan/input_file.h"
 #include "compiler/yaml/plan_yaml.h"
+#include "library/deforming/mesh_sequence.h"
+#include "library/deforming/primitives.h"
+#include "library/scene_error.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/trace_plan.h"
 #include "runtime/protocol/trace_memory.h"
 #include "runtime/results/files/safe_file.h"
+#include "runtime/results/mesh_arrays.h"
 #include "runtime/results/trace_file.h"
 #include "runtime/sweep/process/stop.h"
 #include "runtime/sweep/process/worker.h"
@@ -28,7 +35,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TraceArguments {
-  std::string file;
+  std::vector<std::string> files;  ///< a scenario, or the frames of a mesh
+  std::string primitives;          ///< bodies of a deforming mesh; empty: the file is a scenario
   std::optional<std::string> benchmark;
   /// A file for one point, a folder for several; empty: named after the benchmark.
   std::string out;
@@ -38,6 +46,22 @@ struct TraceArguments {
   bool fresh = false;
   bool quiet = false;
 };
+
+/// Throws CommandError if the file exists.
+void CheckIsFree(const fs::path& file) {
+  std::error_code error;
+  if (fs::exists(file, error))
+    throw options::CommandError(
+        fmt::format("'{}' exists but is not a trace of this run; name another place by -o, or "
+                    "use --fresh to overwrite it",
+                    file.string()));
+}
+
+void Tell(const TraceArguments& arguments, const fs::path& file, const std::string& what) {
+  if (!arguments.quiet) terminal::Print(fmt::format("{}: {}\n", file.string(), what));
+}
+
+constexpr const char* kExists = "exists already; --fresh records it again";
 
 class Tracer {
  public:
@@ -57,7 +81,7 @@ class Tracer {
       if (traced != run.id) {
         CheckIsFree(file);
       } else if (!arguments_.pairs || !results::ReadTraceFacts(file).pairs_sha256.empty()) {
-        Tell(file, "exists already; --fresh records it again");
+        Tell(arguments_, file, kExists);
         return options::ExitStatus::kGood;
       }
     }
@@ -87,7 +111,7 @@ class Tracer {
                                          run_text};
     results::WriteTrace(trace, origin, run.scene.ObjectCount(), ending->recording->Reals("poses"),
                         file);
-    Tell(file,
+    Tell(arguments_, file,
          fmt::format("{} bodies, {} cycles{}; {:.1f} s", trace.shape().bodies, trace.shape().cycles,
                      arguments_.pairs ? fmt::format(", {} pairs", trace.shape().pairs) : "",
                      ending->wall_s));
@@ -95,20 +119,6 @@ class Tracer {
   }
 
  private:
-  void Tell(const fs::path& file, const std::string& what) const {
-    if (!arguments_.quiet) terminal::Print(fmt::format("{}: {}\n", file.string(), what));
-  }
-
-  /// Throws CommandError if the file exists.
-  static void CheckIsFree(const fs::path& file) {
-    std::error_code error;
-    if (fs::exists(file, error))
-      throw options::CommandError(
-          fmt::format("'{}' exists but is not a trace of this run; name another place by -o, or "
-                      "use --fresh to overwrite it",
-                      file.string()));
-  }
-
   const plan::Plan& plan_;
   const TraceArguments& arguments_;
   const process::StopFlag& stop_;
@@ -134,7 +144,7 @@ std::string StatementsFor(const plan::Plan& plan, const std::vector<fs::path>& f
 
 options::ExitStatus TracePlans(const TraceArguments& arguments) {
   auto plans = options::LoadPlans(
-      arguments.file, arguments.benchmark,
+      arguments.files[0], arguments.benchmark,
       arguments.quiet ? options::LintText::kNone : options::LintText::kOneLine, arguments.plugins);
   if (plans.empty()) return options::ExitStatus::kScenarioError;
   process::StopFlag stop;
@@ -155,23 +165,113 @@ options::ExitStatus TracePlans(const TraceArguments& arguments) {
   return status;
 }
 
+/// The first file, with the primitives in place of its extension.
+fs::path MeshTraceFile(const TraceArguments& arguments) {
+  std::error_code error;
+  const std::string name =
+      fs::path(arguments.files[0]).stem().string() + "." + arguments.primitives + ".trace.h5";
+  if (arguments.out.empty()) return name;
+  return fs::is_directory(arguments.out, error) ? fs::path(arguments.out) / name
+                                                : fs::path(arguments.out);
+}
+
+/// A file of all frames, or one for each.
+deforming::MeshSequence ReadFrames(const std::vector<std::string>& files) {
+  if (files.size() == 1 && fs::path(files[0]).extension() == ".h5")
+    return results::ReadMeshArrays(files[0]);
+  return deforming::ReadSequence(std::vector<fs::path>(files.begin(), files.end()));
+}
+
+/// Writes the trace of a deforming mesh. Nothing is run.
+options::ExitStatus TraceMesh(const TraceArguments& arguments) {
+  const auto primitives = deforming::PrimitivesOf(arguments.primitives);
+  if (!primitives)
+    throw options::CommandError(fmt::format("--primitives {} is none of {}", arguments.primitives,
+                                            deforming::PrimitiveWords()));
+  if (arguments.pairs || arguments.benchmark || !arguments.settings.empty() ||
+      !arguments.plugins.empty())
+    throw options::CommandError(
+        "--pairs, -b, --set and --plugin are for scenarios; with --primitives, the files are the "
+        "frames of a mesh");
+  constexpr std::size_t kIdDigits = 16;  // as of a run
+  constexpr double kTimestep = 1;        // s; files of meshes have no time
+  const auto begin = std::chrono::steady_clock::now();
+  const fs::path file = MeshTraceFile(arguments);
+  try {
+    const deforming::MeshSequence sequence = ReadFrames(arguments.files);
+    const std::string id =
+        plan::Sha256Hex(arguments.primitives + deforming::Sha256(sequence)).substr(0, kIdDigits);
+    if (!arguments.fresh) {
+      if (results::TracedRun(file) == id) {
+        Tell(arguments, file, kExists);
+        return options::ExitStatus::kGood;
+      }
+      CheckIsFree(file);
+    }
+    const protocol::TraceMemory trace = protocol::TraceOf(*primitives, sequence);
+    const std::string bodies =
+        fmt::format("{} of {} vertices", arguments.primitives, sequence.vertices());
+    results::WriteTrace(trace,
+                        {.benchmark = fs::path(arguments.files[0]).stem().string(),
+                         .point = bodies,
+                         .run_id = id,
+                         .state_hash = "",
+                         .timestep_s = kTimestep,
+                         .scenario_text = "",
+                         .run_text = "",
+                         .frame_files = fmt::format("{}", fmt::join(arguments.files, "\n"))},
+                        0, {}, file);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    Tell(arguments, file,
+         fmt::format("{}, {} bodies, {} cycles; {:.1f} s", bodies, trace.shape().bodies,
+                     trace.shape().cycles, took.count()));
+  } catch (const library::SceneError& error) {
+    throw options::CommandError(error.what());
+  }
+  return options::ExitStatus::kGood;
+}
+
+/// The extensions of files that are frames of a mesh, and no scenario.
+bool IsMesh(const std::string& file) {
+  const std::string extension = fs::path(file).extension().string();
+  return extension == ".ply" || extension == ".obj" || extension == ".off" || extension == ".stl";
+}
+
+options::ExitStatus TraceFilesOf(const TraceArguments& arguments) {
+  if (!arguments.primitives.empty()) return TraceMesh(arguments);
+  if (IsMesh(arguments.files[0]))
+    throw options::CommandError(
+        fmt::format("'{}' is a mesh, which can be traced as one of the frames of a deforming mesh: "
+                    "--primitives {}",
+                    arguments.files[0], deforming::PrimitiveWords()));
+  if (arguments.files.size() > 1)
+    throw options::CommandError(
+        fmt::format("'{}' is one file too many: a scenario is traced by itself; the frames of a "
+                    "deforming mesh need --primitives {}",
+                    arguments.files[1], deforming::PrimitiveWords()));
+  options::SetInScenario(arguments.files[0], arguments.benchmark, arguments.settings);
+  return TracePlans(arguments);
+}
+
 void DeclareTrace(options::Subcommand& command) {
   const auto arguments = std::make_shared<TraceArguments>();
-  command.Required("FILE", arguments->file, "scenario file, or a plan as YAML");
+  command.Required(
+      "FILE", arguments->files,
+      "scenario file, or a plan as YAML; with --primitives, the frames of a mesh (PLY, "
+      "OBJ, OFF), in order");
   command.Benchmark(arguments->benchmark);
   command.Out(arguments->out,
               "trace file, or a folder for them (default: BENCHMARK.trace.h5; for several "
               "points, the folder BENCHMARK.traces)");
   command.Flag("--pairs", arguments->pairs,
                "record the poses and pairs too, to time narrow phases on them");
+  command.Optional("--primitives", arguments->primitives,
+                   fmt::format("the bodies of a deforming mesh: {}", deforming::PrimitiveWords()));
   command.Fresh(arguments->fresh, "overwrite existing traces");
   command.Quiet(arguments->quiet, "print only errors");
   command.Plugins(arguments->plugins);
   command.Set(arguments->settings);
-  command.Action([arguments] {
-    options::SetInScenario(arguments->file, arguments->benchmark, arguments->settings);
-    return TracePlans(*arguments);
-  });
+  command.Action([arguments] { return TraceFilesOf(*arguments); });
 }
 
 }  // namespace

@@ -67,7 +67,24 @@ std::size_t TextBegin(const TraceShape& shape) {
   return PairsBegin(shape) + shape.pairs * sizeof(TracePair);
 }
 
+// The part of a deforming mesh: its head, the corners of each body, the vertices of each frame.
+struct MeshHeader {
+  static constexpr std::uint64_t kMagic = 0x31'48'53'45'4d'54'43'00;  // "\0CTMESH1"
+  std::uint64_t magic, primitives, vertices;
+};
+
+std::size_t CornersBegin(const TraceShape& shape) {
+  return PairsHeadBegin(shape) + sizeof(MeshHeader);
+}
+std::size_t VerticesBegin(const TraceShape& shape) {
+  return WholeCacheLines(CornersBegin(shape) + shape.bodies * sizeof(deforming::Corners));
+}
+std::size_t VertexBytesOf(const TraceShape& shape) {
+  return shape.PerMeshFrame() * shape.ItemBytes();
+}
+
 std::size_t AllBytes(const TraceShape& shape) {
+  if (shape.primitives) return VerticesBegin(shape) + shape.MeshFrames() * VertexBytesOf(shape);
   return shape.HasPairs() ? TextBegin(shape) + shape.text_bytes : BoxesEnd(shape);
 }
 
@@ -114,6 +131,11 @@ TraceMemory TraceMemory::Create(const TraceShape& shape) {
     const PairsHeader pairs = {PairsHeader::kMagic, shape.pairs, shape.text_bytes, 0};
     std::memcpy(trace.memory_ + PairsHeadBegin(shape), &pairs, sizeof pairs);
   }
+  if (shape.primitives) {
+    const MeshHeader mesh = {MeshHeader::kMagic, static_cast<std::uint64_t>(*shape.primitives),
+                             shape.vertices};
+    std::memcpy(trace.memory_ + PairsHeadBegin(shape), &mesh, sizeof mesh);
+  }
   return trace;
 }
 
@@ -151,7 +173,8 @@ std::vector<double> TraceMemory::Boxes(std::uint64_t cycle) const {
 }
 
 std::string TraceMemory::Sha256() const {
-  return plan::Sha256Hex({reinterpret_cast<const char*>(memory_), BoxesEnd(shape_)});
+  return plan::Sha256Hex({reinterpret_cast<const char*>(memory_),
+                          shape_.primitives ? AllBytes(shape_) : BoxesEnd(shape_)});
 }
 
 void TraceMemory::SetPairs(std::uint64_t cycle, std::span<const double> frames,
@@ -193,6 +216,21 @@ std::string TraceMemory::PairsSha256() const {
   return plan::Sha256Hex({reinterpret_cast<const char*>(memory_), AllBytes(shape_)});
 }
 
+std::span<deforming::Corners> TraceMemory::corners() const {
+  CDB_CHECK(shape_.primitives.has_value());
+  return {reinterpret_cast<deforming::Corners*>(memory_ + CornersBegin(shape_)), shape_.bodies};
+}
+
+void TraceMemory::SetVertices(std::uint64_t frame, std::span<const double> coordinates) {
+  CDB_CHECK(frame < shape_.MeshFrames() && coordinates.size() == shape_.PerMeshFrame());
+  StoreReals(coordinates, shape_.is_double,
+             memory_ + VerticesBegin(shape_) + frame * VertexBytesOf(shape_));
+}
+
+std::span<const std::byte> TraceMemory::VertexBytes(std::uint64_t frame) const {
+  return {memory_ + VerticesBegin(shape_) + frame * VertexBytesOf(shape_), VertexBytesOf(shape_)};
+}
+
 TraceReader::TraceReader(int fd) : fd_(fd) {
   Header header = {};
   ReadAt(fd_, 0, std::as_writable_bytes(std::span(&header, 1)));
@@ -205,10 +243,28 @@ TraceReader::TraceReader(int fd) : fd_(fd) {
   struct stat status = {};
   if (fstat(fd_, &status) != 0 || static_cast<std::size_t>(status.st_size) == BoxesEnd(shape_))
     return;
+  std::uint64_t magic = 0;
+  ReadAt(fd_, PairsHeadBegin(shape_), std::as_writable_bytes(std::span(&magic, 1)));
+  if (magic == PairsHeader::kMagic)
+    ReadPairsHead();
+  else if (magic == MeshHeader::kMagic)
+    ReadMeshHead();
+  else
+    throw std::runtime_error("the trace of this run is neither one of pairs nor of a mesh");
+}
+
+void TraceReader::ReadMeshHead() {
+  MeshHeader mesh = {};
+  ReadAt(fd_, PairsHeadBegin(shape_), std::as_writable_bytes(std::span(&mesh, 1)));
+  shape_.primitives = static_cast<deforming::Primitives>(mesh.primitives);
+  shape_.vertices = mesh.vertices;
+  corners_.resize(shape_.bodies);
+  ReadAt(fd_, CornersBegin(shape_), std::as_writable_bytes(std::span(corners_)));
+}
+
+void TraceReader::ReadPairsHead() {
   PairsHeader pairs = {};
   ReadAt(fd_, PairsHeadBegin(shape_), std::as_writable_bytes(std::span(&pairs, 1)));
-  if (pairs.magic != PairsHeader::kMagic)
-    throw std::runtime_error("the trace of this run is not a trace of pairs");
   shape_.pairs = pairs.pairs;
   shape_.text_bytes = pairs.text_bytes;
   walls_ = pairs.walls;
@@ -249,6 +305,12 @@ std::string TraceReader::ReadRunText() const {
   std::string text(shape_.text_bytes, '\0');
   ReadAt(fd_, TextBegin(shape_), std::as_writable_bytes(std::span(text)));
   return text;
+}
+
+std::vector<double> TraceReader::ReadVertices(std::uint64_t frame) {
+  std::vector<double> coordinates(shape_.PerMeshFrame());
+  ReadReals(VerticesBegin(shape_) + frame * VertexBytesOf(shape_), coordinates);
+  return coordinates;
 }
 
 void BeginNarrowInput(int fd, std::uint64_t walls) {
@@ -378,6 +440,32 @@ TraceMemory TraceOfPairs(const plan::Scene& scene, const Recording& recording, i
   ReadAt(narrow_input_fd, 0, std::as_writable_bytes(std::span(&walls, 1)));
   trace.SetRun(walls, run_text);
   TakePairs(narrow_input_fd, trace);
+  return trace;
+}
+
+TraceMemory TraceOf(deforming::Primitives primitives, const deforming::MeshSequence& sequence) {
+  const std::vector<deforming::Corners> bodies = deforming::BodiesOf(primitives, sequence);
+  TraceShape shape = {bodies.size(), deforming::CyclesOf(primitives, sequence),
+                      !sequence.IsSingle()};
+  shape.primitives = primitives;
+  shape.vertices = sequence.vertices();
+  TraceMemory trace = TraceMemory::Create(shape);
+  std::ranges::copy(bodies, trace.corners().begin());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Filter filter = deforming::FilterOf(primitives, bodies[i]);
+    trace.filters()[i] = {filter.group, filter.mask, filter.is_fixed};
+  }
+  std::vector<double> numbers;
+  for (std::uint64_t cycle = 0; cycle < shape.cycles; ++cycle) {
+    deforming::FillBoxes(primitives, sequence, bodies, cycle, numbers);
+    trace.SetBoxes(cycle, numbers);
+  }
+  for (std::uint64_t frame = 0; frame < shape.MeshFrames(); ++frame) {
+    numbers.clear();
+    for (const Eigen::Vector3d& at : sequence.frames[frame])
+      numbers.insert(numbers.end(), at.begin(), at.end());
+    trace.SetVertices(frame, numbers);
+  }
   return trace;
 }
 

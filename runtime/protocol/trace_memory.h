@@ -1,16 +1,19 @@
 // A trace in memory: the boxes of a recorded run, cycle by cycle, and, if it is one of pairs, the
 // input of its narrow phase, in an anonymous file that the runner fills once and every worker
-// reads. Only the runner needs HDF5.
+// reads. A trace of a deforming mesh has the vertices of its bodies instead. Only the runner needs
+// HDF5.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "library/deforming/primitives.h"
 #include "runtime/protocol/recording.h"
 
 namespace cdb::protocol {
@@ -31,12 +34,20 @@ struct TraceShape {
                             ///< values exactly
   std::uint64_t pairs = 0;  ///< of all cycles
   std::uint64_t text_bytes = 0;  ///< of the recorded run as YAML; 0 if it is no trace of pairs
+  /// Of a deforming mesh: its bodies, and its vertices.
+  std::optional<deforming::Primitives> primitives = {};
+  std::uint64_t vertices = 0;
 
   bool HasPairs() const { return text_bytes > 0; }
+  /// Of a deforming mesh: one more than the cycles if each is a step.
+  std::uint64_t MeshFrames() const {
+    return cycles + (primitives && deforming::IsSwept(*primitives) ? 1 : 0);
+  }
   std::size_t ItemBytes() const { return is_double ? 8 : 4; }
   /// The number of values of one cycle.
   std::size_t PerCycle() const { return bodies * 6; }
   std::size_t FramesPerCycle() const { return bodies * kFrameSize; }
+  std::size_t PerMeshFrame() const { return vertices * 3; }
   bool operator==(const TraceShape&) const = default;
 };
 
@@ -64,7 +75,7 @@ class TraceMemory {
   /// The stored bytes of a cycle.
   std::span<const std::byte> BoxBytes(std::uint64_t cycle) const;
   std::vector<double> Boxes(std::uint64_t cycle) const;
-  /// 64 hex digits: the hash of boxes and filters.
+  /// 64 hex digits: the hash of boxes and filters; of a deforming mesh, of everything.
   std::string Sha256() const;
 
   // Of a trace of pairs.
@@ -83,6 +94,14 @@ class TraceMemory {
   std::uint64_t walls() const;
   /// The hash of everything.
   std::string PairsSha256() const;
+
+  // Of a trace of a deforming mesh.
+
+  /// The vertices of each body.
+  std::span<deforming::Corners> corners() const;
+  /// x y z of each vertex; rounded in single precision, as boxes are.
+  void SetVertices(std::uint64_t frame, std::span<const double> coordinates);
+  std::span<const std::byte> VertexBytes(std::uint64_t frame) const;
 
  private:
   TraceMemory(int fd, std::byte* memory, const TraceShape& shape)
@@ -113,7 +132,15 @@ class TraceReader {
   /// The recorded run as YAML.
   std::string ReadRunText() const;
 
+  // Of a trace of a deforming mesh.
+
+  const std::vector<deforming::Corners>& corners() const { return corners_; }
+  /// x y z of each vertex.
+  std::vector<double> ReadVertices(std::uint64_t frame);
+
  private:
+  void ReadPairsHead();
+  void ReadMeshHead();
   void ReadReals(std::size_t at, std::vector<double>& to);
 
   int fd_;
@@ -124,6 +151,7 @@ class TraceReader {
   std::uint64_t walls_ = 0;
   std::vector<std::uint64_t> first_pairs_;
   std::vector<TracePair> pairs_;
+  std::vector<deforming::Corners> corners_;
 };
 
 // The input of the narrow phase, which a worker appends to a file cycle by cycle, because the
@@ -144,6 +172,10 @@ TraceMemory TraceOf(const plan::Scene& scene, const Recording& recording);
 /// The same with pairs, from the file of AppendNarrowInput. `run_text`: the run as YAML.
 TraceMemory TraceOfPairs(const plan::Scene& scene, const Recording& recording, int narrow_input_fd,
                          std::string_view run_text);
+
+/// The trace of a deforming mesh. Throws library::SceneError if the sequence is too short, and
+/// std::system_error.
+TraceMemory TraceOf(deforming::Primitives primitives, const deforming::MeshSequence& sequence);
 
 // The alignment of arrays in shared memory.
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -70,6 +71,8 @@ constexpr const char* kFrameParts[] = {"x",   "y",   "z",   "x_x", "x_y", "x_z",
                                        "y_x", "y_y", "y_z", "z_x", "z_y", "z_z"};
 static_assert(std::size(kFrameParts) == protocol::kFrameSize);
 
+constexpr std::uint64_t kCorners = std::tuple_size_v<deforming::Corners>;
+
 void WriteHead(hdf5::File& file, const protocol::TraceMemory& trace, const TraceOrigin& origin,
                std::uint64_t objects) {
   const protocol::TraceShape& shape = trace.shape();
@@ -94,6 +97,10 @@ void WriteHead(hdf5::File& file, const protocol::TraceMemory& trace, const Trace
   number("bodies", shape.bodies);
   number("objects", objects);
   number("cycles", shape.cycles);
+  if (shape.primitives) {
+    file.SetText("primitives", deforming::WordOf(*shape.primitives));
+    number("vertices", shape.vertices);
+  }
   if (!shape.HasPairs()) return;
   file.SetText("pairs_sha256", trace.PairsSha256());
   file.SetNumber("pairs", Type::kFloat64, static_cast<double>(shape.pairs));
@@ -139,6 +146,36 @@ std::vector<hdf5::Group::Attachment> WritePairs(hdf5::File& file,
     attachments.push_back({"pair_bodies", {"pair", "pair_side"}});
   }
   return attachments;
+}
+
+/// The vertices of a deforming mesh, and of its bodies. Returns the scales of its arrays.
+std::vector<hdf5::Group::Attachment> WriteMesh(hdf5::File& file,
+                                               const protocol::TraceMemory& trace) {
+  const protocol::TraceShape& shape = trace.shape();
+  AddScale(file, Counted("corner", kCorners, "vertex of a body"));
+  AddScale(file, Counted("mesh_frame", shape.MeshFrames(), "frame of the mesh"));
+  AddScale(file, Counted("vertex", shape.vertices, "vertex, in the order of the mesh"));
+  AddScale(file, Labelled("axis", {"x", "y", "z"}, "axis of the world"));
+
+  const hdf5::Shape rows = {shape.bodies, kCorners};
+  hdf5::Dataset corners =
+      file.CreateDataset({"corners", Type::kInt32, rows, ChunkOfRows(rows), -1});
+  corners.SetText("units", kNoUnit);
+  corners.SetText("long_name", "vertices of each body; -1 where an edge or a vertex has none");
+  static_assert(sizeof(deforming::Corners) == kCorners * sizeof(std::int32_t) &&
+                static_cast<std::int32_t>(deforming::kNoCorner) == -1);
+  corners.Write({0, 0}, rows, std::as_bytes(trace.corners()).data(), rows);
+
+  const hdf5::Shape all = {shape.MeshFrames(), shape.vertices, 3};
+  hdf5::Dataset vertices =
+      file.CreateDataset({"vertices", shape.is_double ? Type::kFloat64 : Type::kFloat32, all,
+                          ChunkOf(all, shape.ItemBytes()), NAN});
+  vertices.SetText("units", "m");
+  vertices.SetText("long_name", "positions of the vertices of the mesh");
+  const hdf5::Shape one = {1, shape.vertices, 3};
+  for (std::uint64_t frame = 0; frame < shape.MeshFrames(); ++frame)
+    vertices.Write({frame, 0, 0}, one, trace.VertexBytes(frame).data(), one);
+  return {{"corners", {"body", "corner"}}, {"vertices", {"mesh_frame", "vertex", "axis"}}};
 }
 
 void WriteArrays(hdf5::File& file, const protocol::TraceMemory& trace, std::uint64_t objects,
@@ -189,6 +226,8 @@ void WriteArrays(hdf5::File& file, const protocol::TraceMemory& trace, std::uint
   }
   if (trace.shape().HasPairs())
     for (auto& attachment : WritePairs(file, trace)) attachments.push_back(std::move(attachment));
+  if (shape.primitives)
+    for (auto& attachment : WriteMesh(file, trace)) attachments.push_back(std::move(attachment));
   file.AttachScales(attachments);
 }
 
@@ -243,7 +282,17 @@ analysis::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
   facts.is_double = file.Text("precision") == "double";
   if (facts.sha256.size() != 64 || !(facts.timestep_s > 0))
     throw Useless(path, "its head is not whole");
+  if (const std::string word = file.Text("primitives"); !word.empty()) {
+    const auto primitives = deforming::PrimitivesOf(word);
+    if (!primitives)
+      throw Useless(path, fmt::format("its primitives '{}' are none of {}", word,
+                                      deforming::PrimitiveWords()));
+    facts.primitives = word;
+    facts.vertices = count("vertices");
+  }
   facts.pairs_sha256 = file.Text("pairs_sha256");
+  if (!facts.primitives.empty() && !facts.pairs_sha256.empty())
+    throw Useless(path, "a deforming mesh has no poses");
   if (facts.pairs_sha256.empty()) return facts;
   const double pairs = file.Number("pairs"), walls = file.Number("walls");
   constexpr double kMost = 1e15, kAllWalls = 63;
@@ -252,6 +301,14 @@ analysis::TraceFacts FactsOf(const hdf5::File& file, const fs::path& path) {
     throw Useless(path, "its head is not whole");
   facts.pairs = static_cast<std::uint64_t>(pairs);
   return facts;
+}
+
+/// Without pairs.
+protocol::TraceShape ShapeOf(const analysis::TraceFacts& facts) {
+  protocol::TraceShape shape = {facts.bodies, facts.cycles, facts.is_double};
+  shape.primitives = deforming::PrimitivesOf(facts.primitives);
+  shape.vertices = facts.vertices;
+  return shape;
 }
 
 /// Checks that its arrays and coordinates match its head.
@@ -272,6 +329,14 @@ void CheckHead(const hdf5::File& file, const analysis::TraceFacts& facts, const 
   expect("object", {count});
   if (count > 0) expect("poses", {facts.cycles, count, protocol::kPoseSize});
   file.OpenDataset("boxes").CheckCount(hdf5::Product(boxes));
+  if (!facts.primitives.empty()) {
+    const protocol::TraceShape shape = ShapeOf(facts);
+    const hdf5::Shape vertices = {shape.MeshFrames(), shape.vertices, 3};
+    expect("corners", {facts.bodies, kCorners});
+    expect("vertices", vertices);
+    file.OpenDataset("corners").CheckCount(facts.bodies * kCorners);
+    file.OpenDataset("vertices").CheckCount(hdf5::Product(vertices));
+  }
   if (facts.pairs_sha256.empty()) return;
   const hdf5::Shape frames = {facts.cycles, facts.bodies, protocol::kFrameSize};
   expect("frames", frames);
@@ -338,12 +403,27 @@ void FillPairs(const hdf5::File& file, const fs::path& path, const std::string& 
                              static_cast<std::uint64_t>(first[cycle + 1]), path));
 }
 
+void FillMesh(const hdf5::File& file, const fs::path& path, protocol::TraceMemory& trace) {
+  const protocol::TraceShape& shape = trace.shape();
+  const std::vector<double> corners = file.OpenDataset("corners").Read();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const bool is_vertex = corners[i] >= 0 && corners[i] < static_cast<double>(shape.vertices);
+    if (!is_vertex && (corners[i] != -1 || i % kCorners == 0))
+      throw Useless(path, fmt::format("a corner of body {} is no vertex", i / kCorners));
+    trace.corners()[i / kCorners][i % kCorners] =
+        is_vertex ? static_cast<std::uint32_t>(corners[i]) : deforming::kNoCorner;
+  }
+  const hdf5::Dataset vertices = file.OpenDataset("vertices");
+  for (std::uint64_t frame = 0; frame < shape.MeshFrames(); ++frame)
+    trace.SetVertices(frame, vertices.Read({frame, 0, 0}, {1, shape.vertices, 3}));
+}
+
 protocol::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFacts& facts,
                                  bool with_pairs, const fs::path& path) {
   const hdf5::Dataset boxes = file.OpenDataset("boxes");
   CheckHead(file, facts, path);
   const std::vector<double> filters = file.OpenDataset("filters").Read();
-  protocol::TraceShape shape = {facts.bodies, facts.cycles, facts.is_double};
+  protocol::TraceShape shape = ShapeOf(facts);
   std::string run_text;
   if (with_pairs) {
     const std::vector<std::string> texts = file.OpenDataset("run_text").ReadText();
@@ -363,6 +443,7 @@ protocol::TraceMemory ReadMemory(const hdf5::File& file, const analysis::TraceFa
   for (std::uint64_t cycle = 0; cycle < facts.cycles; ++cycle)
     trace.SetBoxes(cycle, boxes.Read({cycle, 0, 0}, {1, facts.bodies, protocol::kBoxSize}));
   if (with_pairs) FillPairs(file, path, run_text, trace);
+  if (shape.primitives) FillMesh(file, path, trace);
   return trace;
 }
 
@@ -406,8 +487,12 @@ void WriteTrace(const protocol::TraceMemory& trace, const TraceOrigin& origin,
     hdf5::File file = hdf5::File::Create(temporary.path());
     WriteHead(file, trace, origin, objects);
     WriteArrays(file, trace, objects, poses);
-    AddText(file, "scenario_text", origin.scenario_text, "the scenario that was recorded");
-    AddText(file, "run_text", origin.run_text, "all that decides the run, as YAML");
+    if (trace.shape().primitives) {
+      AddText(file, "frame_files", origin.frame_files, "files of the frames of the mesh, in order");
+    } else {
+      AddText(file, "scenario_text", origin.scenario_text, "the scenario that was recorded");
+      AddText(file, "run_text", origin.run_text, "all that decides the run, as YAML");
+    }
     file.SetText(kDigestAttribute, kDigestText);
     file.Close();
   } catch (const hdf5::Error& error) {

@@ -27,6 +27,8 @@ struct TraceOrigin {
   double timestep_s = 0;
   std::string scenario_text;
   std::string run_text;  ///< everything that determines the run, as YAML; as in a trace of pairs
+  /// Of a deforming mesh, which has no scenario and no run: the files of its frames, one a line.
+  std::string frame_files = {};
 };
 
 /// Writes `file`: under a temporary name, closed, synced, renamed. `poses`: of the first `objects`

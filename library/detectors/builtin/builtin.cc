@@ -15,7 +15,7 @@ using Alone = Detector*(const Options& options);
 
 // Each is defined in the file of its detector.
 WithKernels MakeAuto, MakeGrid, MakeHierarchicalGrid, MakeSkin, MakeSweep;
-Alone MakeKdTree, MakeOctree;
+Alone MakeKdTree, MakeOctree, MakeRefitTree;
 
 namespace {
 
@@ -48,6 +48,7 @@ constexpr Row kRows[] = {
     Of<MakeSweep>("sweep"),
     Of("octree", MakeOctree),
     Of("kd_tree", MakeKdTree),
+    Of("refit_tree", MakeRefitTree),
     Of("batch", narrow::MakeBatch),
     Of("null", [](const Options&) -> Detector* { return new Null; }),
 };

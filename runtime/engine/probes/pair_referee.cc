@@ -36,8 +36,8 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 }  // namespace
 
 void RecordPairFaults(const Scene& scene, std::vector<Pair> listed, std::uint64_t cycle,
-                      protocol::Recording& recording) {
-  const detectors::PairFaults faults = detectors::ComparePairs(scene, std::move(listed));
+                      protocol::Recording& recording, const detectors::PairFilter& asked) {
+  const detectors::PairFaults faults = detectors::ComparePairs(scene, std::move(listed), asked);
   const auto put = [&](schema::IntSeries series, std::size_t count) {
     constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
     recording.Put(series, cycle, static_cast<std::int32_t>(std::min(count, kMost)));

@@ -42,6 +42,12 @@ class TracedScene {
   const protocol::TraceShape& shape() const { return trace_.shape(); }
   const Scene& scene() const { return scene_; }
 
+  /// Neighbours on a deforming mesh always touch: they are not asked for.
+  bool IsAsked(const Pair& pair) const {
+    const auto& corners = trace_.corners();
+    return corners.empty() || !deforming::AreNeighbours(corners[pair.a], corners[pair.b]);
+  }
+
   void MoveTo(std::uint64_t cycle) {
     const double* side = trace_.Read(cycle).data();
     for (Box& box : boxes_) {
@@ -111,8 +117,9 @@ class Replay {
       const std::int64_t end = world::Now();
       PutInShape(traced_, detector.name, pairs_);
       // The same filter as in the engine.
-      std::erase_if(
-          pairs_, [this](const Pair& pair) { return !traced_.scene().MayCollide(pair.a, pair.b); });
+      std::erase_if(pairs_, [this](const Pair& pair) {
+        return !traced_.scene().MayCollide(pair.a, pair.b) || !traced_.IsAsked(pair);
+      });
       if (i < warmup_) continue;
       const std::uint64_t cycle = i - warmup_;
       if (records_heap) recording_.Put("heap", cycle, probes::HeapBytes());
@@ -139,7 +146,8 @@ class Replay {
       detector.detector->FindPairs(traced_.scene(), pairs_);
       PutInShape(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
-      probes::RecordPairFaults(traced_.scene(), pairs_, i - warmup_, recording_);
+      probes::RecordPairFaults(traced_.scene(), pairs_, i - warmup_, recording_,
+                               [this](const Pair& pair) { return traced_.IsAsked(pair); });
     }
   }
 

@@ -51,6 +51,20 @@ TEST(ComparePairs, CountsEachFaultByItself) {
                                                                           .first_missed = missed}));
 }
 
+TEST(ComparePairs, DropsPairsThatAreNotAskedFor) {
+  BoxScene moving("dense", 200);
+  const Scene scene = moving.View();
+  const std::vector<Pair> all = detectors::ExactPairs(scene);
+  const detectors::PairFilter asked = [](const Pair& pair) { return (pair.a + pair.b) % 2 == 0; };
+  std::vector<Pair> even = all;
+  std::erase_if(even, [&](const Pair& pair) { return !asked(pair); });
+  ASSERT_GT(even.size(), 3u);
+  ASSERT_LT(even.size(), all.size());
+  EXPECT_EQ(detectors::ExactPairs(scene, asked), even);
+  EXPECT_EQ(detectors::ComparePairs(scene, all, asked),
+            (detectors::PairFaults{.exact = even.size()}));
+}
+
 TEST(OverlapText, NamesBothBoxesAndTheirOverlap) {
   const std::vector<Box> boxes = {{{0, 0, 0}, {1, 1, 1}}, {{0.75, -1, 0.5}, {2, 1, INFINITY}}};
   Scene scene;

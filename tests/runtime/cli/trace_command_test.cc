@@ -1,4 +1,5 @@
 // Recorded runs, and detectors run on the recording.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,6 +8,8 @@
 
 #include "runtime/results/store.h"
 #include "runtime/results/trace_file.h"
+#include "tests/library/deforming/folding_cloth.h"
+#include "tests/support/folders.h"
 #include "tests/support/program.h"
 
 namespace cdb::tests {
@@ -188,6 +191,105 @@ TEST(Trace, ThatWasChangedIsAnotherRunAndADamagedOneIsSaid) {
   EXPECT_NE(planned.err.find("plan again"), std::string::npos) << planned.err;
   program.Write("b.trace.h5", "nothing of the kind");
   EXPECT_EQ(program.Run({"check", "on.cdb"}).status, 1);
+}
+
+/// The frames of a cloth as PLY.
+std::vector<std::string> WriteCloth(const Program& program, std::size_t frames) {
+  const deforming::MeshSequence cloth = FoldingCloth(21, frames);
+  std::vector<std::string> files;
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    std::string text = fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double x\nproperty double y\n"
+        "property double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        cloth.vertices(), cloth.triangles.size());
+    for (const Eigen::Vector3d& at : cloth.frames[frame])
+      text += fmt::format("{} {} {}\n", at.x(), at.y(), at.z());
+    for (const auto& [a, b, c] : cloth.triangles) text += fmt::format("3 {} {} {}\n", a, b, c);
+    files.push_back(fmt::format("cloth_{}.ply", frame));
+    program.Write(files.back(), text);
+  }
+  return files;
+}
+
+TEST(Trace, OfADeformingMeshServesEveryDetector) {
+  const Program program;
+  const std::vector<std::string> frames = WriteCloth(program, 4);
+  for (const char* primitives : {"triangles", "vertex_face", "edge_edge"}) {
+    std::vector<std::string> words = {"trace", "--primitives", primitives};
+    words.insert(words.end(), frames.begin(), frames.end());
+    const std::string name = std::string("cloth_0.") + primitives + ".trace.h5";
+    const Finished traced = program.Run(words);
+    ASSERT_EQ(traced.status, 0) << traced.err;
+    EXPECT_NE(traced.out.find(name + ": " + primitives + " of 441 vertices, "), std::string::npos)
+        << traced.out;
+    const Finished again = program.Run(words);
+    EXPECT_NE(again.out.find("exists already"), std::string::npos) << again.out;
+    const Finished check = program.Run({"check", name});
+    EXPECT_NE(check.out.find(": whole"), std::string::npos) << check.out;
+
+    program.Write("on.cdb",
+                  "benchmark on { trace \"" + name +
+                      "\"; detector sweep(simple, auto, grid, hierarchical_grid, skin, "
+                      "sweep, octree, kd_tree, dbvt, sap32, null); record pairs, counts }");
+    const Finished run = program.Run({"run", "-q", "--fresh", "on.cdb"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const results::ResultFile file(program.folder() / "on.h5");
+    const std::vector<double> exact = file.ReadSeries("exact_pairs", {{0}, 0});
+    EXPECT_EQ(exact.size(), std::string(primitives) == "triangles" ? 4u : 3u);
+    EXPECT_GT(exact.back(), 1000);
+    for (std::size_t detector = 0; detector < 10; ++detector) {
+      EXPECT_EQ(file.ReadSeries("missed_pairs", {{detector}, 0}),
+                std::vector<double>(exact.size(), 0))
+          << detector;
+      for (std::size_t i = 0; i < exact.size(); ++i)
+        EXPECT_GE(PairsOf(file, detector)[i], exact[i]) << detector;
+    }
+    EXPECT_EQ(PairsOf(file, 0), exact);
+    EXPECT_EQ(file.ReadSeries("missed_pairs", {{10}, 0}), exact) << "null finds nothing";
+
+    program.Write("narrow.cdb", "benchmark narrow { trace \"" + name + "\"; narrow_phase batch }");
+    const Finished refused = program.Run({"check", "narrow.cdb"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.err.find("a deforming mesh has no poses"), std::string::npos) << refused.err;
+  }
+}
+
+TEST(Trace, OfTheExampleOfADeformingMesh) {
+  const Program program;
+  std::vector<std::string> words = {"trace", "--primitives", "edge_edge"};
+  for (const char* frame : {"fold_0.obj", "fold_1.obj", "fold_2.obj"})
+    words.push_back((SourceFolder() / "examples" / frame).string());
+  ASSERT_EQ(program.Run(words).status, 0);
+  const analysis::TraceFacts facts =
+      results::ReadTraceFacts(program.folder() / "fold_0.edge_edge.trace.h5");
+  EXPECT_EQ(facts.bodies, 49u + 72 - 1);  // Euler's formula of a disc
+  EXPECT_EQ(facts.cycles, 2u);
+  program.Write("on.cdb", "benchmark on { trace \"fold_0.edge_edge.trace.h5\"; detector grid }");
+  const Finished verified = program.Run({"verify", "on.cdb"});
+  EXPECT_EQ(verified.status, 0) << verified.out << verified.err;
+  EXPECT_NE(verified.out.find("exact"), std::string::npos) << verified.out;
+}
+
+TEST(Trace, OfADeformingMeshSaysWhatIsWrong) {
+  const Program program;
+  const std::vector<std::string> frames = WriteCloth(program, 2);
+  const auto said = [&](const std::vector<std::string>& words, const char* what) {
+    std::vector<std::string> all = {"trace"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished refused = program.Run(all);
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find(what), std::string::npos) << refused.err;
+  };
+  said(frames, "--primitives triangles, vertex_face, edge_edge");
+  said({"a.cdb", "b.cdb"}, "'b.cdb' is one file too many");
+  said({frames[0], frames[1], "--primitives", "faces"}, "--primitives faces is none of");
+  said({frames[0], "--primitives", "edge_edge"}, "there is one frame; name at least two");
+  said({frames[0], frames[1], "--primitives", "edge_edge", "--pairs"}, "are for scenarios");
+  program.Write("other.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  said({frames[0], "other.obj", "--primitives", "edge_edge"}, "other.obj: it has 3 vertices");
+  program.Write("mine.h5", "mine");
+  said({frames[0], frames[1], "--primitives", "edge_edge", "-o", "mine.h5"},
+       "is not a trace of this run");
 }
 
 }  // namespace

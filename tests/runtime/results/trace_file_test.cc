@@ -12,6 +12,7 @@
 
 #include "runtime/protocol/series.h"
 #include "runtime/results/hdf5/file.h"
+#include "tests/library/deforming/folding_cloth.h"
 #include "tests/runtime/results/store_fixture.h"
 #include "tests/support/sanitizers.h"
 
@@ -152,6 +153,44 @@ TEST_P(TraceFile, DescribesItsVariables) {
     EXPECT_EQ(file.OpenDataset(name).Text("units"), "1") << name;
 }
 
+TEST_P(TraceFile, OfADeformingMeshReadsBackToTheBit) {
+  deforming::MeshSequence cloth = FoldingCloth(5, 3);
+  if (!GetParam())
+    for (auto& frame : cloth.frames)
+      for (Eigen::Vector3d& at : frame) at = at.cast<float>().cast<double>();
+  for (const deforming::Primitives primitives :
+       {deforming::Primitives::kTriangles, deforming::Primitives::kVertexFace,
+        deforming::Primitives::kEdgeEdge}) {
+    const TemporaryFolder folder;
+    const protocol::TraceMemory trace = protocol::TraceOf(primitives, cloth);
+    results::TraceOrigin origin = kOrigin;
+    origin.frame_files = "a.ply\nb.ply\nc.ply";
+    results::WriteTrace(trace, origin, 0, {}, folder / "t.h5");
+    const analysis::TraceFacts facts = results::ReadTraceFacts(folder / "t.h5");
+    EXPECT_EQ(facts.sha256, trace.Sha256());
+    EXPECT_EQ(facts.primitives, deforming::WordOf(primitives));
+    EXPECT_EQ(facts.vertices, 25u);
+    EXPECT_EQ(facts.is_double, GetParam());
+    EXPECT_EQ(facts.cycles, deforming::IsSwept(primitives) ? 2u : 3u);
+    EXPECT_TRUE(results::CheckTrace(folder / "t.h5").has_digest);
+
+    const protocol::TraceMemory loaded = results::LoadTrace(folder / "t.h5", facts.sha256);
+    protocol::TraceReader reader(loaded.fd());
+    EXPECT_EQ(reader.shape(), trace.shape());
+    EXPECT_EQ(reader.corners(), deforming::BodiesOf(primitives, cloth));
+    std::vector<double> sides;
+    for (std::uint64_t cycle = 0; cycle < facts.cycles; ++cycle) {
+      deforming::FillBoxes(primitives, cloth, reader.corners(), cycle, sides);
+      EXPECT_TRUE(std::ranges::equal(reader.Read(cycle), sides));
+    }
+    for (std::uint64_t frame = 0; frame < 3; ++frame) {
+      const std::vector<double> at = reader.ReadVertices(frame);
+      for (std::size_t i = 0; i < at.size(); ++i)
+        ASSERT_EQ(at[i], cloth.frames[frame][i / 3][static_cast<Eigen::Index>(i % 3)]);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Precisions, TraceFile, testing::Bool());
 
 TEST(TraceFileErrors, NameTheFileAndTheCause) {
@@ -173,6 +212,21 @@ TEST(TraceFileErrors, NameTheFileAndTheCause) {
   WriteRun(plan, plan.runs[0], FakeResult(plan.runs[0]).result, {}, folder.path());
   journal::Merge(plan, {}, folder.path(), folder / "out.h5");
   EXPECT_NE(why("out.h5").find("HDF5, but no trace (cdb-results)"), std::string::npos);
+}
+
+TEST(TraceFileErrors, CornersThatAreNoVerticesAreRefused) {
+  const TemporaryFolder folder;
+  const protocol::TraceMemory trace =
+      protocol::TraceOf(deforming::Primitives::kEdgeEdge, FoldingCloth(5, 2));
+  trace.corners()[7][0] = 25;
+  results::WriteTrace(trace, kOrigin, 0, {}, folder / "t.h5");
+  try {
+    results::LoadTrace(folder / "t.h5", trace.Sha256());
+    ADD_FAILURE() << "nothing wrong";
+  } catch (const files::StoreError& error) {
+    EXPECT_NE(std::string(error.what()).find("a corner of body 7 is no vertex"), std::string::npos)
+        << error.what();
+  }
 }
 
 /// Of files with the right hash and seal.
