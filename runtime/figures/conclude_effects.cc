@@ -9,7 +9,7 @@
 
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/conclusions.h"
-#include "runtime/figures/effects.h"
+#include "runtime/figures/effects/effects.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/ratios.h"
 #include "runtime/terminal/table.h"
@@ -66,13 +66,13 @@ class EffectConclusions {
   void AddFor(std::optional<std::size_t> detector, const std::string& what, std::string_view kind,
               const std::function<double(const MeasuredPoint&)>& figure_of) {
     const std::vector<double> figures = FiguresOf(detector, figure_of);
-    const auto effects = FitEffects(sampled_, figures);
+    const auto fit = effects::FitEffects(sampled_, figures);
     const std::string of = detector ? " of " + terminal::CoordinateText(
                                                    model_.axis(*model_.detector_axis()), *detector)
                                     : std::string();
     const std::string question =
         fmt::format("What changes {}{} over {}?", what, of, AxisWords(model_.axis(axis_)));
-    if (!effects) {
+    if (!fit) {
       all_.push_back(
           {question,
            fmt::format("Unknown: it needs {} sound points of {}, at which it is above 0 and "
@@ -82,34 +82,39 @@ class EffectConclusions {
       return;
     }
     std::vector<std::string> parts;
-    for (const MainEffect& main : effects->mains) {
+    const auto interval_of = [&](const effects::MainEffect& main) {
+      const double margin = StudentQuantile(fit->freedom) * main.error;
+      return Interval{std::exp(main.log_ratio - margin), std::exp(main.log_ratio + margin)};
+    };
+    for (const effects::MainEffect& main : fit->mains) {
       if (parts.size() == kMaxMains) break;
       const plan::Coordinates& parameter = sampled_[main.parameter];
       parts.push_back(fmt::format(
           "{} from {} to {}: {} times (95 % interval {}), {} of the variance", parameter.name,
           terminal::ShortNumber(parameter.first), terminal::ShortNumber(parameter.last),
-          terminal::ShortNumber(main.ratio), IntervalText(main.interval), Share(main.share)));
+          terminal::ShortNumber(std::exp(main.log_ratio)), IntervalText(interval_of(main)),
+          Share(main.share)));
     }
     std::string answer;
     for (const std::string& part : parts) answer += (answer.empty() ? "" : "; ") + part;
-    if (effects->mains.size() > parts.size())
-      answer += fmt::format("; {} others have less", effects->mains.size() - parts.size());
+    if (fit->mains.size() > parts.size())
+      answer += fmt::format("; {} others have less", fit->mains.size() - parts.size());
     answer += ".";
     std::vector<std::string> pairs;
-    for (const Interaction& pair : effects->interactions)
+    for (const effects::Interaction& pair : fit->interactions)
       if (pair.share >= kLeastShare && pairs.size() < kMaxPairs)
         pairs.push_back(
             fmt::format("{} with {} {}", Name(pair.a), Name(pair.b), Share(pair.share)));
     if (!pairs.empty())
       answer += fmt::format(" Together, beyond that: {}.", JoinWords(pairs));
-    else if (!effects->has_interactions)
+    else if (!fit->has_interactions)
       answer += " What they do together takes more points to tell.";
-    answer += fmt::format(" Not explained: {}; by a fit to {} points", Share(effects->unexplained),
-                          effects->points);
-    if (effects->points < figures.size())
+    answer += fmt::format(" Not explained: {}; by a fit to {} points", Share(fit->unexplained),
+                          fit->points);
+    if (fit->points < figures.size())
       answer += fmt::format("; {} are left out, as some run is not sound or has no such figure",
-                            figures.size() - effects->points);
-    const Interval& largest = effects->mains[0].interval;
+                            figures.size() - fit->points);
+    const Interval largest = interval_of(fit->mains[0]);
     all_.push_back({question, answer + ".", kind,
                     largest.low > 1 || largest.high < 1 ? Certainty::kClear : Certainty::kTie});
   }

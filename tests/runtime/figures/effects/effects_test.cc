@@ -1,4 +1,4 @@
-#include "runtime/figures/effects.h"
+#include "runtime/figures/effects/effects.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 
 #include "compiler/evaluate/samples.h"
 #include "library/distributions/stream.h"
+#include "runtime/figures/bootstrap.h"
 
 namespace cdb::tests {
 namespace {
 
-using figures::FitEffects;
-using figures::SampledEffects;
+using effects::FitEffects;
 
 std::vector<plan::Coordinates> Parameters(std::size_t count, std::size_t points) {
   std::vector<plan::Coordinates> parameters;
@@ -35,22 +35,22 @@ TEST(Effects, OfAClosedFormAreFound) {
                  x = (parameters[1].values[i] - 2) / 4;
     figures.push_back(std::exp(std::log(10) * u + 0.3 * x + 0.6 * (u - 0.5) * (x - 0.5)));
   }
-  const auto effects = FitEffects(parameters, figures);
-  ASSERT_TRUE(effects);
+  const auto fit = FitEffects(parameters, figures);
+  ASSERT_TRUE(fit);
   const double first = std::log(10) * std::log(10) / 12, second = 0.09 / 12, both = 0.36 / 144;
   const double all = first + second + both;
-  EXPECT_EQ(effects->mains[0].parameter, 0u);
-  EXPECT_NEAR(effects->mains[0].ratio, 10, 1e-9);
-  EXPECT_NEAR(effects->mains[0].share, first / all, 1e-9);
-  EXPECT_EQ(effects->mains[1].parameter, 1u);
-  EXPECT_NEAR(effects->mains[1].ratio, std::exp(0.3), 1e-9);
-  EXPECT_NEAR(effects->mains[1].share, second / all, 1e-9);
-  EXPECT_NEAR(effects->mains[2].ratio, 1, 1e-9);
-  ASSERT_TRUE(effects->has_interactions);
-  EXPECT_EQ(effects->interactions[0].a, 0u);
-  EXPECT_EQ(effects->interactions[0].b, 1u);
-  EXPECT_NEAR(effects->interactions[0].share, both / all, 1e-9);
-  EXPECT_NEAR(effects->unexplained, 0, 1e-9);
+  EXPECT_EQ(fit->mains[0].parameter, 0u);
+  EXPECT_NEAR(std::exp(fit->mains[0].log_ratio), 10, 1e-9);
+  EXPECT_NEAR(fit->mains[0].share, first / all, 1e-9);
+  EXPECT_EQ(fit->mains[1].parameter, 1u);
+  EXPECT_NEAR(std::exp(fit->mains[1].log_ratio), std::exp(0.3), 1e-9);
+  EXPECT_NEAR(fit->mains[1].share, second / all, 1e-9);
+  EXPECT_NEAR(std::exp(fit->mains[2].log_ratio), 1, 1e-9);
+  ASSERT_TRUE(fit->has_interactions);
+  EXPECT_EQ(fit->interactions[0].a, 0u);
+  EXPECT_EQ(fit->interactions[0].b, 1u);
+  EXPECT_NEAR(fit->interactions[0].share, both / all, 1e-9);
+  EXPECT_NEAR(fit->unexplained, 0, 1e-9);
 }
 
 TEST(Effects, OfSquaresHaveNoRatioButAShare) {
@@ -58,11 +58,11 @@ TEST(Effects, OfSquaresHaveNoRatioButAShare) {
   std::vector<double> figures;
   for (const double value : parameters[1].values)
     figures.push_back(std::exp((value - 4) * (value - 4)));
-  const auto effects = FitEffects(parameters, figures);
-  ASSERT_TRUE(effects);
-  EXPECT_EQ(effects->mains[0].parameter, 1u);
-  EXPECT_NEAR(effects->mains[0].ratio, 1, 1e-9);
-  EXPECT_NEAR(effects->mains[0].share, 1, 1e-9);
+  const auto fit = FitEffects(parameters, figures);
+  ASSERT_TRUE(fit);
+  EXPECT_EQ(fit->mains[0].parameter, 1u);
+  EXPECT_NEAR(std::exp(fit->mains[0].log_ratio), 1, 1e-9);
+  EXPECT_NEAR(fit->mains[0].share, 1, 1e-9);
 }
 
 TEST(Effects, HaveIntervalsThatCoverTheTruth) {
@@ -75,9 +75,9 @@ TEST(Effects, HaveIntervalsThatCoverTheTruth) {
     for (std::size_t point = 0; point < 64; ++point) {
       figures.push_back(std::exp((parameters[1].values[point] - 2) / 4 + 0.1 * random.Normal()));
     }
-    const auto effects = FitEffects(parameters, figures);
-    const figures::Interval& interval = effects->mains[0].interval;
-    covered += interval.low <= std::exp(1) && std::exp(1) <= interval.high;
+    const auto fit = FitEffects(parameters, figures);
+    const auto& main = fit->mains[0];
+    covered += std::abs(main.log_ratio - 1) <= figures::StudentQuantile(fit->freedom) * main.error;
   }
   EXPECT_NEAR(covered, 950, 25);
 }
@@ -87,9 +87,9 @@ TEST(Effects, NeedEnoughPointsThatVary) {
   std::vector<double> figures(16, 1.0);
   EXPECT_FALSE(FitEffects(parameters, figures));
   for (std::size_t i = 0; i < 16; ++i) figures[i] = parameters[1].values[i];
-  const auto effects = FitEffects(parameters, figures);
-  ASSERT_TRUE(effects);
-  EXPECT_FALSE(effects->has_interactions);
+  const auto fit = FitEffects(parameters, figures);
+  ASSERT_TRUE(fit);
+  EXPECT_FALSE(fit->has_interactions);
   for (std::size_t i = 0; i < 9; ++i) figures[i] = figures::kNone;
   EXPECT_FALSE(FitEffects(parameters, figures));
 }

@@ -5,9 +5,9 @@
 // the ranges (Legendre): degrees 1 and 2 of each parameter, on the scale on which it was sampled,
 // and the products of the first degrees of two. The shares of the variance are then sums of squares
 // of coefficients (Sudret 2008, Global sensitivity analysis using polynomial chaos expansions,
-// Reliability Engineering & System Safety 93), and the interval of an effect is that of its
-// coefficient by Student's t over the residuals. With fewer than two points for each coefficient,
-// products are left out first, then degree 2.
+// Reliability Engineering & System Safety 93), and the error of an effect is that of its
+// coefficient by the residuals. With fewer than two points for each coefficient, products are left
+// out first, then degree 2.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,14 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
-#include "runtime/figures/bootstrap.h"
 
-namespace cdb::figures {
+namespace cdb::effects {
 
 /// Of one parameter, averaged over the others.
 struct MainEffect {
   std::size_t parameter;  ///< index
-  double ratio;           ///< of the figure at the end of the range to that at its start
-  Interval interval;      ///< of 95 %
+  double log_ratio;       ///< of the figure at the end of the range to that at its start
+  double error;           ///< standard error of log_ratio
   double share;           ///< of the variance of the logarithm
 };
 /// Of two parameters, beyond their main effects.
@@ -38,6 +37,7 @@ struct SampledEffects {
   bool has_interactions = false;
   double unexplained = 0;  ///< the share of neither
   std::size_t points = 0;
+  double freedom = 0;  ///< degrees of freedom of the errors
 };
 
 /// `figures`: at each point, above 0, or NaN for a point that is left out. Nullopt with fewer than
@@ -45,4 +45,4 @@ struct SampledEffects {
 std::optional<SampledEffects> FitEffects(std::span<const plan::Coordinates> parameters,
                                          std::span<const double> figures);
 
-}  // namespace cdb::figures
+}  // namespace cdb::effects

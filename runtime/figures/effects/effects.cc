@@ -1,10 +1,11 @@
-#include "runtime/figures/effects.h"
+#include "runtime/figures/effects/effects.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
-namespace cdb::figures {
+namespace cdb::effects {
 namespace {
 
 /// In the range of a parameter, from -1 to 1.
@@ -82,19 +83,17 @@ std::optional<SampledEffects> FitEffects(std::span<const plan::Coordinates> para
   };
   SampledEffects effects;
   effects.points = points.size();
+  effects.freedom = freedom;
   effects.has_interactions = terms.has_products;
   effects.unexplained = residual / variance;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto term = static_cast<Eigen::Index>(terms.Linear(i));
     // From one end to the other; squares are the same at both.
-    const double log = 2 * std::sqrt(3) * fit[term];
-    const double margin =
-        2 * std::sqrt(3) * StudentQuantile(freedom) * std::sqrt(covariance(term, term));
+    const double between = 2 * std::sqrt(3);
+    const double share =
+        square(terms.Linear(i)) + (terms.has_squares ? square(terms.Square(i)) : 0);
     effects.mains.push_back(
-        {i,
-         std::exp(log),
-         {std::exp(log - margin), std::exp(log + margin)},
-         square(terms.Linear(i)) + (terms.has_squares ? square(terms.Square(i)) : 0)});
+        {i, between * fit[term], between * std::sqrt(covariance(term, term)), share});
   }
   std::size_t term = terms.Products();
   for (std::size_t i = 0; terms.has_products && i < parameters.size(); ++i)
@@ -105,4 +104,4 @@ std::optional<SampledEffects> FitEffects(std::span<const plan::Coordinates> para
   return effects;
 }
 
-}  // namespace cdb::figures
+}  // namespace cdb::effects
