@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
@@ -72,7 +73,7 @@ const std::map<std::string_view, std::set<std::string_view>> kTaken = {
     {"inertial", {"mass", "origin", "inertia"}},
     {"collision", {"origin", "geometry"}},
     {"geometry", {"box", "sphere", "cylinder", "mesh"}},
-    {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics"}}};
+    {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}}};
 
 /// The file, before urdfdom reads it.
 class Document {
@@ -101,16 +102,9 @@ class Document {
   const std::string& reduced() const { return text_; }
   std::vector<std::string> LeftOut() const {
     std::vector<std::string> texts;
-    if (!mimics_.empty())
-      texts.push_back(fmt::format("mimic of {} (free to move)", fmt::join(mimics_, ", ")));
     for (const auto& [name, count] : left_out_)
       texts.push_back(count == 1 ? name : fmt::format("{} {}", count, name));
     return texts;
-  }
-  /// The joint that this one mimics; empty if there is none.
-  std::string FollowedBy(std::string_view joint) const {
-    const auto found = followed_.find(joint);
-    return found == followed_.end() ? std::string() : found->second;
   }
   /// The line of a link or a joint; that of the root if there is none.
   std::size_t LineOf(std::string_view kind, std::string_view name) const {
@@ -145,11 +139,7 @@ class Document {
                         element.line, element.name),
             "write a box, a cylinder, a sphere or a mesh");
       is_out[i] = 1;
-      if (parent.name == "joint" && element.name == "mimic") {
-        mimics_.emplace_back(parent.Attribute("name"));
-        followed_.emplace(parent.Attribute("name"), element.Attribute("joint"));
-      } else
-        ++left_out_[element.name];
+      ++left_out_[element.name];
       for (std::size_t at = element.begin; at < element.end; ++at)
         if (text_[at] != '\n') text_[at] = ' ';
     }
@@ -159,8 +149,6 @@ class Document {
   std::string text_;
   std::vector<Element> elements_;
   std::map<std::string, int> left_out_;
-  std::vector<std::string> mimics_;
-  std::map<std::string, std::string, std::less<>> followed_;  ///< by the joint that mimics it
 };
 
 /// The mesh file that a robot names. `package://NAME/REST` (and `model://`) is REST in the folder
@@ -211,6 +199,8 @@ class Builder {
     if (faults_.size() > before) return std::nullopt;
     AddLink(*model.getRoot());
     if (robot_.links.size() < model.links_.size()) ReportUnreached(model);
+    if (faults_.size() > before) return std::nullopt;
+    ResolveMimics();
     robot_.left_out = document_.LeftOut();
     const auto limits = std::ranges::count_if(
         robot_.joints, [](const RobotJoint& joint) { return joint.velocity > 0; });
@@ -378,7 +368,6 @@ class Builder {
     RobotJoint joint;
     joint.name = from.name;
     joint.line = document_.LineOf("joint", from.name);
-    joint.mimic = document_.FollowedBy(from.name);
     joint.parent = parent;
     joint.child = child;
     const auto refuse = [&](const std::string& cause, const char* remedy) {
@@ -412,6 +401,13 @@ class Builder {
       return joint;
     }
     joint.axis = ToEigen(from.axis).normalized();
+    if (from.mimic) {
+      joint.mimic = from.mimic->joint_name;
+      joint.multiplier = from.mimic->multiplier;
+      joint.offset = from.mimic->offset;
+      if (!(std::abs(joint.multiplier) <= kLargest) || !(std::abs(joint.offset) <= kLargest))
+        refuse("mimics with a multiplier or an offset that is no number below 1e9", "");
+    }
     TakeLimits(from, joint);
     return joint;
   }
@@ -436,15 +432,94 @@ class Builder {
       refuse(fmt::format("has the limits {:.6g} and {:.6g}", lower, upper),
              "the lower one must not be above the upper one");
     } else if (lower == upper) {
-      joint.type = RobotJoint::Type::kFixed;
       robot_.notes.push_back(fmt::format("joint {} is fixed: its limits are equal", joint.name));
-      if (lower != 0)
-        joint.origin = joint.origin * (from.type == urdf::Joint::PRISMATIC
-                                           ? Isometry3d(Eigen::Translation3d(lower * joint.axis))
-                                           : Isometry3d(Eigen::AngleAxisd(lower, joint.axis)));
+      Hold(joint, from.type == urdf::Joint::PRISMATIC, lower);
     } else if (lower > -kLargest && upper < kLargest) {
       joint.limits = {lower, upper};
     }
+  }
+
+  /// Fixes the joint at a position.
+  void Hold(RobotJoint& joint, bool is_slider, double position) {
+    joint.type = RobotJoint::Type::kFixed;
+    joint.limits.reset();
+    joint.mimic.clear();
+    held_[joint.name] = position;
+    if (position != 0)
+      joint.origin =
+          joint.origin * (is_slider ? Isometry3d(Eigen::Translation3d(position * joint.axis))
+                                    : Isometry3d(Eigen::AngleAxisd(position, joint.axis)));
+  }
+
+  RobotJoint* Find(const std::string& name) {
+    const auto found = std::ranges::find(robot_.joints, name, &RobotJoint::name);
+    return found == robot_.joints.end() ? nullptr : &*found;
+  }
+
+  /// What follows a joint that cannot move is fixed, too.
+  void ResolveMimics() {
+    for (const RobotJoint& joint : robot_.joints) {
+      if (joint.mimic.empty()) continue;
+      const auto refuse = [&](const std::string& cause, const char* remedy) {
+        Report(joint.line, fmt::format("joint {} mimics {}, {}", joint.name, joint.mimic, cause),
+               remedy);
+      };
+      const RobotJoint* other = Find(joint.mimic);
+      if (other == nullptr) return refuse("which the robot does not have", "name another joint");
+      if (other->type == RobotJoint::Type::kFree)
+        return refuse("which is floating", "a revolute, continuous or prismatic joint can be");
+      std::size_t steps = 0;
+      while (other != nullptr && !other->mimic.empty() && steps++ < robot_.joints.size())
+        other = Find(other->mimic);
+      if (steps > robot_.joints.size() || other == &joint)
+        return refuse("and so itself in the end", "one of the joints of the circle mimics none");
+    }
+    for (bool again = true; again;) {
+      again = false;
+      for (RobotJoint& joint : robot_.joints) {
+        const bool is_still =
+            !joint.mimic.empty() &&
+            (joint.multiplier == 0 || Find(joint.mimic)->type == RobotJoint::Type::kFixed);
+        if (!is_still) continue;
+        robot_.notes.push_back(
+            fmt::format("joint {} is fixed, as what it mimics stands still", joint.name));
+        Hold(joint, joint.type == RobotJoint::Type::kSlider,
+             joint.multiplier * held_[joint.mimic] + joint.offset);
+        again = true;
+      }
+    }
+    for (RobotJoint& joint : robot_.joints)
+      if (joint.mimic.empty() && joint.type != RobotJoint::Type::kFixed) ChooseStart(joint);
+  }
+
+  void ChooseStart(RobotJoint& driver) {
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    double lower = driver.limits ? driver.limits->first : -kInfinite,
+           upper = driver.limits ? driver.limits->second : kInfinite;
+    for (const RobotJoint& joint : robot_.joints) {
+      if (joint.mimic.empty() || !joint.limits) continue;
+      double ratio = joint.multiplier, offset = joint.offset;
+      const RobotJoint* at = Find(joint.mimic);
+      for (; !at->mimic.empty(); at = Find(at->mimic)) {
+        offset += ratio * at->offset;
+        ratio *= at->multiplier;
+      }
+      if (at != &driver) continue;
+      const double first = (joint.limits->first - offset) / ratio,
+                   second = (joint.limits->second - offset) / ratio;
+      lower = std::max(lower, std::min(first, second));
+      upper = std::min(upper, std::max(first, second));
+      if (lower > upper)
+        return Report(joint.line,
+                      fmt::format("no position of joint {} keeps it and {}, which mimics it, "
+                                  "within their limits",
+                                  driver.name, joint.name),
+                      "correct <mimic> or <limit>");
+    }
+    if (lower > 0 || upper < 0)
+      driver.start = std::isfinite(lower) && std::isfinite(upper) ? (lower + upper) / 2
+                     : lower > 0                                  ? lower
+                                                                  : upper;
   }
 
   const Document& document_;
@@ -452,6 +527,7 @@ class Builder {
   const RobotOptions& options_;
   std::vector<RobotFault>& faults_;
   Robot robot_;
+  std::map<std::string, double> held_;  ///< positions of fixed joints that are not 0, by name
 };
 
 /// urdfdom's own words for a model that it refuses, with the line of what they name.

@@ -5,6 +5,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <utility>
@@ -135,6 +136,53 @@ class LoopJoint final : public Rows {
   const Side first_, second_;
 };
 
+/// The row of a Gear. A joint's bodies that move are of one multibody, so that a gear has at most
+/// two.
+class GearRow final : public Rows {
+ public:
+  struct End {
+    btMultiBody* body;
+    std::array<int, 4> links;  ///< by the gear's shares; kOther: of the other end, or the ground
+  };
+  static constexpr int kOther = kBase - 1;
+
+  GearRow(const End& first, const End& second, Gear& gear)
+      : Rows(first.body, kBase, second.body, kBase), ends_{first, second}, gear_(gear) {}
+
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override {
+    const Gear::Shares shares = gear_.ListShares();
+    for (int end = 0; end < 2; ++end) {
+      const btMultiBody& body = *ends_[end].body;
+      const auto size = static_cast<std::size_t>(body.getNumDofs() + 6);
+      jacobians_[end].assign(size, 0);
+      for (int i = 0; i < shares.count; ++i) {
+        const int link = ends_[end].links[static_cast<std::size_t>(i)];
+        if (link == kOther) continue;
+        const JointAxis::Share& share = shares.of[i];
+        of_share_.assign(size, 0);
+        body.fillConstraintJacobianMultiDof(link, share.body->getWorldTransform().getOrigin(),
+                                            share.angular, share.linear, of_share_.data(),
+                                            data.scratch_r, data.scratch_v, data.scratch_m);
+        for (std::size_t dof = 0; dof < size; ++dof) jacobians_[end][dof] += of_share_[dof];
+      }
+    }
+    const btScalar velocity = gear_.BeginStep(info.m_erp, 1 / info.m_timeStep);
+    const btVector3 none(0, 0, 0);
+    const int at = rows.size();
+    const btScalar rate =
+        fillMultiBodyConstraint(NewRow(rows), data, jacobians_[0].data(), jacobians_[1].data(),
+                                none, none, none, none, 0, info, -kNoLimit, kNoLimit);
+    rows[at].m_rhs = (velocity - rate) * rows[at].m_jacDiagABInv;
+  }
+
+ private:
+  const End ends_[2];
+  Gear& gear_;
+  // Kept from step to step, so as not to be allocated again.
+  std::vector<btScalar> jacobians_[2], of_share_;
+};
+
 btVector3 InertiaOf(const btRigidBody& body) {
   const btVector3& inverse = body.getInvInertiaDiagLocal();
   return {1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z()};
@@ -240,11 +288,13 @@ void Multibodies::Tree::Make() {
   }
 }
 
-Multibodies::Multibodies(std::span<const JointFrame> joints, std::size_t objects)
+Multibodies::Multibodies(std::span<const JointFrame> joints, std::span<Gear* const> gears,
+                         std::size_t objects)
     : ground_(std::make_unique<btMultiBody>(0, btScalar(0), btVector3(0, 0, 0), true, false)),
       links_(objects, nullptr) {
   ground_->finalizeMultiDof();
   Grow(joints);
+  for (Gear* gear : gears) AddGear(*gear);
   for (const auto& constraint : constraints_) rows_.push_back(constraint.get());
 }
 
@@ -325,6 +375,22 @@ void Multibodies::AddRows(const JointFrame& joint, bool is_in_tree) {
   if (joint.drive != nullptr)
     constraints_.push_back(std::make_unique<JointDrive>(joint.kind, first, second, *joint.drive));
   if (!is_in_tree) constraints_.push_back(std::make_unique<LoopJoint>(joint.kind, first, second));
+}
+
+void Multibodies::AddGear(Gear& gear) {
+  GearRow::End ends[2] = {{ground_.get(), {}}, {ground_.get(), {}}};
+  for (GearRow::End& end : ends) end.links.fill(GearRow::kOther);
+  const Gear::Shares shares = gear.ListShares();
+  for (int i = 0; i < shares.count; ++i) {
+    const btRigidBody& body = *shares.of[i].body;
+    const btMultiBodyLinkCollider* link = IsGround(body) ? nullptr : LinkOf(body);
+    if (link == nullptr) continue;
+    GearRow::End& end =
+        ends[ends[0].body == ground_.get() || ends[0].body == link->m_multiBody ? 0 : 1];
+    end.body = link->m_multiBody;
+    end.links[static_cast<std::size_t>(i)] = link->m_link;
+  }
+  constraints_.push_back(std::make_unique<GearRow>(ends[0], ends[1], gear));
 }
 
 // The momenta of the bodies, as forces on the tree at rest in one second, give H^-1 J^T M v: the
