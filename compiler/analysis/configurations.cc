@@ -44,10 +44,13 @@ bool IsHeldStill(const plan::Group& group) { return group.settings.WordOr("mass"
 
 /// Faults of one joint.
 Refused FindFault(const plan::Scene& scene, const plan::Joint& joint) {
-  if (joint.settings.WordOr("joints.type") == "ball")
-    return Refusal(joint, "joints.type",
-                   fmt::format("{} is a ball, which no single position describes", TextOf(joint)),
-                   "write three hinges, with links between them");
+  const std::string_view type = joint.settings.WordOr("joints.type");
+  if (type == "ball" || type == "universal")
+    return Refusal(
+        joint, "joints.type",
+        fmt::format("{} is of the type {}, which no single position describes", TextOf(joint),
+                    type),
+        fmt::format("write {} hinges, with links between them", type == "ball" ? "three" : "two"));
   if (ChildOf(joint) == plan::kWorldWord)
     return Refusal(joint, "joints.child",
                    fmt::format("the child of {} is the world", TextOf(joint)),

@@ -20,6 +20,8 @@ using Fault = std::optional<JointFault>;
 constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
 constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
 constexpr auto kStart = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.start");
+constexpr auto kAxis = schema::ParameterRef<true, schema::ValueKind::kVector>("joints.axis");
+constexpr auto kSecondAxis = schema::ParameterRef<true, schema::ValueKind::kVector>("joints.axis2");
 constexpr auto kType = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.type");
 constexpr auto kGearWith = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.gear.with");
 constexpr auto kGearRatio =
@@ -123,9 +125,33 @@ Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
   return std::nullopt;
 }
 
+/// A universal joint is a cross, whose axes are perpendicular.
+Fault FindAxesFault(const plan::Joint& joint) {
+  const Eigen::Vector3d first = joint.settings.Vector(kAxis).stableNormalized(),
+                        second = joint.settings.Vector(kSecondAxis).stableNormalized();
+  constexpr double kRounding = 1e-6;  // of the cosine
+  if (std::abs(first.dot(second)) <= kRounding) return std::nullopt;
+  const Eigen::Vector3d across = second - second.dot(first) * first;
+  return JointFault{
+      joint.settings.Has(*GroupParameter(kSecondAxis)) ? GroupParameter(kSecondAxis)
+                                                       : GroupParameter(kAxis),
+      fmt::format("the axes of {} are not perpendicular", TextOf(joint)),
+      across.norm() > kRounding
+          ? fmt::format("write axis2 ({}, {}, {})", schema::FormatReal(across.x()),
+                        schema::FormatReal(across.y()), schema::FormatReal(across.z()))
+          : "write an axis2 that is perpendicular to axis"};
+}
+
 /// What a joint of this type does not have.
 Fault FindTypeFault(const plan::Joint& joint) {
   const std::string_view type = joint.settings.WordOr(kType);
+  if (type == "universal") {
+    if (Fault fault = FindAxesFault(joint)) return fault;
+  } else if (joint.settings.Has(*GroupParameter(kSecondAxis))) {
+    return JointFault{kSecondAxis,
+                      fmt::format("{} has no second axis, as its type is {}", TextOf(joint), type),
+                      "remove it, or write type universal"};
+  }
   if (HasPosition(joint)) return std::nullopt;
   struct Part {
     GroupParameter parameter;
@@ -145,7 +171,8 @@ Fault FindTypeFault(const plan::Joint& joint) {
                                             {"joints.motor.position", "motor"},
                                             {"joints.motor.effort", "motor"}}};
   for (const Part& part : kParts)
-    if (joint.settings.Has(*part.parameter))
+    if (joint.settings.Has(*part.parameter) &&
+        !(type == "universal" && part.parameter.get() == GroupParameter(kAxis).get()))
       return JointFault{
           part.parameter,
           fmt::format("{} has no {}, as its type is {}", TextOf(joint), part.what, type),

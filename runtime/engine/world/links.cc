@@ -12,6 +12,7 @@
 #include "compiler/analysis/joints.h"
 #include "dsl/text/check.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/universal_joint.h"
 
 namespace cdb::world {
 namespace {
@@ -264,6 +265,13 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
     const btTransform about(along.getBasis() * upright, pivot);
     link.constraint =
         std::make_unique<btHingeConstraint>(first, second, to_first * about, to_second * about);
+  } else if (type == "universal") {
+    link.kind = JointKind::kUniversal;
+    const btVector3 second_axis =
+        ToBullet(frame.orientation * settings.Vector("joints.axis2").stableNormalized());
+    link.constraint =
+        std::make_unique<UniversalJoint>(first, second, link.pivot_in_first, link.pivot_in_second,
+                                         link.line_in_first, to_second.getBasis() * second_axis);
   } else {
     link.kind = type == "fixed" ? JointKind::kFixed : JointKind::kSlider;
     link.turn =
@@ -339,8 +347,12 @@ void Links::MakeMultibodies(std::size_t objects) {
   for (const Link& link : links_) {
     CDB_CHECK(link.kind);
     const btTransform& pose = link.first->getWorldTransform();
-    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first,
-                      pose.getBasis() * link.line_in_first, link.drive.get()});
+    const btVector3 axis = pose.getBasis() * link.line_in_first;
+    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first, axis,
+                      link.kind == JointKind::kUniversal
+                          ? static_cast<const UniversalJoint&>(*link.constraint).AxisOfSecond()
+                          : axis,
+                      link.drive.get()});
   }
   std::vector<Gear*> gears;
   for (const GearEntry& entry : gears_) gears.push_back(entry.gear.get());
@@ -359,6 +371,11 @@ double Links::BendOf(const Link& link) const {
     const double bend =
         std::atan2(in_first.cross(in_second).norm(), std::abs(in_first.dot(in_second)));
     return std::max(bend, link.drive ? link.drive->Excess() : 0);
+  }
+  if (link.kind == JointKind::kUniversal) {
+    const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+    return std::asin(
+        std::min(1., std::abs(ToEigen(joint.AxisOfFirst()).dot(ToEigen(joint.AxisOfSecond())))));
   }
   double bend = 0;
   if (link.turn)
@@ -431,6 +448,9 @@ double Links::JerkEnergy() const {
     if (link.kind == JointKind::kHinge) {
       add_turn(ToEigen(y));
       add_turn(ToEigen(z));
+    } else if (link.kind == JointKind::kUniversal) {
+      const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+      add_turn(ToEigen(joint.AxisOfFirst().cross(joint.AxisOfSecond())));
     } else if (link.kind == JointKind::kFixed || link.kind == JointKind::kSlider) {
       for (int axis = 0; axis < 3; ++axis) add_turn(Vector3d::Unit(axis));
     }

@@ -28,6 +28,7 @@ namespace cdb::world {
 ///                       btFixedConstraint; the pivot of links is in the middle between the centres
 ///                       of mass
 ///   slider              btGeneric6DofSpring2Constraint, free along one axis
+///   universal           UniversalJoint
 ///   spring              between the centres of mass, along a line that turns with the first of the
 ///                       two: the force is k x + c dx/dt with the state at the start of the step,
 ///                       neither limited nor softened, so that it explodes if w dt exceeds 2; the
@@ -58,7 +59,8 @@ class Links {
     double largest = 0, sum = 0;
     double stretch = 0;  ///< largest sum of the gaps of a chain over its length
     /// Largest angle, rad: of an object from where the first body of its chain would hold it by
-    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other; of what
+    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other, and of
+    /// those of a universal joint from a right angle; of what
     /// is held by a fixed joint or a slider, not by a link, from its orientation; of a hinge past
     /// its limits, or from where its gear would have it.
     double bend = 0;

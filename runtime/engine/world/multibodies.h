@@ -20,14 +20,16 @@ class btMultiBodyLinkCollider;
 
 namespace cdb::world {
 
-enum class JointKind { kBall, kHinge, kFixed, kSlider };
+enum class JointKind { kBall, kHinge, kFixed, kSlider, kUniversal };
 
 /// A joint of two bodies at their initial poses. Bodies that do not move stand for the ground.
 struct JointFrame {
   JointKind kind;
   btRigidBody *first, *second;
-  btVector3 pivot, axis;  ///< in the world; the axis, of a hinge or slider, is a unit vector
-  AxisDrive* drive;       ///< null without damping, motor and limits
+  /// In the world; the axes are unit vectors, of a hinge, a slider or a universal joint. The second
+  /// body turns about its own axis: of a universal joint, the other one.
+  btVector3 pivot, axis, axis_of_second;
+  AxisDrive* drive;  ///< null without damping, motor and limits
 };
 
 /// The trees of a scene's joints. Objects remain rigid bodies of the world for detection; their

@@ -134,6 +134,8 @@ std::vector<Variations> AllVariations() {
        {{"coordinates", World("coordinates", Word("reduced"))}}},
       {pair, {{"joints.gear.with", Joints("joints.gear.with", Word("shoulder"))}}},
       {geared, {{"joints.gear.ratio", Joints("joints.gear.ratio", -2.0)}}},
+      {With(arm, Joints("joints.type", Word("universal"))),
+       {{"joints.axis2", Joints("joints.axis2", Vector3d(0, 1, 0))}}},
       {bent, {{"joints.start", Joints("joints.start", 0.5)}}},
       {held, {{"joints.motor.position", Joints("joints.motor.position", 0.5)}}},
       {limited,
