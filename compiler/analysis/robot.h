@@ -57,7 +57,7 @@ struct RobotJoint {
   std::string mimic = {};
   double multiplier = 1, offset = 0;
   /// Unless the user gives another: 0, or in the middle of limits that exclude it, its own and
-  /// those of joints that follow it. Of a joint that follows another, nothing.
+  /// those of joints that follow it. Of a fixed joint, where it is held.
   double start = 0;
   double damping = 0, friction = 0;
   double effort = 0, velocity = 0;  ///< the largest ones of its motor; 0: not given

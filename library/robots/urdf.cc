@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
@@ -200,7 +199,8 @@ class Builder {
     AddLink(*model.getRoot());
     if (robot_.links.size() < model.links_.size()) ReportUnreached(model);
     if (faults_.size() > before) return std::nullopt;
-    ResolveMimics();
+    ResolveMimics(robot_, [&](const RobotJoint& joint, const std::string& cause,
+                              const char* remedy) { Report(joint.line, cause, remedy); });
     robot_.left_out = document_.LeftOut();
     const auto limits = std::ranges::count_if(
         robot_.joints, [](const RobotJoint& joint) { return joint.velocity > 0; });
@@ -433,93 +433,10 @@ class Builder {
              "the lower one must not be above the upper one");
     } else if (lower == upper) {
       robot_.notes.push_back(fmt::format("joint {} is fixed: its limits are equal", joint.name));
-      Hold(joint, from.type == urdf::Joint::PRISMATIC, lower);
+      HoldAt(joint, from.type == urdf::Joint::PRISMATIC, lower);
     } else if (lower > -kLargest && upper < kLargest) {
       joint.limits = {lower, upper};
     }
-  }
-
-  /// Fixes the joint at a position.
-  void Hold(RobotJoint& joint, bool is_slider, double position) {
-    joint.type = RobotJoint::Type::kFixed;
-    joint.limits.reset();
-    joint.mimic.clear();
-    held_[joint.name] = position;
-    if (position != 0)
-      joint.origin =
-          joint.origin * (is_slider ? Isometry3d(Eigen::Translation3d(position * joint.axis))
-                                    : Isometry3d(Eigen::AngleAxisd(position, joint.axis)));
-  }
-
-  RobotJoint* Find(const std::string& name) {
-    const auto found = std::ranges::find(robot_.joints, name, &RobotJoint::name);
-    return found == robot_.joints.end() ? nullptr : &*found;
-  }
-
-  /// What follows a joint that cannot move is fixed, too.
-  void ResolveMimics() {
-    for (const RobotJoint& joint : robot_.joints) {
-      if (joint.mimic.empty()) continue;
-      const auto refuse = [&](const std::string& cause, const char* remedy) {
-        Report(joint.line, fmt::format("joint {} mimics {}, {}", joint.name, joint.mimic, cause),
-               remedy);
-      };
-      const RobotJoint* other = Find(joint.mimic);
-      if (other == nullptr) return refuse("which the robot does not have", "name another joint");
-      if (other->type == RobotJoint::Type::kFree)
-        return refuse("which is floating", "a revolute, continuous or prismatic joint can be");
-      std::size_t steps = 0;
-      while (other != nullptr && !other->mimic.empty() && steps++ < robot_.joints.size())
-        other = Find(other->mimic);
-      if (steps > robot_.joints.size() || other == &joint)
-        return refuse("and so itself in the end", "one of the joints of the circle mimics none");
-    }
-    for (bool again = true; again;) {
-      again = false;
-      for (RobotJoint& joint : robot_.joints) {
-        const bool is_still =
-            !joint.mimic.empty() &&
-            (joint.multiplier == 0 || Find(joint.mimic)->type == RobotJoint::Type::kFixed);
-        if (!is_still) continue;
-        robot_.notes.push_back(
-            fmt::format("joint {} is fixed, as what it mimics stands still", joint.name));
-        Hold(joint, joint.type == RobotJoint::Type::kSlider,
-             joint.multiplier * held_[joint.mimic] + joint.offset);
-        again = true;
-      }
-    }
-    for (RobotJoint& joint : robot_.joints)
-      if (joint.mimic.empty() && joint.type != RobotJoint::Type::kFixed) ChooseStart(joint);
-  }
-
-  void ChooseStart(RobotJoint& driver) {
-    constexpr double kInfinite = std::numeric_limits<double>::infinity();
-    double lower = driver.limits ? driver.limits->first : -kInfinite,
-           upper = driver.limits ? driver.limits->second : kInfinite;
-    for (const RobotJoint& joint : robot_.joints) {
-      if (joint.mimic.empty() || !joint.limits) continue;
-      double ratio = joint.multiplier, offset = joint.offset;
-      const RobotJoint* at = Find(joint.mimic);
-      for (; !at->mimic.empty(); at = Find(at->mimic)) {
-        offset += ratio * at->offset;
-        ratio *= at->multiplier;
-      }
-      if (at != &driver) continue;
-      const double first = (joint.limits->first - offset) / ratio,
-                   second = (joint.limits->second - offset) / ratio;
-      lower = std::max(lower, std::min(first, second));
-      upper = std::min(upper, std::max(first, second));
-      if (lower > upper)
-        return Report(joint.line,
-                      fmt::format("no position of joint {} keeps it and {}, which mimics it, "
-                                  "within their limits",
-                                  driver.name, joint.name),
-                      "correct <mimic> or <limit>");
-    }
-    if (lower > 0 || upper < 0)
-      driver.start = std::isfinite(lower) && std::isfinite(upper) ? (lower + upper) / 2
-                     : lower > 0                                  ? lower
-                                                                  : upper;
   }
 
   const Document& document_;
@@ -527,7 +444,6 @@ class Builder {
   const RobotOptions& options_;
   std::vector<RobotFault>& faults_;
   Robot robot_;
-  std::map<std::string, double> held_;  ///< positions of fixed joints that are not 0, by name
 };
 
 /// urdfdom's own words for a model that it refuses, with the line of what they name.
