@@ -44,10 +44,13 @@ bool IsHeldStill(const plan::Group& group) { return group.settings.WordOr("mass"
 
 /// Faults of one joint.
 Refused FindFault(const plan::Scene& scene, const plan::Joint& joint) {
-  if (joint.settings.WordOr("joints.type") == "ball")
-    return Refusal(joint, "joints.type",
-                   fmt::format("{} is a ball, which no single position describes", TextOf(joint)),
-                   "write three hinges, with links between them");
+  const std::string_view type = joint.settings.WordOr("joints.type");
+  if (type == "ball" || type == "universal")
+    return Refusal(
+        joint, "joints.type",
+        fmt::format("{} is of the type {}, which no single position describes", TextOf(joint),
+                    type),
+        fmt::format("write {} hinges, with links between them", type == "ball" ? "three" : "two"));
   if (ChildOf(joint) == plan::kWorldWord)
     return Refusal(joint, "joints.child",
                    fmt::format("the child of {} is the world", TextOf(joint)),
@@ -135,26 +138,52 @@ Refused FindAskFault(const plan::Scene& scene) {
   return std::nullopt;
 }
 
+const plan::Joint& LastDriverOf(const plan::Scene& scene, const plan::Joint& joint) {
+  const plan::Joint* at = &joint;
+  while (const auto gear = GearOf(scene, *at)) at = gear->with;
+  return *at;
+}
+
+/// What follows a freedom narrows its limits.
+void LimitDrivers(std::vector<Freedom>& freedoms) {
+  for (const Freedom& freedom : freedoms) {
+    if (!freedom.driver || !freedom.has_limits) continue;
+    Freedom& driver = freedoms[*freedom.driver];
+    const double first = (freedom.lower - freedom.offset) / freedom.ratio,
+                 second = (freedom.upper - freedom.offset) / freedom.ratio;
+    driver.lower = std::max(driver.lower, std::min(first, second));
+    driver.upper = std::min(driver.upper, std::max(first, second));
+    driver.has_limits = true;
+  }
+  for (Freedom& freedom : freedoms) {
+    if (freedom.is_slider || freedom.has_limits) continue;
+    freedom.lower = -std::numbers::pi;
+    freedom.upper = std::numbers::pi;
+  }
+}
+
 /// Faults of the position of a joint.
 Refused FindPositionFault(const plan::Scene& scene, const Freedom& freedom) {
   const plan::Joint& joint = *freedom.joint;
+  if (freedom.driver && joint.settings.Has(*GroupParameter("joints.goal")))
+    return Refusal(joint, "joints.goal",
+                   fmt::format("{} follows {}, and has no goal of its own", TextOf(joint),
+                               joint.settings.WordOr("joints.gear.with")),
+                   "remove it");
+  if (freedom.driver) return std::nullopt;
   const bool is_path = scene.world.WordOr(kPositions) == "path";
-  if (const std::string_view followed = joint.settings.WordOr("joints.mimic"); followed != "none")
-    return Refusal(
-        joint, "joints.mimic",
-        fmt::format("{} mimics {}, which configurations cannot do", TextOf(joint), followed),
-        "let it stay where it starts: name the other joints in configurations.of");
   if (scene.world.WordOr(kPositions) == "uniform" && !std::isfinite(freedom.lower))
     return Refusal(joint, "joints.type",
                    fmt::format("{} is a slider without limits, between which positions are drawn",
                                TextOf(joint)),
                    "give it limits: limits { lower 0; upper 1 }");
-  if (is_path && (freedom.goal < freedom.lower || freedom.goal > freedom.upper) && HasLimits(joint))
+  if (is_path && (freedom.goal < freedom.lower || freedom.goal > freedom.upper) &&
+      freedom.has_limits)
     return Refusal(joint, "joints.goal",
                    fmt::format("the goal of {}, {}, is outside its limits, {} to {}", TextOf(joint),
                                schema::FormatReal(freedom.goal), schema::FormatReal(freedom.lower),
                                schema::FormatReal(freedom.upper)),
-                   "the path stays within the limits");
+                   "the path stays within the limits, also those of joints in gear with this one");
   return std::nullopt;
 }
 
@@ -170,27 +199,45 @@ const schema::Call* ConfigurationListOf(const plan::Scene& scene) {
 
 std::vector<Freedom> FreedomsOf(const plan::Scene& scene) {
   std::vector<Freedom> freedoms;
+  std::map<const plan::Joint*, std::size_t> numbers;
+  const auto moves = [&](const plan::Joint& joint) {
+    return scene.world.Lists("configurations.of", "all") ||
+           scene.world.Lists("configurations.of", joint.name);
+  };
   for (const plan::Joint& joint : scene.joints) {
     const std::string_view type = joint.settings.WordOr("joints.type");
     if (!scene.HoldsObjects(joint) || (type != "hinge" && type != "slider")) continue;
-    if (!scene.world.Lists("configurations.of", "all") &&
-        !scene.world.Lists("configurations.of", joint.name))
-      continue;
-    Freedom freedom = {&joint, type == "slider", -std::numbers::pi, std::numbers::pi, 0, 0};
+    if (!moves(LastDriverOf(scene, joint))) continue;
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    Freedom freedom = {&joint, type == "slider", -kInfinite, kInfinite, HasLimits(joint), 0, 0};
     if (HasLimits(joint) &&
         schema::AsNumber(joint.settings.Get("joints.limits.upper")) != nullptr) {
       freedom.lower = joint.settings.Real("joints.limits.lower");
       freedom.upper = joint.settings.Real("joints.limits.upper");
-    } else if (freedom.is_slider) {
-      freedom.lower = -std::numeric_limits<double>::infinity();
-      freedom.upper = std::numeric_limits<double>::infinity();
     }
     freedom.start = joint.settings.Real("joints.start");
     const schema::Number* goal = schema::AsNumber(joint.settings.Get("joints.goal"));
     freedom.goal = goal == nullptr ? freedom.start : goal->AsReal();
+    numbers.emplace(&joint, freedoms.size());
     freedoms.push_back(freedom);
   }
+  for (Freedom& freedom : freedoms) {
+    const plan::Joint* at = freedom.joint;
+    while (const auto gear = GearOf(scene, *at)) {
+      freedom.offset += freedom.ratio * gear->offset;
+      freedom.ratio *= gear->ratio;
+      at = gear->with;
+    }
+    if (at != freedom.joint) freedom.driver = numbers.at(at);
+  }
+  LimitDrivers(freedoms);
   return freedoms;
+}
+
+void Follow(std::span<const Freedom> freedoms, std::span<double> positions) {
+  for (std::size_t i = 0; i < freedoms.size(); ++i)
+    if (freedoms[i].driver)
+      positions[i] = freedoms[i].ratio * positions[*freedoms[i].driver] + freedoms[i].offset;
 }
 
 std::optional<ConfigurationFault> FindConfigurationFault(const plan::Scene& scene) {
@@ -200,6 +247,13 @@ std::optional<ConfigurationFault> FindConfigurationFault(const plan::Scene& scen
       return ConfigurationFault{"", schema::WorldParameter("configurations.of").get(),
                                 fmt::format("there is no joint '{}'", name),
                                 "name joints of the scene, or all"};
+  for (const plan::Joint& joint : scene.joints)
+    if (scene.world.Lists("configurations.of", joint.name) && GearOf(scene, joint))
+      return ConfigurationFault{
+          "", schema::WorldParameter("configurations.of").get(),
+          fmt::format("{} follows {}, and has no position of its own", TextOf(joint),
+                      joint.settings.WordOr("joints.gear.with")),
+          fmt::format("name {}", LastDriverOf(scene, joint).name)};
   if (Refused fault = FindTreeFault(scene)) return fault;
   if (Refused fault = FindAskFault(scene)) return fault;
   const std::vector<Freedom> freedoms = FreedomsOf(scene);
@@ -210,7 +264,7 @@ std::optional<ConfigurationFault> FindConfigurationFault(const plan::Scene& scen
     if (Refused fault = FindPositionFault(scene, freedom)) return fault;
   const bool is_path = scene.world.WordOr(kPositions) == "path";
   if (is_path && std::ranges::all_of(freedoms, [](const Freedom& freedom) {
-        return freedom.goal == freedom.start;
+        return freedom.driver || freedom.goal == freedom.start;
       }))
     return ConfigurationFault{"", kPositions.get(), "the path ends where it begins",
                               "give a joint another goal: elbow.goal 1 rad"};
@@ -225,8 +279,9 @@ ConfigurationList ReadConfigurationList(const schema::Call& list, const std::str
                                         const std::vector<Freedom>& freedoms) {
   const std::string& file = FileOfList(list);
   plan::TextTable table(text, file, plan::DialectOf(list));
-  std::vector<plan::Column> columns;
+  std::vector<plan::Column> columns;  // of the freedoms that follow none
   for (const Freedom& freedom : freedoms) {
+    if (freedom.driver) continue;
     columns.push_back(table.Find(freedom.joint->name));
     const text::Unit unit = freedom.is_slider ? text::Unit{.length = 1} : text::Unit{.angle = 1};
     const auto& given = columns.back().unit;
@@ -241,8 +296,14 @@ ConfigurationList ReadConfigurationList(const schema::Call& list, const std::str
     throw plan::TableError(fmt::format("{} has no line of numbers", file),
                            "write a line for each configuration");
   ConfigurationList read = {plan::Sha256Hex(text), {}, table.rows()};
-  for (std::size_t row = 0; row < table.rows(); ++row)
-    for (const plan::Column& column : columns) read.positions.push_back(table.Number(row, column));
+  std::vector<double> positions(freedoms.size());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    auto column = columns.begin();
+    for (std::size_t i = 0; i < freedoms.size(); ++i)
+      if (!freedoms[i].driver) positions[i] = table.Number(row, *column++);
+    Follow(freedoms, positions);
+    read.positions.insert(read.positions.end(), positions.begin(), positions.end());
+  }
   return read;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,19 @@ const schema::Call* ConfigurationListOf(const plan::Scene& scene);
 struct Freedom {
   const plan::Joint* joint;
   bool is_slider;
-  /// Its limits; of a hinge without any, half a turn to each side, of a slider without any,
-  /// infinite.
+  /// Its limits, and those of the joints in gear with it; of a hinge without any, half a turn to
+  /// each side, of a slider without any, infinite.
   double lower, upper;
+  bool has_limits;
   double start, goal;  ///< the ends of a path
+  /// The freedom that it follows by gears, at `ratio` times its position plus `offset`.
+  std::optional<std::size_t> driver = {};
+  double ratio = 1, offset = 0;
 };
 /// In the order of the joints, without those that hold no objects. The scene must outlive them.
 std::vector<Freedom> FreedomsOf(const plan::Scene& scene);
+/// Sets the positions that follow others, of one configuration.
+void Follow(std::span<const Freedom> freedoms, std::span<double> positions);
 
 struct ConfigurationFault {
   std::string group;                   ///< or joint; empty for a parameter of the world

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
@@ -19,6 +20,14 @@ using Fault = std::optional<JointFault>;
 constexpr auto kParent = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.parent");
 constexpr auto kChild = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.child");
 constexpr auto kStart = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.start");
+constexpr auto kAxis = schema::ParameterRef<true, schema::ValueKind::kVector>("joints.axis");
+constexpr auto kSecondAxis = schema::ParameterRef<true, schema::ValueKind::kVector>("joints.axis2");
+constexpr auto kType = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.type");
+constexpr auto kGearWith = schema::ParameterRef<true, schema::ValueKind::kWord>("joints.gear.with");
+constexpr auto kGearRatio =
+    schema::ParameterRef<true, schema::ValueKind::kReal>("joints.gear.ratio");
+constexpr auto kGearOffset =
+    schema::ParameterRef<true, schema::ValueKind::kReal>("joints.gear.offset");
 constexpr auto kLower = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.lower");
 constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("joints.limits.upper");
 
@@ -33,6 +42,26 @@ const plan::Joint* FindJoint(const plan::Scene& scene, auto has) {
   return found == scene.joints.end() ? nullptr : &*found;
 }
 
+/// Whether one number says where the child is.
+bool HasPosition(const plan::Joint& joint) {
+  const std::string_view type = joint.settings.WordOr(kType);
+  return type == "hinge" || type == "slider";
+}
+
+const plan::Joint* PartnerOf(const plan::Scene& scene, const plan::Joint& joint) {
+  const auto found =
+      std::ranges::find(scene.joints, joint.settings.WordOr(kGearWith), &plan::Joint::name);
+  return found == scene.joints.end() ? nullptr : &*found;
+}
+
+/// Whether the gears from this joint on come back to one that they have passed.
+bool EndsInCircle(const plan::Scene& scene, const plan::Joint& joint) {
+  std::size_t steps = 0;
+  for (const plan::Joint* at = &joint; at != nullptr; at = PartnerOf(scene, *at))
+    if (steps++ > scene.joints.size()) return true;
+  return false;
+}
+
 /// The sides of a joint that exist: null stands for the world.
 struct Sides {
   std::string_view parent, child;
@@ -43,6 +72,12 @@ struct Sides {
         child(joint.settings.WordOr(kChild)),
         of_parent(scene.FindGroup(parent)),
         of_child(scene.FindGroup(child)) {}
+
+  static std::uint64_t Count(const plan::Group* group) {
+    return group == nullptr ? 1 : group->settings.Count("quantity");
+  }
+  /// Pairs of objects.
+  std::uint64_t Count() const { return std::max(Count(of_parent), Count(of_child)); }
 };
 
 bool CannotMove(const plan::Group* group) {
@@ -65,10 +100,8 @@ Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
   if (sides.child != plan::kWorldWord && sides.of_child == nullptr)
     return JointFault{kChild, std::string(sides.child), {}, Kind::kUnknownGroup};
   if (!scene.HoldsObjects(joint)) return std::nullopt;
-  const auto count = [](const plan::Group* group) -> std::uint64_t {
-    return group == nullptr ? 1 : group->settings.Count("quantity");
-  };
-  const std::uint64_t parents = count(sides.of_parent), children = count(sides.of_child);
+  const std::uint64_t parents = Sides::Count(sides.of_parent),
+                      children = Sides::Count(sides.of_child);
   if (parents != children && parents != 1 && children != 1)
     return JointFault{kChild,
                       fmt::format("{} joins {} objects of {} to {} of {}", TextOf(joint), parents,
@@ -92,26 +125,54 @@ Fault FindSideFault(const plan::Scene& scene, const plan::Joint& joint) {
   return std::nullopt;
 }
 
+/// A universal joint is a cross, whose axes are perpendicular.
+Fault FindAxesFault(const plan::Joint& joint) {
+  const Eigen::Vector3d first = joint.settings.Vector(kAxis).stableNormalized(),
+                        second = joint.settings.Vector(kSecondAxis).stableNormalized();
+  constexpr double kRounding = 1e-6;  // of the cosine
+  if (std::abs(first.dot(second)) <= kRounding) return std::nullopt;
+  const Eigen::Vector3d across = second - second.dot(first) * first;
+  return JointFault{
+      joint.settings.Has(*GroupParameter(kSecondAxis)) ? GroupParameter(kSecondAxis)
+                                                       : GroupParameter(kAxis),
+      fmt::format("the axes of {} are not perpendicular", TextOf(joint)),
+      across.norm() > kRounding
+          ? fmt::format("write axis2 ({}, {}, {})", schema::FormatReal(across.x()),
+                        schema::FormatReal(across.y()), schema::FormatReal(across.z()))
+          : "write an axis2 that is perpendicular to axis"};
+}
+
 /// What a joint of this type does not have.
 Fault FindTypeFault(const plan::Joint& joint) {
-  const std::string_view type = joint.settings.WordOr("joints.type");
-  if (type == "hinge" || type == "slider") return std::nullopt;
+  const std::string_view type = joint.settings.WordOr(kType);
+  if (type == "universal") {
+    if (Fault fault = FindAxesFault(joint)) return fault;
+  } else if (joint.settings.Has(*GroupParameter(kSecondAxis))) {
+    return JointFault{kSecondAxis,
+                      fmt::format("{} has no second axis, as its type is {}", TextOf(joint), type),
+                      "remove it, or write type universal"};
+  }
+  if (HasPosition(joint)) return std::nullopt;
   struct Part {
     GroupParameter parameter;
     const char* what;
   };
-  constexpr std::array<Part, 10> kParts = {{{"joints.axis", "axis"},
+  constexpr std::array<Part, 13> kParts = {{{"joints.axis", "axis"},
                                             {"joints.start", "start"},
                                             {"joints.goal", "goal"},
                                             {"joints.limits.lower", "limits"},
                                             {"joints.limits.upper", "limits"},
+                                            {"joints.gear.with", "gear"},
+                                            {"joints.gear.ratio", "gear"},
+                                            {"joints.gear.offset", "gear"},
                                             {"joints.damping", "damping"},
                                             {"joints.friction", "friction"},
                                             {"joints.motor.velocity", "motor"},
                                             {"joints.motor.position", "motor"},
                                             {"joints.motor.effort", "motor"}}};
   for (const Part& part : kParts)
-    if (joint.settings.Has(*part.parameter))
+    if (joint.settings.Has(*part.parameter) &&
+        !(type == "universal" && part.parameter.get() == GroupParameter(kAxis).get()))
       return JointFault{
           part.parameter,
           fmt::format("{} has no {}, as its type is {}", TextOf(joint), part.what, type),
@@ -169,6 +230,63 @@ Fault FindGoalFault(const plan::Scene& scene, const plan::Joint& joint) {
   return JointFault{"joints.goal",
                     fmt::format("{} has a goal, but the scene is simulated", TextOf(joint)),
                     "write configurations { positions path }, or a motor that seeks a position"};
+}
+
+Fault FindPartnerFault(const plan::Scene& scene, const plan::Joint& joint) {
+  const auto fault = [&](std::string message, std::string help) {
+    return JointFault{kGearWith, std::move(message), std::move(help)};
+  };
+  const std::string name(joint.settings.WordOr(kGearWith));
+  const plan::Joint* partner = PartnerOf(scene, joint);
+  if (partner == nullptr)
+    return fault(fmt::format("there is no joint '{}'", name), "name a block of joints");
+  if (!scene.HoldsObjects(*partner))
+    return fault(fmt::format("{} is in gear with {}, which holds no objects", TextOf(joint), name),
+                 "give its groups objects, or remove the gear");
+  if (!HasPosition(*partner))
+    return fault(fmt::format("{} is in gear with {}, whose type is {}", TextOf(joint), name,
+                             partner->settings.WordOr(kType)),
+                 "gears couple joints of the type hinge or slider");
+  if (EndsInCircle(scene, joint))
+    return fault(partner == &joint ? fmt::format("{} is in gear with itself", TextOf(joint))
+                                   : fmt::format("the gears of {} end in a circle", TextOf(joint)),
+                 "of joints in gear with each other, one has no gear.with");
+  const std::uint64_t own = Sides(scene, joint).Count(), others = Sides(scene, *partner).Count();
+  if (own != others && others != 1)
+    return JointFault{
+        kGearWith,
+        fmt::format("{} holds {} pairs of objects, but is in gear with {}, which holds {}",
+                    TextOf(joint), own, name, others),
+        "give both the same quantity, or the other a single pair", Kind::kQuantity};
+  return std::nullopt;
+}
+
+Fault FindGearFault(const plan::Scene& scene, const plan::Joint& joint) {
+  if (joint.settings.WordOr(kGearWith) == "none") {
+    for (const GroupParameter part : {GroupParameter(kGearRatio), GroupParameter(kGearOffset)})
+      if (joint.settings.Has(*part))
+        return JointFault{part, fmt::format("the gear of {} has no other joint", TextOf(joint)),
+                          "name the joint that it is in gear with: gear.with NAME"};
+    return std::nullopt;
+  }
+  if (!scene.HoldsObjects(joint)) return std::nullopt;
+  if (Fault fault = FindPartnerFault(scene, joint)) return fault;
+  if (joint.settings.Real(kGearRatio) == 0)
+    return JointFault{kGearRatio, fmt::format("the gear of {} has the ratio 0", TextOf(joint)),
+                      "write type fixed, or a ratio that is not 0"};
+  const std::optional<Gear> gear = GearOf(scene, joint);
+  const double start = joint.settings.Real(kStart), other = gear->with->settings.Real(kStart);
+  const double wanted = gear->ratio * other + gear->offset;
+  constexpr double kRounding = 1e-9;
+  if (std::abs(start - wanted) <=
+      kRounding * (1 + std::abs(gear->ratio * other) + std::abs(gear->offset)))
+    return std::nullopt;
+  return JointFault{
+      kGearOffset,
+      fmt::format("{} starts at {}, but its gear with {} puts it at {}", TextOf(joint),
+                  schema::FormatReal(start), joint.settings.WordOr(kGearWith),
+                  schema::FormatReal(wanted)),
+      fmt::format("write start {}, or gear.offset start", schema::FormatReal(wanted))};
 }
 
 Fault FindMotorFault(const plan::Joint& joint) {
@@ -243,12 +361,29 @@ const plan::Joint* FindLosses(const plan::Scene& scene) {
   });
 }
 
+std::optional<Gear> GearOf(const plan::Scene& scene, const plan::Joint& joint) {
+  if (!scene.HoldsObjects(joint) || joint.settings.WordOr(kGearWith) == "none") return std::nullopt;
+  const plan::Joint* partner = PartnerOf(scene, joint);
+  if (partner == nullptr || EndsInCircle(scene, joint)) return std::nullopt;
+  Gear gear = {partner, joint.settings.Real(kGearRatio), 0};
+  gear.offset = HasNumber(joint, kGearOffset)
+                    ? joint.settings.Real(kGearOffset)
+                    : joint.settings.Real(kStart) - gear.ratio * partner->settings.Real(kStart);
+  return gear;
+}
+
+bool HasGears(const plan::Scene& scene) {
+  return std::ranges::any_of(
+      scene.joints, [&](const plan::Joint& joint) { return GearOf(scene, joint).has_value(); });
+}
+
 std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::Joint& joint) {
   if (Fault fault = FindSideFault(scene, joint)) return fault;
   if (Fault fault = FindTypeFault(joint)) return fault;
   if (Fault fault = FindLimitFault(joint)) return fault;
   if (Fault fault = FindStartFault(scene, joint)) return fault;
   if (Fault fault = FindGoalFault(scene, joint)) return fault;
+  if (Fault fault = FindGearFault(scene, joint)) return fault;
   return FindMotorFault(joint);
 }
 

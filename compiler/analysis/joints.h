@@ -20,6 +20,16 @@ bool IsJoined(const plan::Scene& scene, std::string_view group);
 const plan::Joint* FindMotor(const plan::Scene& scene);
 const plan::Joint* FindLosses(const plan::Scene& scene);
 
+/// A coupling: the position of a joint is `ratio` times that of the joint `with`, plus `offset`.
+struct Gear {
+  const plan::Joint* with;
+  double ratio, offset;
+};
+/// The gear of a joint of the scene; nullopt if it has none, or one with a JointFault, or holds no
+/// objects. Gears end in a joint without one.
+std::optional<Gear> GearOf(const plan::Scene& scene, const plan::Joint& joint);
+bool HasGears(const plan::Scene& scene);
+
 struct JointFault {
   enum class Kind { kContradiction, kQuantity, kUnknownGroup };
   schema::GroupParameter parameter;  ///< whose value is at fault

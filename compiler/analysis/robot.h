@@ -53,7 +53,12 @@ struct RobotJoint {
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  ///< in the frame of the parent
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           ///< in the frame of the joint
   std::optional<std::pair<double, double>> limits;           ///< rad or m
-  std::string mimic = {};  ///< the joint that it mimics; empty: none
+  /// The joint that it follows, at `multiplier` times its position plus `offset`; empty: none.
+  std::string mimic = {};
+  double multiplier = 1, offset = 0;
+  /// Unless the user gives another: 0, or in the middle of limits that exclude it, its own and
+  /// those of joints that follow it. Of a fixed joint, where it is held.
+  double start = 0;
   double damping = 0, friction = 0;
   double effort = 0, velocity = 0;  ///< the largest ones of its motor; 0: not given
 };

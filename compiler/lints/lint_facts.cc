@@ -219,6 +219,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   FindTowers(facts);
   FindContacts(facts);
   FindAdjoining(facts);
+  FindTrees(scene, facts);
   return facts;
 }
 
@@ -426,6 +427,7 @@ constexpr Row kFormulae[] = {
     {Lint::kRollingGain, RollingGain},
     {Lint::kLeaningStack, LeaningStack},
     {Lint::kSlidingBox, SlidingBox},
+    {Lint::kTumblingTree, TumblingTree},
 };
 
 std::optional<LintNumber> WorstNumber(const Row& row, const SceneFacts& scene) {

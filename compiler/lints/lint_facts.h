@@ -65,6 +65,7 @@ struct GroupFacts {
   double load = 1;         ///< mass of the end of a chain divided by that of the others
   bool chained = false, springs = false;  ///< by links
   bool linked = false;                    ///< by links or joints: the objects do not move freely
+  double tumble = 0;                      ///< rad/s: the spin of its tree (FindTrees)
   double overlap = 0;                     ///< m, between neighbours at the start
   double gap = 0;                         ///< m, the initial fall of the objects of a stack
 };
@@ -120,6 +121,11 @@ void FindContacts(SceneFacts& scene);
 /// Sets GroupFacts::adjoins.
 void FindAdjoining(SceneFacts& scene);
 
+/// Sets GroupFacts::tumble, in reduced coordinates: the mean spin, weighted by mass, of the groups
+/// that joints hold together, if neither the world nor anything fixed holds them and one of the
+/// joints turns. chain_lints.cc.
+void FindTrees(const plan::Scene& scene, SceneFacts& facts);
+
 /// The position at which `location at(…)` places the group's object.
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);
 /// The constant value of a vector; nullopt if it is drawn or on a schedule.
@@ -155,6 +161,7 @@ Formula Creep;
 Formula HeavyEnd;
 Formula LongChain;
 Formula SwingingJoint;
+Formula TumblingTree;
 Formula StiffSpring;
 
 // Contacts: contact_lints.cc.

@@ -192,6 +192,12 @@ constexpr LintInfo kLints[] = {
      .predicts = "friction {} turn a box, or brake it too much or too little, as Bullet finds one corner on a plane at a time",
      .remedy = "world.wall_shape box, or narrow_phase batch",
      .about = "world.wall_shape narrow_phase linear_velocity friction"},
+    {.lint = Lint::kTumblingTree, .kind = {"W0331", "tumbling-tree"},
+     .number = "cycles (w timestep)^2, w the spin at the start, averaged by mass, of a tree in reduced coordinates that nothing holds and in which a joint turns",
+     .threshold = "0.2",
+     .predicts = "a tree that tumbles {} gain energy, as Bullet takes its Coriolis terms from the start of the step",
+     .remedy = "timestep {} or less, or coordinates maximal",
+     .about = "angular_velocity timestep cycles coordinates"},
 };
 // clang-format on
 

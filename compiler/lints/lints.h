@@ -48,6 +48,7 @@ enum class Lint {
   kRollingGain,
   kLeaningStack,
   kSlidingBox,
+  kTumblingTree,
 };
 
 /// One row of THE table of lints.

@@ -482,13 +482,22 @@ class Expansion {
         const auto [lower, upper] = *joint.limits;
         set("limits.lower", syntax_.Number(lower));
         set("limits.upper", syntax_.Number(upper));
-        if (lower > 0 || upper < 0) set("start", syntax_.Number((lower + upper) / 2));
       }
-      if (const std::string followed = NameOfMimicked(joint); !followed.empty())
-        set("mimic", syntax_.Word(followed));
+      if (!joint.mimic.empty()) {
+        const std::string& followed = NameOf(joint.mimic);
+        set("gear.with", syntax_.Word(followed));
+        set("gear.ratio", syntax_.Number(joint.multiplier));
+        set("gear.offset", syntax_.Number(joint.offset));
+        set("start", syntax_.Binary('+',
+                                    syntax_.Binary('*', syntax_.Number(joint.multiplier),
+                                                   syntax_.Word(followed + ".start")),
+                                    syntax_.Number(joint.offset)));
+      } else if (joint.start != 0) {
+        set("start", syntax_.Number(joint.start));
+      }
       if (joint.damping > 0) set("damping", syntax_.Number(joint.damping));
       if (joint.friction > 0) set("friction", syntax_.Number(joint.friction));
-      if (joint.effort > 0 && Word("hold", "off") == "on") {
+      if (joint.effort > 0 && joint.mimic.empty() && Word("hold", "off") == "on") {
         set("motor.position", syntax_.Word(name + ".start"));
         set("motor.effort", syntax_.Number(joint.effort));
       }
@@ -496,13 +505,10 @@ class Expansion {
     result_.block.statements.push_back(syntax_.Statement(std::move(group)));
   }
 
-  /// The name of the joint that this one mimics, if that one moves.
-  std::string NameOfMimicked(const RobotJoint& joint) const {
-    for (std::size_t i = 0; i < robot_->joints.size(); ++i)
-      if (!joint.mimic.empty() && robot_->joints[i].name == joint.mimic &&
-          robot_->joints[i].type != RobotJoint::Type::kFixed)
-        return result_.joints[i];
-    return {};
+  /// Of the block of a joint.
+  const std::string& NameOf(const std::string& joint) const {
+    const auto found = std::ranges::find(robot_->joints, joint, &RobotJoint::name);
+    return result_.joints[static_cast<std::size_t>(found - robot_->joints.begin())];
   }
 
   /// The settings that the user wrote.

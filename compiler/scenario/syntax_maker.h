@@ -41,6 +41,14 @@ class SyntaxMaker {
     vector->height = 3;
     return vector;
   }
+  dsl::ExprPtr Binary(char op, dsl::ExprPtr left, dsl::ExprPtr right) const {
+    auto binary = Make(dsl::ExprKind::kBinary);
+    binary->op = op;
+    binary->height = 1 + std::max(left->height, right->height);
+    binary->items.push_back(std::move(left));
+    binary->items.push_back(std::move(right));
+    return binary;
+  }
   dsl::ExprPtr Word(std::string word) const { return Make(dsl::ExprKind::kPath, std::move(word)); }
   dsl::ExprPtr Text(std::string text) const { return Make(dsl::ExprKind::kText, std::move(text)); }
   static void Add(dsl::Expr& call, dsl::ExprPtr value, const char* name = nullptr) {

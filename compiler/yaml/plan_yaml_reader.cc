@@ -345,14 +345,17 @@ class PlanReader : public ValueReader {
       run.scene.groups.push_back({name, ReadSettings<true>(group, canonical)});
     }
     if (run.scene.groups.empty()) Fail(node.Mark(), "a run needs a group of objects");
-    if (node["joints"])
+    if (node["joints"]) {
       for (const YAML::Node& joint : node["joints"]) {
         const std::string name = Name(Member(joint, "joint"));
         canonical += "joint " + name + "\n";
         run.scene.joints.push_back(
             {name, ReadSettings<true>(joint, canonical, {}, schema::kJointsBlock)});
-        CheckJoint(run.scene, run.scene.joints.back(), joint);
       }
+      std::size_t next = 0;  // a joint may be in gear with a later one
+      for (const YAML::Node& joint : node["joints"])
+        CheckJoint(run.scene, run.scene.joints[next++], joint);
+    }
     if (const auto fault = analysis::FindReducedFault(run.scene)) Fail(node.Mark(), fault->message);
     if (analysis::HasConfigurations(run.scene))
       if (const auto fault = analysis::FindConfigurationFault(run.scene))

@@ -111,11 +111,14 @@ std::vector<double> DrawnPositions(const plan::Scene& scene,
                                    std::size_t count) {
   std::vector<double> positions(count * freedoms.size());
   for (std::size_t j = 0; j < freedoms.size(); ++j) {
+    if (freedoms[j].driver) continue;
     distributions::Stream stream =
         distributions::NamedStream(scene, freedoms[j].joint->name, analysis::kPositionStream + 1);
     for (std::size_t i = 0; i < count; ++i)
       positions[i * freedoms.size() + j] = stream.Uniform(freedoms[j].lower, freedoms[j].upper);
   }
+  for (std::size_t i = 0; i < count; ++i)
+    analysis::Follow(freedoms, std::span(positions).subspan(i * freedoms.size(), freedoms.size()));
   return positions;
 }
 
@@ -126,6 +129,7 @@ std::vector<double> PathPositions(const std::vector<analysis::Freedom>& freedoms
     const double part = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0.0;
     for (const analysis::Freedom& freedom : freedoms)
       positions.push_back((1 - part) * freedom.start + part * freedom.goal);
+    analysis::Follow(freedoms, std::span(positions).last(freedoms.size()));
   }
   return positions;
 }

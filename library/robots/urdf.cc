@@ -72,7 +72,7 @@ const std::map<std::string_view, std::set<std::string_view>> kTaken = {
     {"inertial", {"mass", "origin", "inertia"}},
     {"collision", {"origin", "geometry"}},
     {"geometry", {"box", "sphere", "cylinder", "mesh"}},
-    {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics"}}};
+    {"joint", {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}}};
 
 /// The file, before urdfdom reads it.
 class Document {
@@ -101,16 +101,9 @@ class Document {
   const std::string& reduced() const { return text_; }
   std::vector<std::string> LeftOut() const {
     std::vector<std::string> texts;
-    if (!mimics_.empty())
-      texts.push_back(fmt::format("mimic of {} (free to move)", fmt::join(mimics_, ", ")));
     for (const auto& [name, count] : left_out_)
       texts.push_back(count == 1 ? name : fmt::format("{} {}", count, name));
     return texts;
-  }
-  /// The joint that this one mimics; empty if there is none.
-  std::string FollowedBy(std::string_view joint) const {
-    const auto found = followed_.find(joint);
-    return found == followed_.end() ? std::string() : found->second;
   }
   /// The line of a link or a joint; that of the root if there is none.
   std::size_t LineOf(std::string_view kind, std::string_view name) const {
@@ -145,11 +138,7 @@ class Document {
                         element.line, element.name),
             "write a box, a cylinder, a sphere or a mesh");
       is_out[i] = 1;
-      if (parent.name == "joint" && element.name == "mimic") {
-        mimics_.emplace_back(parent.Attribute("name"));
-        followed_.emplace(parent.Attribute("name"), element.Attribute("joint"));
-      } else
-        ++left_out_[element.name];
+      ++left_out_[element.name];
       for (std::size_t at = element.begin; at < element.end; ++at)
         if (text_[at] != '\n') text_[at] = ' ';
     }
@@ -159,8 +148,6 @@ class Document {
   std::string text_;
   std::vector<Element> elements_;
   std::map<std::string, int> left_out_;
-  std::vector<std::string> mimics_;
-  std::map<std::string, std::string, std::less<>> followed_;  ///< by the joint that mimics it
 };
 
 /// The mesh file that a robot names. `package://NAME/REST` (and `model://`) is REST in the folder
@@ -211,6 +198,9 @@ class Builder {
     if (faults_.size() > before) return std::nullopt;
     AddLink(*model.getRoot());
     if (robot_.links.size() < model.links_.size()) ReportUnreached(model);
+    if (faults_.size() > before) return std::nullopt;
+    ResolveMimics(robot_, [&](const RobotJoint& joint, const std::string& cause,
+                              const char* remedy) { Report(joint.line, cause, remedy); });
     robot_.left_out = document_.LeftOut();
     const auto limits = std::ranges::count_if(
         robot_.joints, [](const RobotJoint& joint) { return joint.velocity > 0; });
@@ -378,7 +368,6 @@ class Builder {
     RobotJoint joint;
     joint.name = from.name;
     joint.line = document_.LineOf("joint", from.name);
-    joint.mimic = document_.FollowedBy(from.name);
     joint.parent = parent;
     joint.child = child;
     const auto refuse = [&](const std::string& cause, const char* remedy) {
@@ -412,6 +401,13 @@ class Builder {
       return joint;
     }
     joint.axis = ToEigen(from.axis).normalized();
+    if (from.mimic) {
+      joint.mimic = from.mimic->joint_name;
+      joint.multiplier = from.mimic->multiplier;
+      joint.offset = from.mimic->offset;
+      if (!(std::abs(joint.multiplier) <= kLargest) || !(std::abs(joint.offset) <= kLargest))
+        refuse("mimics with a multiplier or an offset that is no number below 1e9", "");
+    }
     TakeLimits(from, joint);
     return joint;
   }
@@ -436,12 +432,8 @@ class Builder {
       refuse(fmt::format("has the limits {:.6g} and {:.6g}", lower, upper),
              "the lower one must not be above the upper one");
     } else if (lower == upper) {
-      joint.type = RobotJoint::Type::kFixed;
       robot_.notes.push_back(fmt::format("joint {} is fixed: its limits are equal", joint.name));
-      if (lower != 0)
-        joint.origin = joint.origin * (from.type == urdf::Joint::PRISMATIC
-                                           ? Isometry3d(Eigen::Translation3d(lower * joint.axis))
-                                           : Isometry3d(Eigen::AngleAxisd(lower, joint.axis)));
+      HoldAt(joint, from.type == urdf::Joint::PRISMATIC, lower);
     } else if (lower > -kLargest && upper < kLargest) {
       joint.limits = {lower, upper};
     }

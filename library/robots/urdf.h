@@ -6,6 +6,7 @@
 // https://wiki.ros.org/urdf/XML
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +30,17 @@ std::optional<analysis::Robot> ParseUrdf(const std::string& text, const std::str
 
 /// The text of `cdb check FILE.urdf`: links, joints, masses, shapes, and what was left out.
 std::string SummaryOf(const analysis::Robot& robot, const std::string& path);
+
+// Joints that mimic others: mimics.cc.
+
+/// Fixes a hinge or a slider at a position.
+void HoldAt(analysis::RobotJoint& joint, bool is_slider, double position);
+
+/// Fixes what follows a joint that cannot move, and chooses RobotJoint::start. `report` gets the
+/// mimics that cannot be; then some joints may be left as they were.
+void ResolveMimics(analysis::Robot& robot,
+                   const std::function<void(const analysis::RobotJoint& joint,
+                                            const std::string& cause, const char* remedy)>& report);
 
 // Links that fixed joints hold.
 

@@ -257,6 +257,21 @@ constexpr LintExample kExamples[] = {
      "box }\n"
      "  objects {\n    quantity 1; type cuboid; size 0.5; friction 0.4\n"
      "    location at(-10, -19.75, 0); linear_velocity (5, 0, 0)\n  }\n}\n"},
+    {Lint::kTumblingTree,
+     "benchmark b {\n  coordinates reduced\n  sleeping off\n  acceleration 0\n  cycles 240\n  "
+     "world { side 10; walls none }\n"
+     "  objects a { quantity 1; type cuboid; size 0.2; location at(0, 0, 0)\n"
+     "    angular_velocity (1, 4, 2) }\n"
+     "  objects b { quantity 1; type cuboid; size 0.2; location at(0, 0.4, 0)\n"
+     "    angular_velocity (1, 4, 2) }\n"
+     "  joints { parent a; child b; at (0, 0.2, 0) }\n}\n",
+     "benchmark b {\n  coordinates reduced\n  sleeping off\n  acceleration 0\n  timestep 1 / "
+     "3840\n  cycles 1920\n  world { side 10; walls none }\n"
+     "  objects a { quantity 1; type cuboid; size 0.2; location at(0, 0, 0)\n"
+     "    angular_velocity (1, 4, 2) }\n"
+     "  objects b { quantity 1; type cuboid; size 0.2; location at(0, 0.4, 0)\n"
+     "    angular_velocity (1, 4, 2) }\n"
+     "  joints { parent a; child b; at (0, 0.2, 0) }\n}\n"},
 };
 
 /// The text of a lint in the table, and its limit.

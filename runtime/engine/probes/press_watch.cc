@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Depths in least sides of the smaller object.
-constexpr double kShallow = 0.05, kDeep = 0.25;
+constexpr double kShallowStart = 0.05, kDeep = 0.25;
 constexpr int kHoldsWithin = 3, kPressed = 6;  ///< cycles
 constexpr double kImpactTime = 0.5;            ///< s
 /// Loads are searched for in the first cycles, at contacts that are upright and slow enough.
@@ -71,7 +71,7 @@ void PressWatch::CollectContacts() {
                     static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex()));
     if (IsObject(bodies.second)) loaded_[bodies.first] = loaded_[bodies.second] = 1;
     const double ratio = depth / std::min(least_sides_[bodies.first], least_sides_[bodies.second]);
-    if (ratio > kShallow && !IsSoft(bodies.first) && !IsSoft(bodies.second))
+    if (ratio > kShallowStart && !IsSoft(bodies.first) && !IsSoft(bodies.second))
       pairs_.push_back({bodies, ratio});
   }
   std::erase_if(pairs_, [this](const Pair& pair) {

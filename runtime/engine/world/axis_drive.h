@@ -5,11 +5,12 @@
 
 #include <optional>
 
+#include "runtime/engine/world/joint_axis.h"
+
 namespace cdb::world {
 
-/// Acts along (slider) or about (hinge) an axis that turns with the first of two bodies, on the
-/// position q of the second relative to the first, which is 0 at the start: a way in m, or an angle
-/// in rad, of any number of turns. SI units; impulses of a step are those of a force F times dt.
+/// Acts on the position q of a hinge or a slider, which is 0 at the start. SI units; impulses of a
+/// step are those of a force F times dt.
 ///
 ///   damping  -c dq/dt with the state at the start of the step; where that could reverse the motion
 ///            of the two bodies, at most what stops it
@@ -23,7 +24,6 @@ namespace cdb::world {
 class AxisDrive : public btTypedConstraint {
  public:
   struct Settings {
-    bool turns = false;  ///< about the axis
     double damping = 0;
     double friction = 0;
     double velocity = 0, effort = 0;    ///< no motor if the effort is 0
@@ -34,11 +34,8 @@ class AxisDrive : public btTypedConstraint {
     bool IsIdle() const { return damping == 0 && friction == 0 && effort == 0 && !HasLimits(); }
   };
 
-  /// The axis, a unit vector, and the pivot are in the frame of the body named; their bodies are at
-  /// their initial poses.
-  AxisDrive(btRigidBody& first, btRigidBody& second, const Settings& settings,
-            const btVector3& axis_in_first, const btVector3& pivot_in_first,
-            const btVector3& pivot_in_second);
+  /// The axis must outlive it.
+  AxisDrive(JointAxis& axis, const Settings& settings);
 
   /// How far q is past a limit; 0 within.
   double Excess() const;
@@ -69,12 +66,8 @@ class AxisDrive : public btTypedConstraint {
   btScalar getParam(int num, int axis) const override;
 
  private:
-  btScalar Position() const;
-
+  JointAxis& axis_;
   const Settings settings_;
-  const btVector3 axis_in_first_, pivot_in_first_, pivot_in_second_;
-  btVector3 across_in_first_, across_in_second_;  ///< equal at the start, perpendicular to the axis
-  btScalar last_ = 0;                             ///< q before the last step
 };
 
 }  // namespace cdb::world

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/joints.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -108,8 +109,10 @@ class NoSolver : public btConstraintSolver {
   btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
 };
 
-std::unique_ptr<btConstraintSolver> MakeSolver(const omissions::Omissions& omissions) {
+std::unique_ptr<btConstraintSolver> MakeSolver(const plan::Scene& scene,
+                                               const omissions::Omissions& omissions) {
   if (omissions.Omits(Component::kSolver)) return std::make_unique<NoSolver>();
+  if (analysis::HasGears(scene)) return std::make_unique<GearSolver>();
   return std::make_unique<btSequentialImpulseConstraintSolver>();
 }
 
@@ -134,7 +137,7 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
       sleeping_(scene.world.On("sleeping")),
       acceleration_(state_.acceleration),
       configuration_(PoolSizes(omissions_)),
-      solver_(MakeSolver(omissions_)) {
+      solver_(MakeSolver(scene_, omissions_)) {
   layouts::CheckRange(scene_, state_);
   objects_.reserve(state_.objects.size());
   for (const ObjectState& object : state_.objects) MakeObject(object);

@@ -9,8 +9,10 @@
 #include <map>
 #include <utility>
 
+#include "compiler/analysis/joints.h"
 #include "dsl/text/check.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/universal_joint.h"
 
 namespace cdb::world {
 namespace {
@@ -57,7 +59,6 @@ AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
     const schema::Number* given = schema::AsNumber(settings.Get(parameter));
     return given != nullptr ? given->AsReal() : otherwise;
   };
-  drive.turns = settings.WordOr("joints.type") == "hinge";
   drive.damping = settings.Real("joints.damping");
   drive.friction = settings.Real("joints.friction");
   drive.velocity = number("joints.motor.velocity", 0);
@@ -90,6 +91,13 @@ class JointEquations {
     residuals_.push_back(0);
     Add(first, Vector3d::Zero(), axis);
     Add(second, Vector3d::Zero(), -axis);
+  }
+
+  /// The sum of the bodies' shares does not change.
+  void AddGear(const Gear::Shares& shares) {
+    residuals_.push_back(0);
+    for (int i = 0; i < shares.count; ++i)
+      Add(*shares.of[i].body, ToEigen(shares.of[i].linear), ToEigen(shares.of[i].angular));
   }
 
   double JerkEnergy() const {
@@ -142,13 +150,21 @@ Links::Links(const plan::Scene& scene, const layouts::InitialState& state,
     if (group.HasLinks()) AddLinks(group, state.objects[first], first, end, objects);
     first = end;
   }
-  for (const layouts::JointPair& pair : layouts::JointPairsOf(scene))
+  std::map<const plan::Joint*, std::vector<JointAxis*>> axes;
+  for (const layouts::JointPair& pair : layouts::JointPairsOf(scene)) {
+    const std::size_t before = links_.size();
     AddJoint(pair, state, objects);
+    if (links_.size() > before) axes[pair.joint].push_back(links_.back().axis.get());
+  }
+  for (const plan::Joint& joint : scene.joints)
+    if (const auto gear = analysis::GearOf(scene, joint))
+      AddGears(axes[&joint], axes[gear->with], gear->ratio);
   if (is_reduced_ && joints_) MakeMultibodies(objects.size());
 }
 
 Links::~Links() {
   if (is_reduced_) return;
+  for (const GearEntry& entry : gears_) world_.removeConstraint(entry.constraint.get());
   for (const Link& link : links_) {
     if (link.drive) world_.removeConstraint(link.drive.get());
     world_.removeConstraint(link.constraint.get());
@@ -249,6 +265,13 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
     const btTransform about(along.getBasis() * upright, pivot);
     link.constraint =
         std::make_unique<btHingeConstraint>(first, second, to_first * about, to_second * about);
+  } else if (type == "universal") {
+    link.kind = JointKind::kUniversal;
+    const btVector3 second_axis =
+        ToBullet(frame.orientation * settings.Vector("joints.axis2").stableNormalized());
+    link.constraint =
+        std::make_unique<UniversalJoint>(first, second, link.pivot_in_first, link.pivot_in_second,
+                                         link.line_in_first, to_second.getBasis() * second_axis);
   } else {
     link.kind = type == "fixed" ? JointKind::kFixed : JointKind::kSlider;
     link.turn =
@@ -259,10 +282,11 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
     if (type != "fixed") constraint->setLimit(0, 1, -1);  // free
     link.constraint = std::move(constraint);
   }
+  if (type == "hinge" || type == "slider")
+    link.axis = std::make_unique<JointAxis>(first, second, type == "hinge", link.line_in_first,
+                                            link.pivot_in_first, link.pivot_in_second);
   const AxisDrive::Settings drive = DriveOf(settings);
-  if (!drive.IsIdle())
-    link.drive = std::make_unique<AxisDrive>(first, second, drive, link.line_in_first,
-                                             link.pivot_in_first, link.pivot_in_second);
+  if (!drive.IsIdle()) link.drive = std::make_unique<AxisDrive>(*link.axis, drive);
   const auto reach = [&](const btRigidBody& body) {
     return &body == &fixed
                ? 0.
@@ -304,15 +328,35 @@ void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double lengt
   links_.push_back(std::move(link));
 }
 
+void Links::AddGears(const std::vector<JointAxis*>& driven, const std::vector<JointAxis*>& drivers,
+                     double ratio) {
+  CDB_CHECK(drivers.size() == driven.size() || drivers.size() == 1);
+  for (std::size_t i = 0; i < driven.size(); ++i) {
+    GearEntry entry;
+    entry.gear = std::make_unique<Gear>(*driven[i], *drivers[drivers.size() > 1 ? i : 0], ratio);
+    if (!is_reduced_) {
+      entry.constraint = std::make_unique<GearConstraint>(*entry.gear);
+      world_.addConstraint(entry.constraint.get());
+    }
+    gears_.push_back(std::move(entry));
+  }
+}
+
 void Links::MakeMultibodies(std::size_t objects) {
   std::vector<JointFrame> joints;
   for (const Link& link : links_) {
     CDB_CHECK(link.kind);
     const btTransform& pose = link.first->getWorldTransform();
-    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first,
-                      pose.getBasis() * link.line_in_first, link.drive.get()});
+    const btVector3 axis = pose.getBasis() * link.line_in_first;
+    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first, axis,
+                      link.kind == JointKind::kUniversal
+                          ? static_cast<const UniversalJoint&>(*link.constraint).AxisOfSecond()
+                          : axis,
+                      link.drive.get()});
   }
-  multibodies_ = std::make_unique<Multibodies>(joints, objects);
+  std::vector<Gear*> gears;
+  for (const GearEntry& entry : gears_) gears.push_back(entry.gear.get());
+  multibodies_ = std::make_unique<Multibodies>(joints, gears, objects);
 }
 
 double Links::BendOf(const Link& link) const {
@@ -327,6 +371,11 @@ double Links::BendOf(const Link& link) const {
     const double bend =
         std::atan2(in_first.cross(in_second).norm(), std::abs(in_first.dot(in_second)));
     return std::max(bend, link.drive ? link.drive->Excess() : 0);
+  }
+  if (link.kind == JointKind::kUniversal) {
+    const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+    return std::asin(
+        std::min(1., std::abs(ToEigen(joint.AxisOfFirst()).dot(ToEigen(joint.AxisOfSecond())))));
   }
   double bend = 0;
   if (link.turn)
@@ -366,6 +415,10 @@ Links::Gaps Links::MeasureGaps() const {
     if (link.chain > 0) gaps.stretch = std::max(gaps.stretch, chains.back() / link.chain);
     gaps.bend = std::max(gaps.bend, BendOf(link));
   }
+  for (const GearEntry& entry : gears_) {
+    double& gap = entry.gear->turns() ? gaps.bend : gaps.largest;
+    gap = std::max(gap, std::abs(static_cast<double>(entry.gear->Error())));
+  }
   return gaps;
 }
 
@@ -395,10 +448,14 @@ double Links::JerkEnergy() const {
     if (link.kind == JointKind::kHinge) {
       add_turn(ToEigen(y));
       add_turn(ToEigen(z));
+    } else if (link.kind == JointKind::kUniversal) {
+      const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+      add_turn(ToEigen(joint.AxisOfFirst().cross(joint.AxisOfSecond())));
     } else if (link.kind == JointKind::kFixed || link.kind == JointKind::kSlider) {
       for (int axis = 0; axis < 3; ++axis) add_turn(Vector3d::Unit(axis));
     }
   }
+  for (const GearEntry& entry : gears_) equations.AddGear(entry.gear->ListShares());
   return equations.JerkEnergy();
 }
 

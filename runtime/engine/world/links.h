@@ -12,6 +12,7 @@
 #include "library/layouts/initial_state.h"
 #include "library/layouts/joint_pairs.h"
 #include "runtime/engine/world/axis_drive.h"
+#include "runtime/engine/world/gears.h"
 #include "runtime/engine/world/multibodies.h"
 
 namespace cdb::world {
@@ -27,14 +28,15 @@ namespace cdb::world {
 ///                       btFixedConstraint; the pivot of links is in the middle between the centres
 ///                       of mass
 ///   slider              btGeneric6DofSpring2Constraint, free along one axis
+///   universal           UniversalJoint
 ///   spring              between the centres of mass, along a line that turns with the first of the
 ///                       two: the force is k x + c dx/dt with the state at the start of the step,
 ///                       neither limited nor softened, so that it explodes if w dt exceeds 2; the
 ///                       other object is held on the line by Bullet's
 ///                       btGeneric6DofSpring2Constraint and turns freely
 /// The damping, the motor and the limits of a joint are rows of a constraint of their own,
-/// AxisDrive. In reduced coordinates, joints are Multibodies instead, and the world has no such
-/// constraints. Not thread-safe.
+/// AxisDrive; a gear is a row of GearSolver, which the world must have. In reduced coordinates,
+/// joints are Multibodies instead, and the world has no such constraints. Not thread-safe.
 class Links {
  public:
   /// `objects` are those of `state`, at their initial poses. World and objects must outlive it.
@@ -51,14 +53,16 @@ class Links {
   /// Whether a link pulls the object: its motion is not free.
   bool Holds(std::size_t object) const { return object < held_.size() && held_[object]; }
   /// Distances between the two pivots of a joint (of a slider, from its axis), or of a slider past
-  /// its limits, m, and what the first add up to along a chain of joints; 0 without joints.
+  /// its limits or from where its gear would have it, m, and what the first add up to along a chain
+  /// of joints; 0 without joints.
   struct Gaps {
     double largest = 0, sum = 0;
     double stretch = 0;  ///< largest sum of the gaps of a chain over its length
     /// Largest angle, rad: of an object from where the first body of its chain would hold it by
-    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other; of what
+    /// fixed joints, seen from that body's pivot; of the axes of a hinge from each other, and of
+    /// those of a universal joint from a right angle; of what
     /// is held by a fixed joint or a slider, not by a link, from its orientation; of a hinge past
-    /// its limits.
+    /// its limits, or from where its gear would have it.
     double bend = 0;
   };
   Gaps MeasureGaps() const;
@@ -73,6 +77,7 @@ class Links {
   struct Link {
     std::optional<JointKind> kind;  ///< nullopt: a spring
     std::unique_ptr<btTypedConstraint> constraint;
+    std::unique_ptr<JointAxis> axis;   ///< of a joint that is a hinge or a slider
     std::unique_ptr<AxisDrive> drive;  ///< null without damping, motor and limits
     btRigidBody *first, *second;
     btVector3 pivot_in_first, pivot_in_second;  ///< m; for a spring, its ends
@@ -103,11 +108,19 @@ class Links {
   /// `length`: of the chain, m.
   void Add(Link link, btRigidBody& first, btRigidBody& second, double length);
 
+  /// Each with its own driver, or all with one.
+  void AddGears(const std::vector<JointAxis*>& driven, const std::vector<JointAxis*>& drivers,
+                double ratio);
   void MakeMultibodies(std::size_t objects);
 
   btDiscreteDynamicsWorld& world_;
   const bool is_reduced_;
+  struct GearEntry {
+    std::unique_ptr<Gear> gear;
+    std::unique_ptr<GearConstraint> constraint;
+  };
   std::vector<Link> links_;
+  std::vector<GearEntry> gears_;
   std::unique_ptr<Multibodies> multibodies_;
   std::map<const btRigidBody*, std::size_t> holders_;  ///< the first link whose second it is
   std::vector<bool> held_;                             ///< by object, up to the last that is

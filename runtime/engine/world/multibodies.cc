@@ -5,6 +5,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <utility>
@@ -118,6 +119,10 @@ class LoopJoint final : public Rows {
       add(none, axis, axis.dot(gap));
     }
     if (kind_ == JointKind::kBall) return;
+    if (kind_ == JointKind::kUniversal) {
+      const btVector3 a = first.getBasis().getColumn(0), b = second.getBasis().getColumn(0);
+      return add(a.cross(b), none, a.dot(b));
+    }
     // The small turn of the first from the second, rad.
     btVector3 turn(0, 0, 0);
     for (int i = 0; i < 3; ++i)
@@ -135,6 +140,53 @@ class LoopJoint final : public Rows {
   const Side first_, second_;
 };
 
+/// The row of a Gear. A joint's bodies that move are of one multibody, so that a gear has at most
+/// two.
+class GearRow final : public Rows {
+ public:
+  struct End {
+    btMultiBody* body;
+    std::array<int, 4> links;  ///< by the gear's shares; kOther: of the other end, or the ground
+  };
+  static constexpr int kOther = kBase - 1;
+
+  GearRow(const End& first, const End& second, Gear& gear)
+      : Rows(first.body, kBase, second.body, kBase), ends_{first, second}, gear_(gear) {}
+
+  void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
+                            const btContactSolverInfo& info) override {
+    const Gear::Shares shares = gear_.ListShares();
+    for (int end = 0; end < 2; ++end) {
+      const btMultiBody& body = *ends_[end].body;
+      const auto size = static_cast<std::size_t>(body.getNumDofs() + 6);
+      jacobians_[end].assign(size, 0);
+      for (int i = 0; i < shares.count; ++i) {
+        const int link = ends_[end].links[static_cast<std::size_t>(i)];
+        if (link == kOther) continue;
+        const JointAxis::Share& share = shares.of[i];
+        of_share_.assign(size, 0);
+        body.fillConstraintJacobianMultiDof(link, share.body->getWorldTransform().getOrigin(),
+                                            share.angular, share.linear, of_share_.data(),
+                                            data.scratch_r, data.scratch_v, data.scratch_m);
+        for (std::size_t dof = 0; dof < size; ++dof) jacobians_[end][dof] += of_share_[dof];
+      }
+    }
+    const btScalar velocity = gear_.BeginStep(info.m_erp, 1 / info.m_timeStep);
+    const btVector3 none(0, 0, 0);
+    const int at = rows.size();
+    const btScalar rate =
+        fillMultiBodyConstraint(NewRow(rows), data, jacobians_[0].data(), jacobians_[1].data(),
+                                none, none, none, none, 0, info, -kNoLimit, kNoLimit);
+    rows[at].m_rhs = (velocity - rate) * rows[at].m_jacDiagABInv;
+  }
+
+ private:
+  const End ends_[2];
+  Gear& gear_;
+  // Kept from step to step, so as not to be allocated again.
+  std::vector<btScalar> jacobians_[2], of_share_;
+};
+
 btVector3 InertiaOf(const btRigidBody& body) {
   const btVector3& inverse = body.getInvInertiaDiagLocal();
   return {1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z()};
@@ -142,7 +194,8 @@ btVector3 InertiaOf(const btRigidBody& body) {
 
 }  // namespace
 
-/// A multibody, and the rigid bodies of its links; that of the base is null if it is the ground.
+/// A multibody, and the rigid bodies of its links; that of the base is null if it is the ground,
+/// and that of the cross of a universal joint, which has no mass.
 struct Multibodies::Tree {
   struct Branch {
     const JointFrame* joint;
@@ -168,6 +221,11 @@ struct Multibodies::Tree {
                          : body->getLink(link).m_cachedWorldTransform;
   }
   int Add(btRigidBody& object, const JointFrame& joint, int parent) {
+    if (joint.kind == JointKind::kUniversal) {
+      bodies.push_back(nullptr);
+      branches.push_back({&joint, parent});
+      parent = static_cast<int>(bodies.size()) - 1;
+    }
     bodies.push_back(&object);
     branches.push_back({&joint, parent});
     return static_cast<int>(bodies.size()) - 1;
@@ -185,12 +243,32 @@ struct Multibodies::Tree {
   }
   void Make();
   void MakeLink(int link);
+  void MakeCross(int link);
 };
+
+// It has the frame of its parent at the start.
+void Multibodies::Tree::MakeCross(int link) {
+  const Branch& branch = branches[static_cast<std::size_t>(link)];
+  const btRigidBody* other = BodyOf(branch.parent);
+  const btTransform parent =
+      other != nullptr ? other->getWorldTransform() : btTransform::getIdentity();
+  // The tree may grow from either body of the joint.
+  const JointFrame& joint = *branch.joint;
+  const btRigidBody* own = bodies[static_cast<std::size_t>(link) + 1];
+  // The tree may grow from either body of the joint.
+  const btVector3& axis = joint.first == own ? joint.axis_of_second : joint.axis;
+  body->setupRevolute(link, 0, btVector3(0, 0, 0), branch.parent, btQuaternion::getIdentity(),
+                      axis * parent.getBasis(), parent.invXform(branch.joint->pivot),
+                      btVector3(0, 0, 0));
+}
 
 void Multibodies::Tree::MakeLink(int link) {
   const Branch& branch = branches[static_cast<std::size_t>(link)];
+  if (bodies[static_cast<std::size_t>(link)] == nullptr) return MakeCross(link);
   const btRigidBody& own = *bodies[static_cast<std::size_t>(link)];
-  const btRigidBody* other = BodyOf(branch.parent);
+  const bool is_on_cross = branch.joint->kind == JointKind::kUniversal;
+  const btRigidBody* other = BodyOf(
+      is_on_cross ? branches[static_cast<std::size_t>(branch.parent)].parent : branch.parent);
   const btTransform pose = own.getWorldTransform();
   const btTransform parent =
       other != nullptr ? other->getWorldTransform() : btTransform::getIdentity();
@@ -209,6 +287,12 @@ void Multibodies::Tree::MakeLink(int link) {
     case JointKind::kSlider:
       return body->setupPrismatic(link, mass, inertia, branch.parent, turn, axis, to_pivot,
                                   to_centre, false);
+    case JointKind::kUniversal: {
+      const JointFrame& joint = *branch.joint;
+      const btVector3& about = joint.first == &own ? joint.axis : joint.axis_of_second;
+      return body->setupRevolute(link, mass, inertia, branch.parent, turn, about * pose.getBasis(),
+                                 btVector3(0, 0, 0), to_centre);
+    }
     case JointKind::kFixed:
       return body->setupFixed(link, mass, inertia, branch.parent, turn, to_pivot, to_centre);
   }
@@ -230,6 +314,7 @@ void Multibodies::Tree::Make() {
   spins.resize(static_cast<std::size_t>(links) + 1);
   velocities.resize(static_cast<std::size_t>(links) + 1);
   for (int link = is_fixed ? 0 : kBase; link < links; ++link) {
+    if (BodyOf(link) == nullptr) continue;
     auto collider = std::make_unique<btMultiBodyLinkCollider>(body.get(), link);
     collider->setWorldTransform(PoseOf(link));
     if (link == kBase)
@@ -240,11 +325,13 @@ void Multibodies::Tree::Make() {
   }
 }
 
-Multibodies::Multibodies(std::span<const JointFrame> joints, std::size_t objects)
+Multibodies::Multibodies(std::span<const JointFrame> joints, std::span<Gear* const> gears,
+                         std::size_t objects)
     : ground_(std::make_unique<btMultiBody>(0, btScalar(0), btVector3(0, 0, 0), true, false)),
       links_(objects, nullptr) {
   ground_->finalizeMultiDof();
   Grow(joints);
+  for (Gear* gear : gears) AddGear(*gear);
   for (const auto& constraint : constraints_) rows_.push_back(constraint.get());
 }
 
@@ -273,7 +360,8 @@ void Multibodies::Grow(std::span<const JointFrame> joints) {
     std::vector<std::pair<btRigidBody*, int>> front;
     if (tree.base != nullptr) front.emplace_back(tree.base, kBase);
     for (std::size_t link = 0; link < tree.bodies.size(); ++link)
-      front.emplace_back(tree.bodies[link], static_cast<int>(link));
+      if (tree.bodies[link] != nullptr)
+        front.emplace_back(tree.bodies[link], static_cast<int>(link));
     for (std::size_t next = 0; next < front.size(); ++next) {
       const auto [body, link] = front[next];
       placed[body] = &tree;
@@ -315,16 +403,33 @@ void Multibodies::Grow(std::span<const JointFrame> joints) {
 }
 
 void Multibodies::AddRows(const JointFrame& joint, bool is_in_tree) {
-  const btTransform frame = FrameAlong(joint.axis, joint.pivot);
-  const auto side = [&](const btRigidBody& body) -> Side {
+  const auto side = [&](const btRigidBody& body, const btVector3& axis) -> Side {
+    const btTransform frame = FrameAlong(axis, joint.pivot);
     const btMultiBodyLinkCollider* link = IsGround(body) ? nullptr : LinkOf(body);
     if (link == nullptr) return {ground_.get(), kBase, frame};
     return {link->m_multiBody, link->m_link, body.getWorldTransform().inverse() * frame};
   };
-  const Side first = side(*joint.first), second = side(*joint.second);
+  const Side first = side(*joint.first, joint.axis),
+             second = side(*joint.second, joint.axis_of_second);
   if (joint.drive != nullptr)
     constraints_.push_back(std::make_unique<JointDrive>(joint.kind, first, second, *joint.drive));
   if (!is_in_tree) constraints_.push_back(std::make_unique<LoopJoint>(joint.kind, first, second));
+}
+
+void Multibodies::AddGear(Gear& gear) {
+  GearRow::End ends[2] = {{ground_.get(), {}}, {ground_.get(), {}}};
+  for (GearRow::End& end : ends) end.links.fill(GearRow::kOther);
+  const Gear::Shares shares = gear.ListShares();
+  for (int i = 0; i < shares.count; ++i) {
+    const btRigidBody& body = *shares.of[i].body;
+    const btMultiBodyLinkCollider* link = IsGround(body) ? nullptr : LinkOf(body);
+    if (link == nullptr) continue;
+    GearRow::End& end =
+        ends[ends[0].body == ground_.get() || ends[0].body == link->m_multiBody ? 0 : 1];
+    end.body = link->m_multiBody;
+    end.links[static_cast<std::size_t>(i)] = link->m_link;
+  }
+  constraints_.push_back(std::make_unique<GearRow>(ends[0], ends[1], gear));
 }
 
 // The momenta of the bodies, as forces on the tree at rest in one second, give H^-1 J^T M v: the
@@ -341,6 +446,7 @@ void Multibodies::StartMoving(Tree& tree) {
     tree.body->addBaseTorque(torque);
   }
   for (std::size_t link = 0; link < tree.bodies.size(); ++link) {
+    if (tree.bodies[link] == nullptr) continue;
     const auto [force, torque] = momenta(*tree.bodies[link]);
     tree.body->addLinkForce(static_cast<int>(link), force);
     tree.body->addLinkTorque(static_cast<int>(link), torque);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "runtime/engine/world/axis_drive.h"
+#include "runtime/engine/world/gears.h"
 
 class btMultiBody;
 class btMultiBodyConstraint;
@@ -19,20 +20,22 @@ class btMultiBodyLinkCollider;
 
 namespace cdb::world {
 
-enum class JointKind { kBall, kHinge, kFixed, kSlider };
+enum class JointKind { kBall, kHinge, kFixed, kSlider, kUniversal };
 
 /// A joint of two bodies at their initial poses. Bodies that do not move stand for the ground.
 struct JointFrame {
   JointKind kind;
   btRigidBody *first, *second;
-  btVector3 pivot, axis;  ///< in the world; the axis, of a hinge or slider, is a unit vector
-  AxisDrive* drive;       ///< null without damping, motor and limits
+  /// In the world; the axes are unit vectors, of a hinge, a slider or a universal joint. The second
+  /// body turns about its own axis: of a universal joint, the other one.
+  btVector3 pivot, axis, axis_of_second;
+  AxisDrive* drive;  ///< null without damping, motor and limits
 };
 
 /// The trees of a scene's joints. Objects remain rigid bodies of the world for detection; their
 /// poses and velocities are those of the links, set after each step. In the solver, the links take
-/// their place. Joints that close a loop are constraints, as are drives. All contacts are solved
-/// as one island.
+/// their place. Joints that close a loop are constraints, as are drives and gears. All contacts are
+/// solved as one island.
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 (the articulated-body
 /// algorithm), as in Bullet. Differences from rigid bodies: no split impulse, explicit gyroscopic
@@ -40,8 +43,9 @@ struct JointFrame {
 class Multibodies {
  public:
   /// Joins the objects of user index 0 to `objects` - 1, and gives them the velocities, nearest in
-  /// the sense of kinetic energy, that the joints permit. Bodies and drives must outlive it.
-  Multibodies(std::span<const JointFrame> joints, std::size_t objects);
+  /// the sense of kinetic energy, that the joints permit. Bodies, drives and gears must outlive it.
+  Multibodies(std::span<const JointFrame> joints, std::span<Gear* const> gears,
+              std::size_t objects);
   ~Multibodies();
   Multibodies(const Multibodies&) = delete;
   Multibodies& operator=(const Multibodies&) = delete;
@@ -62,6 +66,7 @@ class Multibodies {
   void Grow(std::span<const JointFrame> joints);
   /// Its drive, and, if it closes a loop, the joint itself.
   void AddRows(const JointFrame& joint, bool is_in_tree);
+  void AddGear(Gear& gear);
   void StartMoving(Tree& tree);
   void Mirror(Tree& tree);
   btMultiBodyLinkCollider* LinkOf(const btCollisionObject& body) const;
@@ -70,7 +75,7 @@ class Multibodies {
   std::unique_ptr<btMultiBody> ground_;  ///< the other side of drives and of loops' ends
   std::vector<std::unique_ptr<Tree>> trees_;
   std::vector<btMultiBodyLinkCollider*> links_;  ///< by user index; null without joints
-  std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;  ///< drives and loops
+  std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;  ///< drives, loops, gears
   btMultiBodyConstraintSolver solver_;
   // Kept from step to step, so as not to be allocated again.
   std::vector<btCollisionObject*> free_;

@@ -97,7 +97,7 @@ TEST(Schema, BlocksFollowFromItsNames) {
   using Blocks = std::vector<std::string_view>;
   EXPECT_EQ(schema::BlocksIn("", true), Blocks({"links"}));
   EXPECT_EQ(schema::BlocksIn("links", true), Blocks());
-  EXPECT_EQ(schema::BlocksIn("joints", true), Blocks({"limits", "motor"}));
+  EXPECT_EQ(schema::BlocksIn("joints", true), Blocks({"gear", "limits", "motor"}));
   const Blocks of_world = schema::BlocksIn("", false);
   for (const std::string_view block : {"world", "solver"})
     EXPECT_EQ(std::ranges::count(of_world, block), 1) << block;

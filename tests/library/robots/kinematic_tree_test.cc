@@ -165,5 +165,34 @@ TEST(Positions, OfAListAreThoseOfItsColumns) {
   EXPECT_THROW(robots::PositionsOf(scene), library::SceneError);
 }
 
+TEST(KinematicTree, JointsInGearFollow) {
+  // elbow = 2 (-0.5 slide + 0.3) + 0.1; the limits of shoulder, -2 to 1, narrow those of slide.
+  const char* const gears =
+      "shoulder.gear.with slide; shoulder.gear.ratio -20; shoulder.gear.offset 3; shoulder.start "
+      "1\n"
+      "elbow.gear.with shoulder; elbow.gear.ratio 0.5; elbow.gear.offset 0.2";
+  for (const char* positions :
+       {"positions uniform", "positions path", "positions uniform; of slide"}) {
+    SCOPED_TRACE(positions);
+    std::string text = fmt::format(fmt::runtime(kArm), positions, 50);
+    text.insert(text.rfind('}'), gears);
+    text.replace(text.find("goal 0.4"), 8, "goal 0.2");
+    const plan::Scene scene = SceneOfText(text);
+    const std::vector<analysis::Freedom> freedoms = analysis::FreedomsOf(scene);
+    ASSERT_EQ(freedoms.size(), 3u);
+    EXPECT_NEAR(freedoms[0].lower, 0.1, 1e-15);
+    EXPECT_NEAR(freedoms[0].upper, 0.25, 1e-15);
+    const std::vector<double> all = robots::PositionsOf(scene);
+    ASSERT_EQ(all.size(), 150u);
+    for (std::size_t i = 0; i < all.size(); i += 3) {
+      EXPECT_GE(all[i], 0.1);
+      EXPECT_LE(all[i], 0.25);
+      EXPECT_NEAR(all[i + 1], 3 - 20 * all[i], 1e-14);
+      EXPECT_NEAR(all[i + 2], 1.7 - 10 * all[i], 1e-14);
+    }
+    EXPECT_NE(all[0], all[147]);
+  }
+}
+
 }  // namespace
 }  // namespace cdb::tests

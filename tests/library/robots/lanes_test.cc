@@ -20,8 +20,12 @@ std::vector<const robots::LaneKernel*> Kernels() {
 }
 
 TEST(Lanes, AnswerAsAllPairsInDouble) {
-  for (const bool has_slider : {false, true}) {
-    const plan::Scene scene = SceneOfText(BallArm("cycles 4001; seed 7", has_slider));
+  for (const int variant : {0, 1, 2}) {
+    const plan::Scene scene = SceneOfText(
+        BallArm(variant < 2 ? "cycles 4001; seed 7"
+                            : "cycles 4001; seed 7; joint3.gear.with joint1; joint3.gear.ratio -0.7"
+                              "\nslide.gear.with joint5; slide.gear.ratio 0.06",
+                variant > 0));
     const layouts::InitialState state = layouts::MakeInitialState(scene);
     const std::vector<double> positions = robots::PositionsOf(scene);
     for (const robots::LaneKernel* kernel : Kernels()) {

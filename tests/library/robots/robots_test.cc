@@ -132,8 +132,8 @@ const Trial kTrials[] = {
     {"examples/arm.urdf", "shoulder=0.4 elbow=-0.7 wrist=0.05",
      "shoulder 0.4; elbow -0.7; wrist 0.05"},
     {"examples/cart.urdf", "left_axle=0.3 right_axle=-2", "left_axle 0.3; right_axle -2"},
-    {"tests/library/robots/odd.urdf", "1st-joint=0.8 rail=-0.15 rail2=1",
-     "_1st_joint 0.8; rail -0.15"},
+    {"tests/library/robots/odd.urdf", "1st-joint=0.8 rail=0.28 rail2=0.56",
+     "_1st_joint 0.8; rail 0.28"},
 };
 
 TEST_F(Robots, LinksAreWhereAnotherReadingHasThem) {
@@ -241,7 +241,11 @@ TEST_F(Robots, ShapesAreThoseOfTheFile) {
   EXPECT_EQ(scene.joints[0].settings.Real("joints.damping"), 0.2);
   EXPECT_EQ(scene.joints[0].settings.Real("joints.friction"), 0.1);
   EXPECT_EQ(scene.joints[1].settings.WordOr("joints.type"), "slider");
-  EXPECT_EQ(scene.joints[2].settings.Real("joints.start"), 1) << "the middle of its limits";
+  // It starts in the middle of what the limits of both permit: 0.25 to 0.3.
+  EXPECT_NEAR(scene.joints[1].settings.Real("joints.start"), 0.275, 1e-12);
+  EXPECT_EQ(scene.joints[2].settings.WordOr("joints.gear.with"), "rail");
+  EXPECT_EQ(scene.joints[2].settings.Real("joints.gear.ratio"), 2);
+  EXPECT_NEAR(scene.joints[2].settings.Real("joints.start"), 0.55, 1e-12);
 }
 
 TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
@@ -257,7 +261,7 @@ TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
             "  hinge: 1st-joint, rail2\n"
             "  slider: rail\n"
             "  held by fixed joints, and one body: size (world), slide (camera)\n"
-            "  not taken over: mimic of rail2 (free to move), 2 velocity limits\n");
+            "  not taken over: 2 velocity limits\n");
 }
 
 /// A robot of two links and a joint; `NAME` in `parts` replaces the default of that name.
@@ -298,7 +302,31 @@ TEST_F(Robots, RefuseByNameAndLine) {
     return std::string("<joint name=\"j\" type=\"") + type +
            "\"><parent link=\"a\"/><child link=\"" + child + "\"/>" + inside + "</joint>";
   };
+  const auto mimic = [](const char* type, const char* inside, const char* of_other = "") {
+    return RobotText(
+        {{"more", std::string("<link name=\"c\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" "
+                              "ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>"
+                              "</link>\n<joint name=\"k\" type=\"") +
+                      type +
+                      "\"><parent link=\"b\"/><child link=\"c\"/><limit lower=\"1\" "
+                      "upper=\"2\" effort=\"1\" velocity=\"1\"/>" +
+                      inside + "</joint>"},
+         {"joint", std::string("<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child "
+                               "link=\"b\"/><limit lower=\"-0.4\" upper=\"0.4\" effort=\"1\" "
+                               "velocity=\"1\"/>") +
+                       of_other + "</joint>"}});
+  };
+  EXPECT_EQ(Faults(mimic("revolute", "<mimic joint=\"j\" multiplier=\"-4\"/>")), "");
+  EXPECT_EQ(Faults(mimic("revolute", "<mimic joint=\"j\" multiplier=\"0\" offset=\"1\"/>")), "");
   const std::pair<std::string, const char*> cases[] = {
+      {mimic("revolute", "<mimic joint=\"n\"/>"),
+       "r.urdf:8: joint k mimics n, which the robot does not have"},
+      {mimic("revolute", "<mimic joint=\"k\"/>"), "r.urdf:8: joint k mimics k, and so itself"},
+      {mimic("revolute", "<mimic joint=\"j\"/>", "<mimic joint=\"k\"/>"),
+       "r.urdf:7: joint j mimics k, and so itself in the end"},
+      {mimic("revolute", "<mimic joint=\"j\" multiplier=\"2\"/>"),
+       "r.urdf:8: no position of joint j keeps it and k, which mimics it, within their limits"},
+      {mimic("revolute", "<mimic joint=\"j\" multiplier=\"x\"/>"), "urdfdom refuses it"},
       {RobotText({{"inertial", Inertial("-1", kRound)}}), "r.urdf:3: link b has the mass -1 kg"},
       {RobotText({{"inertial", Inertial("nan", kRound)}}), "r.urdf:3: urdfdom refuses it"},
       {RobotText({{"inertial", Inertial("1e12", kRound)}}), "r.urdf:3: link b has a mass"},

@@ -98,6 +98,14 @@ std::vector<Variations> AllVariations() {
     scene.joints[0].settings.Set("joints.motor.effort", 1e3);
     return scene;
   }();
+  const plan::Scene pair = [&] {
+    plan::Scene scene = arm;
+    scene.joints.push_back({"shoulder", {}});
+    scene.joints[1].settings.Set("joints.child", Word("objects"));
+    scene.joints[1].settings.Set("joints.at", Vector3d(0, 60, 0));
+    return scene;
+  }();
+  const plan::Scene geared = With(pair, Joints("joints.gear.with", Word("shoulder")));
   const plan::Scene bent = [&] {
     plan::Scene scene = arm;
     SetGroup(scene, "location",
@@ -124,6 +132,10 @@ std::vector<Variations> AllVariations() {
        }},
       {With(arm, World("sleeping", false)),
        {{"coordinates", World("coordinates", Word("reduced"))}}},
+      {pair, {{"joints.gear.with", Joints("joints.gear.with", Word("shoulder"))}}},
+      {geared, {{"joints.gear.ratio", Joints("joints.gear.ratio", -2.0)}}},
+      {With(arm, Joints("joints.type", Word("universal"))),
+       {{"joints.axis2", Joints("joints.axis2", Vector3d(0, 1, 0))}}},
       {bent, {{"joints.start", Joints("joints.start", 0.5)}}},
       {held, {{"joints.motor.position", Joints("joints.motor.position", 0.5)}}},
       {limited,
@@ -202,7 +214,7 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"configurations.by", "is of configurations"},
     {"configurations.ask", "is of configurations"},
     {"joints.goal", "is of configurations"},
-    {"joints.mimic", "is of configurations, which refuse it"},
+    {"joints.gear.offset", "is that of the start, and counts in configurations: lanes_test.cc"},
     {"narrow_phase", "needs a detector that comes with a package; adapter_test.cc has one"},
     {"threads", "must not change what a detector finds"},
     {"expect", "is the verdict's"},

@@ -7,6 +7,7 @@
 #include "runtime/engine/world/manifolds.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/runtime/engine/paired_run.h"
+#include "tests/runtime/engine/world/joint_scene.h"
 
 namespace cdb::tests {
 namespace {
@@ -14,63 +15,8 @@ namespace {
 using Eigen::Vector3d;
 using schema::GroupParameter;
 
-/// In maximal and in reduced coordinates.
-class InCoordinates : public testing::TestWithParam<const char*> {
- protected:
-  bool IsReduced() const { return GetParam() == std::string("reduced"); }
-  /// Cuboids of 1 m and 1 kg in free space, without weight; the group `objects` has one at the
-  /// origin.
-  plan::Scene JointScene(double rate = 240) const;
-};
 INSTANTIATE_TEST_SUITE_P(Joints, InCoordinates, testing::Values("maximal", "reduced"),
                          [](const auto& coordinates) { return std::string(coordinates.param); });
-
-plan::Scene InCoordinates::JointScene(double rate) const {
-  plan::Scene scene = EngineScene(1, 1000);
-  SetWorld(scene, "coordinates", Word(GetParam()));
-  SetWorld(scene, "world.walls", Word("none"));
-  SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
-  SetWorld(scene, "sleeping", false);
-  SetWorld(scene, "timestep", 1 / rate);
-  SetGroup(scene, "type", Word("cuboid"));
-  SetGroup(scene, "size", 1.0);
-  SetGroup(scene, "location", Layout("at", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}}));
-  return scene;
-}
-
-/// A group like the first one, at another place. Returns its index.
-std::size_t AddPart(plan::Scene& scene, const std::string& name, const schema::Value& location) {
-  scene.groups.push_back({name, scene.groups[0].settings});
-  scene.groups.back().settings.Set("location", location);
-  return scene.groups.size() - 1;
-}
-
-schema::Value PlaceAt(double x, double y, double z) {
-  return Layout("at", {{"x", x}, {"y", y}, {"z", z}});
-}
-
-plan::GroupSettings& AddJoint(plan::Scene& scene, std::string_view type, std::string_view parent,
-                              std::string_view child, const Vector3d& at = Vector3d::Zero()) {
-  plan::GroupSettings& settings =
-      scene.joints.emplace_back(plan::Joint{"joint" + std::to_string(scene.joints.size()), {}})
-          .settings;
-  settings.Set("joints.type", Word(type));
-  settings.Set("joints.parent", Word(parent));
-  settings.Set("joints.child", Word(child));
-  settings.Set("joints.at", at);
-  return settings;
-}
-
-world::Engine EngineOfJoints(const plan::Scene& scene) {
-  return WholeEngine(scene, layouts::MakeInitialState(scene));
-}
-
-Vector3d SpinOf(const world::Engine& engine, std::size_t object = 0) {
-  return ToEigen(engine.objects()[object]->getAngularVelocity());
-}
-
-/// Of a cuboid of 1 m and 1 kg, kg m^2.
-constexpr double kInertiaOfCube = 1.0 / 6;
 
 TEST_P(InCoordinates, HingeIsAPhysicalPendulum) {
   // T = 2 pi sqrt(I / (m g l)): for a thin rod hinged at its end, 2 pi sqrt(2 L / (3 g)).
@@ -387,21 +333,6 @@ plan::Scene TumblingChain(const plan::Scene& empty) {
   SetGroup(scene, "links.anchor", false);
   SetGroup(scene, "angular_velocity", Vector3d(1, 0.5, 0.25));
   return scene;
-}
-
-Eigen::Matrix3d InertiaOf(const btRigidBody& body) {
-  return world::ToEigen(body.getInvInertiaTensorWorld()).inverse();
-}
-
-/// With the energy of rotation, J.
-double WholeEnergy(const world::Engine& engine) {
-  double energy = 0;
-  for (std::size_t i = 0; i < engine.objects().size(); ++i) {
-    const Vector3d spin = SpinOf(engine, i);
-    energy +=
-        (Velocity(engine, i).squaredNorm() + spin.dot(InertiaOf(*engine.objects()[i]) * spin)) / 2;
-  }
-  return energy;
 }
 
 TEST_P(InCoordinates, AFreeChainKeepsItsMomentumAndItsStart) {
