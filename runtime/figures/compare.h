@@ -286,8 +286,7 @@ FileComparison CompareFiles(const ComparedFile& a, const ComparedFile& b,
 
 /// The judgement that the options select.
 const JudgedChange& JudgementOf(const TimeChange& change, const CompareOptions& options);
-/// What is worse by more than the limits, or unsure, whether it fails or not: implemented in
-/// compare.cc.
+/// What is worse by more than the limits, or unsure, whether it fails or not.
 std::vector<Found> FindingsOf(const FileComparison& comparison, const CompareOptions& options);
 bool IsFailed(const FileComparison& comparison, const CompareOptions& options);
 

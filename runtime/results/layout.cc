@@ -115,7 +115,8 @@ class Maker {
            group + axis.name,
            sampled.values,
            {{"long_name", fmt::format("{} at the points of {}", sampled.name, axis.name)},
-            {"scale", sampled.is_log ? kLogScale : "linear"}},
+            {"scale", sampled.is_log ? kLogScale : "linear"},
+            {"units", kNoUnit}},
            sampled.first,
            sampled.last});
   }
@@ -667,9 +668,11 @@ void CreateArrays(hdf5::File& file, const Layout& layout) {
     attachments.push_back({array.name, array.dimensions});
   }
   for (const Column& column : layout.columns) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     hdf5::Dataset dataset =
-        file.CreateDataset({column.name, Type::kFloat64, {column.values.size()}, {}, 0});
+        file.CreateDataset({column.name, Type::kFloat64, {column.values.size()}, {}, kNone});
     dataset.Write(column.values);
+    dataset.SetNumbers("_FillValue", Type::kFloat64, {{kNone}});
     for (const auto& [name, text] : column.attributes) dataset.SetText(name.c_str(), text);
     dataset.SetNumber(kFirstAttribute, Type::kFloat64, column.first);
     dataset.SetNumber(kLastAttribute, Type::kFloat64, column.last);

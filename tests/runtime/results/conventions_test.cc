@@ -125,12 +125,17 @@ std::string ScaleOf(hid_t dataset, unsigned dimension) {
   return names.empty() ? "" : names[0];
 }
 
+plan::Axis Sampled(plan::Axis axis) {
+  axis.sampled = {{"mu", 0, 1, false, {0.3}}};
+  return axis;
+}
+
 /// The results file of a plan, with errors or without. It has the largest chunks, and therefore
 /// takes a while to write: tests share it.
 class WrittenPlan {
  public:
   explicit WrittenPlan(bool accuracy)
-      : plan_(MakePlan({NumberAxis("quantity", {10}), NumberAxis("size", {0.5, 2}, "m"),
+      : plan_(MakePlan({Sampled(NumberAxis("quantity", {1})), NumberAxis("size", {0.5, 2}, "m"),
                         TextAxis("type", {"sphere", "any(sphere 3, cone)"})},
                        2,
                        {.cycles = 35000,
@@ -202,7 +207,7 @@ class Conventions : public testing::TestWithParam<bool> {
 
   static inline std::array<std::unique_ptr<WrittenPlan>, 2> written_;
   hid_t file_ = -1;
-  std::vector<std::string> groups_ = {"/", "/run", "/provenance"};
+  std::vector<std::string> groups_ = {"/", "/run", "/provenance", "/sampled"};
   std::vector<std::string> datasets_;
 };
 
@@ -255,6 +260,7 @@ TEST_P(Conventions, EveryAxisOfEveryArrayHasItsScale) {
     ++arrays;
     std::vector<std::string> expected = {"quantity", "size", "type", "rep"};
     if (group == "provenance/") expected = {"run"};
+    if (group == "sampled/") expected = {"quantity"};
     if (name.ends_with("_text")) expected = {};
     if (name.ends_with("_series")) expected.emplace_back("sample");
     if (group == "accuracy/reference/") expected = {"reference"};
