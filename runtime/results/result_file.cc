@@ -340,6 +340,11 @@ void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) 
   }
   impl_->kept[axis] = std::move(places);
   impl_->axes[axis].values = std::move(values);
+  for (plan::Coordinates& of : impl_->axes[axis].sampled) {
+    std::vector<double> selected;
+    for (const std::size_t place : kept) selected.push_back(of.values.at(place));
+    of.values = std::move(selected);
+  }
 }
 
 std::optional<std::vector<std::size_t>> ResultFile::SelectedPoint(

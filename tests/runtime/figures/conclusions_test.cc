@@ -568,7 +568,7 @@ TEST(Conclusions, StateTheEffectsOfSampledParameters) {
                  bounce = design.sampled[1].values[run.at[1]];
     return MadeUp{.ns = 1000 * n * std::exp(bounce / 10)};
   };
-  WithMadeUpFile(plan, make_up, [&](const results::ResultFile& file) {
+  WithMadeUpFile(plan, make_up, [&](results::ResultFile&& file) {
     EXPECT_EQ(file.axes()[1].sampled, design.sampled);
     std::vector<Conclusion> effects;
     for (const Conclusion& of : figures::Conclusions(figures::Model(file))) {
@@ -582,6 +582,12 @@ TEST(Conclusions, StateTheEffectsOfSampledParameters) {
               "bounce from 0 to 1.00: 1.11 times (95 % interval 1.11 .. 1.11), less than 0.1 % of "
               "the variance. Not explained: less than 0.1 %; by a fit to 32 points.");
     EXPECT_EQ(effects[1].certainty, Certainty::kClear);
+    file.Select(1, {3, 7});
+    EXPECT_EQ(file.axes()[1].sampled[0].values,
+              (std::vector{design.sampled[0].values[3], design.sampled[0].values[7]}));
+    const auto of_two = figures::Conclusions(figures::Model(file));
+    EXPECT_TRUE(FindConclusion(of_two, "effects")
+                    .answer.starts_with("Unknown: it needs 6 sound points of 2"));
     return 0;
   });
 }
