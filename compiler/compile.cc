@@ -6,6 +6,8 @@
 #include <deque>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -270,6 +272,17 @@ class Expander {
           is_cases ? fmt::format("give the cases another name: cases {}_case {{ … }}", name)
                    : fmt::format("give the axis another name: sweep(…) as {}_value", name));
     }
+    std::set<std::string> taken;
+    for (const GridAxis& axis : axes_)
+      if (!axis.axis.sampled.empty()) taken.insert(axis.axis.name);
+    for (const GridAxis& axis : axes_)
+      for (const plan::Coordinates& of : axis.axis.sampled)
+        if (!taken.insert(of.name).second)
+          diagnostics_.Report(
+              scenario::kReservedName, axis.sweep->span,
+              fmt::format("'{}' would be the name of two arrays of /sampled in the results",
+                          of.name),
+              "give the axis, or the let, another name: zip(…) as design");
   }
 
   /// Fills the axis with every value that it has in some case; in a case that does not sweep it,
@@ -297,6 +310,10 @@ class Expander {
           axis.axis.values.push_back(value);
       }
     }
+    if (!axis.axis.sampled.empty() && axis.axis.sampled[0].values.size() != axis.axis.values.size())
+      diagnostics_.Report(scenario::kMisplacedSweep, axis.sweep->span,
+                          fmt::format("'{}' is not used in every case", axis.axis.name),
+                          "use one of its values in each case, or write a benchmark for each");
   }
 
   /// Makes axes and repeats.

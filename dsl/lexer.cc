@@ -299,7 +299,15 @@ void Lexer::LexDots() {
 void Lexer::LexPercent() {
   const std::size_t next = text_.find_first_not_of(" \t", at_ + 1);
   const char c = next == std::string_view::npos ? '\n' : text_[next];
-  const bool remainder = text::IsNameChar(c) || c == '(';
+  std::size_t end = next;
+  while (end < text_.size() && text::IsNameChar(text_[end])) ++end;
+  // After a unit, a value, a range or a comparison may go on.
+  constexpr std::string_view kGoesOn[] = {"and",   "or",    "as",    "in", "step",
+                                          "count", "sobol", "latin", "log"};
+  const bool goes_on =
+      end < text_.size() &&
+      std::ranges::find(kGoesOn, text_.substr(next, end - next)) != std::end(kGoesOn);
+  const bool remainder = !goes_on && (text::IsNameChar(c) || c == '(');
   const TokenKind last = LastKind();
   if (!remainder && (last == TokenKind::kNumber || last == TokenKind::kRightParen)) {
     Add(TokenKind::kPath, at_ + 1);  // a unit

@@ -151,8 +151,11 @@ void LimitDrivers(std::vector<Freedom>& freedoms) {
     Freedom& driver = freedoms[*freedom.driver];
     const double first = (freedom.lower - freedom.offset) / freedom.ratio,
                  second = (freedom.upper - freedom.offset) / freedom.ratio;
-    driver.lower = std::max(driver.lower, std::min(first, second));
-    driver.upper = std::min(driver.upper, std::max(first, second));
+    // Limits that are the same but for rounding narrow nothing.
+    const double slack = 1e-9 * (1 + std::max(std::abs(first), std::abs(second)));
+    const auto [lower, upper] = std::minmax(first, second);
+    if (lower > driver.lower + slack) driver.lower = lower;
+    if (upper < driver.upper - slack) driver.upper = upper;
     driver.has_limits = true;
   }
   for (Freedom& freedom : freedoms) {

@@ -180,6 +180,10 @@ Fault FindTypeFault(const plan::Joint& joint) {
   return std::nullopt;
 }
 
+/// Of positions that a gear computes.
+constexpr double kGearRounding = 1e-9;
+constexpr double kMostRatio = 1e9;
+
 Fault FindLimitFault(const plan::Joint& joint) {
   const bool has_lower = HasNumber(joint, kLower), has_upper = HasNumber(joint, kUpper);
   if (!has_lower && !has_upper) return std::nullopt;
@@ -195,7 +199,10 @@ Fault FindLimitFault(const plan::Joint& joint) {
                     schema::FormatReal(upper), schema::FormatReal(lower)),
         lower == upper ? "write type fixed if it cannot move" : "exchange them"};
   const double start = joint.settings.Real(kStart);
-  if (lower > start || upper < start)
+  // A gear computes where its joint starts.
+  const bool is_in_gear = joint.settings.WordOr(kGearWith) != "none";
+  const double slack = is_in_gear ? kGearRounding * (1 + std::abs(start)) : 0;
+  if (lower > start + slack || upper < start - slack)
     return JointFault{lower > start ? kLower : kUpper,
                       fmt::format("{} starts at {}, outside its limits", TextOf(joint),
                                   schema::FormatReal(start)),
@@ -271,15 +278,21 @@ Fault FindGearFault(const plan::Scene& scene, const plan::Joint& joint) {
   }
   if (!scene.HoldsObjects(joint)) return std::nullopt;
   if (Fault fault = FindPartnerFault(scene, joint)) return fault;
-  if (joint.settings.Real(kGearRatio) == 0)
+  const double ratio = joint.settings.Real(kGearRatio);
+  if (ratio == 0)
     return JointFault{kGearRatio, fmt::format("the gear of {} has the ratio 0", TextOf(joint)),
                       "write type fixed, or a ratio that is not 0"};
+  if (std::abs(ratio) < 1 / kMostRatio || std::abs(ratio) > kMostRatio)
+    return JointFault{kGearRatio,
+                      fmt::format("the gear of {} has the ratio {}, which single precision cannot "
+                                  "compute with",
+                                  TextOf(joint), schema::FormatReal(ratio)),
+                      fmt::format("ratios are between {:g} and {:g}", 1 / kMostRatio, kMostRatio)};
   const std::optional<Gear> gear = GearOf(scene, joint);
   const double start = joint.settings.Real(kStart), other = gear->with->settings.Real(kStart);
   const double wanted = gear->ratio * other + gear->offset;
-  constexpr double kRounding = 1e-9;
   if (std::abs(start - wanted) <=
-      kRounding * (1 + std::abs(gear->ratio * other) + std::abs(gear->offset)))
+      kGearRounding * (1 + std::abs(gear->ratio * other) + std::abs(gear->offset)))
     return std::nullopt;
   return JointFault{
       kGearOffset,
@@ -364,7 +377,9 @@ const plan::Joint* FindLosses(const plan::Scene& scene) {
 std::optional<Gear> GearOf(const plan::Scene& scene, const plan::Joint& joint) {
   if (!scene.HoldsObjects(joint) || joint.settings.WordOr(kGearWith) == "none") return std::nullopt;
   const plan::Joint* partner = PartnerOf(scene, joint);
-  if (partner == nullptr || EndsInCircle(scene, joint)) return std::nullopt;
+  if (partner == nullptr || !HasPosition(joint) || !HasPosition(*partner) ||
+      !scene.HoldsObjects(*partner) || EndsInCircle(scene, joint))
+    return std::nullopt;
   Gear gear = {partner, joint.settings.Real(kGearRatio), 0};
   gear.offset = HasNumber(joint, kGearOffset)
                     ? joint.settings.Real(kGearOffset)

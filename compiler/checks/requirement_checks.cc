@@ -11,6 +11,7 @@
 
 #include "compiler/analysis/recorded.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/evaluate/dimensions.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/metrics.h"
@@ -303,6 +304,10 @@ bool HasFigure(const plan::Scene& scene, const plan::Figure& figure) {
     case plan::FigureKind::kVerdict:
       return scene.world.Lists("record", "stability");
     case plan::FigureKind::kTime:
+      // On a trace, only some phases take place.
+      if (analysis::TraceOf(scene) && figure.name != "step" && figure.name != "detect" &&
+          figure.name != (analysis::IsOnPairs(scene) ? "narrow" : "broad"))
+        return false;
       return analysis::IsRecordedBy(*schema::FindSeries("duration"), scene);
     case plan::FigureKind::kSeries:
       return analysis::IsRecordedBy(*schema::FindSeries(figure.name), scene);

@@ -213,7 +213,8 @@ class AxisFinder {
     if (!zip.axis) return fail("these points have no name", "name their axis: zip(…) as design");
     for (std::size_t i = 0; i < zip.sweeps.size(); ++i) {
       const evaluate::Sweep* sweep = evaluator_.sweeps().Find(*zip.sweeps[i], scope);
-      if (sweep->sampled != evaluator_.sweeps().Find(*zip.sweeps[0], scope)->sampled)
+      if (!sweep->sampled ||
+          sweep->sampled != evaluator_.sweeps().Find(*zip.sweeps[0], scope)->sampled)
         return fail("only some of these ranges are sampled, or not in the same way",
                     "write the same word in all of them: zip(sweep(1 .. 5 sobol 64), sweep(0 .. 1 "
                     "sobol 64))");

@@ -106,7 +106,7 @@ const std::vector<ResultNames>& ReservedNames() {
                 "load_average", "noise", "noise_cause", "state_hash", "run_id", "host", "message",
                 "omitted", "needs", "criterion", "checked", "unchecked"},
                kRunScalars)},
-      {"a group of the results", {"run", "accuracy", "provenance", "sampled"}},
+      {"a group of the results", {"run", "accuracy", "provenance", "sampled", "requirements"}},
       {"an array of /accuracy in the results", {"sample", "horizon", "step_size", "truth"}, true},
   };
   return names;

@@ -53,8 +53,11 @@ Range RangeOf(Robot& robot, const RobotJoint& driver) {
     if (at != &driver) continue;
     const double first = (joint.limits->first - offset) / ratio,
                  second = (joint.limits->second - offset) / ratio;
-    range.lower = std::max(range.lower, std::min(first, second));
-    range.upper = std::min(range.upper, std::max(first, second));
+    // Limits that are the same but for rounding narrow nothing.
+    const double slack = 1e-9 * (1 + std::max(std::abs(first), std::abs(second)));
+    const auto [lower, upper] = std::minmax(first, second);
+    if (lower > range.lower + slack) range.lower = lower;
+    if (upper < range.upper - slack) range.upper = upper;
     if (range.lower > range.upper && range.excluded == nullptr) range.excluded = &joint;
   }
   return range;

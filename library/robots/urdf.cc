@@ -376,6 +376,9 @@ class Builder {
     if (!IsFinite(from.parent_to_joint_origin_transform.position))
       refuse("has an origin that is no number below 1e9", "the unit is m");
     joint.origin = ToEigen(from.parent_to_joint_origin_transform);
+    if (from.mimic && (from.type == urdf::Joint::FIXED || from.type == urdf::Joint::FLOATING))
+      robot_.notes.push_back(
+          fmt::format("mimic of joint {} is ignored: its type has no position", joint.name));
     using Type = RobotJoint::Type;
     switch (from.type) {
       case urdf::Joint::FIXED:

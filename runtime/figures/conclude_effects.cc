@@ -10,7 +10,6 @@
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/conclusions.h"
 #include "runtime/figures/effects/effects.h"
-#include "runtime/figures/errors.h"
 #include "runtime/figures/ratios.h"
 #include "runtime/terminal/table.h"
 
@@ -66,6 +65,7 @@ class EffectConclusions {
   void AddFor(std::optional<std::size_t> detector, const std::string& what, std::string_view kind,
               const std::function<double(const MeasuredPoint&)>& figure_of) {
     const std::vector<double> figures = FiguresOf(detector, figure_of);
+    if (std::ranges::none_of(figures, [](double figure) { return figure > 0; })) return;
     const auto fit = effects::FitEffects(sampled_, figures);
     const std::string of = detector ? " of " + terminal::CoordinateText(
                                                    model_.axis(*model_.detector_axis()), *detector)
@@ -75,9 +75,9 @@ class EffectConclusions {
     if (!fit) {
       all_.push_back(
           {question,
-           fmt::format("Unknown: it needs {} sound points of {}, at which it is above 0 and "
-                       "not always the same.",
-                       2 * (sampled_.size() + 1), figures.size()),
+           fmt::format("Unknown: of {} points, too few are sound and have a figure above 0 "
+                       "({} would do), or it is the same at all.",
+                       figures.size(), 2 * (sampled_.size() + 1)),
            kind, Certainty::kUnknown});
       return;
     }
@@ -135,11 +135,12 @@ void ConcludeEffects(const Model& model, std::vector<Conclusion>& all) {
       effects.Add("the time of a step", "effects", [&](const MeasuredPoint& point) {
         return model.TimeOf(point, protocol::Phase::kStep).value;
       });
-    for (const auto& [error, figures] : CollectAllErrors(model))
-      effects.Add(fmt::format("the error of {}", error->name), "error_effects",
-                  [&model, name = error->name](const MeasuredPoint& point) {
-                    return model.ErrorOf(point, std::string(name));
-                  });
+    for (const schema::ErrorInfo& error : schema::Errors()) {
+      const std::string name(error.name);
+      if (!model.file().Has("accuracy/" + name)) continue;
+      effects.Add("the error of " + name, "error_effects",
+                  [&](const MeasuredPoint& point) { return model.ErrorOf(point, name); });
+    }
   }
 }
 

@@ -127,7 +127,7 @@ namespace {
 
 /// The kinds of conclusions about times, other than `budget`, which regards noise itself.
 constexpr std::string_view kOfTimes[] = {"fastest", "detect",      "broad", "scaling",
-                                         "growth",  "worst_cycle", "error"};
+                                         "growth",  "worst_cycle", "error", "effects"};
 
 /// Conclusions about times are not clear if the machine was noisy in half of the runs or more. The
 /// repeats of all configurations take turns, so disturbances bias a ratio less than a time.

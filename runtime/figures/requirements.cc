@@ -200,6 +200,10 @@ class Judge {
 
   void OfTime(const MeasuredPoint& point, JudgedPoint& judged) {
     const protocol::Phase phase = PhaseCalled(figure_.name);
+    if (!file_.Has("duration")) {
+      CannotTell(judged, "no time was recorded");
+      return;
+    }
     const Estimate& estimate = times_->FigureOf(point, phase);
     if (!figure_.IsMeasured()) {  // the longest cycle that there was
       judged.value = judged.low = judged.high = estimate.value;
@@ -252,7 +256,7 @@ class Judge {
   }
 
   void OfScalar(const GridPoint& point, JudgedPoint& judged) const {
-    if (!HasCycles(point, judged)) return;
+    if (!HasEnded(point, judged)) return;
     const auto value_of = [&](const Cell& cell) {
       return file_.Has(figure_.name) ? file_.ReadReal(figure_.name, cell) : kNone;
     };

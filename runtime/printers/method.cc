@@ -226,7 +226,8 @@ std::vector<std::string> MethodSentences(const figures::Model& model) {
 Printed ShowMethod(const results::ResultFile& file, Format format) {
   const figures::Model model(file);
   const std::string text = fmt::format("{}", fmt::join(MethodSentences(model), " "));
-  return {terminal::Wrapped(EscapedText(text, format), 0, kLineWidth), model.bad_count()};
+  return {terminal::Wrapped(EscapedText(text, format), 0, kLineWidth), model.bad_count(),
+          figures::CountNotMet(model.requirements())};
 }
 
 }  // namespace cdb::printers

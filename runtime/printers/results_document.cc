@@ -91,11 +91,12 @@ Json DocumentBudget(const figures::Model& model) {
 
 Json DocumentRequirements(const figures::Model& model) {
   Json all = Json::array();
-  if (IsLarge(model)) return all;
+  const bool has_points = !IsLarge(model);
   const std::string interval = model.times().IntervalName();
   for (const figures::JudgedRequirement& of : model.requirements()) {
     Json points = Json::array();
-    for (const figures::JudgedPoint& point : of.points)
+    for (const figures::JudgedPoint& point : of.points) {
+      if (!has_points) break;
       points.push_back({{"point", model.IndexOf(point.at)},
                         {"answer", figures::AnswerName(point.answer)},
                         {"value", JsonNumber(point.value, 9)},
@@ -103,6 +104,7 @@ Json DocumentRequirements(const figures::Model& model) {
                         {"high", JsonNumber(point.high, 9)},
                         {"limit", JsonNumber(point.limit, 9)},
                         {"text", figures::ReasonText(of, point, interval)}});
+    }
     all.push_back({{"text", of.what.text},
                    {"budget", of.is_budget},
                    {"figure", of.what.figure.Text()},

@@ -86,7 +86,7 @@ Printed ShowBudget(const results::ResultFile& file, const ShowBudgetOptions& opt
   if (!model.HasTimes())
     throw files::StoreError("the file has no times; `record timing` adds them");
   return {TextOf({BudgetSection(model, options.budget, options.phase, true)}, options.format),
-          model.bad_count()};
+          model.bad_count(), figures::CountNotMet(model.requirements())};
 }
 
 }  // namespace cdb::printers

@@ -439,7 +439,8 @@ Printed ShowTable(const results::ResultFile& file, const ShowTableOptions& optio
   Document document = {PaperTable(model, options).Made()};
   if (Section doubts = BriefDoubts(model); !doubts.lines.empty())
     document.push_back(std::move(doubts));
-  return {TextOf(document, options.format), model.bad_count()};
+  return {TextOf(document, options.format), model.bad_count(),
+          figures::CountNotMet(model.requirements())};
 }
 
 }  // namespace cdb::printers

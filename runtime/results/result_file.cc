@@ -195,7 +195,7 @@ struct ResultFile::Impl {
     if (requirements) return *requirements;
     requirements.emplace();
     const auto path = [](const char* array) { return kRequirementsGroup + array; };
-    if (!file.Has("requirements")) return *requirements;
+    if (!file.Has(path("requirement"))) return *requirements;  // it may be the name of an axis
     Reading([&] {
       const auto written = file.OpenDataset(path("requirement")).ReadText();
       const auto figures = file.OpenDataset(path("figure")).ReadText();

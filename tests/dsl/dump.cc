@@ -162,8 +162,10 @@ std::string Dump(const dsl::Expr& expr) {
     case dsl::ExprKind::kError:
       return "(error)";
     case dsl::ExprKind::kRange: {
-      const char* words[] = {"range", "range-step", "range-count", "range-log"};
-      return List(words[static_cast<int>(expr.range)], expr.items) + ')';
+      const char* words[] = {"range", "range-step", "range-count", "range-sobol", "range-latin"};
+      return List(words[static_cast<int>(expr.range)] + std::string(expr.is_log ? "-log" : ""),
+                  expr.items) +
+             ')';
     }
     case dsl::ExprKind::kCall:
       break;

@@ -144,7 +144,9 @@ TEST(Parser, Precedence) {
 TEST(Parser, RangesAndRatios) {
   EXPECT_EQ(Value("1..5"), "(range 1 5)");
   EXPECT_EQ(Value("a .. b step -2"), "(range-step a b (neg 2))");
-  EXPECT_EQ(Value("1 .. 2 * n count k + 1 log"), "(range-log 1 (* 2 n) (+ k 1))");
+  EXPECT_EQ(Value("1 .. 2 * n count k + 1 log"), "(range-count-log 1 (* 2 n) (+ k 1))");
+  EXPECT_EQ(Value("1 .. 2 sobol 8"), "(range-sobol 1 2 8)");
+  EXPECT_EQ(Value("1 .. 2 latin 8 log"), "(range-latin-log 1 2 8)");
   EXPECT_EQ(Value("1 .. 5 count 3"), "(range-count 1 5 3)");
   EXPECT_EQ(Value("step .. count step log"), "(range-step step count log)");
   EXPECT_EQ(Value("1:y:z"), "(ratio 1 y z)");

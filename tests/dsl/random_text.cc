@@ -203,12 +203,13 @@ RandomText::Piece RandomText::Range(int depth) {
   std::string word = "range", third;
   if (!OneIn(3)) {
     const Piece by = Expr(depth);
-    const bool step = OneIn(2);
-    range.text += Join({Gap(), step ? "step" : "count", Gap(), by.text});
-    word = step ? "range-step" : "range-count";
-    if (!step && OneIn(2)) {
+    static constexpr std::string_view kForms[] = {"step", "count", "sobol", "latin"};
+    const int form = Below(4);
+    range.text += Join({Gap(), kForms[form], Gap(), by.text});
+    word = Join({"range-", kForms[form]});
+    if (form > 0 && OneIn(2)) {
       range.text += Join({Gap(), "log"});
-      word = "range-log";
+      word += "-log";
     }
     third = Join({" ", by.dump});
   }

@@ -184,6 +184,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   const bool has_results = !is_anew && !is_part && fs::exists(out, error);
   std::optional<std::uint64_t> repeats = FirstRepeats(plan, out, has_results);
   if (!repeats) {
+    JudgeAnew(plan, out);
     RemoveLeftovers(plan, folder);
     return {{}, folder, true};
   }
@@ -235,6 +236,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
   const plan::Plan& plan = sized.plan;
   const fs::path folder = RunsFolderOf(out);
   const bool is_started = !FindStartedRetry(folder).is_empty();
+  JudgeAnew(plan, out);
   if (options_.shard.count > 1 && !is_started)
     throw options::CommandError(
         "--retry cannot be combined with --shard; to retry on a cluster, use `cdb submit --retry`");

@@ -101,6 +101,15 @@ void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& places, cons
                  fs::exists(out, error) ? out : fs::path(), figures::AnswersToStore);
 }
 
+void JudgeAnew(const plan::Plan& plan, const fs::path& out) {
+  std::error_code error;
+  if (!fs::exists(out, error)) return;
+  const results::ResultFile file(out);
+  if (file.plan_sha256() == plan.Sha256() && file.requirements() != plan.requirements &&
+      CountMissing(file, plan) == 0)
+    MergeOnto(plan, {RunsFolderOf(out)}, out);
+}
+
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {
   for (;;) {
     std::error_code error;

@@ -36,6 +36,9 @@ std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan
 /// `out` is then unchanged.
 void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& places,
                const std::filesystem::path& out);
+/// Judges the requirements of the plan if `out` has all of its runs, but was judged by others.
+/// Throws StoreError.
+void JudgeAnew(const plan::Plan& plan, const std::filesystem::path& out);
 
 /// Tells other runners that the folder of a sweep is in use. Shared while runs are executed; the
 /// last runner takes it exclusively, and only then may journals be removed.

@@ -107,6 +107,15 @@ TEST(Samples, AreAnAxisOfNumberedPointsWithCoordinates) {
     EXPECT_EQ(extended.plans.at(0).runs.at(i).id, plan.runs[i].id);
 }
 
+TEST(Samples, MayHavePercentages) {
+  for (const char* text :
+       {"let a, b = zip(sweep(0 % .. 50 % sobol 4), sweep(1 % .. 2 % sobol 4 log)) as d\n"
+        "benchmark b { objects.restitution a; objects.friction b; skip when a > 20 % or b > 3 % }",
+        "benchmark b { objects.friction sweep(10 % .. 50 % count 3) as mu }"})
+    EXPECT_FALSE(CompileText(text).diagnostics.has_errors())
+        << dsl::Render(CompileText(text).diagnostics);
+}
+
 TEST(Samples, AreRefusedWhereTheyMakeNoSense) {
   struct Case {
     const char *text, *message;
@@ -132,6 +141,17 @@ TEST(Samples, AreRefusedWhereTheyMakeNoSense) {
       {"let a, b = zip(sweep(10 .. 20 sobol 2 count 3), sweep(1 .. 2 sobol 2)) as d\n"
        "benchmark b { world.side a; timestep 1 / b }",
        "a range can have one of 'step', 'count', 'sobol' and 'latin'"},
+      {"let d, s = zip(sweep(sap, dbvt), sweep(10 .. 20 sobol 2)) as design\n"
+       "benchmark b { world.side s; detector d }",
+       "only some of these ranges are sampled, or not in the same way"},
+      {"let a, b = zip(sweep(10 .. 20 sobol 2), sweep(1 .. 2 sobol 2)) as a\n"
+       "benchmark b { world.side a; timestep 1 / b }",
+       "'a' would be the name of two arrays of /sampled in the results"},
+      {"let a, b = zip(sweep(0 .. 1 sobol 2), sweep(10 .. 20 sobol 2)) as d\n"
+       "benchmark b { world.side b; cases m { x { objects.restitution a } y { world.side 15 } } }",
+       "'d' is not used in every case"},
+      {"let requirements = sweep(1, 2)\nbenchmark b { cycles requirements }",
+       "an axis cannot be called 'requirements', which is the name of a group of the results"},
       {"let a, b = zip(sweep(10 .. 20 sobol 4), sweep(1 .. 2 sobol 2)) as d\n"
        "benchmark b { world.side a; timestep 1 / b }",
        "the sweeps of zip() have 4 and 2 values"},

@@ -25,7 +25,7 @@ Prediction Foresight::prediction() const {
 }
 
 std::string Foresight::Text() const {
-  std::string text = fmt::format("{}:", VerdictName(verdict));
+  std::string text = fmt::format("{}:", protocol::VerdictName(verdict));
   for (const lints::LintNumber& number : numbers)
     if (number.Severity() > 0.1)
       text += fmt::format(" {} {:.2g}{}", InfoOf(number.lint).kind.id, number.Severity(),

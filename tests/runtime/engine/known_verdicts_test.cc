@@ -38,7 +38,7 @@ TEST(KnownScenes, VerdictsFindTheUnsoundAndAreSilentOnTheSound) {
     if (is_stable != known.is_sound)
       surprises +=
           fmt::format("  {}, {}: {} from cycle {} on, though {}\n", known.family, known.variant,
-                      VerdictName(judged.verdict), judged.first_bad_cycle, known.why);
+                      protocol::VerdictName(judged.verdict), judged.first_bad_cycle, known.why);
   }
   std::string table = fmt::format("{:20} {:>24} {:>24}\n", world::EnginePrecision(),
                                   "unsound: found, stable", "sound: stable, not");

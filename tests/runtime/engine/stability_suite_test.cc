@@ -68,7 +68,8 @@ TEST(StabilitySuite, HasSoundBeginningsAndNoSoundHopelessEnds) {
         const Verdict verdict = VerdictOf(run.scene);
         ends += is_last ? 1 : 0;
         if (is_first) {
-          EXPECT_EQ(verdict, Verdict::kStable) << plan.benchmark << ": " << VerdictName(verdict);
+          EXPECT_EQ(verdict, Verdict::kStable)
+              << plan.benchmark << ": " << protocol::VerdictName(verdict);
         } else if (!HasNoHopelessEnd(plan.benchmark, other)) {
           EXPECT_NE(verdict, Verdict::kStable) << plan.benchmark;
           EXPECT_NE(verdict, Verdict::kUnknown) << plan.benchmark;

@@ -575,7 +575,8 @@ TEST(Conclusions, StateTheEffectsOfSampledParameters) {
       EXPECT_NE(of.kind, "scaling") << of.answer;
       if (of.kind == "effects") effects.push_back(of);
     }
-    ASSERT_EQ(effects.size(), 2u);
+    EXPECT_EQ(effects.size(), 2u);
+    if (effects.size() < 2) return 0;
     EXPECT_EQ(effects[1].question, "What changes the time of a step of sap over design?");
     EXPECT_EQ(effects[1].answer,
               "n from 10.0 to 1000: 100 times (95 % interval 100 .. 100), 100 % of the variance; "
@@ -587,7 +588,7 @@ TEST(Conclusions, StateTheEffectsOfSampledParameters) {
               (std::vector{design.sampled[0].values[3], design.sampled[0].values[7]}));
     const auto of_two = figures::Conclusions(figures::Model(file));
     EXPECT_TRUE(FindConclusion(of_two, "effects")
-                    .answer.starts_with("Unknown: it needs 6 sound points of 2"));
+                    .answer.starts_with("Unknown: of 2 points, too few are sound"));
     return 0;
   });
 }

@@ -127,13 +127,13 @@ MadeUp OfScene(const plan::Run& run) {
   return {.ns = 1000.0 * static_cast<double>(1 << run.at[0])};
 }
 
-using Answers = std::vector<Answer>;
+using AnswerList = std::vector<Answer>;
 
-Answers AnswersOf(const plan::Plan& plan, const MakeUp& make_up,
-                  std::vector<std::string>* why = nullptr) {
+AnswerList AnswersOf(const plan::Plan& plan, const MakeUp& make_up,
+                     std::vector<std::string>* why = nullptr) {
   return WithMadeUpFile(plan, make_up, [&](const results::ResultFile& file) {
     const figures::Model model(file);
-    Answers answers;
+    AnswerList answers;
     for (const figures::JudgedRequirement& of : model.requirements())
       for (const figures::JudgedPoint& point : of.points) {
         answers.push_back(point.answer);
@@ -146,12 +146,12 @@ Answers AnswersOf(const plan::Plan& plan, const MakeUp& make_up,
 TEST(Requirements, AreJudgedAtEachPoint) {
   const auto step = Of("p99(step)", Comparison::kLess, 3000);
   EXPECT_EQ(AnswersOf(ScenesOf(5, {step}), OfScene),
-            (Answers{Answer::kMet, Answer::kMet, Answer::kNotMet}));
+            (AnswerList{Answer::kMet, Answer::kMet, Answer::kNotMet}));
   std::vector<std::string> why;
-  EXPECT_EQ(AnswersOf(ScenesOf(1, {step}), OfScene, &why), Answers(3, Answer::kCannotTell));
+  EXPECT_EQ(AnswersOf(ScenesOf(1, {step}), OfScene, &why), AnswerList(3, Answer::kCannotTell));
   EXPECT_EQ(why[0], "1.00 us: one repeat does not tell");
   why.clear();
-  EXPECT_EQ(AnswersOf(ScenesOf(4, {step}), OfScene, &why), Answers(3, Answer::kCannotTell));
+  EXPECT_EQ(AnswersOf(ScenesOf(4, {step}), OfScene, &why), AnswerList(3, Answer::kCannotTell));
   EXPECT_EQ(why[0], "1.00 us: 4 repeats do not tell");
   // A repeat that is missing takes the interval with it.
   EXPECT_EQ(AnswersOf(ScenesOf(5, {step}),
@@ -160,7 +160,7 @@ TEST(Requirements, AreJudgedAtEachPoint) {
                         if (run.at[0] == 0 && run.rep == 4) made.status = results::Status::kMissing;
                         return made;
                       }),
-            (Answers{Answer::kCannotTell, Answer::kMet, Answer::kNotMet}));
+            (AnswerList{Answer::kCannotTell, Answer::kMet, Answer::kNotMet}));
 }
 
 TEST(Requirements, OnTimesOfVoidRunsCannotBeTold) {
@@ -176,9 +176,9 @@ TEST(Requirements, OnTimesOfVoidRunsCannotBeTold) {
                    Of("verdict", Comparison::kAtMost, 6)});
   using enum Answer;
   EXPECT_EQ(AnswersOf(plan, with(protocol::Verdict::kFrozen)),
-            (Answers{kCannotTell, kMet, kNotMet, kNotMet, kMet, kMet, kNotMet, kMet, kMet}));
+            (AnswerList{kCannotTell, kMet, kNotMet, kNotMet, kMet, kMet, kNotMet, kMet, kMet}));
   EXPECT_EQ(AnswersOf(plan, with(protocol::Verdict::kTunnelled)),
-            (Answers{kMet, kMet, kNotMet, kNotMet, kMet, kMet, kMet, kMet, kMet}));
+            (AnswerList{kMet, kMet, kNotMet, kNotMet, kMet, kMet, kMet, kMet, kMet}));
   EXPECT_EQ(AnswersOf(plan, with(protocol::Verdict::kUnknown))[3], kCannotTell);
 }
 
@@ -191,7 +191,7 @@ TEST(Requirements, OfFactsHoldInEveryRepeat) {
     return made;
   };
   EXPECT_EQ(AnswersOf(plan, one_large, &why),
-            (Answers{Answer::kMet, Answer::kNotMet, Answer::kMet}));
+            (AnswerList{Answer::kMet, Answer::kNotMet, Answer::kMet}));
   EXPECT_EQ(why[1], "7.00 MB (repeats 5.00 .. 7.00)");
 }
 
@@ -204,16 +204,16 @@ TEST(Requirements, OfErrorsKnowTheFloor) {
       return MadeUp{.errors = {{"position", error}, {"position_floor", floor}}};
     };
   };
-  EXPECT_EQ(AnswersOf(plan, with(0.5, 0.1)), Answers{Answer::kMet});
-  EXPECT_EQ(AnswersOf(plan, with(0.5, 0.6)), Answers{Answer::kCannotTell});
-  EXPECT_EQ(AnswersOf(plan, with(1.5, 0.1)), Answers{Answer::kNotMet});
-  EXPECT_EQ(AnswersOf(plan, with(NAN, 0.1)), Answers{Answer::kCannotTell});
+  EXPECT_EQ(AnswersOf(plan, with(0.5, 0.1)), AnswerList{Answer::kMet});
+  EXPECT_EQ(AnswersOf(plan, with(0.5, 0.6)), AnswerList{Answer::kCannotTell});
+  EXPECT_EQ(AnswersOf(plan, with(1.5, 0.1)), AnswerList{Answer::kNotMet});
+  EXPECT_EQ(AnswersOf(plan, with(NAN, 0.1)), AnswerList{Answer::kCannotTell});
 }
 
 TEST(Requirements, HoldTheBudget) {
   plan::Plan plan = ScenesOf(5, {});
   plan.budget_s = 3e-6;
-  EXPECT_EQ(AnswersOf(plan, OfScene), (Answers{Answer::kMet, Answer::kMet, Answer::kNotMet}));
+  EXPECT_EQ(AnswersOf(plan, OfScene), (AnswerList{Answer::kMet, Answer::kMet, Answer::kNotMet}));
   const std::string text = WithMadeUpFile(plan, OfScene, [](const results::ResultFile& file) {
     const printers::Printed shown = printers::Show(file, {.is_brief = true});
     EXPECT_EQ(shown.not_met_count, 1u);

@@ -50,7 +50,7 @@ TEST(VerdictOfRun, ANumberThatIsNoneShowsInItsCycle) {
             engine.objects()[7]->setLinearVelocity(
                 btVector3(std::numeric_limits<btScalar>::quiet_NaN(), 0, 0));
         });
-    EXPECT_EQ(judgement.verdict, Verdict::kNonFinite) << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict, Verdict::kNonFinite) << protocol::VerdictName(judgement.verdict);
     EXPECT_EQ(judgement.first_bad_cycle, static_cast<std::int64_t>(k));
   }
 }
@@ -61,7 +61,7 @@ TEST(VerdictOfRun, FreeFlightIsStable) {
   SetGroup(scene, "angular_velocity", Normal(0.0, 3.0));
   SetGroup(scene, "linear_damping", 0.3);
   const Judgement judgement = RunAndJudge(scene, layouts::MakeInitialState(scene));
-  EXPECT_EQ(judgement.verdict, Verdict::kStable) << VerdictName(judgement.verdict);
+  EXPECT_EQ(judgement.verdict, Verdict::kStable) << protocol::VerdictName(judgement.verdict);
 }
 
 TEST(VerdictOfRun, FarAwayBodiesAreFrozen) {
@@ -72,7 +72,8 @@ TEST(VerdictOfRun, FarAwayBodiesAreFrozen) {
        {std::pair{1e4, Verdict::kStable},
         std::pair{9e5, kIsSingle ? Verdict::kFrozen : Verdict::kStable}}) {
     const Judgement judgement = RunAndJudge(scene, OneObjectAt(scene, Vector3d(place, 0, 0)));
-    EXPECT_EQ(judgement.verdict, verdict) << place << ' ' << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict, verdict)
+        << place << ' ' << protocol::VerdictName(judgement.verdict);
   }
 }
 
@@ -82,7 +83,7 @@ TEST(VerdictOfRun, ABoxThatGrowsTooLargeIsRemoved) {
       scene, OneObjectAt(scene, Vector3d(0, 0, 0)), [](auto& engine, std::uint64_t cycle) {
         if (cycle == 31) engine.objects()[0]->setLinearVelocity(btVector3(btScalar(1e8), 0, 0));
       });
-  EXPECT_EQ(judgement.verdict, Verdict::kRemoved) << VerdictName(judgement.verdict);
+  EXPECT_EQ(judgement.verdict, Verdict::kRemoved) << protocol::VerdictName(judgement.verdict);
   EXPECT_GE(judgement.first_bad_cycle, 31);
   EXPECT_LE(judgement.first_bad_cycle, 32);
 }
@@ -94,7 +95,8 @@ TEST(VerdictOfRun, FastSpinIsClamped) {
     plan::Scene scene = DriftingObject(0);
     SetGroup(scene, "angular_velocity", Vector3d(0, 60 * turn, 0));
     const Judgement judgement = RunAndJudge(scene, OneObjectAt(scene, Vector3d(0, 0, 0)));
-    EXPECT_EQ(judgement.verdict, verdict) << turn << ' ' << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict, verdict)
+        << turn << ' ' << protocol::VerdictName(judgement.verdict);
   }
 }
 
@@ -104,7 +106,7 @@ TEST(VerdictOfRun, EnergyFromNowhereExplodes) {
       scene, OneObjectAt(scene, Vector3d(0, 0, 0)), [](auto& engine, std::uint64_t cycle) {
         if (cycle == 12) engine.objects()[0]->setLinearVelocity(btVector3(20, 0, 0));
       });
-  EXPECT_EQ(judgement.verdict, Verdict::kExploded) << VerdictName(judgement.verdict);
+  EXPECT_EQ(judgement.verdict, Verdict::kExploded) << protocol::VerdictName(judgement.verdict);
   EXPECT_EQ(judgement.first_bad_cycle, 12);
 }
 
@@ -115,7 +117,8 @@ TEST(VerdictOfRun, AThinWallIsNoWallForTheFast) {
     SetWorld(scene, "world.walls", Word("all"));
     SetWorld(scene, "world.wall_shape", Word("box"));
     const Judgement judgement = RunAndJudge(scene, OneObjectAt(scene, Vector3d(0, 0, 0)));
-    EXPECT_EQ(judgement.verdict, verdict) << speed << ' ' << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict, verdict)
+        << speed << ' ' << protocol::VerdictName(judgement.verdict);
   }
 }
 
@@ -128,7 +131,8 @@ TEST(VerdictOfRun, AStackStandsOrCollapses) {
     layouts::InitialState state = layouts::MakeInitialState(scene);
     state.objects.back().mass = heavy;
     const Judgement judgement = RunAndJudge(scene, std::move(state));
-    EXPECT_EQ(judgement.verdict == Verdict::kStable, is_stable) << VerdictName(judgement.verdict);
+    EXPECT_EQ(judgement.verdict == Verdict::kStable, is_stable)
+        << protocol::VerdictName(judgement.verdict);
   }
 }
 
