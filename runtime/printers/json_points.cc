@@ -322,7 +322,11 @@ Json DocumentAxes(const figures::Model& model) {
   Json axes = Json::array();
   for (std::size_t i = 0; i < model.file().axes().size(); ++i) {
     const plan::Axis& axis = model.axis(i);
+    Json sampled = Json::array();
+    for (const plan::Coordinates& of : axis.sampled)
+      sampled.push_back({{"name", of.name}, {"log", of.is_log}, {"values", of.values}});
     axes.push_back({{"name", axis.name},
+                    {"sampled", std::move(sampled)},
                     {"label", LabelOf(axis)},
                     {"has_title", !axis.title.empty()},
                     {"unit", axis.unit},

@@ -21,6 +21,8 @@ plan::Plan PlanWithEverything() {
   for (const schema::RecordWord& word : schema::kRecordWords) record.emplace_back(word.name);
   plan::Plan plan = MakePlan({NumberAxis("x", {1, 2})}, 1, {.record = record, .metrics = metrics});
   for (plan::Run& run : plan.runs) run.scene.queries.push_back({"sight", {}});
+  plan.axes[0].sampled = {{"mu", 0, 1, false, {0.2, 0.7}}};
+  plan.requirements = {{"verdict == stable", {}, plan::Comparison::kEqual, 1}};
   return plan;
 }
 
@@ -57,6 +59,7 @@ std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   };
   for (const results::Dimension& dimension : layout.dimensions) add(dimension.name);
   for (const results::Array& array : layout.arrays) add(array.name);
+  for (const results::Column& column : layout.columns) add(column.name);
   names.erase("x");
   return names;
 }

@@ -66,7 +66,7 @@ const asides = (colours) => (colour) =>
   (colours.indexOf(colour) - (colours.length - 1) / 2) * Math.min(4, 16 / colours.length);
 
 /** A series as a line with its intervals; a long one as its means and the range around them. */
-function seriesMarks(series, theme, { at, dx }) {
+function seriesMarks(series, theme, { at, dx, isScattered }) {
   const { colour, dash } = style(theme, series[0].colour);
   const isLong = series.length > mostMarks;
   const shown = isLong ? thin(series, mostMarks / 2) : series;
@@ -77,11 +77,11 @@ function seriesMarks(series, theme, { at, dx }) {
         { x: at, y1: 'low', y2: 'high', dx, stroke: colour, strokeWidth: 1.3 },
       );
   const line = { x: at, y: 'value', dx, stroke: colour, strokeWidth: 1.6, strokeDasharray: dash ?? undefined };
-  return series.length > 1 ? [spread, Plot.line(shown, line)] : [spread];
+  return series.length > 1 && !isScattered ? [spread, Plot.line(shown, line)] : [spread];
 }
 
 /** Lines over an axis of numbers. */
-function linePanel(rows, { theme, colours, x, y, xLabel, yLabel, budget }) {
+function linePanel(rows, { theme, colours, x, y, xLabel, yLabel, budget, isScattered }) {
   const aside = asides(colours);
   const isLast = (i) => Number(i === theme.highlight);
   const series = seriesOf(rows).sort((a, b) => isLast(a[0].colour) - isLast(b[0].colour));
@@ -89,7 +89,7 @@ function linePanel(rows, { theme, colours, x, y, xLabel, yLabel, budget }) {
   return ({ width, height }) => {
     const scaleX = x(width - 58);
     const at = (row) => scaleX.place(row.x);
-    const marks = series.flatMap((each) => seriesMarks(each, theme, { at, dx: aside(each[0].colour) }));
+    const marks = series.flatMap((each) => seriesMarks(each, theme, { at, dx: aside(each[0].colour), isScattered }));
     if (rows.length <= mostMarks)
       for (const i of order) {
         const own = rows.filter((row) => row.colour === i);
@@ -190,7 +190,9 @@ export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missin
   );
   const colours = coloursOf(rows);
   const values = [...new Set([...rows.map((row) => row.x), ...missing.map((i) => x.values[i])])];
-  const xOf = (width) => valueScale(values, view.xScale, width);
+  // The panels of parameters have their own ranges.
+  const valuesOf = (own) => (panel?.isParameters ? [...new Set(own.map((row) => row.x))] : values);
+  const xOf = (own) => (width) => valueScale(valuesOf(own), view.xScale, width);
   const panels = [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b);
   return {
     height: panels.length > 3 ? Math.min(height, 240) : height,
@@ -199,7 +201,16 @@ export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missin
       return {
         title: i < 0 ? '' : `${panel.name} ${valueText(panel, i)}`,
         hot: hotOf(own, colours),
-        options: linePanel(own, { theme: how.theme, colours, x: xOf, y, xLabel: axisTitle(x), yLabel, budget }),
+        options: linePanel(own, {
+          theme: how.theme,
+          colours,
+          x: xOf(own),
+          y,
+          xLabel: panel?.isParameters ? valueText(panel, i) : axisTitle(x),
+          yLabel,
+          budget,
+          isScattered: x.isScattered,
+        }),
       };
     }),
   };

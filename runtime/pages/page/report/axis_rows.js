@@ -4,11 +4,40 @@ import { entriesOf } from './pooled.js';
 
 const text = (axis, i) => (i < 0 ? '' : valueText(axis, i));
 
+/** How much of the logarithm of the values a straight line over the parameter explains. */
+function correlation(parameter, rows) {
+  const pairs = rows
+    .filter((row) => row.value > 0)
+    .map((row) => {
+      const at = parameter.values[row.xIndex];
+      return [parameter.log ? Math.log(at) : at, Math.log(row.value)];
+    });
+  const mean = (k) => pairs.reduce((sum, pair) => sum + pair[k], 0) / pairs.length;
+  const [mx, my] = [mean(0), mean(1)];
+  const sum = (of) => pairs.reduce((all, [x, y]) => all + of(x - mx, y - my), 0);
+  const scale = sum((x) => x * x) * sum((_, y) => y * y);
+  return scale > 0 ? sum((x, y) => x * y) ** 2 / scale : 0;
+}
+
+/** Over sampled points: a panel for each parameter, or, in a single panel, over the one that matters most. */
+function overParameters(rows, [x, colour, panel], isSingle) {
+  const along = (of, k) => rows.map((row) => ({ ...row, panel: k ?? row.panel, x: of.values[row.xIndex] }));
+  const sort = (all) => all.sort((a, b) => a.panel - b.panel || a.colour - b.colour || a.x - b.x);
+  if (!panel && !isSingle) {
+    const names = x.sampled.map((of) => of.name);
+    const over = { name: 'over', label: 'over', isText: true, values: names, labels: names, isParameters: true };
+    return { rows: sort(x.sampled.flatMap(along)), axes: [{ ...x, isScattered: true }, colour, over] };
+  }
+  const best = x.sampled.reduce((a, b) => (correlation(b, rows) > correlation(a, rows) ? b : a));
+  const one = { ...x, name: best.name, label: best.name, values: best.values, labels: [], isScattered: true };
+  return { rows: sort(along(best)), axes: [one, colour, panel] };
+}
+
 /**
  * The rows that a figure draws, in order of panel, colour, x, and the axes of these roles; null if the document did not
  * pool the axes.
  */
-export function rowsOf(doc, view, quantity) {
+export function rowsOf(doc, view, quantity, isSingle = false) {
   const found = entriesOf(doc, view, quantity);
   if (!found) return null;
   const roles = ['x', 'colour', 'panel'].map((role) => view.roles.indexOf(role));
@@ -20,7 +49,8 @@ export function rowsOf(doc, view, quantity) {
   rows.sort(
     (a, b) => a.panel - b.panel || a.colour - b.colour || (axes[0]?.isText ? 0 : a.x - b.x) || a.xIndex - b.xIndex,
   );
-  return { rows, axes, pooled: found.pooled, isUnmatched: found.isUnmatched };
+  const drawn = axes[0]?.sampled?.length > 0 ? overParameters(rows, axes, isSingle) : { rows, axes };
+  return { ...drawn, pooled: found.pooled, isUnmatched: found.isUnmatched };
 }
 
 /** Columns of the table, in the unit of the figure. */

@@ -81,6 +81,7 @@ export function openDocument(json) {
     kind: axis.kind ?? '',
     values: axis.values ?? [],
     labels: axis.value_labels ?? [],
+    sampled: axis.sampled ?? [],
   }));
   const times = groupsOf(points.times, count);
   const known = (json.phases ?? []).map((phase) => ({

@@ -17,7 +17,7 @@ export const statisticText = (doc, view) =>
 /** @param {import('./document.js').Quantity} quantity */
 export function describeQuantity(doc, view, plainHow, quantity, { height = 340, isSmall = false } = {}) {
   const how = { ...plainHow, theme: { ...plainHow.theme, highlight: view.highlight } };
-  const found = rowsOf(doc, view, quantity);
+  const found = rowsOf(doc, view, quantity, isSmall);
   if (!found) return { title: quantity.label, empty: noTable };
   const over = found.axes[0] ? ` over ${found.axes[0].name}` : '';
   const title = `${quantity.short[0].toUpperCase()}${quantity.short.slice(1)}${over}`;
