@@ -190,9 +190,20 @@ export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missin
   );
   const colours = coloursOf(rows);
   const values = [...new Set([...rows.map((row) => row.x), ...missing.map((i) => x.values[i])])];
-  // The panels of parameters have their own ranges.
-  const valuesOf = (own) => (panel?.isParameters ? [...new Set(own.map((row) => row.x))] : values);
-  const xOf = (own) => (width) => valueScale(valuesOf(own), view.xScale, width);
+  const xOf = (own, i) => (width) => {
+    if (!x.isScattered) return valueScale(values, view.xScale, width);
+    const { log } = panel?.isParameters ? x.sampled[i] : x;
+    const wish = view.xScale === 'auto' ? (log ? 'log' : 'linear') : view.xScale;
+    const room = Math.max(2, Math.floor(width / 60));
+    return {
+      ...scale(
+        own.map((row) => row.x),
+        wish,
+        { room, fromZero: false },
+      ),
+      place: (v) => v,
+    };
+  };
   const panels = [...new Set(rows.map((row) => row.panel))].sort((a, b) => a - b);
   return {
     height: panels.length > 3 ? Math.min(height, 240) : height,
@@ -204,7 +215,7 @@ export function lineDrawing(doc, view, { rows, axes, how, yLabel, height, missin
         options: linePanel(own, {
           theme: how.theme,
           colours,
-          x: xOf(own),
+          x: xOf(own, i),
           y,
           xLabel: panel?.isParameters ? valueText(panel, i) : axisTitle(x),
           yLabel,

@@ -28,9 +28,9 @@ function overParameters(rows, [x, colour, panel], isSingle) {
     const over = { name: 'over', label: 'over', isText: true, values: names, labels: names, isParameters: true };
     return { rows: sort(x.sampled.flatMap(along)), axes: [{ ...x, isScattered: true }, colour, over] };
   }
-  const best = x.sampled.reduce((a, b) => (correlation(b, rows) > correlation(a, rows) ? b : a));
-  const one = { ...x, name: best.name, label: best.name, values: best.values, labels: [], isScattered: true };
-  return { rows: sort(along(best)), axes: [one, colour, panel] };
+  const { name, values, log } = x.sampled.reduce((a, b) => (correlation(b, rows) > correlation(a, rows) ? b : a));
+  const one = { ...x, name, label: name, values, labels: [], log, isScattered: true };
+  return { rows: sort(along(one)), axes: [one, colour, panel] };
 }
 
 /**
