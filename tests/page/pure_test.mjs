@@ -9,6 +9,7 @@ import {
   pointText,
   quantities,
 } from '../../runtime/pages/page/report/document.js';
+import { rowsOf } from '../../runtime/pages/page/report/axis_rows.js';
 import { count, csv, number, short } from '../../runtime/pages/page/report/format.js';
 import { entriesOf, thin } from '../../runtime/pages/page/report/pooled.js';
 import { assign, decode, defaultRoles, defaultView, encode, unknownEntry } from '../../runtime/pages/page/report/state.js';
@@ -153,6 +154,33 @@ test('pooled values are those of the document', () => {
   assert.deepEqual(
     found.map(({ place }) => place),
     rows.at.map(([i]) => [-1, i, -1]),
+  );
+});
+
+test('sampled points are drawn over each parameter, or over the one that matters most', () => {
+  const sampled = [
+    { name: 'mu', log: false, values: [0.5, 0.1, 0.9, 0.3] },
+    { name: 'n', log: true, values: [10, 1000, 100, 1] },
+  ];
+  const design = numbers('design', [1, 2, 3, 4], { sampled });
+  const doc = openDocument(documentOf([design], ([i]) => sampled[1].values[i - 1] * 5));
+  const view = defaultView(doc);
+  const step = quantities(doc).find(({ id }) => id === 'time.step');
+  const over = (...single) => rowsOf(doc, view, step ?? quantities(doc)[0], ...single);
+  const all = over();
+  assert.deepEqual(all.axes[2].values, ['mu', 'n']);
+  assert.deepEqual(
+    all.rows.map(({ panel, x, xIndex }) => [panel, x, xIndex]),
+    [
+      ...[[0.1, 1], [0.3, 3], [0.5, 0], [0.9, 2]].map((of) => [0, ...of]),
+      ...[[1, 3], [10, 0], [100, 2], [1000, 1]].map((of) => [1, ...of]),
+    ],
+  );
+  const best = over(true);
+  assert.equal(best.axes[0].name, 'n');
+  assert.deepEqual(
+    best.rows.map(({ x }) => x),
+    [1, 10, 100, 1000],
   );
 });
 
