@@ -231,7 +231,10 @@ class Submitter {
       return std::nullopt;
     }
     const plans::RetryChoice retry = RetryOf(target);
-    plans::JudgeAnew(target.plan(), target.out);
+    std::error_code error;
+    if (fs::exists(target.out, error) &&
+        plans::CountMissing(results::ResultFile(target.out), target.plan()) == 0)
+      plans::JudgeAnew(target.plan(), target.out);
     const bool is_complete = plans::IsThereAlready(target.out, target.plan());
     if (is_complete && retry.is_empty()) {
       Say(fmt::format("'{}' is complete; remove it to run it again\n", target.out.string()));

@@ -270,7 +270,8 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
 Printed CsvText(const results::ResultFile& file, const CsvOptions& options) {
   const figures::Model model(file,
                              {.only_sound = options.only_sound, .statistic = options.statistic});
-  return {CsvOf(PointTable(model, options.phases).table()), model.runs().bad.size()};
+  return {CsvOf(PointTable(model, options.phases).table()), model.runs().bad.size(),
+          figures::CountNotMet(model.requirements())};
 }
 
 // The head of a results document: runs, machine, noise, omissions, failures.

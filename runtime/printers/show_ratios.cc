@@ -13,6 +13,7 @@
 #include "runtime/figures/detectors.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/ratios.h"
+#include "runtime/figures/requirements.h"
 #include "runtime/figures/times.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/show.h"
@@ -474,7 +475,7 @@ class ErrorSummary {
 Printed ShowError(const results::ResultFile& file, const ShowErrorOptions& options) {
   const figures::Model model(file, {.only_sound = options.only_sound});
   return {TextOf(ErrorSummary(model, options.errors).Made(), options.format),
-          model.runs().bad.size()};
+          model.runs().bad.size(), figures::CountNotMet(model.requirements())};
 }
 
 }  // namespace cdb::printers

@@ -105,9 +105,11 @@ void JudgeAnew(const plan::Plan& plan, const fs::path& out) {
   std::error_code error;
   if (!fs::exists(out, error)) return;
   const results::ResultFile file(out);
-  if (file.plan_sha256() == plan.Sha256() && file.requirements() != plan.requirements &&
-      CountMissing(file, plan) == 0)
-    MergeOnto(plan, {RunsFolderOf(out)}, out);
+  if (file.plan_sha256() != plan.Sha256() || file.requirements() == plan.requirements) return;
+  std::vector<fs::path> places;
+  if (const fs::path folder = RunsFolderOf(out); fs::exists(folder, error))
+    places.push_back(folder);
+  MergeOnto(plan, places, out);
 }
 
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder) {

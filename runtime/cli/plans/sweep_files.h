@@ -36,7 +36,7 @@ std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan
 /// `out` is then unchanged.
 void MergeOnto(const plan::Plan& plan, const std::vector<std::filesystem::path>& places,
                const std::filesystem::path& out);
-/// Judges the requirements of the plan if `out` has all of its runs, but was judged by others.
+/// Judges the requirements of the plan if `out` was judged by others.
 /// Throws StoreError.
 void JudgeAnew(const plan::Plan& plan, const std::filesystem::path& out);
 
