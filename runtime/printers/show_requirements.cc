@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "dsl/text/markup.h"
 #include "runtime/figures/boundaries.h"
 #include "runtime/figures/requirements.h"
 #include "runtime/printers/show.h"
@@ -57,30 +58,6 @@ void NamePoints(const figures::Model& model, const JudgedRequirement& of, Answer
     lines.push_back(fmt::format("  and {} more", count - kMostNamedPoints));
 }
 
-/// Text within an element or an attribute of XML. Characters that XML has not got become `?`.
-std::string Xml(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
-  return escaped;
-}
-
 }  // namespace
 
 void AddRequirements(const figures::Model& model, Document& document) {
@@ -107,10 +84,12 @@ Printed JunitText(const results::ResultFile& file) {
   for (const JudgedRequirement& of : model.requirements())
     for (const JudgedPoint& point : of.points) {
       ++tests;
-      cases += fmt::format("    <testcase classname=\"{}\" name=\"{}\"",
-                           Xml(fmt::format("{}: {}", file.benchmark(), of.what.text)),
-                           Xml(PlaceOf(file, point)));
-      const std::string reason = Xml(figures::ReasonText(of, point, model.times().IntervalName()));
+      cases +=
+          fmt::format("    <testcase classname=\"{}\" name=\"{}\"",
+                      text::EscapedMarkup(fmt::format("{}: {}", file.benchmark(), of.what.text)),
+                      text::EscapedMarkup(PlaceOf(file, point)));
+      const std::string reason =
+          text::EscapedMarkup(figures::ReasonText(of, point, model.times().IntervalName()));
       if (point.answer == Answer::kNotMet) {
         cases += fmt::format(">\n      <failure message=\"{}\"/>\n    </testcase>\n", reason);
       } else if (point.answer == Answer::kMet) {
@@ -126,7 +105,7 @@ Printed JunitText(const results::ResultFile& file) {
       fmt::format("tests=\"{}\" failures=\"{}\" skipped=\"{}\"", tests, not_met, skipped);
   return {fmt::format("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites {0}>\n  <testsuite "
                       "name=\"{1}\" {0}>\n{2}  </testsuite>\n</testsuites>\n",
-                      counts, Xml(file.benchmark()), cases),
+                      counts, text::EscapedMarkup(file.benchmark()), cases),
           model.bad_count(), not_met};
 }
 

@@ -2,30 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "dsl/text/markup.h"
 #include "dsl/text/utf8.h"
 
 namespace cdb::page {
 namespace {
-
-std::string EscapeHtml(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 /// In JSON, `<` occurs only in strings; escaped, the document is safe inside a script element.
 std::string EscapeJson(std::string_view json) {
@@ -47,8 +28,8 @@ std::string Assemble(const Template& page, std::string_view title, std::string_v
     throw PageError(
         "this cdb was built without pages, which need npm and CDB_PAGES=ON: install npm (as root "
         "`apt-get install npm`) and run ./setup again");
-  return fmt::format("{}{}{}{}{}", page.before_title, EscapeHtml(text::Printable(title)),
-                     page.before_data, EscapeJson(text::PrintableJson(json)), page.after_data);
+  return fmt::format("{}{}{}{}{}", page.before_title, text::EscapedMarkup(title), page.before_data,
+                     EscapeJson(text::PrintableJson(json)), page.after_data);
 }
 
 }  // namespace cdb::page
