@@ -180,18 +180,17 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const Group* group = FindGroup(scene, resists))
     return fmt::format("rolling with {}, as of group {}, is not examined",
                        IsDamped(*group) ? "damping" : "rolling friction", group->name);
-  const Group* other = FindGroup(scene, [](const Group& group) {
-    return IsFixed(group) && group.settings.WordOr("type") != "cuboid";
-  });
-  if (other != nullptr && FindGroup(scene, rolls) != nullptr)
+  const Group* roller = FindGroup(scene, rolls);
+  if (roller == nullptr) return std::nullopt;
+  if (const Group* other = FindGroup(scene, [](const Group& group) {
+        return IsFixed(group) && group.settings.WordOr("type") != "cuboid";
+      }))
     return fmt::format("rolling on group {}, which is not of cuboids, is not examined",
                        other->name);
-  const Group* roller = FindGroup(scene, rolls);
-  const Group* slab = FindGroup(scene, [&](const Group& group) {
-    return !IsFixed(group) && MayBe(group.settings.Get("type"), "cuboid") &&
-           (&group != roller || group.settings.Count("quantity") > 1);
-  });
-  if (roller != nullptr && slab != nullptr)
+  if (const Group* slab = FindGroup(scene, [&](const Group& group) {
+        return !IsFixed(group) && MayBe(group.settings.Get("type"), "cuboid") &&
+               (&group != roller || group.settings.Count("quantity") > 1);
+      }))
     return fmt::format(
         "rolling on objects that can move, such as those of group {}, is not examined", slab->name);
   return std::nullopt;

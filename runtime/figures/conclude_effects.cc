@@ -1,8 +1,11 @@
 // Conclusions about the effects of sampled parameters (conclusions.h).
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,8 +46,6 @@ class EffectConclusions {
     if (percent < 0.1) return "less than 0.1 %";
     return percent < 9.95 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent);
   }
-  std::string Name(std::size_t parameter) const { return sampled_[parameter].name; }
-
   /// The geometric mean at each point over all other axes but detectors, where all are measured and
   /// sound; NaN elsewhere.
   std::vector<double> FiguresOf(std::optional<std::size_t> detector,
@@ -76,7 +77,7 @@ class EffectConclusions {
       all_.push_back(
           {question,
            fmt::format("Unknown: of {} points, too few are sound and have a figure above 0 "
-                       "({} would do), or it is the same at all.",
+                       "({} would do), or the figure is the same at all of them.",
                        figures.size(), 2 * (sampled_.size() + 1)),
            kind, Certainty::kUnknown});
       return;
@@ -95,16 +96,15 @@ class EffectConclusions {
           terminal::ShortNumber(std::exp(main.log_ratio)), IntervalText(interval_of(main)),
           Share(main.share)));
     }
-    std::string answer;
-    for (const std::string& part : parts) answer += (answer.empty() ? "" : "; ") + part;
+    std::string answer = fmt::format("{}", fmt::join(parts, "; "));
     if (fit->mains.size() > parts.size())
       answer += fmt::format("; {} others have less", fit->mains.size() - parts.size());
     answer += ".";
     std::vector<std::string> pairs;
     for (const effects::Interaction& pair : fit->interactions)
       if (pair.share >= kLeastShare && pairs.size() < kMaxPairs)
-        pairs.push_back(
-            fmt::format("{} with {} {}", Name(pair.a), Name(pair.b), Share(pair.share)));
+        pairs.push_back(fmt::format("{} with {} {}", sampled_[pair.a].name, sampled_[pair.b].name,
+                                    Share(pair.share)));
     if (!pairs.empty())
       answer += fmt::format(" Together, beyond that: {}.", JoinWords(pairs));
     else if (!fit->has_interactions)
