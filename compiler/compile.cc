@@ -20,6 +20,7 @@
 #include "compiler/checks/requirement_checks.h"
 #include "compiler/configure/axes.h"
 #include "compiler/evaluate/convert.h"
+#include "compiler/evaluate/sweeps.h"
 #include "compiler/grid/survey.h"
 #include "compiler/plan/input_file.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -323,7 +324,7 @@ class Expander {
       for (std::size_t a = 0; a < axes_.size(); ++a)
         if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
     const double points = grid::CountOf(grid_.extents());
-    return FindRepeats() && FindBudget() && FindRequirements() &&
+    return FindRepeats() && FindBudget() && FindRequirements() && FindSearch() &&
            (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
   }
 
@@ -412,21 +413,76 @@ class Expander {
     return true;
   }
 
-  /// Reports requirements on figures that no run has.
-  void CheckRequirements() {
-    if (requirements_.empty()) return;
-    // The arrays of /requirements, whose group has the axes, too (runtime/results/layout.cc).
-    constexpr std::string_view kNames[] = {"requirement", "figure", "comparison", "limit",
-                                           "answer",      "value",  "low",        "high"};
+  /// Reads the condition of `find( )`, if there is one.
+  bool FindSearch() {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const bool is_searched = std::ranges::any_of(configurations_, [&](const auto& here) {
+        const configure::SweepAxis* sweep = SweepOf(axes_[i], *here);
+        return sweep != nullptr && evaluate::IsFind(*sweep->call);
+      });
+      if (is_searched && !FindSearch(axes_[i], grid_.head.axes[i])) return false;
+    }
+    return true;
+  }
+
+  static const configure::SweepAxis* SweepOf(const GridAxis& axis,
+                                             const configure::Configuration& configuration) {
+    const auto found =
+        std::ranges::find(configuration.axes(), axis.axis.name, &configure::SweepAxis::name);
+    return found == configuration.axes().end() ? nullptr : &*found;
+  }
+
+  bool FindSearch(const GridAxis& axis, plan::Axis& searched) {
+    const auto fail = [&](std::string message, std::string help) {
+      diagnostics_.Report(scenario::kMisplacedSweep, axis.sweep->span, std::move(message),
+                          std::move(help));
+      return false;
+    };
+    if (search_)
+      return fail("a benchmark has one find()", "write a benchmark for each, or sweep the others");
+    for (const auto& configuration : configurations_) {
+      const configure::SweepAxis* sweep = SweepOf(axis, *configuration);
+      if (sweep == nullptr || !evaluate::IsFind(*sweep->call) ||
+          sweep->values.size() != axis.axis.values.size())
+        return fail(fmt::format("'{}' has other values in another case", axis.axis.name),
+                    "write one find() outside the cases, or a benchmark for each");
+      auto until =
+          checks::ReadUntil(*configuration, *sweep->call->until, sweep->scope, grid_.head.repeats);
+      if (!until) return false;
+      if (search_ && !until->what.IsSame(search_->what))
+        return fail("the condition of find() must be the same in every case",
+                    "set the names in it outside the cases");
+      searched.search = {until->what, sweep->is_log};
+      search_ = std::move(until);
+    }
+    return true;
+  }
+
+  /// Reports axes that have the name of an array that is in one group with them.
+  void CheckNamesBeside(std::string_view what, std::span<const std::string_view> names) {
     for (const GridAxis& axis : axes_)
-      if (std::ranges::find(kNames, axis.axis.name) != std::end(kNames))
+      if (std::ranges::find(names, axis.axis.name) != names.end())
         diagnostics_.Report(
             scenario::kReservedName,
             axis.sweep == nullptr ? layered_.case_axes()[axis.case_axis].span : axis.sweep->span,
-            fmt::format("an axis beside requirements cannot be called '{}', which is a name of "
-                        "theirs in the results",
-                        axis.axis.name),
+            fmt::format("an axis beside {} cannot be called '{}', which is a name of theirs in the "
+                        "results",
+                        what, axis.axis.name),
             fmt::format("give it another name, such as {}_of", axis.axis.name));
+  }
+
+  /// Reports requirements, and conditions of `find( )`, on figures that no run has.
+  void CheckRequirements() {
+    // The arrays of /requirements and /boundary (runtime/results/layout.cc).
+    constexpr std::string_view kOfRequirements[] = {"requirement", "figure", "comparison", "limit",
+                                                    "answer",      "value",  "low",        "high"};
+    constexpr std::string_view kOfBoundaries[] = {"value", "low", "high", "outcome", "probes"};
+    if (!requirements_.empty()) CheckNamesBeside("requirements", kOfRequirements);
+    if (search_) {
+      CheckNamesBeside("boundaries", kOfBoundaries);
+      requirements_.push_back(*search_);
+    }
+    if (requirements_.empty()) return;
     std::vector<bool> is_recorded(requirements_.size(), false);
     grid::Survey(grid_).Look(
         std::numeric_limits<std::uint64_t>::max(), {}, [](bool) {},
@@ -522,6 +578,7 @@ class Expander {
   std::deque<BlockMaker> makers_;  ///< for each configuration
   std::vector<GridAxis> axes_;
   std::vector<checks::WrittenRequirement> requirements_;
+  std::optional<checks::WrittenRequirement> search_;
   grid::Grid grid_;
   /// A point has an error, which another benchmark may already have reported.
   bool is_broken_ = false;

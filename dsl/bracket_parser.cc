@@ -14,6 +14,8 @@ namespace {
 
 bool IsName(std::string_view path) { return path.find('.') == std::string_view::npos; }
 
+bool IsFind(const Expr& call) { return call.text == "find"; }
+
 }  // namespace
 
 Token ValueParser::TakeOpen() {
@@ -235,7 +237,10 @@ ExprPtr ValueParser::ParseCall(const Token& name) {
     const DepthScope deeper(cursor_);
     const Token open = TakeOpen();
     if (!cursor_.FitsDepth(1, cursor_.SpanOf(open))) return nullptr;
-    if (!ParseList(open, [&] { return ParseArgument(*call); })) return nullptr;
+    const bool outer = std::exchange(is_log_alone_, IsFind(*call));
+    const bool is_read = ParseList(open, [&] { return ParseArgument(*call); });
+    is_log_alone_ = outer;
+    if (!is_read) return nullptr;
   }
   if (cursor_.AtWord("as") && !ParseAxisName(*call)) return nullptr;
   // `in (a, b)` is part of a condition.
@@ -346,9 +351,28 @@ bool ValueParser::ParseLabelled(Argument& argument) {
   return true;
 }
 
+bool ValueParser::AtUntil(const Expr& call) const {
+  return IsFind(call) && AtLabel() && cursor_.AtWord("until");
+}
+
+/// Parses `until: verdict != stable`.
+bool ValueParser::ParseUntil(Expr& call) {
+  const Token word = cursor_.Take();
+  cursor_.Take();
+  ConditionPtr condition = ParseCondition();
+  if (!condition) return false;
+  if (call.until)
+    cursor_.Report(kTwoValues, cursor_.SpanOf(word), "find() has one condition",
+                   "write a benchmark for each");
+  call.until = std::move(condition);
+  call.until_span = cursor_.SpanOf(word);
+  return true;
+}
+
 // Parses `sd: 3`, `1 : y : z`, `y : 1 : 1` or `sphere 3`. The number of colons tells a ratio that
 // begins with a name from a named argument.
 bool ValueParser::ParseArgument(Expr& call) {
+  if (AtUntil(call)) return ParseUntil(call);
   Argument argument;
   const Token& sign = cursor_.Peek(1);
   if (cursor_.At(TokenKind::kPath) && sign.kind == TokenKind::kAssign) {

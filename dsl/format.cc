@@ -67,6 +67,9 @@ class RoleFinder {
       if (argument.name) roles_.labels.insert(argument.name->span.begin);
       Visit(*argument.value);
     }
+    if (!expr.until) return;
+    roles_.labels.insert(expr.until_span.begin);
+    Visit(*expr.until);
   }
   void Visit(const Condition& condition) {
     if (condition.left) Visit(*condition.left);

@@ -13,6 +13,8 @@ namespace cdb::dsl {
 
 struct Expr;
 using ExprPtr = std::unique_ptr<Expr>;
+struct Condition;
+using ConditionPtr = std::unique_ptr<Condition>;
 
 /// A name or a dotted path with its location.
 struct Name {
@@ -69,10 +71,11 @@ struct Expr {
   std::string axis_title;          ///< `as "title"` or `as name "title"` after a call; may be empty
   bool bare = false;               ///< a call without brackets: `ring radius: 20`
   std::shared_ptr<const Zip> zip;  ///< the zip that this sweep belongs to, or null
+  /// Of a `find( )`: the condition after `until:`, or null.
+  std::shared_ptr<const Condition> until;
+  text::Span until_span;  ///< of that word
 };
 
-struct Condition;
-using ConditionPtr = std::unique_ptr<Condition>;
 /// `and` binds closer than `or`; `not` negates everything after it within its brackets.
 enum class ConditionKind { kCompare, kIn, kAnd, kOr, kNot };
 

@@ -37,6 +37,7 @@ ExprPtr ValueParser::Finish(ExprPtr expr, const text::Span& fault) {
     look(argument.value);
     look(argument.weight);
   }
+  if (expr->until) below = std::max(below, expr->until->height);
   expr->height = below + 1;
   if (!cursor_.FitsDepth(expr->height, fault)) return nullptr;
   expr->span = cursor_.SpanFrom(expr->span.begin);
@@ -180,7 +181,8 @@ ValueParser::RangeWord ValueParser::TakeRangeWord(Expr& range) {
   }
   cursor_.Take();
   if (meant != "log") return ParseRangeNumber(range, token, meant);
-  if (range.range != RangeKind::kByOne && range.range != RangeKind::kStep)
+  const bool is_log_alone = is_log_alone_ && range.range == RangeKind::kByOne;
+  if (is_log_alone || (range.range != RangeKind::kByOne && range.range != RangeKind::kStep))
     range.is_log = true;
   else if (known)
     cursor_.Report(kBadRange, cursor_.SpanOf(token), "'log' needs the number of values",

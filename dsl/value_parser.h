@@ -43,6 +43,9 @@ class ValueParser {
   bool ParseLimits(Expr& call);
   bool ParseArgument(Expr& call);
   bool ParseLabelled(Argument& argument);
+  /// True at the `until:` of a `find( )`, which a condition follows.
+  bool AtUntil(const Expr& call) const;
+  bool ParseUntil(Expr& call);
   /// Parses `ring radius: 20`: a call with one argument, without brackets.
   ExprPtr ParseBareCall();
   ExprPtr ParseText();
@@ -102,7 +105,8 @@ class ValueParser {
   void ReportMissingValue();
 
   TokenCursor& cursor_;
-  bool bracketed_ = false;  // whether the condition parsed last was in brackets
+  bool is_log_alone_ = false;  // whether `log` may follow a range without a count
+  bool bracketed_ = false;     // whether the condition parsed last was in brackets
 };
 
 }  // namespace cdb::dsl

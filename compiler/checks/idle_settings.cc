@@ -14,6 +14,7 @@
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/configure/configuration.h"
+#include "compiler/evaluate/sweeps.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/scenario/layers.h"
 #include "compiler/schema/schema.h"
@@ -100,10 +101,6 @@ void IdleSettings::Report() const {
 namespace {
 
 constexpr std::size_t kMostValuesNamed = 3;
-
-bool IsSweepCall(const dsl::Expr& value) {
-  return value.kind == dsl::ExprKind::kCall && value.text == "sweep";
-}
 
 bool Holds(const text::Span& outer, const text::Span& inner) {
   return outer.source == inner.source && outer.begin <= inner.begin && inner.end <= outer.end;
@@ -258,7 +255,7 @@ void ReportUnusedLets(const dsl::Block& block, const grid::Grid& grid,
 }  // namespace
 
 void ReportUnusedSweep(const dsl::Let& let, dsl::Diagnostics& diagnostics) {
-  if (IsSweepCall(*let.value))
+  if (evaluate::IsSweep(*let.value))
     diagnostics.Report(scenario::kUnreachable, let.name.span,
                        fmt::format("nothing uses '{}', so its sweep makes no axis", let.name.text),
                        "set a parameter to it, or remove it");

@@ -100,6 +100,18 @@ class Reader {
         dimensions_(configuration.layers(), evaluator_),
         repeats_(repeats) {}
 
+  std::optional<WrittenRequirement> ReadOne(const Condition& condition,
+                                            const scenario::Scope& scope) {
+    what_ = "the condition of find()";
+    if (condition.kind != ConditionKind::kCompare) {
+      Error(scenario::kBadComparison, condition.span, "find() looks for one comparison",
+            "write a benchmark for each; verdicts are ordered: verdict >= penetrating");
+      return std::nullopt;
+    }
+    if (!ReadComparison(condition, scope)) return std::nullopt;
+    return std::move(found_[0]);
+  }
+
   std::optional<std::vector<WrittenRequirement>> ReadAll() {
     bool is_sound = true;
     for (const auto& placed : configuration_.layers().requirements)
@@ -191,7 +203,7 @@ class Reader {
   std::optional<double> LimitOf(const plan::Figure& figure, const Expr& expr,
                                 const scenario::Scope& scope) {
     if (!configure::SweepsIn(expr, scope, configuration_.layers(), evaluator_).empty()) {
-      Error(scenario::kMisplacedSweep, expr.span, "a requirement cannot be swept",
+      Error(scenario::kMisplacedSweep, expr.span, fmt::format("{} cannot be swept", what_),
             "it has one limit for all points");
       return std::nullopt;
     }
@@ -284,6 +296,7 @@ class Reader {
   evaluate::Evaluator& evaluator_;
   evaluate::Dimensions dimensions_;
   const std::uint64_t repeats_;
+  std::string_view what_ = "a requirement";
   std::vector<WrittenRequirement> found_;
 };
 
@@ -297,6 +310,12 @@ std::string_view RecordWordOf(const schema::Series& series) {
 std::optional<std::vector<WrittenRequirement>> ReadRequirements(
     configure::Configuration& configuration, std::uint64_t repeats) {
   return Reader(configuration, repeats).ReadAll();
+}
+
+std::optional<WrittenRequirement> ReadUntil(configure::Configuration& configuration,
+                                            const dsl::Condition& condition,
+                                            const scenario::Scope& scope, std::uint64_t repeats) {
+  return Reader(configuration, repeats).ReadOne(condition, scope);
 }
 
 bool HasFigure(const plan::Scene& scene, const plan::Figure& figure) {

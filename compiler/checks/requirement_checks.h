@@ -24,6 +24,11 @@ struct WrittenRequirement {
 std::optional<std::vector<WrittenRequirement>> ReadRequirements(
     configure::Configuration& configuration, std::uint64_t repeats);
 
+/// The condition of a `find( )`, which is one comparison. Nullopt after a diagnostic.
+std::optional<WrittenRequirement> ReadUntil(configure::Configuration& configuration,
+                                            const dsl::Condition& condition,
+                                            const scenario::Scope& scope, std::uint64_t repeats);
+
 /// True if a run of the scene has the figure.
 bool HasFigure(const plan::Scene& scene, const plan::Figure& figure);
 /// Reports that no run of the benchmark has the figure, and how to record it.

@@ -99,7 +99,7 @@ class AxisFinder {
 
   void WalkCall(const Expr& call, const scenario::Scope& scope, Statement& statement,
                 const Part& part) {
-    if (call.text == "sweep") return Add(call, scope, statement, part);
+    if (evaluate::IsSweep(call)) return Add(call, scope, statement, part);
     if (evaluate::IsFunction(call.text)) {
       for (const dsl::Argument& argument : call.arguments)
         Walk(*argument.value, scope, statement, part);
@@ -148,8 +148,26 @@ class AxisFinder {
     if (!values) return;
     if (is_factor) axis.unit.clear();
     axis.values = Coordinates(*values);
+    axis.scope = scope;
+    axis.is_log = sweep->is_log;
     CheckDistinct(axis, *sweep, *values);
+    if (evaluate::IsFind(call)) CheckOrder(axis);
     axes_.push_back(std::move(axis));
+  }
+
+  void CheckOrder(const SweepAxis& axis) {
+    const auto value = [&](std::size_t i) { return std::get_if<double>(&axis.values[i]); };
+    bool is_ordered = value(0) != nullptr;
+    for (std::size_t i = 1; i < axis.values.size() && is_ordered; ++i)
+      is_ordered = (*value(i) > *value(i - 1)) == (*value(1) > *value(0));
+    if (!is_ordered)
+      evaluator_.Error(scenario::kBadArguments, axis.call->span,
+                       "find() looks for a boundary along numbers that ascend or descend",
+                       "for example: find(1 .. 1000 log, until: verdict != stable)");
+    else if (axis.values.size() < 2)
+      evaluator_.Error(scenario::kBadArguments, axis.call->span,
+                       "find() has one value, and there is nothing beside it",
+                       "for example: find(1 .. 1000 log, until: verdict != stable)");
   }
 
   /// One axis, with the values of the first sweep; if these are not distinct, with joined labels of
@@ -373,8 +391,7 @@ class Collector {
   void Add(const Expr& expr, const scenario::Scope& scope) {
     is_relative_ =
         is_relative_ || (expr.kind == ExprKind::kCall && expr.text == schema::kRelativeCall);
-    if (expr.kind == ExprKind::kCall && expr.text == "sweep")
-      found_.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
+    if (evaluate::IsSweep(expr)) found_.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
     for (const auto& item : expr.items) Add(*item, scope);
     for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
       const dsl::Argument& argument = expr.arguments[i];

@@ -29,6 +29,8 @@ struct SweepAxis {
   std::pair<int, int> order;  ///< of its statement, and its position in it
   std::vector<plan::Coordinate> values;
   std::vector<plan::Coordinates> sampled = {};  ///< of a zip of sampled ranges
+  scenario::Scope scope = {};                   ///< of the call
+  bool is_log = false;                          ///< of a `find( )` in a logarithmic range
 };
 
 /// The maximum number of runs of a benchmark.

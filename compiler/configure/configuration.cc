@@ -260,7 +260,7 @@ void Conditions::CheckCalls(const dsl::Condition& condition) {
 
 /// A call in a condition does not have a single value: true, with a report.
 bool Conditions::RefuseCall(const Expr& expr) {
-  if (expr.kind == ExprKind::kCall && expr.text == "sweep") {
+  if (evaluate::IsSweep(expr)) {
     evaluator_.Error(scenario::kMisplacedSweep, expr.span, "a condition cannot contain a sweep",
                      "sweep a setting or a let, and compare its name");
     return true;

@@ -101,7 +101,7 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                            fmt::format("no function is called '{}'", expr.text),
                            fmt::format("write {}", range));
   std::vector<std::string_view> names = schema::DistributionNames();
-  names.insert(names.begin(), "sweep");
+  names.insert(names.begin(), {"sweep", "find"});
   const std::vector<std::string_view> functions = FunctionNames();
   names.insert(names.end(), functions.begin(), functions.end());
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())
@@ -187,7 +187,7 @@ std::optional<Value> EvaluateCall(const Expr& call, const scenario::Scope& scope
     return evaluator.Error(scenario::kBadArguments, call.span,
                            fmt::format("{}() cannot have limits", call.text),
                            "'in a .. b' limits a distribution");
-  if (call.text == "sweep") return evaluator.sweeps().Evaluate(call, scope);
+  if (IsSweep(call)) return evaluator.sweeps().Evaluate(call, scope);
   if (call.axis)
     return evaluator.Error(scenario::kMisplacedSweep, call.axis->span,
                            "only a sweep makes an axis, which can have a name");

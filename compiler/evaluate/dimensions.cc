@@ -298,6 +298,10 @@ Dimensions::Parts Dimensions::ItemsOf(const Expr& expr, const scenario::Scope& s
 Dimensions::Parts Dimensions::ArgumentsOf(const Expr& call, const scenario::Scope& scope) {
   Parts parts;
   for (const dsl::Argument& argument : call.arguments) {
+    if (IsFind(call) && argument.name) {
+      RequirePure({Find(*argument.value, scope), argument.value->span}, "a tolerance");
+      continue;
+    }
     parts.push_back({Find(*argument.value, scope), argument.value->span});
     if (argument.weight)
       RequirePure({Find(*argument.weight, scope), argument.weight->span}, "a weight");
@@ -311,7 +315,7 @@ Dimensions::Dimension Dimensions::FindCall(const Expr& expr, const scenario::Sco
     return {};
   }
   if (IsFunction(expr.text)) return FindFunction(expr, scope);
-  if (expr.text != "sweep" && !schema::FindDistribution(expr.text)) return {};
+  if (!IsSweep(expr) && !schema::FindDistribution(expr.text)) return {};
   Parts parts = ItemsOf(expr, scope, expr.items.size());
   parts.push_back({FindDrawn(expr, scope), expr.span});
   return Join(parts);

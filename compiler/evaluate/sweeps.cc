@@ -60,7 +60,7 @@ std::optional<Value> Sweeps::Evaluate(const Expr& call, const scenario::Scope& s
 }
 
 const Expr& Sweeps::Origin(const Expr& expr, const scenario::Scope& scope) {
-  if (expr.kind != ExprKind::kCall || expr.text != "sweep") return expr;
+  if (!IsSweep(expr)) return expr;
   const Sweep* sweep = Find(expr, scope);
   if (sweep == nullptr) return expr;
   const Expr* item = sweep->items[chosen_[&expr]].expr;
@@ -71,18 +71,23 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   Sweep sweep;
   const Restore guard(is_inside_, true);
   bool good = true;
+  double tolerance = kTolerance;
+  for (const dsl::Argument& argument : call.arguments)
+    if (argument.name) good = TakeNamed(call, argument, scope, tolerance) && good;
+  if (IsFind(call) && !call.until) {
+    evaluator_.Error(scenario::kBadArguments, call.span, "find() has no condition",
+                     "for example: find(1 .. 1000 log, until: verdict != stable)");
+    good = false;
+  }
   for (const dsl::Argument& argument : call.arguments) {
-    if (argument.name) {
-      evaluator_.Error(scenario::kBadArguments, argument.name->span,
-                       fmt::format("sweep() has no argument '{}'", argument.name->text),
-                       "sweep(1, 2, 5) or sweep(1 .. 5)");
-      good = false;
-    } else if (argument.weight) {
+    if (argument.name) continue;
+    if (argument.weight) {
       evaluator_.Error(scenario::kBadArguments, argument.weight->span,
-                       "sweep() does not take weights", "separate the values by commas");
+                       fmt::format("{}() does not take weights", call.text),
+                       "separate the values by commas");
       good = false;
     } else {
-      good = AddItems(call, *argument.value, scope, sweep) && good;
+      good = AddItems(call, *argument.value, scope, tolerance, sweep) && good;
     }
   }
   if (good && sweep.items.size() > kMaxAxisValues) {
@@ -92,16 +97,39 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
     good = false;
   }
   if (good && sweep.items.empty()) {
-    evaluator_.Error(scenario::kBadArguments, call.span, "sweep() has no values",
-                     "sweep(1, 2, 5) or sweep(1 .. 5)");
+    evaluator_.Error(scenario::kBadArguments, call.span,
+                     fmt::format("{}() has no values", call.text),
+                     IsFind(call) ? "find(1 .. 1000 log, until: verdict != stable)"
+                                  : "sweep(1, 2, 5) or sweep(1 .. 5)");
     good = false;
   }
   if (!good) return std::nullopt;
   return sweep;
 }
 
+bool Sweeps::TakeNamed(const Expr& call, const dsl::Argument& argument,
+                       const scenario::Scope& scope, double& tolerance) {
+  if (!IsFind(call) || argument.name->text != "tolerance") {
+    evaluator_.Error(scenario::kBadArguments, argument.name->span,
+                     fmt::format("{}() has no argument '{}'", call.text, argument.name->text),
+                     IsFind(call) ? "it has: tolerance, until"
+                     : argument.name->text == "until"
+                         ? "a sweep runs all of its values; write find(1 .. 1000 log, until: …)"
+                         : "sweep(1, 2, 5) or sweep(1 .. 5)");
+    return false;
+  }
+  const auto number = evaluator_.EvaluateNumber(*argument.value, scope, "a tolerance");
+  if (!number) return false;
+  tolerance = number->AsReal();
+  if (tolerance > 0 && tolerance < 1) return true;
+  evaluator_.Error(scenario::kBadArguments, argument.value->span,
+                   "a tolerance is a part of a range, or of a value: above 0 and below 1",
+                   "for example: tolerance: 5 %");
+  return false;
+}
+
 bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope& scope,
-                      Sweep& sweep) {
+                      double tolerance, Sweep& sweep) {
   const Expr* range = expr.kind == ExprKind::kRange ? &expr : nullptr;
   scenario::Scope inner = scope;
   if (expr.kind == ExprKind::kPath) {
@@ -114,12 +142,15 @@ bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope&
   }
   if (range != nullptr && IsSampled(range->range)) return AddSamples(call, *range, inner, sweep);
   if (range != nullptr) {
-    auto numbers = ExpandRange(*range, inner, evaluator_);
+    const bool is_ladder = IsFind(call) && range->range == dsl::RangeKind::kByOne;
+    auto numbers = is_ladder ? ExpandLadder(*range, tolerance, inner, evaluator_)
+                             : ExpandRange(*range, inner, evaluator_);
     if (!numbers) return false;
     const bool is_count =
         scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kCount;
-    if (is_count && range->is_log) RoundBetweenEnds(*numbers);
+    if (is_count && (range->is_log || is_ladder)) RoundBetweenEnds(*numbers);
     for (const Number& number : *numbers) sweep.items.push_back({nullptr, number});
+    sweep.is_log = range->is_log;
     return true;
   }
   sweep.items.push_back({&expr, std::nullopt});
@@ -181,40 +212,41 @@ Number WithoutRoundingErrors(const Number& value, double scale) {
   return std::fabs(written - real) <= tolerance ? Number(written) : value;
 }
 
+/// False, with a diagnostic, for a logarithmic range that is not.
+bool IsAboveZero(const dsl::Expr& range, const Numbers& bounds, Evaluator& evaluator) {
+  if (!range.is_log || (bounds[0].AsReal() > 0 && bounds[1].AsReal() > 0)) return true;
+  evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
+  return false;
+}
+
 /// Nullopt after a diagnostic. `bounds`: first, last, count.
 std::optional<Integer> CountOf(const dsl::Expr& range, const Numbers& bounds,
                                Evaluator& evaluator) {
-  const Number &first = bounds[0], &last = bounds[1];
   const auto count = bounds[2].AsWhole();
   if (!count || *count < 1)
     return evaluator.Error(scenario::kBadRange, range.items[2]->span,
                            "a count must be a whole number, 1 or more");
   if (*count > static_cast<Integer>(kMaxAxisValues))
     return TooMany(range, bounds[2].AsReal(), evaluator);
-  if (range.is_log && (first.AsReal() <= 0 || last.AsReal() <= 0))
-    return evaluator.Error(scenario::kBadRange, range.span, "a logarithmic range must be above 0");
+  if (!IsAboveZero(range, bounds, evaluator)) return std::nullopt;
   return count;
 }
 
-std::optional<Numbers> ByCount(const dsl::Expr& range, const Numbers& bounds,
-                               Evaluator& evaluator) {
-  const Number &first = bounds[0], &last = bounds[1];
-  const auto count = CountOf(range, bounds, evaluator);
-  if (!count) return std::nullopt;
+Numbers ByCount(const dsl::Expr& range, const Number& first, const Number& last, Integer count) {
   const auto between = [&](Integer i) {
     if (!range.is_log)
       return WithoutRoundingErrors(
-          first + (last - first) * Number::Whole(i) / Number::Whole(*count - 1),
+          first + (last - first) * Number::Whole(i) / Number::Whole(count - 1),
           std::max(std::fabs(first.AsReal()), std::fabs(last.AsReal())));
     const double low = std::log10(first.AsReal()), high = std::log10(last.AsReal());
-    const double part = static_cast<double>(i) / static_cast<double>(*count - 1);
+    const double part = static_cast<double>(i) / static_cast<double>(count - 1);
     const double value = std::pow(10.0, low + part * (high - low));
     return WithoutRoundingErrors(Number(value), value * (1 + std::fabs(low) + std::fabs(high)));
   };
   // The ends are exactly as written; between them no error accumulates.
   Numbers numbers = {first};
-  for (Integer i = 1; i + 1 < *count; ++i) numbers.push_back(between(i));
-  if (*count > 1) numbers.push_back(last);
+  for (Integer i = 1; i + 1 < count; ++i) numbers.push_back(between(i));
+  if (count > 1) numbers.push_back(last);
   return numbers;
 }
 
@@ -258,12 +290,32 @@ std::optional<Numbers> BoundsOf(const dsl::Expr& range, const scenario::Scope& s
 
 }  // namespace
 
+std::optional<Numbers> ExpandLadder(const dsl::Expr& range, double tolerance,
+                                    const scenario::Scope& scope, Evaluator& evaluator) {
+  const auto bounds = BoundsOf(range, scope, evaluator);
+  if (!bounds || !IsAboveZero(range, *bounds, evaluator)) return std::nullopt;
+  const double first = (*bounds)[0].AsReal(), last = (*bounds)[1].AsReal();
+  if (first == last)
+    return evaluator.Error(scenario::kBadRange, range.span, "there is nothing between these ends",
+                           "a boundary is searched between two different values");
+  const double parts =
+      range.is_log ? std::fabs(std::log(last / first)) / std::log1p(tolerance) : 1 / tolerance;
+  // Rounding errors do not double the parts.
+  const double all = std::exp2(std::max(0.0, std::ceil(std::log2(parts) - kRounding)));
+  if (!(all < static_cast<double>(kMaxAxisValues))) return TooMany(range, all + 1, evaluator);
+  return ByCount(range, (*bounds)[0], (*bounds)[1], static_cast<Integer>(all) + 1);
+}
+
 std::optional<Numbers> ExpandRange(const dsl::Expr& range, const scenario::Scope& scope,
                                    Evaluator& evaluator) {
   const auto bounds = BoundsOf(range, scope, evaluator);
   if (!bounds) return std::nullopt;
   using enum dsl::RangeKind;
-  if (range.range == kCount) return ByCount(range, *bounds, evaluator);
+  if (range.range == kCount) {
+    const auto count = CountOf(range, *bounds, evaluator);
+    if (!count) return std::nullopt;
+    return ByCount(range, (*bounds)[0], (*bounds)[1], *count);
+  }
   const Number step = range.range == kStep ? (*bounds)[2] : Number::Whole(1);
   return BySteps(range, (*bounds)[0], (*bounds)[1], step, evaluator);
 }

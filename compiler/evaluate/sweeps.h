@@ -14,7 +14,15 @@ namespace cdb::evaluate {
 
 class Evaluator;
 
-/// A `sweep( )` with its ranges expanded.
+/// True for `sweep( )` and `find( )`, which make an axis.
+inline bool IsSweep(const dsl::Expr& expr) {
+  return expr.kind == dsl::ExprKind::kCall && (expr.text == "sweep" || expr.text == "find");
+}
+inline bool IsFind(const dsl::Expr& expr) {
+  return expr.kind == dsl::ExprKind::kCall && expr.text == "find";
+}
+
+/// A `sweep( )` or `find( )` with its ranges expanded.
 struct Sweep {
   /// A value: an expression, or a number of a range.
   struct Item {
@@ -22,12 +30,15 @@ struct Sweep {
     std::optional<schema::Number> number;
   };
   std::vector<Item> items;
-  /// kSobol or kLatin if the items are such a range, otherwise nullopt; its ends, and whether it is
-  /// logarithmic.
+  /// kSobol or kLatin if the items are such a range, otherwise nullopt; and its ends.
   std::optional<dsl::RangeKind> sampled = std::nullopt;
   std::pair<double, double> ends = {};
-  bool is_log = false;
+  bool is_log = false;  ///< the last range is logarithmic
 };
+
+/// How close together the values of a `find(a .. b)` are, unless its `tolerance` says so: a part of
+/// the range, or, if it is logarithmic, of each value.
+inline constexpr double kTolerance = 0.05;
 
 class Sweeps {
  public:
@@ -44,8 +55,11 @@ class Sweeps {
 
  private:
   std::optional<Sweep> Expand(const dsl::Expr& call, const scenario::Scope& scope);
+  /// An argument with a name; false after a diagnostic.
+  bool TakeNamed(const dsl::Expr& call, const dsl::Argument& argument, const scenario::Scope& scope,
+                 double& tolerance);
   bool AddItems(const dsl::Expr& call, const dsl::Expr& expr, const scenario::Scope& scope,
-                Sweep& sweep);
+                double tolerance, Sweep& sweep);
   bool AddSamples(const dsl::Expr& call, const dsl::Expr& range, const scenario::Scope& scope,
                   Sweep& sweep);
 
@@ -65,6 +79,13 @@ inline constexpr std::size_t kMaxAxisValues = 1'000'000;
 inline bool IsSampled(dsl::RangeKind kind) {
   return kind == dsl::RangeKind::kSobol || kind == dsl::RangeKind::kLatin;
 }
+
+/// Values between which a boundary is searched: 2^m equal parts of a range `a .. b`, or equal
+/// ratios, so that a smaller tolerance keeps the values of a larger one. Nullopt after a
+/// diagnostic.
+std::optional<std::vector<schema::Number>> ExpandLadder(const dsl::Expr& range, double tolerance,
+                                                        const scenario::Scope& scope,
+                                                        Evaluator& evaluator);
 
 /// Of a range that is not sampled. Nullopt after a diagnostic.
 std::optional<std::vector<schema::Number>> ExpandRange(const dsl::Expr& range,

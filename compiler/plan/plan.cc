@@ -163,6 +163,10 @@ std::string Plan::Sha256() const {
     text += fmt::format("axis {} {} {}", axis.name, axis.parameter, axis.unit);
     for (const Coordinate& value : axis.values) text += "\t" + CoordinateText(value);
     text += '\n';
+    if (axis.search)
+      text += fmt::format("until {} {} {}\n", axis.search->until.figure.Text(),
+                          ComparisonText(axis.search->until.comparison),
+                          CoordinateText(axis.search->until.limit));
   }
   for (const Run& run : runs)
     text += fmt::format("run {} {} {}\n", run.id, fmt::join(run.at, " "), run.rep);
@@ -173,6 +177,12 @@ std::string Plan::Sha256() const {
 void Plan::Renew() {
   if (std::exchange(version, kPlanVersion) == kPlanVersion) return;
   for (Run& run : runs) run.id = RunId(run.scene, run.rep);
+}
+
+std::optional<std::size_t> Plan::SearchAxis() const {
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (axes[i].search) return i;
+  return std::nullopt;
 }
 
 std::uint64_t Plan::MaxCycles() const {

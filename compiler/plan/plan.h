@@ -110,6 +110,14 @@ struct Coordinates {
   bool operator==(const Coordinates&) const = default;
 };
 
+/// The search along an axis for the first value at which a condition on the results holds. All
+/// values have runs in the plan; those that the search does not need are not executed.
+struct Search {
+  Requirement until;
+  bool is_log = false;  ///< the values are evenly spaced in their logarithm
+  bool operator==(const Search&) const = default;
+};
+
 struct Axis {
   std::string name;                       ///< `quantity`, `aspect_z`
   std::string parameter;                  ///< `objects.quantity`, or empty (a `let` or `cases`)
@@ -117,6 +125,7 @@ struct Axis {
   std::vector<Coordinate> values;         ///< all numbers or all text
   std::string title = {};                 ///< of a figure's axis, from `as "title"`; may be empty
   std::vector<Coordinates> sampled = {};  ///< if its values are the numbers of sampled points
+  std::optional<Search> search = {};      ///< of `find( )`: its values ascend or descend
   bool IsText() const { return !values.empty() && values[0].index() == 1; }
   /// True if its values are numbers of something that may be more or less.
   bool IsScale() const { return !IsText() && sampled.empty(); }
@@ -173,6 +182,8 @@ struct Plan {
 
   /// Runs that bound all others, as WholePlan::bounds does.
   const std::vector<Run>& Bounds() const { return whole ? whole->bounds : runs; }
+  /// The index of the axis with a search; nullopt if there is none.
+  std::optional<std::size_t> SearchAxis() const;
   /// The number of all runs, or skipped points, listed or not.
   std::uint64_t RunCount() const { return whole ? whole->run_count : runs.size(); }
   void ForEachRun(const WholePlan::VisitRun& visit) const;

@@ -57,6 +57,18 @@ constexpr LanguageWord kLanguageWords[] = {
     {"zip", kFunction, "let A, B = zip(sweep(…), sweep(…)) [as [NAME] [\"TITLE\"]]",
      "sweeps of equal length that change together: one axis for several values",
      "let n, side = zip(sweep(10, 100), sweep(500, 5000))"},
+    {"find", kFunction,
+     "find(A .. B [log], [tolerance: T], until: FIGURE < VALUE) [as [NAME] [\"TITLE\"]]",
+     "searches the first value from A on at which a condition on the results holds, for each point "
+     "of the other axes; runs only the values that the search needs",
+     "objects.mass find(1 .. 1e5 log, until: verdict != stable)"},
+    {"until", kModifier, "find(A .. B, until: FIGURE < VALUE)",
+     "the condition of a search, on a figure as in require",
+     "objects.quantity find(100 .. 5000, until: mean(step) > 4 ms)"},
+    {"tolerance", kModifier, "find(A .. B, tolerance: T, until: FIGURE < VALUE)",
+     "how well a search knows its boundary: a part of the range, or of the value if the range is "
+     "logarithmic; without it, 5 %",
+     "objects.size find(0.1 .. 10 log, tolerance: 1 %, until: verdict != stable)"},
     {"as", kModifier, "sweep(…) as NAME, sweep(…) as \"TITLE\", sweep(…) as NAME \"TITLE\"",
      "names an axis, which is otherwise named after its parameter; gives it a title for figures",
      "cycles sweep(1 .. 5) as n \"number of cycles\""},

@@ -118,14 +118,17 @@ void WritePlugins(YAML::Emitter& out, const std::vector<schema::PluginDetector>&
   out << YAML::EndMap;
 }
 
+void WriteRequirement(YAML::Emitter& out, const plan::Requirement& of) {
+  out << YAML::BeginMap << YAML::Key << "text" << YAML::Value << YAML::DoubleQuoted << of.text
+      << YAML::Key << "figure" << YAML::Value << YAML::DoubleQuoted << of.figure.Text() << YAML::Key
+      << "comparison" << YAML::Value << YAML::DoubleQuoted
+      << std::string(plan::ComparisonText(of.comparison)) << YAML::Key << "limit" << YAML::Value
+      << YamlReal(of.limit) << YAML::EndMap;
+}
+
 void WriteRequirements(YAML::Emitter& out, const std::vector<plan::Requirement>& requirements) {
   out << YAML::Key << "requirements" << YAML::Value << YAML::BeginSeq;
-  for (const plan::Requirement& of : requirements)
-    out << YAML::BeginMap << YAML::Key << "text" << YAML::Value << YAML::DoubleQuoted << of.text
-        << YAML::Key << "figure" << YAML::Value << YAML::DoubleQuoted << of.figure.Text()
-        << YAML::Key << "comparison" << YAML::Value << YAML::DoubleQuoted
-        << std::string(plan::ComparisonText(of.comparison)) << YAML::Key << "limit" << YAML::Value
-        << YamlReal(of.limit) << YAML::EndMap;
+  for (const plan::Requirement& of : requirements) WriteRequirement(out, of);
   out << YAML::EndSeq;
 }
 
@@ -156,6 +159,11 @@ void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
     out << YAML::EndSeq << YAML::EndMap;
   }
   if (!axis.sampled.empty()) out << YAML::EndSeq;
+  if (axis.search) {
+    out << YAML::Key << "until" << YAML::Value;
+    WriteRequirement(out, axis.search->until);
+    out << YAML::Key << "log" << YAML::Value << axis.search->is_log;
+  }
   out << YAML::EndMap;
 }
 

@@ -442,6 +442,10 @@ class PlanReader : public ValueReader {
         Fail(item.Mark(), fmt::format("`{}` has not one value for each point", coordinates.name));
       axis.sampled.push_back(std::move(coordinates));
     }
+    if (const YAML::Node until = node["until"]) {
+      if (text) Fail(node.Mark(), "a search needs an axis of numbers");
+      axis.search = {ReadRequirement(until), Text(Member(node, "log")) == "true"};
+    }
     return axis;
   }
 

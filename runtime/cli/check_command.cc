@@ -14,6 +14,7 @@
 #include "runtime/cli/options/diagnostics_json.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/sweep/schedule/order.h"
 #include "runtime/terminal/console.h"
 
@@ -84,8 +85,8 @@ options::ExitStatus Check(const CheckArguments& arguments) {
       if (!FitsHere(grid, file)) status = std::max(status, options::ExitStatus::kEnvironmentError);
     if (arguments.json) continue;
     for (const grid::Grid& grid : result.grids)
-      terminal::Print(fmt::format("{}: {}: {} {}\n", file, grid.head.benchmark, grid.run_count(),
-                                  grid.run_count() == 1 ? "run" : "runs"));
+      terminal::Print(fmt::format("{}: {}: {}\n", file, grid.head.benchmark,
+                                  searches::RunsText(grid.head, grid.run_count())));
     for (const std::string& robot : result.scenario->RobotTexts()) terminal::Print(robot);
     for (const std::string& model : result.scenario->ModelTexts())
       terminal::Print(fmt::format("  {}\n", model));

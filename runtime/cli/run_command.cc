@@ -23,6 +23,7 @@
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/points.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/protocol/verdict.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"
@@ -186,6 +187,11 @@ void PrintDryRun(const plans::SizedPlan& sized, const fs::path& out, const RunAr
     names += fmt::format("  {}  {}\n", id, plan::Describe(plan, {id, at, rep, {}, {}, {}}));
   });
   const std::uint64_t runs = plan.RunCount();
+  if (plan.SearchAxis() && count > 0)
+    return terminal::Print(
+        fmt::format("{}: {} would be executed, as the results of one another ask, into '{}'; {} "
+                    "are finished\n",
+                    plan.benchmark, searches::RunsText(plan, runs), out.string(), runs - count));
   if (count == 0)
     return terminal::Print(
         fmt::format("{}: every run is finished; nothing would be executed\n", plan.benchmark));
@@ -289,8 +295,10 @@ options::ExitStatus Run(const RunArguments& arguments) {
   if (plans.empty()) return options::ExitStatus::kScenarioError;
   CheckJobs(arguments, plans);
   const std::optional<protocol::Verdict> required = RequiredVerdict(arguments, plans);
-  if (until)
-    for (const plans::SizedPlan& sized : plans) plans::CheckUntil(sized.plan);
+  for (const plans::SizedPlan& sized : plans) {
+    if (until) plans::CheckUntil(sized.plan);
+    plans::CheckSearch(sized.plan, sized.grid == nullptr, until.has_value());
+  }
   std::vector<fs::path> outs;
   for (const plans::SizedPlan& plan : plans)
     outs.push_back(plans::ResultPath(

@@ -28,14 +28,16 @@ struct StabilityArguments {
   std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
   std::string out = "stability";  ///< folder of the results
   std::uint64_t jobs = 1;
+  bool has_boundaries = false;  ///< search them, instead of running the grids
   bool fresh = false;
   bool quiet = false;
+
+  /// The folder of its scenarios in the library.
+  const char* suite() const { return has_boundaries ? "boundaries" : "stability"; }
 };
 
-constexpr std::string_view kSuite = "stability";
-
-std::vector<std::string> SuiteFiles() {
-  const fs::path folder = fs::path(options::ScenarioLibrary()) / kSuite;
+std::vector<std::string> SuiteFiles(const StabilityArguments& arguments) {
+  const fs::path folder = fs::path(options::ScenarioLibrary()) / arguments.suite();
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
@@ -48,25 +50,25 @@ std::vector<std::string> SuiteFiles() {
 }
 
 /// The requested scenes of the suite; all if none was requested.
-std::vector<std::string> Choose(const std::vector<std::string>& asked) {
-  const auto names = SuiteFiles();
-  if (asked.empty()) return names;
-  for (const std::string& name : asked) {
+std::vector<std::string> Choose(const StabilityArguments& arguments) {
+  const auto names = SuiteFiles(arguments);
+  if (arguments.scenes.empty()) return names;
+  for (const std::string& name : arguments.scenes) {
     if (std::ranges::find(names, name) != names.end()) continue;
     throw options::CommandError(
         fmt::format("the stability suite has no '{}'; {}", name,
                     options::Suggestion(name, {names.begin(), names.end()},
                                         fmt::format("it has {}", fmt::join(names, ", ")))));
   }
-  return asked;
+  return arguments.scenes;
 }
 
 options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   options::CheckWords("precision", arguments.precisions);
   options::CheckWords("detector", arguments.detectors);
   std::vector<plan::Plan> plans;
-  for (const std::string& name : Choose(arguments.scenes)) {
-    const std::string file = fmt::format("{}/{}", kSuite, name);
+  for (const std::string& name : Choose(arguments)) {
+    const std::string file = fmt::format("{}/{}", arguments.suite(), name);
     // No lints: these scenarios use such numbers on purpose.
     const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
     if (loaded.empty()) return options::ExitStatus::kScenarioError;
@@ -79,7 +81,10 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   for (const plan::Plan& plan : plans) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
-    terminal::Print(printers::StabilityMap(results::ResultFile(out)) + "\n");
+    const results::ResultFile file(out);
+    terminal::Print((arguments.has_boundaries ? printers::BoundariesText(file)
+                                              : printers::StabilityMap(file)) +
+                    "\n");
   }
   return options::ExitStatus::kGood;
 }
@@ -91,6 +96,8 @@ void DeclareStability(options::Subcommand& command) {
   command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
   command.Out(arguments->out, "folder for the results (default: stability)");
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
+  command.Flag("--boundaries", arguments->has_boundaries,
+               "search where each scene stops being sound, to 5 % and over five seeds");
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only the map, without progress");
   command.Action([arguments] { return RunSuite(*arguments); });

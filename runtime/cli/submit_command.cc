@@ -20,6 +20,7 @@
 #include "runtime/cli/plans/retry.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/cli/plans/sweep_files.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/store.h"
 #include "runtime/sweep/cluster/follow.h"
@@ -87,7 +88,9 @@ double EstimatedSeconds(const plan::Plan& plan) {
   for (const plan::Run& run : plan.Bounds()) work += schedule::EstimatedWork(run);
   if (plan.whole)
     work *= static_cast<double>(plan.RunCount()) / static_cast<double>(plan.Bounds().size());
-  return kSecondsOfWork * work;
+  return kSecondsOfWork * work *
+         static_cast<double>(searches::ExpectedRuns(plan, plan.RunCount())) /
+         static_cast<double>(plan.RunCount());
 }
 
 std::uint64_t ChooseTasks(const SubmitArguments& arguments, const plan::Plan& plan) {

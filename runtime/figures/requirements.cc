@@ -308,15 +308,17 @@ Answer JudgedRequirement::Whole() const {
   return Answer::kNotRun;
 }
 
+std::vector<JudgedPoint> JudgePoints(const Model& model, const plan::Requirement& what) {
+  Judge judge(model, what);
+  std::vector<JudgedPoint> points;
+  for (const GridPoint& point : model.grid()) points.push_back(judge.At(point, what.limit));
+  return points;
+}
+
 std::vector<JudgedRequirement> JudgeRequirements(const Model& model) {
   std::vector<JudgedRequirement> all;
-  for (const plan::Requirement& what : model.file().requirements()) {
-    JudgedRequirement judged = {what, false, {}};
-    Judge judge(model, what);
-    for (const GridPoint& point : model.grid())
-      judged.points.push_back(judge.At(point, what.limit));
-    all.push_back(std::move(judged));
-  }
+  for (const plan::Requirement& what : model.file().requirements())
+    all.push_back({what, false, JudgePoints(model, what)});
   const auto budget = BudgetOfScenario(model.file());
   if (!budget || !model.HasTimes()) return all;
   JudgedRequirement judged = {{.text = fmt::format("budget {}", budget->Text()),
@@ -365,9 +367,8 @@ std::string ReasonText(const JudgedRequirement& of, const JudgedPoint& point,
   return std::isnan(point.value) ? point.why : fmt::format("{}: {}", figure, point.why);
 }
 
-results::StoredAnswers AnswersToStore(const std::filesystem::path& path) {
-  const results::ResultFile file(path, results::ProofOf::kStructure);
-  const Model model(file);
+results::StoredAnswers AnswersOf(const Model& model) {
+  const results::ResultFile& file = model.file();
   const std::size_t requirements = file.requirements().size();
   std::map<Point, std::size_t> places;
   for (const Point& at : AllPoints(file)) places.emplace(at, places.size());

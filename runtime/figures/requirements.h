@@ -69,6 +69,9 @@ struct JudgedRequirement {
 /// All of the file, the budget last. Throws StoreError.
 std::vector<JudgedRequirement> JudgeRequirements(const Model& model);
 
+/// Each point with a run against one condition, in grid order. Throws StoreError.
+std::vector<JudgedPoint> JudgePoints(const Model& model, const plan::Requirement& what);
+
 /// The number of points and requirements that are not met.
 std::size_t CountNotMet(const std::vector<JudgedRequirement>& all);
 
@@ -80,7 +83,7 @@ std::string ReasonText(const JudgedRequirement& of, const JudgedPoint& point,
                        std::string_view interval_name);
 
 /// The answers as a results file stores them: for each point of the whole grid and each `require`.
-results::StoredAnswers AnswersToStore(const std::filesystem::path& file);
+results::StoredAnswers AnswersOf(const Model& model);
 
 // Which configurations stay within a time per cycle (`budget` of a scenario, `cdb show --budget`).
 

@@ -18,6 +18,7 @@
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/requirements.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/printers/document.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
@@ -53,6 +54,7 @@ void AddBudget(const figures::Model& model, bool has_answer, Document& document)
 /// One table that fits a screen: the times by the first axes, or by one axis if there are many.
 Document Brief(const figures::Model& model) {
   Document document = {BriefHead(model)};
+  AddBoundaries(model, document);
   AddRequirements(model, document);
   Document tables;
   const auto by = ChooseTables(model, {});
@@ -79,6 +81,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
             figures::CountNotMet(model.requirements())};
   // Whoever asks for certain rows does not ask how the file is stored.
   Document document = {SummaryHead(model, asked.empty())};
+  AddBoundaries(model, document);
   AddRequirements(model, document);
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
@@ -243,7 +246,9 @@ class Head {
                     least < file_.cycles() ? fmt::format("{} to ", least) : "", file_.cycles());
     if (const std::string time = SimulatedTime(model_); !time.empty())
       text += fmt::format(" ({} simulated)", time);
-    if (groups_.skipped > 0) text += fmt::format(", {} skipped", groups_.skipped);
+    if (groups_.skipped > 0)
+      text += fmt::format(", {} {}", groups_.skipped,
+                          searches::SearchAxis(file_.axes()) ? "not needed" : "skipped");
     return text;
   }
 

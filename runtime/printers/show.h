@@ -132,6 +132,10 @@ Section BudgetSection(const figures::Model& model, const figures::Budget& budget
 /// The requirements of the scenario, each with its answer, and the first points that fail; none
 /// without `require`.
 void AddRequirements(const figures::Model& model, Document& document);
+/// The boundaries that the searches of the scenario found; none without a search.
+void AddBoundaries(const figures::Model& model, Document& document);
+/// The same with the title of the file, for a terminal.
+std::string BoundariesText(const results::ResultFile& file);
 /// A test case for each requirement and point, as JUnit XML: failed if it is not met, skipped if
 /// that cannot be told (`cdb show --junit`). Throws StoreError.
 Printed JunitText(const results::ResultFile& file);

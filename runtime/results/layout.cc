@@ -64,6 +64,7 @@ class Maker {
     for (const protocol::Series& series : facts_.error_series) AddSeries(series);
     if (holds_references) AddReferences();
     if (!plan_.requirements.empty()) AddRequirements();
+    if (plan_.SearchAxis()) AddBoundaries();
     return std::move(layout_);
   }
 
@@ -105,7 +106,7 @@ class Maker {
            group + axis.name,
            sampled.values,
            {{"long_name", fmt::format("{} at the points of {}", sampled.name, axis.name)},
-            {"scale", sampled.is_log ? kLogScale : "linear"},
+            {kScaleAttribute, sampled.is_log ? kLogScale : "linear"},
             {"units", kNoUnit}},
            sampled.first,
            sampled.last});
@@ -276,6 +277,38 @@ class Maker {
     add("low", Type::kFloat64, all,
         "lower end of its 95 % interval over the repeats, or of the values that it may have");
     add("high", Type::kFloat64, all, "upper end of the same");
+  }
+
+  /// Over the axes without that of the search.
+  void AddBoundaries() {
+    const plan::Axis& searched = plan_.axes[*plan_.SearchAxis()];
+    std::vector<std::string> places;
+    for (std::size_t i = 0; i < plan_.axes.size(); ++i) {
+      if (plan_.axes[i].search) continue;
+      AddDimension(kBoundaryGroup, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
+      places.push_back(plan_.axes[i].name);
+    }
+    const auto add = [&](const char* name, Type type, std::string_view unit,
+                         const std::string& doc) -> Array& {
+      Array& array = Add(kBoundaryGroup + name, type, places, false);
+      if (type == Type::kFloat64) array.fill = kNaN;
+      array.has_fill_value = type == Type::kFloat64;
+      Describe(array, unit, doc);
+      return array;
+    };
+    Array& outcome = add("outcome", Type::kInt8, "",
+                         fmt::format("what the search along {} found", searched.name));
+    outcome.flags = "not_known between at_first nowhere uncertain";
+    outcome.attributes.erase("units");
+    add("value", Type::kFloat64, searched.unit,
+        fmt::format("value of {} from which {} holds: the middle of two neighbouring values",
+                    searched.name, searched.search->until.text));
+    add("low", Type::kFloat64, searched.unit, "lower of the values between which it is");
+    add("high", Type::kFloat64, searched.unit, "upper of the values between which it is");
+    add("changes", Type::kInt32, "",
+        "changes of the condition between neighbouring values that were run; above 1: not "
+        "monotone");
+    add("probes", Type::kInt32, "", "values that were run");
   }
 
   void AddContactDimensions(std::uint64_t rows) {

@@ -28,6 +28,7 @@ inline constexpr std::string_view kAccuracyGroup = "accuracy/";
 inline constexpr std::string_view kSampledGroup = "sampled/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
 inline const std::string kRequirementsGroup = "requirements/";
+inline const std::string kBoundaryGroup = "boundary/";
 
 /// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -138,6 +139,9 @@ void CreateArrays(hdf5::File& file, const Layout& layout);
 /// Fills the arrays of /requirements, if there are any; without `answers`, none was judged.
 void WriteRequirements(hdf5::File& file, const std::vector<plan::Requirement>& requirements,
                        const StoredAnswers* answers);
+
+/// Fills the arrays of /boundary, if there are any.
+void WriteBoundaries(hdf5::File& file, const plan::Plan& plan, const StoredAnswers* answers);
 
 /// Writes the attributes of the file itself. `what` is the line of `history`.
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,

@@ -101,6 +101,20 @@ void WriteRequirements(hdf5::File& file, const std::vector<plan::Requirement>& r
   open("high").Write(answers->high);
 }
 
+void WriteBoundaries(hdf5::File& file, const plan::Plan& plan, const StoredAnswers* answers) {
+  if (!plan.SearchAxis() || answers == nullptr) return;
+  const auto write = [&](const char* name, const std::vector<double>& values) {
+    file.OpenDataset(kBoundaryGroup + name).Write(values);
+  };
+  const StoredAnswers::Boundaries& boundaries = answers->boundaries;
+  write("outcome", boundaries.outcome);
+  write("value", boundaries.value);
+  write("low", boundaries.low);
+  write("high", boundaries.high);
+  write("changes", boundaries.changes);
+  write("probes", boundaries.probes);
+}
+
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                std::string_view what) {
   file.SetText("Conventions", kConventions);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -34,6 +35,20 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
+/// The search along an axis; nullopt if there is none.
+std::optional<plan::Search> ReadSearch(const hdf5::Dataset& axis) {
+  const std::string text = axis.Text(kUntilAttribute);
+  if (text.empty()) return std::nullopt;
+  const auto figure = plan::FindFigure(axis.Text(kFigureAttribute));
+  const auto comparison = plan::FindComparison(axis.Text(kComparisonAttribute));
+  const std::string limit = axis.Text(kLimitAttribute);
+  double value = 0;
+  const auto [end, error] = std::from_chars(limit.data(), limit.data() + limit.size(), value);
+  if (!figure || !comparison || error != std::errc() || end != limit.data() + limit.size())
+    throw hdf5::Error(fmt::format("the search until '{}' is not one of this cdb", text));
+  return plan::Search{{text, *figure, *comparison, value}, axis.Text(kScaleAttribute) == kLogScale};
+}
+
 }  // namespace
 
 struct ResultFile::Impl {
@@ -59,11 +74,12 @@ struct ResultFile::Impl {
       for (const std::string& sampled : Words(dataset.Text(kSampledAttribute))) {
         const hdf5::Dataset column = file.OpenDataset(std::string(kSampledGroup) + sampled);
         axis.sampled.push_back({sampled, column.Number(kFirstAttribute),
-                                column.Number(kLastAttribute), column.Text("scale") == kLogScale,
-                                column.Read()});
+                                column.Number(kLastAttribute),
+                                column.Text(kScaleAttribute) == kLogScale, column.Read()});
         if (axis.sampled.back().values.size() != axis.values.size())
           throw hdf5::Error(sampled + " has not one value for each point");
       }
+      axis.search = ReadSearch(dataset);
       grid.push_back(axis.values.size());
       kept.emplace_back(axis.values.size());
       std::iota(kept.back().begin(), kept.back().end(), std::size_t{0});
@@ -332,6 +348,8 @@ const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) {
   CDB_CHECK(axis < impl_->axes.size() && !kept.empty());
+  // A part of its values says nothing of a search.
+  if (kept.size() < impl_->axes[axis].values.size()) impl_->axes[axis].search.reset();
   std::vector<std::size_t> places;
   std::vector<plan::Coordinate> values;
   for (const std::size_t place : kept) {

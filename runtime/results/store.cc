@@ -87,6 +87,14 @@ Dimension AxisDimension(const plan::Axis& axis, bool is_integer) {
   for (const plan::Coordinates& coordinates : axis.sampled)
     sampled.append(sampled.empty() ? "" : " ").append(coordinates.name);
   if (!sampled.empty()) dimension.attributes.emplace(kSampledAttribute, sampled);
+  if (axis.search) {
+    const plan::Requirement& until = axis.search->until;
+    dimension.attributes.emplace(kUntilAttribute, until.text);
+    dimension.attributes.emplace(kFigureAttribute, until.figure.Text());
+    dimension.attributes.emplace(kComparisonAttribute, plan::ComparisonText(until.comparison));
+    dimension.attributes.emplace(kLimitAttribute, schema::FormatReal(until.limit));
+    dimension.attributes.emplace(kScaleAttribute, axis.search->is_log ? kLogScale : "linear");
+  }
   return dimension;
 }
 

@@ -187,6 +187,14 @@ class ResultFile {
 /// requirement fastest (figures/requirements.h).
 struct StoredAnswers {
   std::vector<double> answer, value, low, high;
+  /// What its searches found, for each point of the grid without the axis of the search
+  /// (figures/searches/searches.h).
+  struct Boundaries {
+    std::vector<double> outcome, value, low, high, changes, probes;
+  };
+  Boundaries boundaries = {};
+  /// True if no search needs another run: the others are then left out for good.
+  bool searches_have_ended = false;
 };
 
 // The dimensions of a results file, with their coordinates.
@@ -219,6 +227,10 @@ inline constexpr const char* kNoUnit = "1";
 /// `scale` is `linear` or kLogScale, with the ends of their ranges.
 inline constexpr const char *kSampledAttribute = "sampled", *kLogScale = "log",
                             *kFirstAttribute = "first", *kLastAttribute = "last";
+/// Of an axis with a search: its condition as it is written, and as what it is judged.
+inline constexpr const char *kUntilAttribute = "until", *kFigureAttribute = "until_figure",
+                            *kComparisonAttribute = "until_comparison",
+                            *kLimitAttribute = "until_limit", *kScaleAttribute = "scale";
 /// The values of an axis. `is_integer`: the result of Axis::IsInteger, which checks all values.
 Dimension AxisDimension(const plan::Axis& axis, bool is_integer);
 

@@ -186,6 +186,7 @@ std::string Dump(const dsl::Expr& expr) {
       out += ')';
     }
   }
+  if (expr.until) out += " until " + Dump(*expr.until);
   if (expr.zip) out += " zipped";
   if (expr.zip && expr.zip->axis) out += " as " + expr.zip->axis->text;
   if (expr.zip && !expr.zip->axis_title.empty()) out += " titled " + Quoted(expr.zip->axis_title);

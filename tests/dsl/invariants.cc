@@ -38,6 +38,7 @@ class Walker {
       below = std::max(below, Height(*argument.value));
       if (argument.weight) below = std::max(below, Height(*argument.weight));
     }
+    if (expr.until) below = std::max(below, Height(*expr.until));
     if (expr.height != below + 1 || expr.height > dsl::kMaxDepth)
       problem_ = "an expression is not as high as it says";
     return below + 1;

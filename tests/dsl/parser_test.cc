@@ -153,6 +153,18 @@ TEST(Parser, RangesAndRatios) {
   EXPECT_EQ(Value("1 : 1 : sweep(1 .. 5) as z"), "(ratio 1 1 (call sweep (range 1 5) as z))");
 }
 
+TEST(Parser, Searches) {
+  EXPECT_EQ(Value("find(1 .. 9 log, until: verdict != stable)"),
+            "(call find (range-log 1 9) until (!= verdict stable))");
+  EXPECT_EQ(Value("find(1 .. 9, until: p99(step) > 4 ms, tolerance: 5 %) as n"),
+            "(call find (range 1 9) tolerance:(quantity 5 %) until (> (call p99 step) (quantity 4 "
+            "ms)) as n)");
+  // Elsewhere `until` is a name like any other.
+  EXPECT_EQ(Value("gap(until: 3)"), "(call gap until:3)");
+  EXPECT_EQ(Value("2 * find(1, 2, until: (a == b or c < d))"),
+            "(* 2 (call find 1 2 until (or (== a b) (< c d))))");
+}
+
 TEST(Parser, Arguments) {
   EXPECT_EQ(Value("f()"), "(call f)");
   EXPECT_EQ(Value("normal(1, sd: 3)"), "(call normal 1 sd:3)");

@@ -258,7 +258,9 @@ bool HasRunsBeside(const fs::path& out, const fs::path& folder) {
   const std::vector<double> status = file.OpenDataset("status").Read();
   std::set<std::string> copied;
   for (std::size_t cell = 0; cell < ids.size(); ++cell)  // missing runs have an id too
-    if (status[cell] != static_cast<double>(results::Status::kMissing)) copied.insert(ids[cell]);
+    if (status[cell] != static_cast<double>(results::Status::kMissing) &&
+        status[cell] != static_cast<double>(results::Status::kSkipped))
+      copied.insert(ids[cell]);
   bool has_own = false;
   for (const fs::path& each : journal::JournalsIn(folder))
     journal::Journal::OpenToRead(each).ForEachRun(

@@ -20,7 +20,7 @@
 #include "runtime/cli/plans/sweep_files.h"
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/model.h"
-#include "runtime/figures/requirements.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/series.h"
 #include "runtime/results/files/safe_file.h"
@@ -131,15 +131,34 @@ bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
   return true;
 }
 
-std::optional<std::uint64_t> PlanRunner::FirstRepeats(const plan::Plan& plan, const fs::path& out,
-                                                      bool has_results) const {
-  if (!options_.until) return plan.repeats;
+std::optional<Round> PlanRunner::FirstRound(const plan::Plan& plan, const fs::path& out,
+                                            bool has_results) const {
+  if (plan.SearchAxis()) {
+    const Round first = FirstSearchRound(plan);
+    return has_results ? SearchRoundAfter(plan, first, out, options_.shard) : first;
+  }
+  if (!options_.until) return Round{plan.repeats, {}};
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
-  if (!has_results) return least;
+  if (!has_results) return Round{least, {}};
   const Precision reached = PrecisionOf(results::ResultFile(out), *options_.until);
-  if (reached.IsWholeRound() && !HasRuns(RunsFolderOf(out)))
-    return RepeatsAfter(plan, reached, reached.repeats);
-  return std::max(least, reached.repeats);
+  if (!reached.IsWholeRound() || HasRuns(RunsFolderOf(out)))
+    return Round{std::max(least, reached.repeats), {}};
+  const auto repeats = RepeatsAfter(plan, reached, reached.repeats);
+  return repeats ? std::optional(Round{*repeats, {}}) : std::nullopt;
+}
+
+std::optional<Round> PlanRunner::RoundAfter(const plan::Plan& plan, const fs::path& out,
+                                            const fs::path& folder, const Round& done) const {
+  if (plan.SearchAxis()) {
+    if (options_.shard.count == 1) return SearchRoundAfter(plan, done, out, options_.shard);
+    const ScratchResults scratch(plan, folder, out, options_.shard, provenance_);
+    return SearchRoundAfter(plan, done, scratch.path(), options_.shard);
+  }
+  if (!options_.until) return std::nullopt;
+  const auto repeats = RepeatsAfter(
+      plan, PrecisionOf(results::ResultFile(out, results::ProofOf::kStructure), *options_.until),
+      done.repeats);
+  return repeats ? std::optional(Round{*repeats, {}}) : std::nullopt;
 }
 
 schedule::ExecuteOptions PlanRunner::ExecuteOptionsFor(const plan::Plan& plan,
@@ -172,7 +191,9 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   if (!options_.fresh && !retry.is_empty() && fs::exists(out, error)) {
     if (options_.retry.is_empty() && !options_.is_quiet)
       terminal::Say(fmt::format("resuming the interrupted `--retry` in '{}'\n", out.string()));
-    return Retry(sized, out, retry);
+    ExecutedPlan end = Retry(sized, out, retry);
+    // Runs that end otherwise now may move a boundary.
+    if (!end.is_merged || !plan.SearchAxis() || IsThereAlready(out, plan)) return end;
   }
   const bool is_part = options_.shard.count > 1;
   const bool goes_on_anew = !is_part && IsMadeAnew(plan, folder);
@@ -182,8 +203,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     terminal::Say(fmt::format(
         "'{}' does not exist, so there is nothing to retry: executing every run\n", out.string()));
   const bool has_results = !is_anew && !is_part && fs::exists(out, error);
-  std::optional<std::uint64_t> repeats = FirstRepeats(plan, out, has_results);
-  if (!repeats) {
+  std::optional<Round> round = FirstRound(plan, out, has_results);
+  if (!round) {
     JudgeAnew(plan, out);
     RemoveLeftovers(plan, folder);
     return {{}, folder, true};
@@ -194,24 +215,23 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   if (has_results) kept.emplace(out, RetryChoice());
   schedule::ExecuteOptions execute =
       ExecuteOptionsFor(plan, folder, options_.fresh && !goes_on_anew);
-  if (kept || options_.until)  // without it, finished parts are skipped by their marks
+  const bool has_rounds = options_.until.has_value() || plan.SearchAxis().has_value();
+  if (kept || has_rounds)  // without it, finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
-      return run.rep < *repeats ? (kept ? kept->Find(run) : std::nullopt) : journal::RunInfo{};
+      return round->Has(run) ? (kept ? kept->Find(run) : std::nullopt) : journal::RunInfo{};
     };
   ExecutedPlan end = {{}, folder, false};
-  while (repeats) {
+  while (round) {
     end.summary = ExecuteRuns(sized, execute);
     execute.start = schedule::SweepStart::kResume;
     if (end.summary.signal != 0) SayStopped(sized, end);
-    if (end.summary.signal != 0 || is_part) return end;
-    MergeRound(plan, out, is_anew);
-    repeats = options_.until
-                  ? RepeatsAfter(plan,
-                                 PrecisionOf(results::ResultFile(out, results::ProofOf::kStructure),
-                                             *options_.until),
-                                 *repeats)
-                  : std::nullopt;
+    if (end.summary.signal != 0 || (is_part && !has_rounds)) return end;
+    if (!is_part) MergeRound(plan, out, is_anew);
+    const auto next = RoundAfter(plan, out, folder, *round);
+    if (next && next->points && !options_.is_quiet) terminal::Say(next->progress);
+    round = next;
   }
+  if (is_part) return end;
   RemoveMergedRuns(plan, folder, lock, options_.is_quiet);
   end.is_merged = true;
   return end;
@@ -224,7 +244,7 @@ void PlanRunner::MergeRound(const plan::Plan& plan, const fs::path& out, bool is
   const fs::path folder = RunsFolderOf(out);
   try {
     journal::Merge(plan, provenance_, {folder}, out,
-                   !is_anew && fs::exists(out, error) ? out : fs::path(), figures::AnswersToStore);
+                   !is_anew && fs::exists(out, error) ? out : fs::path(), searches::AnswersToStore);
   } catch (const journal::DamagedRun& damaged) {
     journal::Journal::OpenToWrite(folder, plan.Sha256()).Forget(damaged.run_id());
     throw;
@@ -265,7 +285,7 @@ ExecutedPlan PlanRunner::Retry(const SizedPlan& sized, const fs::path& out,
     return end;
   }
   if (options_.shard.count > 1) return end;
-  journal::Merge(plan, provenance_, {folder}, out, out, figures::AnswersToStore);
+  journal::Merge(plan, provenance_, {folder}, out, out, searches::AnswersToStore);
   if (lock.TryLockAlone()) RemoveMergedRuns(plan, folder);
   end.is_merged = true;
   return end;

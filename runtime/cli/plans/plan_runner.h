@@ -11,6 +11,7 @@
 #include "compiler/plan/plan.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/retry.h"
+#include "runtime/cli/plans/rounds.h"
 #include "runtime/cli/plans/sized_plan.h"
 #include "runtime/results/store.h"
 #include "runtime/sweep/process/stop.h"
@@ -104,10 +105,13 @@ class PlanRunner {
   static void RemoveLeftovers(const plan::Plan& plan, const std::filesystem::path& folder);
   /// `out` holds every run of the plan; leftover journals are removed.
   bool IsComplete(const plan::Plan& plan, const std::filesystem::path& out) const;
-  /// The repeats of the first round; nullopt if the results in `out` are precise enough.
-  std::optional<std::uint64_t> FirstRepeats(const plan::Plan& plan,
-                                            const std::filesystem::path& out,
-                                            bool has_results) const;
+  /// The first round; nullopt if the results in `out` need none.
+  std::optional<Round> FirstRound(const plan::Plan& plan, const std::filesystem::path& out,
+                                  bool has_results) const;
+  /// The round after `done`, whose runs are in `out`, or, of a shard, in the journals of `folder`;
+  /// nullopt after the last.
+  std::optional<Round> RoundAfter(const plan::Plan& plan, const std::filesystem::path& out,
+                                  const std::filesystem::path& folder, const Round& done) const;
   /// Reports the precision of the results after a round of `done` repeats. Returns the repeats of
   /// the next round; nullopt after the last.
   std::optional<std::uint64_t> RepeatsAfter(const plan::Plan& plan, const Precision& reached,

@@ -91,10 +91,19 @@ RetryChoice FindStartedRetry(const fs::path& folder) {
   return RetryChoice::FromText(journal::FindRequest(folder, journal::kRetry));
 }
 
+KeptRuns::KeptRuns(const fs::path& out, RetryChoice retry)
+    : file_(out),
+      retry_(std::move(retry)),
+      leaves_missing_(!retry_.is_empty() &&
+                      std::ranges::any_of(file_.axes(), [](const plan::Axis& axis) {
+                        return axis.search.has_value();
+                      })) {}
+
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
                    std::uint64_t rep) const {
   const results::ResultFile::Cell cell = {at, rep};
-  return file_.ReadStatus(cell) != results::Status::kMissing && !retry_.Wants(file_, cell, id);
+  if (file_.ReadStatus(cell) == results::Status::kMissing) return leaves_missing_;
+  return !retry_.Wants(file_, cell, id);
 }
 
 std::size_t KeptRuns::CountOthers(const plan::Plan& plan) const {

@@ -47,8 +47,7 @@ RetryChoice FindStartedRetry(const std::filesystem::path& folder);
 /// The runs of a results file that are not run again.
 class KeptRuns {
  public:
-  KeptRuns(const std::filesystem::path& out, RetryChoice retry)
-      : file_(out), retry_(std::move(retry)) {}
+  KeptRuns(const std::filesystem::path& out, RetryChoice retry);
 
   bool Has(const std::string& id, const std::vector<std::size_t>& at, std::uint64_t rep) const;
   std::size_t CountOthers(const plan::Plan& plan) const;
@@ -58,6 +57,8 @@ class KeptRuns {
  private:
   const results::ResultFile file_;
   const RetryChoice retry_;
+  /// True for a retry of a search, which goes on afterwards and chooses from the missing runs.
+  const bool leaves_missing_;
 };
 
 /// Prepares the folder of a sweep for a new retry: removes journals whose runs the result already

@@ -18,6 +18,7 @@
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/protocol/bytes_text.h"
 #include "runtime/protocol/recording.h"
 #include "runtime/protocol/series.h"
@@ -210,7 +211,8 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   constexpr double kMostSeconds = 1;    // of a longer sample, as far as a shorter one predicts it
   constexpr std::uint64_t kLonger = 4;  // times the cycles of the shorter one
   SweepEstimate estimate;
-  estimate.runs = grid.run_count();
+  estimate.runs = searches::ExpectedRuns(grid.head, grid.run_count());
+  estimate.runs_text = searches::RunsText(grid.head, grid.run_count());
   estimate.points = grid.point_count;
   plan::Plan plan = grid.head;
   std::vector<plan::Run> whole = SpreadRuns(grid);
@@ -285,8 +287,7 @@ std::string PilesText(const SweepEstimate& estimate) {
 
 std::string EstimateText(const SweepEstimate& estimate, const std::string& benchmark,
                          std::uint64_t jobs) {
-  std::string text =
-      fmt::format("{}: {} {}\n", benchmark, estimate.runs, estimate.runs == 1 ? "run" : "runs");
+  std::string text = fmt::format("{}: {}\n", benchmark, estimate.runs_text);
   for (const std::string& failure : estimate.failures)
     text += fmt::format("  a sampled run failed and was not counted: {}\n", failure);
   if (estimate.samples.empty())

@@ -30,6 +30,7 @@ MeanOfSample MeanOf(const std::vector<double>& values, std::uint64_t population)
 
 struct SweepEstimate {
   std::uint64_t runs = 0, points = 0;
+  std::string runs_text;  ///< the number of runs in words
   std::vector<SampledRun> samples;
   std::vector<std::string> failures;  ///< reasons why sampled runs failed
   std::uint64_t cycles = 0;           ///< most cycles of a sampled run

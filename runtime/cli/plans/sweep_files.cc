@@ -14,7 +14,7 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/figures/points.h"
-#include "runtime/figures/requirements.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/results/journal/journals.h"
 #include "runtime/results/journal/merge.h"
 #include "runtime/results/store.h"
@@ -95,10 +95,18 @@ std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan
   return missing;
 }
 
+std::size_t CountLeftOut(const results::ResultFile& file, const plan::Plan& plan) {
+  std::size_t left_out = 0;
+  plan.ForEachRun([&](const std::string&, const auto& at, std::uint64_t rep) {
+    left_out += file.ReadStatus({at, rep}) == results::Status::kSkipped;
+  });
+  return left_out;
+}
+
 void MergeOnto(const plan::Plan& plan, const std::vector<fs::path>& places, const fs::path& out) {
   std::error_code error;
   journal::Merge(plan, options::CollectProvenance(), places, out,
-                 fs::exists(out, error) ? out : fs::path(), figures::AnswersToStore);
+                 fs::exists(out, error) ? out : fs::path(), searches::AnswersToStore);
 }
 
 void JudgeAnew(const plan::Plan& plan, const fs::path& out) {

@@ -31,6 +31,8 @@ bool IsThereAlready(const std::filesystem::path& out, const plan::Plan& plan,
 void CheckIsOfPlan(const std::string& out, const plan::Plan& plan);
 
 std::size_t CountMissing(const results::ResultFile& file, const plan::Plan& plan);
+/// The runs of the plan that its searches did not need.
+std::size_t CountLeftOut(const results::ResultFile& file, const plan::Plan& plan);
 
 /// Merges the journals into `out`. Runs in `out` that no journal holds are kept. Throws StoreError;
 /// `out` is then unchanged.

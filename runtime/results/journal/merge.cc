@@ -98,8 +98,12 @@ class Merger {
     hdf5::File file = hdf5::File::Create(path);
     results::CreateArrays(file, layout_);
     const std::size_t merged = CopyRuns(file);
-    results::WriteHead(file, plan_, facts_,
-                       fmt::format("merged {} of {} runs", merged, runs_.size()));
+    const std::size_t left_out = LeaveOut();
+    results::WriteHead(
+        file, plan_, facts_,
+        left_out == 0
+            ? fmt::format("merged {} of {} runs", merged, runs_.size())
+            : fmt::format("merged {} runs, all that the search needs of {}", merged, runs_.size()));
     file.SetText(results::kDigestAttribute, results::kDigestText);
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
@@ -109,6 +113,7 @@ class Merger {
       MergeReferences(plan_, layout_, journals_, base_ ? &base_->file() : nullptr, file);
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
     results::WriteRequirements(file, plan_.requirements, answers_);
+    results::WriteBoundaries(file, plan_, answers_);
     WriteProvenance(file);
     file.Close();
   }
@@ -231,6 +236,19 @@ class Merger {
       ++merged;
     }
     return merged;
+  }
+
+  /// Once its searches have ended, marks the runs that they do not need as skipped, and returns
+  /// their number.
+  std::size_t LeaveOut() {
+    if (answers_ == nullptr || !answers_->searches_have_ended) return 0;
+    std::size_t left_out = 0;
+    for (double& status : numbers_[0]) {
+      if (status != static_cast<double>(results::Status::kMissing)) continue;
+      status = static_cast<double>(results::Status::kSkipped);
+      ++left_out;
+    }
+    return left_out;
   }
 
   /// Copies the run from the base.
@@ -438,7 +456,7 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance, const 
 
 void Merge(const plan::Plan& plan, const results::Provenance& provenance,
            const std::vector<fs::path>& places, const fs::path& out, const fs::path& base,
-           const JudgeRequirements& judge) {
+           const JudgeFile& judge) {
   std::error_code not_there;
   for (const fs::path& place : places)
     if (!fs::exists(place, not_there) || fs::is_directory(place, not_there))
@@ -454,7 +472,7 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance,
   files::TemporaryFile temporary(out);
   try {
     std::optional<results::StoredAnswers> answers;
-    if (judge && !plan.requirements.empty()) {
+    if (judge && (!plan.requirements.empty() || plan.SearchAxis())) {
       Merger(plan, provenance, places, base, nullptr).Write(temporary.path());
       files::AppendSeal(temporary.path(), out);
       answers = judge(temporary.path());

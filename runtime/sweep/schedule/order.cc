@@ -68,23 +68,49 @@ void Shuffle(std::vector<const plan::Run*>& runs, std::uint64_t seed) {
   }
 }
 
-/// The shard of each group, from 1: the heaviest first, each to the shard with the least load so
-/// far.
-std::vector<std::uint64_t> ShardOfEach(const std::vector<DetectorGroup>& groups,
+/// Groups that must be in one shard, as indices, and their work.
+struct Bundle {
+  double work = 0;
+  std::vector<std::size_t> groups;
+};
+
+/// Each group by itself; those of one search together, since a search needs the results of its
+/// runs.
+std::vector<Bundle> BundlesOf(const plan::Plan& plan, const std::vector<DetectorGroup>& groups) {
+  const auto search = plan.SearchAxis();
+  std::vector<Bundle> bundles;
+  std::map<std::vector<std::size_t>, std::size_t> places;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    std::size_t index = bundles.size();
+    if (search) {
+      std::vector<std::size_t> place = groups[i].runs[0]->at;
+      for (std::size_t a = 0; a < place.size(); ++a)
+        if (a == *search || plan.axes[a].parameter == "detector") place[a] = 0;
+      index = places.try_emplace(std::move(place), index).first->second;
+    }
+    if (index == bundles.size()) bundles.emplace_back();
+    bundles[index].work += groups[i].work;
+    bundles[index].groups.push_back(i);
+  }
+  return bundles;
+}
+
+/// The shard of each group, from 1: the heaviest bundle first, each to the shard with the least
+/// load so far.
+std::vector<std::uint64_t> ShardOfEach(const plan::Plan& plan,
+                                       const std::vector<DetectorGroup>& groups,
                                        std::uint64_t count) {
-  std::vector<std::size_t> heaviest(groups.size());
-  std::iota(heaviest.begin(), heaviest.end(), std::size_t{0});
-  std::ranges::stable_sort(heaviest, std::greater<>{},
-                           [&groups](std::size_t i) { return groups[i].work; });
+  std::vector<Bundle> bundles = BundlesOf(plan, groups);
+  std::ranges::stable_sort(bundles, std::greater<>{}, &Bundle::work);
   std::map<std::pair<double, std::uint64_t>, int> loads;  // a queue by load, then by index
-  for (std::uint64_t i = 1; i <= std::min<std::uint64_t>(count, groups.size()); ++i)
+  for (std::uint64_t i = 1; i <= std::min<std::uint64_t>(count, bundles.size()); ++i)
     loads.emplace(std::pair{0.0, i}, 0);
   std::vector<std::uint64_t> shards(groups.size(), 1);
-  for (const std::size_t i : heaviest) {
+  for (const Bundle& bundle : bundles) {
     const auto [load, index] = loads.begin()->first;
     loads.erase(loads.begin());
-    loads.emplace(std::pair{load + groups[i].work, index}, 0);
-    shards[i] = index;
+    loads.emplace(std::pair{load + bundle.work, index}, 0);
+    for (const std::size_t group : bundle.groups) shards[group] = index;
   }
   return shards;
 }
@@ -121,7 +147,7 @@ std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shar
   CheckShard(shard);
   const std::string hash = plan.Sha256();
   std::vector<DetectorGroup> groups = GroupByDetector(plan);
-  const auto shards = ShardOfEach(groups, shard.count);
+  const auto shards = ShardOfEach(plan, groups, shard.count);
   std::vector<const plan::Run*> order;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     if (shards[i] != shard.index) continue;
@@ -134,8 +160,8 @@ std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shar
 
 std::vector<std::vector<const plan::Run*>> ListShards(const plan::Plan& plan, std::uint64_t count) {
   const std::vector<DetectorGroup> groups = GroupByDetector(plan);
-  const auto shards = ShardOfEach(groups, count);
-  std::vector<std::vector<const plan::Run*>> all(std::min<std::uint64_t>(count, groups.size()));
+  const auto shards = ShardOfEach(plan, groups, count);
+  std::vector<std::vector<const plan::Run*>> all(groups.empty() ? 0 : std::ranges::max(shards));
   for (std::size_t i = 0; i < groups.size(); ++i) {
     auto& runs = all[shards[i] - 1];
     runs.insert(runs.end(), groups[i].runs.begin(), groups[i].runs.end());

@@ -1,4 +1,5 @@
 #include "runtime/figures/requirements.h"
+#include "runtime/figures/searches/searches.h"
 
 #include <gtest/gtest.h>
 
@@ -248,7 +249,7 @@ TEST(Requirements, AreStoredWithTheirAnswers) {
   const TemporaryFolder folder;
   for (const plan::Run& run : plan.runs) WriteMadeUp(plan, run, OfScene(run), folder.path());
   journal::Merge(plan, {{"build_type", "Release"}}, {folder.path()}, folder / "out.h5", {},
-                 figures::AnswersToStore);
+                 searches::AnswersToStore);
   EXPECT_EQ(results::ResultFile(folder / "out.h5").requirements(), plan.requirements);
   const hdf5::File file = hdf5::File::Open(folder / "out.h5");
   const auto read = [&](const char* name) {

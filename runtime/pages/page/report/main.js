@@ -1,4 +1,5 @@
 // The page of `cdb report`: figures of results documents.
+import { boundariesTitle, boundaryTable, describeBoundaries, hasBoundaries } from './boundaries.js';
 import { compareParts } from './compare.js';
 import { controls, cycleTools, errorTools, mapTools, placeTools } from './controls.js';
 import { openDocument } from './document.js';
@@ -32,6 +33,7 @@ const isSingle = (doc) => doc.axes.every((axis) => axis.values.length < 2);
 
 /** The figure at the top of the page. @param {import('./document.js').Doc} doc */
 function keyFigure(doc) {
+  if (hasBoundaries(doc)) return 'boundaries';
   const kind = doc.raw.conclusions?.[0]?.kind;
   if (kind === 'error' && has.errors(doc)) return 'errors';
   if (kind === 'stability' && has.unsound(doc)) return 'stability';
@@ -57,6 +59,7 @@ function figuresOf(doc, change) {
         tools: tools((d, v, c) => placeTools(d, v, c, doc.raw.distributions?.points)),
       }),
     repeats: () => createFigure({ id: 'repeats', describe: describeRepeats }),
+    boundaries: () => createFigure({ id: 'boundaries', describe: describeBoundaries }),
     errors: () => createFigure({ id: 'errors', describe: describeErrors, tools: tools(errorTools) }),
     stability: () =>
       createFigure({
@@ -73,6 +76,7 @@ function sectionsOf(doc, figures, key) {
   const take = (...names) => names.filter((name) => name !== key).map((name) => figures[name]);
   const requirements = parts.requirements(doc);
   return [
+    hasBoundaries(doc) && ['boundaries', boundariesTitle(doc), [...take('boundaries'), ...boundaryTable(doc)]],
     requirements && ['requirements', parts.requirementsTitle(doc), requirements],
     ['machine', 'What ran, and where', parts.machine(doc)],
     has.times(doc) && [

@@ -57,6 +57,15 @@ TEST(OrderTest, NoDetectorAlwaysGoesFirst) {
   }
 }
 
+TEST(OrderTest, ASearchIsInOneShard) {
+  plan::Plan plan = MakePlan({.quantities = {1, 2, 3, 4, 5, 6, 7, 8}, .repeats = 2});
+  EXPECT_GT(schedule::ListShards(plan, 100).size(), 8u);
+  plan.axes[0].search = plan::Search{};
+  EXPECT_EQ(schedule::ListShards(plan, 100).size(), 1u) << "detectors of a point stay together";
+  EXPECT_EQ(schedule::OrderRuns(plan, {1, 3}).size(), plan.runs.size());
+  EXPECT_TRUE(schedule::OrderRuns(plan, {2, 3}).empty());
+}
+
 TEST(OrderTest, ThePlanAloneDecidesIt) {
   plan::Plan plan = MakePlan({.repeats = 5});
   const auto ids = Ids(schedule::OrderRuns(plan));
