@@ -352,7 +352,7 @@ bool ValueParser::ParseLabelled(Argument& argument) {
 }
 
 bool ValueParser::AtUntil(const Expr& call) const {
-  return IsFind(call) && AtLabel() && cursor_.AtWord("until");
+  return (IsFind(call) || call.text == "sweep") && AtLabel() && cursor_.AtWord("until");
 }
 
 /// Parses `until: verdict != stable`.

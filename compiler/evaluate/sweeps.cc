@@ -79,6 +79,12 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
                      "for example: find(1 .. 1000 log, until: verdict != stable)");
     good = false;
   }
+  if (!IsFind(call) && call.until) {
+    evaluator_.Error(scenario::kBadArguments, call.until_span,
+                     "a sweep runs all of its values, and has no condition",
+                     "to run only those that it takes to find where it begins to hold, write find()");
+    good = false;
+  }
   for (const dsl::Argument& argument : call.arguments) {
     if (argument.name) continue;
     if (argument.weight) {
@@ -112,10 +118,7 @@ bool Sweeps::TakeNamed(const Expr& call, const dsl::Argument& argument,
   if (!IsFind(call) || argument.name->text != "tolerance") {
     evaluator_.Error(scenario::kBadArguments, argument.name->span,
                      fmt::format("{}() has no argument '{}'", call.text, argument.name->text),
-                     IsFind(call) ? "it has: tolerance, until"
-                     : argument.name->text == "until"
-                         ? "a sweep runs all of its values; write find(1 .. 1000 log, until: …)"
-                         : "sweep(1, 2, 5) or sweep(1 .. 5)");
+                     IsFind(call) ? "it has: tolerance, until" : "sweep(1, 2, 5) or sweep(1 .. 5)");
     return false;
   }
   const auto number = evaluator_.EvaluateNumber(*argument.value, scope, "a tolerance");

@@ -287,9 +287,10 @@ class Completer {
 
   void AddFunctions() {
     for (const schema::LanguageWord& word : schema::LanguageWords()) {
-      const bool is_drawn = word.role == schema::WordRole::kFunction && word.name != "sweep";
+      if (word.role != schema::WordRole::kFunction) continue;
+      const bool makes_axis = word.name == "sweep" || word.name == "find";
       const bool fits = context_.parameter == nullptr || context_.parameter->distribution;
-      if (word.name == "sweep" || (is_drawn && fits)) AddWord(word.name, ItemKind::kFunction);
+      if (makes_axis || fits) AddWord(word.name, ItemKind::kFunction);
     }
   }
 

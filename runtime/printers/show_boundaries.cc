@@ -43,6 +43,11 @@ std::vector<std::string> Notes(const figures::Model& model,
   return notes;
 }
 
+/// `verdict != stable along ratio`.
+std::string TitleOf(const plan::Axis& searched) {
+  return fmt::format("{} along {}", searched.search->until.text, searched.name);
+}
+
 }  // namespace
 
 void AddBoundaries(const figures::Model& model, Document& document) {
@@ -51,8 +56,7 @@ void AddBoundaries(const figures::Model& model, Document& document) {
   const std::vector<searches::Boundary> boundaries = searches::FindBoundaries(model);
   const std::vector<searches::PooledBoundary> all = searches::Pool(model.file(), boundaries);
   const plan::Axis& searched = model.axis(*axis);
-  Section section = {
-      .title = fmt::format("Where {} along {}", searched.search->until.text, searched.name)};
+  Section section = {.title = "Where " + TitleOf(searched)};
   const std::vector<std::size_t> axes = searches::PooledAxes(model.file());
   for (const std::size_t i : axes)
     section.table.AddColumn(model.axis(i).name, !model.axis(i).IsText());
@@ -76,7 +80,8 @@ std::string BoundariesText(const results::ResultFile& file) {
   const figures::Model model(file);
   Document document;
   AddBoundaries(model, document);
-  for (Section& section : document) section.title = file.title() + ": " + section.title;
+  if (const auto axis = searches::SearchAxis(file.axes()))
+    document.front().title = fmt::format("{}: {}", file.title(), TitleOf(file.axes()[*axis]));
   return TextOf(document, Format::kTerminal);
 }
 

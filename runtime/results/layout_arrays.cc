@@ -41,8 +41,9 @@ void SetFlags(hdf5::Dataset& dataset, const Array& array) {
 }  // namespace
 
 void CreateArrays(hdf5::File& file, const Layout& layout) {
-  for (const Dimension& dimension : layout.dimensions)
-    CreateGroups(file, dimension.name, [&](const std::string& group) { file.CreateGroup(group); });
+  const auto create = [&](const std::string& group) { file.CreateGroup(group); };
+  for (const Dimension& dimension : layout.dimensions) CreateGroups(file, dimension.name, create);
+  for (const Array& array : layout.arrays) CreateGroups(file, array.name, create);
   for (const Dimension& dimension : layout.dimensions) {
     hdf5::Dataset dataset =
         file.CreateDataset({dimension.name, dimension.type, {dimension.size}, {}, 0});

@@ -157,7 +157,7 @@ TEST(Parser, Searches) {
   EXPECT_EQ(Value("find(1 .. 9 log, until: verdict != stable)"),
             "(call find (range-log 1 9) until (!= verdict stable))");
   EXPECT_EQ(Value("find(1 .. 9, until: p99(step) > 4 ms, tolerance: 5 %) as n"),
-            "(call find (range 1 9) tolerance:(quantity 5 %) until (> (call p99 step) (quantity 4 "
+            "(call find (range 1 9) tolerance:(unit 5 %) until (> (call p99 step) (unit 4 "
             "ms)) as n)");
   // Elsewhere `until` is a name like any other.
   EXPECT_EQ(Value("gap(until: 3)"), "(call gap until:3)");

@@ -102,6 +102,7 @@ class Counter {
   EarlierRuns Counted(const plan::Plan& plan) const {
     EarlierRuns earlier;
     earlier.runs = plan.RunCount();
+    earlier.is_searched = plan.SearchAxis().has_value();
     earlier.kept = kept_;
     earlier.others = others_;
     earlier.unlike = fmt::format("{}", fmt::join(unlike_, ", "));
@@ -298,16 +299,17 @@ bool HoldsOtherPlan(const fs::path& out, const plan::Plan& plan) {
 
 std::string Describe(const EarlierRuns& earlier, const std::string& benchmark, bool is_planned) {
   const std::uint64_t new_runs = earlier.runs - earlier.kept;
+  const std::string others = earlier.is_searched
+                                 ? "and its search chooses among the others"
+                                 : fmt::format("{} {} new", new_runs, new_runs == 1 ? "is" : "are");
   std::string text = fmt::format("{}: {}; ", benchmark, earlier.changes);
   if (earlier.kept == earlier.runs)
     text +=
         earlier.runs == 1 ? "its run is kept" : fmt::format("all {} runs are kept", earlier.runs);
   else if (earlier.kept == 0)
-    text += fmt::format("no finished run is part of it, {} {} new", new_runs,
-                        new_runs == 1 ? "is" : "are");
+    text += "no finished run is part of it, " + others;
   else
-    text += fmt::format("{} of {} runs are kept, {} {} new", earlier.kept, earlier.runs, new_runs,
-                        new_runs == 1 ? "is" : "are");
+    text += fmt::format("{} of {} runs are kept, {}", earlier.kept, earlier.runs, others);
   if (earlier.others > 0)
     text +=
         fmt::format(" ({} of them run again, as the {} differs)", earlier.others, earlier.unlike);

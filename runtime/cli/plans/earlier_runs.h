@@ -14,8 +14,9 @@
 namespace cdb::plans {
 
 struct EarlierRuns {
-  std::uint64_t runs = 0;  ///< of the plan
-  std::uint64_t kept = 0;  ///< of these, finished before
+  std::uint64_t runs = 0;    ///< of the plan
+  bool is_searched = false;  ///< only some of them will be run
+  std::uint64_t kept = 0;    ///< of these, finished before
   /// Finished runs of the plan that another cdb, Bullet or machine made; they are run again.
   std::uint64_t others = 0;
   std::string unlike;           ///< in what the others differ: `commit, host`

@@ -101,6 +101,12 @@ std::string ChangeOf(const std::string& name, const Texts& before, const Texts& 
   return fmt::format("{} {} -> {}", name, Joined(gone), Joined(added));
 }
 
+/// That of its search; empty if it has none.
+Texts ConditionOf(const plan::Plan& plan) {
+  const auto axis = plan.SearchAxis();
+  return axis ? Texts{plan.axes[*axis].search->until.text} : Texts{};
+}
+
 }  // namespace
 
 std::string DescribeChanges(const plan::Plan& before, const plan::Plan& now) {
@@ -115,6 +121,7 @@ std::string DescribeChanges(const plan::Plan& before, const plan::Plan& now) {
   }
   for (const auto& [name, texts] : of_before.all())
     if (of_now.Find(name) == nullptr) note(ChangeOf(name, texts, {}));
+  note(ChangeOf("until", ConditionOf(before), ConditionOf(now)));
   if (changes.empty()) return before.skipped != now.skipped ? "skip" : "other runs";
   constexpr std::size_t kMost = 4;
   const std::size_t others = changes.size() > kMost ? changes.size() - kMost : 0;

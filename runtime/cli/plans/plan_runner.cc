@@ -134,8 +134,9 @@ bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
 std::optional<Round> PlanRunner::FirstRound(const plan::Plan& plan, const fs::path& out,
                                             bool has_results) const {
   if (plan.SearchAxis()) {
-    const Round first = FirstSearchRound(plan);
-    return has_results ? SearchRoundAfter(plan, first, out, options_.shard) : first;
+    const Round none{plan.repeats, std::set<std::vector<std::size_t>>(), {}};
+    return has_results ? SearchRoundAfter(plan, none, out, options_.shard)
+                       : std::optional(FirstSearchRound(plan));
   }
   if (!options_.until) return Round{plan.repeats, {}};
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;

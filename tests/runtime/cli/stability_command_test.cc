@@ -69,6 +69,20 @@ TEST(Stability, ARatioHasNoUnit) {
       << map.out << map.err;
 }
 
+TEST(Stability, SearchesWhereASceneStopsBeingSound) {
+  const Program program;
+  const Finished found =
+      program.Run({"stability", "mass_ratio", "--boundaries", "--precision", "single", "-q"});
+  EXPECT_EQ(found.status, 0) << found.err;
+  EXPECT_NE(found.out.find("Boundary: heavy on light: verdict != stable along ratio\n"),
+            std::string::npos)
+      << found.out;
+  EXPECT_NE(found.out.find("nowhere up to 100000"), std::string::npos) << found.out;
+  EXPECT_NE(found.out.find("95 % interval over the seeds"), std::string::npos) << found.out;
+  const Finished unknown = program.Run({"stability", "nothing", "--boundaries"});
+  EXPECT_EQ(unknown.status, 2);
+}
+
 TEST(Stability, MapsWhereASceneStopsBeingSound) {
   const Program program;
   const std::vector<std::string> command = {"stability",  "spin",       "--precision", "double",

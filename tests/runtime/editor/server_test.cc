@@ -158,6 +158,7 @@ TEST(Server, CompletesWhatMayStandThere) {
   EXPECT_TRUE(labels(8, 24).contains("dbvt"));
   EXPECT_EQ(labels(10, 17), (std::set<std::string>{"b", "c"}));
   EXPECT_TRUE(labels(0, 8).contains("sweep"));
+  EXPECT_TRUE(labels(0, 8).contains("find"));
   EXPECT_EQ(labels(0, 0), (std::set<std::string>{"benchmark", "let", "use"}));
   // The word being typed is replaced as a whole.
   for (const Json& item : client.At("completion", kUri, 3, 19))

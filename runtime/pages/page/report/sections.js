@@ -32,7 +32,7 @@ function outcomes(doc) {
     ['good', doc.phases.length > 0 ? 'timed' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
-    ['skipped', 'skipped'],
+    ['skipped', doc.raw.boundaries ? 'not needed' : 'skipped'],
     ['missing', 'missing'],
   ]
     .filter(([key]) => runs[key])

@@ -78,7 +78,7 @@ TEST(Bisection, NarrowsDownWhatRunsDoNotTell) {
     const auto draw = [&](std::size_t most) {
       return std::uniform_int_distribution<std::size_t>(0, most)(random);
     };
-    const std::size_t values = 30 + draw(400), middle = 10 + draw(values - 20), reach = draw(9);
+    const std::size_t values = 30 + draw(400), middle = 10 + draw(values - 20), reach = draw(8);
     std::vector<bool> guess;
     for (std::size_t i = 0; i < values; ++i) guess.push_back(draw(1) == 1);
     const Bracket found = Search(values, [&](std::size_t value) {
