@@ -80,9 +80,10 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
     good = false;
   }
   if (!IsFind(call) && call.until) {
-    evaluator_.Error(scenario::kBadArguments, call.until_span,
-                     "a sweep runs all of its values, and has no condition",
-                     "to run only those that it takes to find where it begins to hold, write find()");
+    evaluator_.Error(
+        scenario::kBadArguments, call.until_span,
+        "a sweep runs all of its values, and has no condition",
+        "to run only those that it takes to find where it begins to hold, write find()");
     good = false;
   }
   for (const dsl::Argument& argument : call.arguments) {
