@@ -47,6 +47,7 @@ EXTERNAL = [
     (r"^zlib", ("runtime/results/hdf5/", "library/meshes/importer/")),
     (r"^assimp/", ("library/meshes/importer/",)),
     (r"^(urdf_\w+|console_bridge)/", ("library/robots/urdf.cc",)),
+    (r"^pugixml", ("library/robots/xml.h",)),
     (r"^sqlite3", ("runtime/results/journal/database.",)),
     (r"yaml-cpp/", ("compiler/yaml/plan_yaml",)),
     (r"(^|/)(bt|Bullet|LinearMath)", ("runtime/engine/", "library/detectors/bullet/")),

@@ -1,5 +1,5 @@
 // A robot read from a file: links held together by joints. The compiler makes groups of objects and
-// joints of it; the library reads it (library/robots/urdf.h).
+// joints of it; the library reads it (library/robots/reader.h).
 //
 // SI units; frames, axes and coordinates are those of the file, in which z is up.
 #pragma once
@@ -16,9 +16,10 @@
 namespace cdb::analysis {
 
 struct RobotShape {
-  enum class Kind { kBox, kSphere, kCylinder, kMesh };
+  enum class Kind { kBox, kSphere, kCylinder, kCapsule, kEllipsoid, kMesh };
   Kind kind = Kind::kBox;
-  /// Along its own axes; that of a cylinder is z. Of a mesh, the factors of its coordinates.
+  /// Along its own axes; that of a cylinder or a capsule is z. Of a mesh, the factors of its
+  /// coordinates.
   Eigen::Vector3d sides = Eigen::Vector3d::Ones();
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< in the frame of its link
   std::string written, file;  ///< of a mesh: in the robot's file; its path
@@ -45,19 +46,22 @@ struct RobotLink {
 };
 
 struct RobotJoint {
-  enum class Type { kFixed, kHinge, kSlider, kFree };
+  enum class Type { kFixed, kHinge, kSlider, kFree, kBall, kUniversal };
   std::string name;
   std::size_t line = 0;
   Type type = Type::kFixed;
-  std::size_t parent = 0, child = 0;                         ///< links
-  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  ///< in the frame of the parent
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           ///< in the frame of the joint
-  std::optional<std::pair<double, double>> limits;           ///< rad or m
+  std::size_t parent = 0, child = 0;  ///< links
+  /// Of the frame of the child, at position 0, in the frame of the parent.
+  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();
+  /// In the frame of the child at position 0; axis2: of a universal joint, the axis of the child.
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero(), axis = Eigen::Vector3d::UnitX(),
+                  axis2 = Eigen::Vector3d::UnitY();
+  std::optional<std::pair<double, double>> limits;  ///< rad or m
   /// The joint that it follows, at `multiplier` times its position plus `offset`; empty: none.
   std::string mimic = {};
   double multiplier = 1, offset = 0;
-  /// Unless the user gives another: 0, or in the middle of limits that exclude it, its own and
-  /// those of joints that follow it. Of a fixed joint, where it is held.
+  /// Unless the user gives another: that of the file, 0 in most, or in the middle of limits that
+  /// exclude it, its own and those of joints that follow it. Of a fixed joint, where it is held.
   double start = 0;
   double damping = 0, friction = 0;
   double effort = 0, velocity = 0;  ///< the largest ones of its motor; 0: not given
@@ -67,7 +71,7 @@ struct Robot {
   std::string name;
   std::vector<RobotLink> links;    ///< a parent precedes its children; the first one is the root
   std::vector<RobotJoint> joints;  ///< joint i holds link i + 1
-  /// Pairs of links that do not collide, by their names: of an SRDF file.
+  /// Pairs of links that do not collide, by their names: of MJCF, and of an SRDF file.
   std::vector<std::pair<std::string, std::string>> disabled;
   std::vector<std::string> notes;     ///< about what was changed
   std::vector<std::string> left_out;  ///< `12 visual`

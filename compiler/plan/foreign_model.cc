@@ -48,8 +48,8 @@ constexpr Kind kWrappers[] = {
 };
 constexpr Kind kModels[] = {
     {"<robot", ".urdf .xacro", "a robot description (URDF)", kRobot},
-    {"<sdf", ".sdf .world", "a scene (SDF)", kParts},
-    {"<mujoco", ".mjcf", "a scene (MJCF)", kParts},
+    {"<sdf", ".sdf .world", "a robot description (SDF)", kRobot},
+    {"<mujoco", ".mjcf", "a robot description (MJCF)", kRobot},
     {"#usda", ".usda", "a scene (USD)", kBlender},
     {"pxr-usdc", ".usd .usdc .usdz", "a scene (USD)", kBlender},
     {"<collada", ".dae", "a scene (COLLADA)", kImport},

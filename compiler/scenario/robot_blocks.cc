@@ -31,7 +31,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr RobotSetting kSettings[] = {
-    {"file", "a text in quotes", "the URDF file, relative to the .cdb file"},
+    {"file", "a text in quotes", "the URDF, SDF or MJCF file, relative to the .cdb file"},
     {"packages", "a text in quotes", "the folder with the packages of `package://` names"},
     {"srdf", "a text in quotes", "an SRDF file, whose disabled pairs of links do not collide"},
     {"base", "free or fixed",
@@ -241,7 +241,7 @@ class Expansion {
                             link.line, link.name, shape.written, shape.file);
         remedy = shape.written.find("://") != std::string::npos
                      ? "write packages \"FOLDER\", the folder that its package is in"
-                     : "its path is relative to the folder of the URDF file";
+                     : "its path is relative to the folder of the robot's file";
       }
     if (count > 0) Refuse(kNoSuchFile, file.span, first + AndMore(count, path_), remedy);
   }
@@ -396,7 +396,7 @@ class Expansion {
       SyntaxMaker::Add(*part, std::move(hull));
       if (sides != Vector3d::Ones()) SyntaxMaker::Add(*part, syntax_.Vector(sides), "scale");
     } else {
-      constexpr const char* kTypes[] = {"cuboid", "sphere", "cylinder"};
+      constexpr const char* kTypes[] = {"cuboid", "sphere", "cylinder", "capsule", "sphere"};
       SyntaxMaker::Add(*part, syntax_.Word(kTypes[static_cast<int>(shape.kind)]));
       SyntaxMaker::Add(*part, syntax_.Vector(sides));
     }
@@ -471,13 +471,17 @@ class Expansion {
     const auto set = [&](const char* parameter, ExprPtr value) {
       settings.push_back(syntax_.Setting(parameter, std::move(value)));
     };
-    constexpr const char* kTypes[] = {"fixed", "hinge", "slider"};
+    using Type = RobotJoint::Type;
+    constexpr const char* kTypes[] = {"fixed", "hinge", "slider", "free", "ball", "universal"};
     set("parent", syntax_.Word(result_.groups[joint.parent]));
     set("child", syntax_.Word(result_.groups[joint.child]));
     set("type", syntax_.Word(kTypes[static_cast<int>(joint.type)]));
-    set("at", syntax_.Vector(turn_ * joint.origin.translation()));
-    if (joint.type != RobotJoint::Type::kFixed) {
-      set("axis", syntax_.Vector(turn_ * (joint.origin.linear() * joint.axis)));
+    set("at", syntax_.Vector(turn_ * (joint.origin * joint.pivot)));
+    const Matrix3d to_parent = turn_ * joint.origin.linear();
+    if (joint.type != Type::kFixed && joint.type != Type::kBall)
+      set("axis", syntax_.Vector(to_parent * joint.axis));
+    if (joint.type == Type::kUniversal) set("axis2", syntax_.Vector(to_parent * joint.axis2));
+    if (joint.type == Type::kHinge || joint.type == Type::kSlider) {
       if (joint.limits) {
         const auto [lower, upper] = *joint.limits;
         set("limits.lower", syntax_.Number(lower));

@@ -35,7 +35,8 @@ constexpr LanguageWord kLanguageWords[] = {
      "names",
      "queries sight { type ray; count 1000; from (0, 5, 0); length 100; hits closest }"},
     {"robot", kStatement, "robot NAME { file \"FILE\"; … }",
-     "a robot from a URDF file: a group of objects for each link, and a joint for each joint",
+     "a robot from a URDF, SDF or MJCF file: a group of objects for each link, and a joint for "
+     "each joint",
      "robot arm { file \"arm.urdf\"; base fixed; location at(0, 0, 0) }"},
     {"only", kStatement, "only when CONDITION",
      "keeps these points of the grid and skips all others",

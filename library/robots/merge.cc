@@ -2,7 +2,7 @@
 #include <map>
 #include <utility>
 
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 
 namespace cdb::robots {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 
 namespace cdb::robots {
 
@@ -26,6 +26,8 @@ std::string FaultOf(Robot& robot, const RobotJoint& joint) {
   const RobotJoint* other = Find(robot, joint.mimic);
   if (other == nullptr) return "which the robot does not have";
   if (other->type == RobotJoint::Type::kFree) return "which is floating";
+  if (other->type == RobotJoint::Type::kBall || other->type == RobotJoint::Type::kUniversal)
+    return "which has no position";
   std::size_t steps = 0;
   while (other != nullptr && !other->mimic.empty() && steps++ < robot.joints.size())
     other = Find(robot, other->mimic);
@@ -72,8 +74,10 @@ void HoldAt(RobotJoint& joint, bool is_slider, double position) {
   joint.start = position;
   if (position != 0)
     joint.origin =
-        joint.origin * (is_slider ? Isometry3d(Eigen::Translation3d(position * joint.axis))
-                                  : Isometry3d(Eigen::AngleAxisd(position, joint.axis)));
+        joint.origin *
+        (is_slider ? Isometry3d(Eigen::Translation3d(position * joint.axis))
+                   : Eigen::Translation3d(joint.pivot) * Eigen::AngleAxisd(position, joint.axis) *
+                         Eigen::Translation3d(-joint.pivot));
 }
 
 void ResolveMimics(Robot& robot,
@@ -84,7 +88,7 @@ void ResolveMimics(Robot& robot,
     const std::string fault = FaultOf(robot, joint);
     if (!fault.empty())
       return report(joint, fmt::format("joint {} mimics {}, {}", joint.name, joint.mimic, fault),
-                    "name a revolute, continuous or prismatic joint that mimics none, or none of "
+                    "name a hinge or a slider that mimics none, or none of "
                     "this circle");
   }
   for (bool again = true; again;) {
@@ -109,9 +113,9 @@ void ResolveMimics(Robot& robot,
                                 "their limits",
                                 joint.name, excluded->name),
                     "correct <mimic> or <limit>");
-    if (lower <= 0 && upper >= 0) continue;
+    if (lower <= joint.start && upper >= joint.start) continue;
     joint.start = std::isfinite(lower) && std::isfinite(upper) ? (lower + upper) / 2
-                  : lower > 0                                  ? lower
+                  : lower > joint.start                        ? lower
                                                                : upper;
   }
 }

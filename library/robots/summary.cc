@@ -4,33 +4,14 @@
 #include <algorithm>
 #include <map>
 
-#include "compiler/plan/input_file.h"
-#include "library/robots/outline.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 
 namespace cdb::robots {
 
 using analysis::Robot;
-using analysis::RobotFault;
 using analysis::RobotJoint;
 using analysis::RobotLink;
-using analysis::RobotOptions;
 using analysis::RobotShape;
-
-std::optional<Robot> ReadUrdf(const std::string& path, const RobotOptions& options,
-                              std::vector<RobotFault>& faults) {
-  std::string why;
-  const auto text = plan::ReadInputFile(path, why, kMaxRobotBytes);
-  if (text) {
-    auto robot = ParseUrdf(*text, path, options, faults);
-    if (robot) robot->summary = SummaryOf(*robot, path);
-    return robot;
-  }
-  faults.push_back({fmt::format("cannot read '{}': {}", path, why),
-                    "the path is relative to the folder of the .cdb file",
-                    RobotFault::Kind::kMissing});
-  return std::nullopt;
-}
 
 namespace {
 
@@ -54,14 +35,15 @@ std::string SummaryOf(const Robot& robot, const std::string& path) {
     if (!link.parts.empty())
       merged.push_back(fmt::format("{} ({})", link.name, fmt::join(link.parts, ", ")));
     for (const RobotShape& shape : link.shapes) {
-      constexpr const char* kNames[] = {"box", "sphere", "cylinder", "mesh"};
+      constexpr const char* kNames[] = {"box",     "sphere",    "cylinder",
+                                        "capsule", "ellipsoid", "mesh"};
       ++shapes[kNames[static_cast<int>(shape.kind)]];
       if (shape.is_missing && std::ranges::find(missing, shape.file) == missing.end())
         missing.push_back(shape.file);
     }
   }
   for (const RobotJoint& joint : robot.joints) {
-    constexpr const char* kNames[] = {"fixed", "hinge", "slider", "free"};
+    constexpr const char* kNames[] = {"fixed", "hinge", "slider", "free", "ball", "universal"};
     const char* type = kNames[static_cast<int>(joint.type)];
     ++joints[type];
     joint_names[type].push_back(joint.name);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "compiler/grid/part.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 #include "runtime/cli/check_stored.h"
 #include "runtime/cli/options/diagnostics_json.h"
 #include "runtime/cli/options/inputs.h"
@@ -52,7 +52,7 @@ bool FitsHere(const grid::Grid& grid, const std::string& file) {
 
 options::ExitStatus CheckRobot(const std::string& file) {
   std::vector<analysis::RobotFault> faults;
-  const auto robot = robots::ReadUrdf(file, {}, faults);
+  const auto robot = robots::ReadRobot(file, {}, faults);
   for (const analysis::RobotFault& fault : faults)
     terminal::Say(fault.remedy.empty() ? fmt::format("{}\n", fault.cause)
                                        : fmt::format("{}; {}\n", fault.cause, fault.remedy));
@@ -64,7 +64,7 @@ options::ExitStatus CheckRobot(const std::string& file) {
 options::ExitStatus Check(const CheckArguments& arguments) {
   options::ExitStatus status = options::ExitStatus::kGood;
   for (const std::string& name : arguments.files) {
-    const bool is_robot = name.ends_with(".urdf");
+    const bool is_robot = robots::IsRobotFile(name);
     if (is_robot || (name != "-" && IsStored(name))) {
       if (arguments.json)
         throw options::CommandError(fmt::format(
@@ -96,9 +96,10 @@ options::ExitStatus Check(const CheckArguments& arguments) {
 
 void DeclareCheck(options::Subcommand& command) {
   const auto arguments = std::make_shared<CheckArguments>();
-  command.Required(
-      "FILE", arguments->files,
-      "scenario files (- for standard input), results files, journals, traces or robots (.urdf)");
+  command.Required("FILE", arguments->files,
+                   "scenario files (- for standard input), results files, journals, traces or "
+                   "robots (.urdf, .sdf, "
+                   ".xml)");
   command.Flag("--json", arguments->json,
                "print each error and warning as a line of JSON, with the fields of rustc");
   command.Plugins(arguments->plugins);

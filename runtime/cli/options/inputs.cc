@@ -19,7 +19,7 @@
 #include "library/closed_forms/scene_fault.h"
 #include "library/detectors/plugin.h"
 #include "library/layouts/pose_table.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/results/trace_file.h"
 #include "runtime/sweep/process/worker.h"
@@ -256,7 +256,7 @@ compiler::CompileOptions OptionsOf(const std::string& library,
           closed_forms::FindSceneFault,
           layouts::ReadPoseFacts,
           objects::ModelReader(models),
-          robots::ReadUrdf,
+          robots::ReadRobot,
           lists_runs};
 }
 

@@ -17,8 +17,9 @@
 #include "library/layouts/initial_state.h"
 #include "library/objects/solid_factory.h"
 #include "library/robots/outline.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 #include "library/scene_error.h"
+#include "tests/library/robots/read_robot.h"
 #include "tests/support/files.h"
 #include "tests/support/folders.h"
 
@@ -38,7 +39,7 @@ using Eigen::Vector3d;
 class Robots : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (robots::HasReader()) return;
+    if (robots::HasReader(robots::Format::kUrdf)) return;
     std::cout << "skipped: needs liburdfdom-dev (./setup --import)\n";
     GTEST_SKIP();
   }
@@ -48,7 +49,7 @@ compiler::Compilation Compiled(const std::string& text, const fs::path& folder =
   compiler::CompileOptions options;
   options.find_fault = closed_forms::FindSceneFault;
   options.read_model = objects::ModelReader({});
-  options.read_robot = robots::ReadUrdf;
+  options.read_robot = robots::ReadRobot;
   const std::string path = (folder / "test.cdb").string();
   return compiler::Compile(
       path,
@@ -193,8 +194,8 @@ TEST_F(Robots, FixedJointsKeepMassCentreAndInertia) {
       tensor += reading.tensor + OfPoint(reading.mass, reading.centre - centre);
     for (const bool merges : {true, false}) {
       std::vector<RobotFault> faults;
-      const auto robot = robots::ReadUrdf((SourceFolder() / trial.file).string(),
-                                          {.packages = {}, .srdf = {}, .merges = merges}, faults);
+      const auto robot = robots::ReadRobot((SourceFolder() / trial.file).string(),
+                                           {.packages = {}, .srdf = {}, .merges = merges}, faults);
       ASSERT_TRUE(robot && faults.empty()) << trial.file;
       // All links as one, in the frame of the root.
       std::vector<Isometry3d> frames(robot->links.size(), Isometry3d::Identity());
@@ -251,7 +252,7 @@ TEST_F(Robots, ShapesAreThoseOfTheFile) {
 TEST_F(Robots, SayWhatTheyAreAndWhatIsLeftOut) {
   std::vector<RobotFault> faults;
   const auto robot =
-      robots::ReadUrdf((SourceFolder() / "tests/library/robots/odd.urdf").string(), {}, faults);
+      robots::ReadRobot((SourceFolder() / "tests/library/robots/odd.urdf").string(), {}, faults);
   ASSERT_TRUE(robot);
   const std::string summary = robots::SummaryOf(*robot, "odd.urdf");
   EXPECT_EQ(summary,
@@ -282,15 +283,6 @@ std::string RobotText(std::map<std::string, std::string> parts) {
          part("more", "") + "\n</robot>\n";
 }
 
-std::string Faults(const std::string& text) {
-  std::vector<RobotFault> faults;
-  const auto robot = robots::ParseUrdf(text, "r.urdf", {}, faults);
-  EXPECT_EQ(robot.has_value(), faults.empty());
-  std::string all;
-  for (const RobotFault& fault : faults) all += fault.cause + "; " + fault.remedy + "\n";
-  return all;
-}
-
 std::string Inertial(const char* mass, const char* moments) {
   return std::string("<inertial><mass value=\"") + mass + "\"/><inertia " + moments +
          "/></inertial>";
@@ -316,8 +308,10 @@ TEST_F(Robots, RefuseByNameAndLine) {
                                "velocity=\"1\"/>") +
                        of_other + "</joint>"}});
   };
-  EXPECT_EQ(Faults(mimic("revolute", "<mimic joint=\"j\" multiplier=\"-4\"/>")), "");
-  EXPECT_EQ(Faults(mimic("revolute", "<mimic joint=\"j\" multiplier=\"0\" offset=\"1\"/>")), "");
+  EXPECT_EQ(FaultsOf(mimic("revolute", "<mimic joint=\"j\" multiplier=\"-4\"/>"), "r.urdf"), "");
+  EXPECT_EQ(
+      FaultsOf(mimic("revolute", "<mimic joint=\"j\" multiplier=\"0\" offset=\"1\"/>"), "r.urdf"),
+      "");
   const std::pair<std::string, const char*> cases[] = {
       {mimic("revolute", "<mimic joint=\"n\"/>"),
        "r.urdf:8: joint k mimics n, which the robot does not have"},
@@ -334,7 +328,7 @@ TEST_F(Robots, RefuseByNameAndLine) {
                                         "ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
                                         "izz=\"3\"")}}),
        "r.urdf:3: link b has an inertia that no body has: of the principal moments 1, 1 and 3 kg "
-       "m^2, one is more than the sum of the others; correct <inertia>, or write `inertia any`"},
+       "m^2, one is more than the sum of the others; correct the inertia, or write `inertia any`"},
       {RobotText({{"inertial", Inertial("1",
                                         "ixx=\"1\" ixy=\"2\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
                                         "izz=\"1\"")}}),
@@ -364,7 +358,7 @@ TEST_F(Robots, RefuseByNameAndLine) {
        "the joints that hold link c make a circle"},
       {RobotText({{"more", "<link name=\"c\"/>"}}), "Two root links found: [a] and [c]"},
       {RobotText({{"more", "<xacro:include filename=\"x\"/>"}}), "expand it first: `xacro "},
-      {"<sdf version=\"1.6\"></sdf>", "r.urdf:1: begins with <sdf>"},
+      {"<html></html>", "r.urdf:1: begins with <html>, which is no robot"},
       {"", "r.urdf:1: has no elements"},
       {"<robot name=\"r\">\n<link name=\"a\">\n</robot>",
        "r.urdf:3: </robot> does not close <link> of line 2; write </link> before it"},
@@ -376,14 +370,15 @@ TEST_F(Robots, RefuseByNameAndLine) {
       {std::string(robots::kMaxRobotBytes + 1, ' '), "r.urdf: has 32 MiB"},
   };
   for (const auto& [text, wanted] : cases) {
-    const std::string faults = Faults(text);
+    const std::string faults = FaultsOf(text, "r.urdf");
     EXPECT_NE(faults.find(wanted), std::string::npos) << faults << "instead of " << wanted << "\n"
                                                       << text.substr(0, 1000);
   }
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<a>";
-  EXPECT_NE(Faults("<robot>" + deep).find("nested more than 64 deep"), std::string::npos);
-  EXPECT_EQ(Faults(RobotText({})), "");
+  EXPECT_NE(FaultsOf("<robot>" + deep, "r.urdf").find("nested more than 64 deep"),
+            std::string::npos);
+  EXPECT_EQ(FaultsOf(RobotText({}), "r.urdf"), "");
 }
 
 TEST_F(Robots, AreRefusedInScenarios) {
@@ -458,9 +453,11 @@ TEST_F(Robots, CanBeManyAndHaveMeshesOfPackages) {
   EXPECT_LT((mesh.pose.position + box.upper - Vector3d(6, 0, 0)).norm(), 1e-12);
 }
 
-TEST_F(Robots, DamagedFilesAreRefusedOrSound) {
+/// Texts of `files` with a few random edits, read: refused with a fault that names the file, or
+/// sound.
+void ExpectRefusedOrSound(const std::vector<const char*>& files) {
   std::vector<std::string> corpus;
-  for (const Trial& trial : kTrials) corpus.push_back(ReadFile(SourceFolder() / trial.file));
+  for (const char* file : files) corpus.push_back(ReadFile(SourceFolder() / file));
   std::mt19937_64 random(7);
   const auto below = [&](std::size_t count) { return count == 0 ? 0 : random() % count; };
   int read = 0, refused = 0;
@@ -469,7 +466,7 @@ TEST_F(Robots, DamagedFilesAreRefusedOrSound) {
     for (std::size_t edits = 1 + below(4); edits > 0; --edits) {
       const std::string& other = corpus[below(corpus.size())];
       const std::size_t at = below(text.size() + 1);
-      constexpr const char* kOdd[] = {"nan", "-1e308", "0", "\"", "<", "/>", "&#0;", "-"};
+      constexpr const char* kOdd[] = {"nan", "-1e308", "0", "\"", "<", "/>", "&#0;", "-", "inf"};
       switch (below(4)) {
         case 0:
           text.erase(at, 1 + below(24));
@@ -485,7 +482,7 @@ TEST_F(Robots, DamagedFilesAreRefusedOrSound) {
       }
     }
     std::vector<RobotFault> faults;
-    const auto robot = robots::ParseUrdf(text, "r.urdf", {}, faults);
+    const auto robot = robots::ParseRobot(text, "r.urdf", {}, faults);
     ASSERT_EQ(robot.has_value(), faults.empty()) << text;
     for (const RobotFault& fault : faults)
       ASSERT_EQ(fault.cause.find("r.urdf:"), 0u) << fault.cause;
@@ -502,10 +499,22 @@ TEST_F(Robots, DamagedFilesAreRefusedOrSound) {
   EXPECT_GT(refused, 1000);
 }
 
+TEST_F(Robots, DamagedFilesAreRefusedOrSound) {
+  std::vector<const char*> files;
+  for (const Trial& trial : kTrials) files.push_back(trial.file);
+  ExpectRefusedOrSound(files);
+}
+
+TEST(RobotsByXml, DamagedFilesAreRefusedOrSound) {
+  if (!robots::HasReader(robots::Format::kSdf)) GTEST_SKIP();
+  ExpectRefusedOrSound({"tests/library/robots/odd.sdf", "examples/trolley.sdf"});
+  ExpectRefusedOrSound({"tests/library/robots/odd.xml", "examples/leg.xml"});
+}
+
 TEST(RobotsWithoutReader, AreRefusedWithTheRemedy) {
-  if (robots::HasReader()) GTEST_SKIP();
+  if (robots::HasReader(robots::Format::kUrdf)) GTEST_SKIP();
   EXPECT_NE(ErrorsOf("robot r { file \"examples/arm.urdf\" }")
-                .find("this build reads no robots; install liburdfdom-dev"),
+                .find("this build reads no URDF; install liburdfdom-dev"),
             std::string::npos);
 }
 

@@ -18,7 +18,7 @@
 #include "library/layouts/pose_table.h"
 #include "library/objects/models.h"
 #include "library/objects/solid_factory.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 #include "library/scene_error.h"
 #include "tests/runtime/engine/paired_run.h"
 #include "tests/support/diagnostics.h"
@@ -121,7 +121,7 @@ TEST(OmitEverywhere, EveryShippedScenarioMovesAlike) {
                                            {},
                                            layouts::ReadPoseFacts,
                                            objects::ModelReader({.decomposes = false}),
-                                           robots::ReadUrdf});
+                                           robots::ReadRobot});
     if (LacksOnlyLibraries(result.diagnostics)) continue;
     ASSERT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
     for (const plan::Plan& plan : result.plans) {

@@ -6,7 +6,7 @@
 #include <iostream>
 
 #include "compiler/compile.h"
-#include "library/robots/urdf.h"
+#include "library/robots/reader.h"
 #include "tests/runtime/engine/engine_fixture.h"
 #include "tests/support/folders.h"
 
@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 plan::Scene RobotScene(const std::string& text) {
   compiler::CompileOptions options;
-  options.read_robot = robots::ReadUrdf;
+  options.read_robot = robots::ReadRobot;
   const std::string path = (SourceFolder() / "examples/test.cdb").string();
   const compiler::Compilation compiled = compiler::Compile(
       path,
@@ -52,7 +52,7 @@ double EnergyOf(const world::Engine& engine) {
 class RobotsInTheEngine : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (robots::HasReader()) return;
+    if (robots::HasReader(robots::Format::kUrdf)) return;
     std::cout << "skipped: needs liburdfdom-dev (./setup --import)\n";
     GTEST_SKIP();
   }

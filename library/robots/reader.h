@@ -1,9 +1,8 @@
-// Robots from URDF files, by urdfdom.
+// Robots from files: URDF by urdfdom, SDF and MJCF by pugixml.
 //
-// urdfdom reads links, joints, masses and collision shapes; what it does not need is removed before
-// it reads the text, which is well-formed (outline.h). Errors: faults, with file and line; nothing
-// is thrown, and nothing is printed. Threads: any; one at a time reads. Source:
-// https://wiki.ros.org/urdf/XML
+// Each reader makes its links and joints by a RobotBuilder (builder.h). What a reader does not take
+// over is listed. Errors: faults, with file and line; nothing is thrown, and nothing is printed.
+// Threads: any.
 #pragma once
 
 #include <functional>
@@ -16,19 +15,24 @@
 
 namespace cdb::robots {
 
-/// Whether this build can read them.
-bool HasReader();
+enum class Format { kUrdf, kSdf, kMjcf };
+/// Whether this build can read it.
+bool HasReader(Format format);
+
+/// Whether the extension is one of a robot's file, such as `.urdf`.
+bool IsRobotFile(std::string_view name);
 
 /// analysis::ReadRobot.
-std::optional<analysis::Robot> ReadUrdf(const std::string& path,
-                                        const analysis::RobotOptions& options,
-                                        std::vector<analysis::RobotFault>& faults);
-/// The same of a text; `path` stands for its file, whose folder its meshes are relative to.
-std::optional<analysis::Robot> ParseUrdf(const std::string& text, const std::string& path,
+std::optional<analysis::Robot> ReadRobot(const std::string& path,
                                          const analysis::RobotOptions& options,
                                          std::vector<analysis::RobotFault>& faults);
+/// The same of a text, whose root element states its format; `path` stands for its file, whose
+/// folder its meshes are relative to.
+std::optional<analysis::Robot> ParseRobot(const std::string& text, const std::string& path,
+                                          const analysis::RobotOptions& options,
+                                          std::vector<analysis::RobotFault>& faults);
 
-/// The text of `cdb check FILE.urdf`: links, joints, masses, shapes, and what was left out.
+/// The text of `cdb check FILE`: links, joints, masses, shapes, and what was left out.
 std::string SummaryOf(const analysis::Robot& robot, const std::string& path);
 
 // Joints that mimic others: mimics.cc.
