@@ -285,8 +285,10 @@ constexpr QuestionInfo kQuestions[] = {
      false, FrictionArises, WhyNotFriction},
     {Question::kImpacts, "impacts", "impacts end as shapes, velocities and coefficients say", false,
      Always, WhyNotImpacts},
-    {Question::kJoints, "joints", "joints do not open, bend or stretch", true, JointsArise,
-     WhyNotJoints},
+    {Question::kJoints, "joints",
+     "joints do not open, bend or stretch, and motors reach what they seek where nothing touches"
+     " their joints",
+     true, JointsArise, WhyNotJoints},
     {Question::kSprings, "springs", "springs pull as their stiffness and damping say", false,
      SpringsArise, WhyNotSprings},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},

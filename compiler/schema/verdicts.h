@@ -39,7 +39,8 @@ inline constexpr VerdictInfo kVerdicts[] = {
     {Verdict::kDrifting, "drifting",
      "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
      "object; friction or rolling was off by 0.05, or friction turned an object by > 0.1 rad that "
-     "lay flat; impacts were off by an eighth; if the scene must rest, late speed > 0.02 sqrt(g "
+     "lay flat; impacts were off by an eighth; a motor with effort left is late off by a tenth of "
+     "its speed, or by 0.1 rad or 0.1 S; if the scene must rest, late speed > 0.02 sqrt(g "
      "S), "
      "or an object moved by > 0.25 S"},
     {Verdict::kPenetrating, "penetrating",

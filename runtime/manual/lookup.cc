@@ -66,7 +66,8 @@ const std::vector<CatalogueWord>& CatalogueWords() {
 bool Names(std::string_view name, const Parameter& parameter) {
   return name == parameter.FullName() || name == parameter.name ||
          name == parameter.name.substr(parameter.name.find('.') + 1) ||
-         parameter.name.starts_with(std::string(name) + ".");
+         ("." + std::string(parameter.name)).find("." + std::string(name) + ".") !=
+             std::string::npos;
 }
 
 std::string LanguageWordText(const schema::LanguageWord& word) {
@@ -136,8 +137,11 @@ std::vector<std::string> KnownNames() {
     names.emplace(parameter.name);
     for (const std::string_view word : parameter.AllWords()) names.emplace(word);
     for (std::size_t dot = parameter.name.find('.'); dot != parameter.name.npos;
-         dot = parameter.name.find('.', dot + 1))
-      names.emplace(parameter.name.substr(0, dot));
+         dot = parameter.name.find('.', dot + 1)) {
+      const std::string_view block = parameter.name.substr(0, dot);
+      names.emplace(block);
+      names.emplace(block.substr(block.rfind('.') + 1));  // npos + 1 is 0
+    }
   }
   for (const schema::ParametrisedWord& word : schema::ParametrisedWords()) names.emplace(word.name);
   for (const CatalogueWord& word : CatalogueWords()) names.insert(word.name);

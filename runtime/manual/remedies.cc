@@ -22,7 +22,9 @@ constexpr Remedy kRemedies[] = {
     {"stable", "", ""},
     {"drifting",
      "The time step is too long for the contacts or springs. Default contacts push overlaps apart "
-     "and change rebounds. In a scene that must rest, it did not come to rest in its cycles.",
+     "and change rebounds. In a scene that must rest, it did not come to rest in its cycles. The "
+     "solver does not "
+     "converge in a chain of gears or joints, so that a motor misses its speed (motor_error).",
      "A shorter timestep; more solver.iterations; contact faithful for rebounds; more cycles for a "
      "scene that comes to rest late; precision double far from the origin."},
     {"penetrating",

@@ -24,6 +24,7 @@ constexpr double kLateDepth = 0.05, kPeakDepth = 0.25;
 constexpr double kFrictionError = 0.05;  ///< and of rolling
 constexpr double kImpactError = 0.125;
 constexpr double kBend = 0.05, kStretch = 0.02;
+constexpr double kMotorError = 0.1;
 constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
@@ -96,6 +97,7 @@ class Case {
                        Above("gained_energy", kGained),
                        Above("friction_error", kFrictionError),
                        Count("twisted"),
+                       Late("motor_error", kMotorError),
                        Above("impact_error", kImpactError),
                        Where("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; })},
                       {Late("max_speed", kLateSpeed * scales_.speed_scale), Count("displaced")});

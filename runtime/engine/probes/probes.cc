@@ -84,6 +84,7 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, protocol::Record
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
   soundness_.emplace(scene, engine, least_sides_);
+  motor_watch_ = engine.links().WatchMotors();
 }
 
 void Probes::Begin() {
@@ -155,6 +156,9 @@ void Probes::RecordJoints(std::uint64_t cycle) {
   recording_.Put("joint_gap", cycle, gaps.largest);
   recording_.Put("joint_bend", cycle, gaps.bend);
   recording_.Put("joint_stretch", cycle, gaps.stretch);
+  if (motor_watch_ == nullptr) return;
+  if (const auto miss = motor_watch_->LargestMiss(engine_.world(), header_.scales.least_side))
+    recording_.Put("motor_error", cycle, *miss);
 }
 
 void Probes::RecordSoundness(std::uint64_t cycle) {

@@ -135,6 +135,7 @@ class Probes {
   const unsigned standing_walls_;
   std::optional<MotionWatch> motion_watch_;  ///< for `record stability`, as is the next member
   std::optional<Soundness> soundness_;
+  std::unique_ptr<world::MotorWatch> motor_watch_;  ///< null without motors
   std::vector<char> touches_;  ///< by body, including walls: has a contact in this cycle
   /// By object: how it came below the floor.
   enum class Below : char { kNot, kWentThrough, kFellOff };

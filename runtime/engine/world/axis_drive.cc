@@ -1,6 +1,8 @@
 #include "runtime/engine/world/axis_drive.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "dsl/text/check.h"
 
@@ -16,12 +18,39 @@ void Put(const btVector3& vector, btScalar* row) {
 AxisDrive::AxisDrive(JointAxis& axis, const Settings& settings)
     : btTypedConstraint(MAX_CONSTRAINT_TYPE, axis.first(), axis.second()),
       axis_(axis),
-      settings_(settings) {}
+      settings_(settings) {
+  setUserConstraintType(kUserType);
+}
 
 double AxisDrive::Excess() const {
   if (!settings_.HasLimits()) return 0;
   const auto position = static_cast<double>(axis_.Position());
   return std::max({0., settings_.lower - position, position - settings_.upper});
+}
+
+std::optional<double> AxisDrive::TakeMiss(double length) {
+  if (motor_.row < 0) return std::nullopt;
+  const Motor motor = std::exchange(motor_, {});
+  const double fps = static_cast<double>(motor.fps);
+  double sought = static_cast<double>(motor.sought);
+  if (settings_.HasLimits()) {
+    const auto position = static_cast<double>(motor.position);
+    sought = std::clamp(sought, std::min(0., (settings_.lower - position) * fps),
+                        std::max(0., (settings_.upper - position) * fps));
+  }
+  const auto [first, second] = axis_.Shares();
+  const double missing = sought - static_cast<double>(first.Rate() + second.Rate());
+  // Rounding may leave it just below.
+  constexpr double kWhole = 1 - 1e-5;
+  const double whole = kWhole * static_cast<double>(motor.most);
+  const auto impulse = static_cast<double>(motor.impulse);
+  const bool is_spent = missing > 0 ? impulse >= whole : impulse <= -whole;
+  if (settings_.target)
+    return is_spent ? 0
+                    : std::abs(missing) / (static_cast<double>(motor.erp) * fps) /
+                          (axis_.turns() ? 1 : length);
+  if (settings_.velocity == 0) return std::nullopt;
+  return is_spent ? 0 : std::abs(missing / settings_.velocity);
 }
 
 void AxisDrive::getInfo1(btConstraintInfo1* info) {
@@ -49,6 +78,12 @@ void AxisDrive::ListRows(const Moment& moment, RowList& list) {
         settings_.target
             ? (static_cast<btScalar>(*settings_.target) - position) * moment.erp * moment.fps
             : static_cast<btScalar>(settings_.velocity);
+    motor_ = {.row = list.count,
+              .position = position,
+              .sought = velocity,
+              .most = most,
+              .fps = moment.fps,
+              .erp = moment.erp};
     list.Add({velocity, -most, most});
   }
   if (!settings_.HasLimits()) return;

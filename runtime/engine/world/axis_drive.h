@@ -34,8 +34,22 @@ class AxisDrive : public btTypedConstraint {
     bool IsIdle() const { return damping == 0 && friction == 0 && effort == 0 && !HasLimits(); }
   };
 
+  /// Of btTypedConstraint::getUserConstraintType.
+  static constexpr int kUserType = 0x61786973;
+
   /// The axis must outlive it.
   AxisDrive(JointAxis& axis, const Settings& settings);
+
+  bool HasMotor() const { return settings_.effort != 0; }
+  /// What the solver gave to a row of the step, by its index.
+  void TakeImpulse(int row, btScalar impulse) {
+    if (row == motor_.row) motor_.impulse = impulse;
+  }
+  /// By how far the motor missed in the last step what it seeks, although it had effort left: of a
+  /// velocity, as a fraction of it; of a position, rad, or m over `length`. A limit that the joint
+  /// would pass is no miss. Nullopt if there was no step since the last call, and for the velocity
+  /// 0, which has no scale.
+  std::optional<double> TakeMiss(double length);
 
   /// How far q is past a limit; 0 within.
   double Excess() const;
@@ -66,8 +80,16 @@ class AxisDrive : public btTypedConstraint {
   btScalar getParam(int num, int axis) const override;
 
  private:
+  /// Of the last step.
+  struct Motor {
+    int row = -1;  ///< -1: no step
+    btScalar position = 0, sought = 0, most = 0, impulse = 0;
+    btScalar fps = 0, erp = 0;
+  };
+
   JointAxis& axis_;
   const Settings settings_;
+  Motor motor_;
 };
 
 }  // namespace cdb::world

@@ -113,6 +113,7 @@ std::unique_ptr<btConstraintSolver> MakeSolver(const plan::Scene& scene,
                                                const omissions::Omissions& omissions) {
   if (omissions.Omits(Component::kSolver)) return std::make_unique<NoSolver>();
   if (analysis::HasGears(scene)) return std::make_unique<GearSolver>();
+  if (analysis::FindMotor(scene) != nullptr) return std::make_unique<DriveSolver>();
   return std::make_unique<btSequentialImpulseConstraintSolver>();
 }
 

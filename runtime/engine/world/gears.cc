@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dsl/text/check.h"
+#include "runtime/engine/world/axis_drive.h"
 
 namespace cdb::world {
 namespace {
@@ -48,6 +49,22 @@ void GearConstraint::getInfo1(btConstraintInfo1* info) {
 void GearConstraint::getInfo2(btConstraintInfo2*) { CDB_CHECK(false); }
 void GearConstraint::setParam(int, btScalar, int) { CDB_CHECK(false); }
 btScalar GearConstraint::getParam(int, int) const { CDB_CHECK(false); }
+
+btScalar DriveSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                                    const btContactSolverInfo& info) {
+  const btTypedConstraint* last = nullptr;
+  int row = 0;
+  for (int i = 0; is_watching_ && i < m_tmpSolverNonContactConstraintPool.size(); ++i) {
+    const btSolverConstraint& solved = m_tmpSolverNonContactConstraintPool[i];
+    auto* constraint = static_cast<btTypedConstraint*>(solved.m_originalContactPoint);
+    row = constraint == last ? row + 1 : 0;
+    last = constraint;
+    if (constraint != nullptr && constraint->getUserConstraintType() == AxisDrive::kUserType)
+      static_cast<AxisDrive*>(constraint)->TakeImpulse(row, solved.m_appliedImpulse);
+  }
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
+                                                                            info);
+}
 
 btScalar GearSolver::solveGroupCacheFriendlySetup(
     btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,

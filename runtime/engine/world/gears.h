@@ -60,9 +60,23 @@ class GearConstraint final : public btTypedConstraint {
   Gear& gear_;
 };
 
+/// Bullet's solver, which tells each AxisDrive the impulses of its rows if it watches. Not
+/// thread-safe.
+class DriveSolver : public btSequentialImpulseConstraintSolver {
+ public:
+  void Watch() { is_watching_ = true; }
+
+ protected:
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                         const btContactSolverInfo& info) override;
+
+ private:
+  bool is_watching_ = false;
+};
+
 /// Bullet's solver, with the rows of gears: projected Gauss-Seidel as for its own rows, before
 /// these in each iteration. Not thread-safe.
-class GearSolver final : public btSequentialImpulseConstraintSolver {
+class GearSolver final : public DriveSolver {
  protected:
   btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
                                         btPersistentManifold** manifolds, int manifold_count,

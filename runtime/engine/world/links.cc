@@ -342,10 +342,10 @@ void Links::AddGears(const std::vector<JointAxis*>& driven, const std::vector<Jo
   }
 }
 
-void Links::MakeMultibodies(std::size_t objects) {
+std::vector<JointFrame> Links::ListFrames() const {
   std::vector<JointFrame> joints;
   for (const Link& link : links_) {
-    CDB_CHECK(link.kind);
+    if (!link.kind) continue;
     const btTransform& pose = link.first->getWorldTransform();
     const btVector3 axis = pose.getBasis() * link.line_in_first;
     joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first, axis,
@@ -354,9 +354,28 @@ void Links::MakeMultibodies(std::size_t objects) {
                           : axis,
                       link.drive.get()});
   }
+  return joints;
+}
+
+std::vector<Gear*> Links::ListGears() const {
   std::vector<Gear*> gears;
   for (const GearEntry& entry : gears_) gears.push_back(entry.gear.get());
-  multibodies_ = std::make_unique<Multibodies>(joints, gears, objects);
+  return gears;
+}
+
+void Links::MakeMultibodies(std::size_t objects) {
+  CDB_CHECK(std::ranges::all_of(links_, [](const Link& link) { return link.kind.has_value(); }));
+  multibodies_ = std::make_unique<Multibodies>(ListFrames(), ListGears(), objects);
+}
+
+std::unique_ptr<MotorWatch> Links::WatchMotors() const {
+  auto watch = std::make_unique<MotorWatch>(ListFrames(), ListGears());
+  if (watch->IsEmpty()) return nullptr;
+  if (multibodies_ != nullptr)
+    multibodies_->WatchDrives();
+  else if (auto* solver = dynamic_cast<DriveSolver*>(world_.getConstraintSolver()))
+    solver->Watch();
+  return watch;
 }
 
 double Links::BendOf(const Link& link) const {

@@ -13,6 +13,7 @@
 #include "library/layouts/joint_pairs.h"
 #include "runtime/engine/world/axis_drive.h"
 #include "runtime/engine/world/gears.h"
+#include "runtime/engine/world/motor_watch.h"
 #include "runtime/engine/world/multibodies.h"
 
 namespace cdb::world {
@@ -48,6 +49,8 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   bool HasJoints() const { return joints_; }
+  /// Watches its motors from now on; null if it has none.
+  std::unique_ptr<MotorWatch> WatchMotors() const;
   /// Null in maximal coordinates, and without joints.
   Multibodies* multibodies() const { return multibodies_.get(); }
   /// Whether a link pulls the object: its motion is not free.
@@ -112,6 +115,9 @@ class Links {
   void AddGears(const std::vector<JointAxis*>& driven, const std::vector<JointAxis*>& drivers,
                 double ratio);
   void MakeMultibodies(std::size_t objects);
+  /// Of all links but springs.
+  std::vector<JointFrame> ListFrames() const;
+  std::vector<Gear*> ListGears() const;
 
   btDiscreteDynamicsWorld& world_;
   const bool is_reduced_;

@@ -63,6 +63,7 @@ class JointDrive final : public Rows {
 
   void createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                             const btContactSolverInfo& info) override {
+    row_count_ = 0;
     const btVector3 axis = first_.Pose().getBasis().getColumn(0), none(0, 0, 0);
     const btVector3 point = second_.Pose().getOrigin();
     // The rows differ only in the velocity that they seek and in their limits, which depend on what
@@ -80,6 +81,8 @@ class JointDrive final : public Rows {
                      .fps = 1 / info.m_timeStep,
                      .erp = info.m_erp},
                     list);
+    first_row_ = at;
+    row_count_ = list.count;
     for (int i = 0; i < list.count; ++i) {
       btMultiBodySolverConstraint& row = rows.expandNonInitializing();
       row = first;
@@ -89,10 +92,16 @@ class JointDrive final : public Rows {
     }
   }
 
+  /// `impulse_of`: of a row of the solver.
+  void TakeImpulses(const auto& impulse_of) {
+    for (int i = 0; i < row_count_; ++i) drive_.TakeImpulse(i, impulse_of(first_row_ + i));
+  }
+
  private:
   const bool turns_;
   const Side first_, second_;
   AxisDrive& drive_;
+  int first_row_ = 0, row_count_ = 0;  ///< in the solver, of the last step
 };
 
 /// A joint that closes a loop: the pivots are held together, and those of the axes that the joint
@@ -515,6 +524,10 @@ void Multibodies::Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDisp
   for (std::size_t i = 0; i < manifolds_.size(); ++i)
     manifolds_[i]->setBodies(replaced_[i].first, replaced_[i].second);
   for (const auto& tree : trees_) tree->body->processDeltaVeeMultiDof2();
+  if (!watches_drives_) return;
+  for (const auto& constraint : constraints_)
+    if (auto* drive = dynamic_cast<JointDrive*>(constraint.get()))
+      drive->TakeImpulses([this](int row) { return solver_.ImpulseOf(row); });
 }
 
 void Multibodies::Integrate(btScalar timestep) {

@@ -57,6 +57,8 @@ class Multibodies {
              const btVector3& acceleration, bool in_order, const btContactSolverInfo& info);
   /// Moves the links, and the rigid bodies of their objects.
   void Integrate(btScalar timestep);
+  /// From now on, drives get the impulses of their rows.
+  void WatchDrives() { watches_drives_ = true; }
   /// By the object's index.
   bool IsLink(std::size_t object) const { return links_[object] != nullptr; }
 
@@ -74,9 +76,16 @@ class Multibodies {
 
   std::unique_ptr<btMultiBody> ground_;  ///< the other side of drives and of loops' ends
   std::vector<std::unique_ptr<Tree>> trees_;
+  bool watches_drives_ = false;
   std::vector<btMultiBodyLinkCollider*> links_;  ///< by user index; null without joints
   std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;  ///< drives, loops, gears
-  btMultiBodyConstraintSolver solver_;
+  /// The impulses of its rows can be read.
+  struct Solver : btMultiBodyConstraintSolver {
+    btScalar ImpulseOf(int row) const {
+      return m_multiBodyNonContactConstraints[row].m_appliedImpulse;
+    }
+  };
+  Solver solver_;
   // Kept from step to step, so as not to be allocated again.
   std::vector<btCollisionObject*> free_;
   std::vector<btPersistentManifold*> manifolds_;

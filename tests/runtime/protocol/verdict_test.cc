@@ -217,6 +217,16 @@ TEST_F(VerdictTest, JointsThatBendOrStretch) {
   ExpectVerdict(Verdict::kPenetrating, 31);
 }
 
+TEST_F(VerdictTest, MotorsThatMissLate) {
+  Set("motor_error", 0, 0.5, 29);
+  Set("motor_error", 29, 0.09);
+  ExpectVerdict(Verdict::kStable, -1);
+  Set("motor_error", 32, 0.11);
+  ExpectVerdict(Verdict::kDrifting, 32);
+  Set("motor_error", 32, kNaN);
+  ExpectVerdict(Verdict::kStable, -1);
+}
+
 TEST_F(VerdictTest, SpeedLateAtRest) {
   Set("max_speed", 0, 0.21);
   ExpectVerdict(Verdict::kStable, -1);
