@@ -30,7 +30,6 @@ using pugi::xml_node;
 using JointType = RobotJoint::Type;
 
 constexpr const char* kWorldBody = "world";
-
 const std::set<std::string_view> kOfBody = {"inertial", "joint", "freejoint",
                                             "geom",     "body",  "frame"};
 /// `compiler` and `default` are read apart, and parts of `equality` and `actuator` are listed by
@@ -44,7 +43,6 @@ const Taken kMjcfTaken = {{"mujoco",
                           {"body", kOfBody},
                           {"frame", kOfBody}};
 constexpr const char* kSections[] = {"sensor", "tendon", "keyframe", "custom"};
-/// Elements that stand for others.
 const std::set<std::string_view> kMacros = {"include", "composite", "flexcomp", "replicate",
                                             "attach"};
 constexpr const char* kOfShapes[] = {"friction", "solref", "solimp", "condim", "margin", "gap"};

@@ -74,10 +74,8 @@ void MjcfValues::ReadCompiler(const xml_node& node) {
   }
   if (element.Text("coordinate") == "global")
     element.Fail("coordinates are global, as in old files", "write the file again by MuJoCo 2.3");
-  for (const char* name : {"settotalmass"})
-    if (element.Number(name, -1) > 0)
-      element.Fail(fmt::format("{} changes the masses of all bodies", name),
-                   "write the masses that it gives");
+  if (element.Number("settotalmass", -1) > 0)
+    element.Fail("settotalmass changes the masses of all bodies", "write the masses that it gives");
   compiler_.has_auto_limits = flag("autolimits", compiler_.has_auto_limits);
   compiler_.strips_paths = flag("strippath", compiler_.strips_paths);
   compiler_.balances = flag("balanceinertia", compiler_.balances);
