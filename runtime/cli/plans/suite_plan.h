@@ -19,8 +19,8 @@ namespace cdb::plans {
 struct SuiteChoice {
   bool is_long = false;                    ///< kLongRepeats, and the seeds of kLongSeeds
   std::optional<std::uint64_t> seed = {};  ///< a fresh seed in place of the published ones
-  /// Detectors in addition to those of the suite, in scenes that sweep detectors. Their contacts are
-  /// their own, or Bullet's if they have no narrow phase.
+  /// Detectors in addition to those of the suite, in scenes that sweep detectors. Their contacts
+  /// are their own, or Bullet's if they have no narrow phase.
   std::vector<std::string> detectors = {};
   std::vector<std::string> plugins = {};  ///< libraries that contain them
 };
