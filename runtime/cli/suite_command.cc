@@ -171,6 +171,7 @@ options::ExitStatus Check(const fs::path& folder) {
 }
 
 options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
+  for (const fs::path& folder : {other, mine}) plans::RequireThisVersion(folder);
   const plans::SuiteFolder claimed = plans::ReadSuiteFolder(other),
                            here = plans::ReadSuiteFolder(mine);
   std::vector<figures::SceneVerification> verified;

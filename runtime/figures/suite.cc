@@ -24,6 +24,7 @@ constexpr SuiteKind kKinds[] = {
     {"haptics", "one probe among fixed bodies, a thousand steps a second"},
     {"planning", "movers among thousands of fixed obstacles: is there contact?"},
     {"extreme", "unequal sizes, a large world, a fast gas"},
+    {"joints", "bodies held together by joints, in maximal and in reduced coordinates"},
     {"stiff", "settings of Bullet in place of detectors: contacts, joints, time steps"},
 };
 
@@ -45,6 +46,8 @@ constexpr StandardScene kScenes[] = {
     {"extreme", "sizes", "2000 bodies of very different sizes", "pairs_missed", 0, kPenetrating},
     {"extreme", "large_world", "2000 bodies in a world of 25 km", "pairs_missed", 0, kPenetrating},
     {"extreme", "swarm", "a fast gas of 3000 balls", "pairs_missed", 0, kPenetrating},
+    {"joints", "ragdolls", "eight ragdolls that fall on stairs", "pairs_missed", 0},
+    {"joints", "gripper", "a gripper that lifts a box from a belt", "pairs_missed", 0},
     {"stiff", "stack", "a stack of five boxes that should remain standing", "position", 0.02},
     {"stiff", "bounce", "a ball that bounces without loss", "energy", 0.1},
     {"stiff", "pendulum", "a pendulum on a ball joint", "energy", 0.05},
@@ -75,15 +78,26 @@ class SceneCollector {
  private:
   using Named = std::pair<std::string, std::vector<Point>>;
 
-  /// Points by the names of their configurations, in grid order.
+  /// The values by which the point's configuration is named.
+  std::string NameOf(const Point& at) const {
+    std::vector<std::string> values;
+    bool is_first = true;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (file_.axes()[i].parameter == "seed") continue;
+      if (is_first || at[i] != 0)
+        values.push_back(terminal::CoordinateText(file_.axes()[i], at[i]));
+      is_first = false;
+    }
+    return values.empty() ? "default" : fmt::format("{}", fmt::join(values, " + "));
+  }
+
+  /// Points by the names of their configurations, in grid order, without those that `skip` left
+  /// out.
   std::vector<Named> Configurations() const {
     std::vector<Named> all;
     for (const Point& at : AllPoints(file_)) {
-      std::vector<std::string> values;
-      for (std::size_t i = 0; i < at.size(); ++i)
-        if (file_.axes()[i].parameter != "seed")
-          values.push_back(terminal::CoordinateText(file_.axes()[i], at[i]));
-      std::string name = values.empty() ? "default" : fmt::format("{}", fmt::join(values, ", "));
+      if (file_.ReadStatus({at, 0}) == results::Status::kSkipped) continue;
+      std::string name = NameOf(at);
       const auto there = std::ranges::find(all, name, &Named::first);
       if (there == all.end())
         all.push_back({std::move(name), {at}});
@@ -93,13 +107,22 @@ class SceneCollector {
     return all;
   }
 
+  /// The value at the point on the axis of a parameter; empty if there is no such axis.
+  std::string ValueOf(std::string_view parameter, const Point& at) const {
+    const auto axis = std::ranges::find(file_.axes(), parameter, &plan::Axis::parameter);
+    if (axis == file_.axes().end()) return {};
+    return terminal::CoordinateText(*axis,
+                                    at[static_cast<std::size_t>(axis - file_.axes().begin())]);
+  }
+
   bool IsBulletsOwn(const Point& at) const {
-    const auto axis = model_.detector_axis();
-    if (!axis) return true;
-    const std::string name = terminal::CoordinateText(file_.axes()[*axis], at[*axis]);
-    return std::ranges::any_of(schema::Detectors(), [&](const schema::DetectorInfo& info) {
-      return info.name == name && info.source == "Bullet";
-    });
+    const std::string detector = ValueOf("detector", at), narrow = ValueOf("narrow_phase", at);
+    const bool has_narrow = !narrow.empty() && narrow != "own" && narrow != "bullet";
+    return !has_narrow &&
+           (detector.empty() ||
+            std::ranges::any_of(schema::Detectors(), [&](const schema::DetectorInfo& info) {
+              return info.name == detector && info.source == "Bullet";
+            }));
   }
 
   ConfigurationFigures Collect(const std::string& name, const std::vector<Point>& points) {

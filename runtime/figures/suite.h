@@ -3,8 +3,9 @@
 // application, and whether another machine's results agree (`cdb suite --against`): states to the
 // last bit if the builds are the same, errors and speedups within their intervals if they are not.
 //
-// A configuration is a point on all axes of a scene except that of seeds, named by its values:
-// `dbvt`, `steps_240`. The first one is the baseline: Bullet's defaults. The score of a
+// A configuration is a point on all axes of a scene except that of seeds. It is named by its value
+// on the first of them, and by its values on the others unless they are the baseline's: `dbvt`,
+// `steps_240`, `auto + batch`. The first one is the baseline: Bullet's defaults. The score of a
 // configuration is the geometric mean, over the scenes of a kind, of the baseline's time for a
 // simulated second over its own. A configuration that is wrong in one scene has no score in that
 // kind.
@@ -25,7 +26,7 @@ namespace cdb::figures {
 
 /// Increase it with every change of a scene, of a bound or of the score: results of different
 /// versions are not comparable. tests/golden/suite/ has the plans of each version.
-inline constexpr int kSuiteVersion = 2;
+inline constexpr int kSuiteVersion = 3;
 
 /// A kind of application. Its scenes sweep the same configurations.
 struct SuiteKind {
@@ -54,7 +55,7 @@ std::span<const StandardScene> StandardScenes();
 
 struct ConfigurationFigures {
   std::string name;
-  bool is_bullets_own = false;  ///< its detector is one of Bullet's, or it names no detector
+  bool is_bullets_own = false;  ///< its detector and narrow phase are Bullet's, or not named
   std::string fault;            ///< reason why it has no score; empty for most
   bool is_disturbed = false;  ///< the only fault is a disturbance by the machine; the same run may
                               ///< be right

@@ -9,7 +9,11 @@
 // With -n, narrow phases in place of broad ones: Bullet's and those that are named, with the pairs
 // of `auto`. Their worlds go different ways, and so each has its own pairs.
 //
+// With -t, detectors and narrow phases may use so many threads. The times do not show it, as they
+// are the processor time of one; count the instructions of each with callgrind --separate-threads.
+//
 // Usage: bench_live_f32 [-r ROUNDS] [-c CYCLES] [-d DETECTOR]... [-n NARROW_PHASE]... [-s SCENE]...
+// [-t THREADS]
 
 #include <fmt/format.h>
 #include <sys/syscall.h>
@@ -81,6 +85,7 @@ std::vector<LiveScene> Scenes() {
       {"paper 5000", 40, [] { return Balls(5000, 250000, 50, 9.8); }},
       {"gas 4000", 40, [] { return Gas(4000); }},
       {"gas 5000", 40, [] { return Gas(5000); }},
+      {"gas 20000", 4, [] { return Gas(20000); }},
       {"open gas 5000", 40, [=] { return open(Gas(5000)); }},
       {"dense 5000", 40, [] { return Balls(5000, std::cbrt(3.5 * 5000), 60, 0); }},
       {"debris 3000", 40, [] { return OfFile("library/scenarios/standard/games/debris.cdb"); }},
@@ -91,6 +96,8 @@ std::vector<LiveScene> Scenes() {
       {"rubble 1500", 400, [] { return OfFile("library/scenarios/application/rubble.cdb"); }},
       {"heap 400", 20, [] { return OfFile("library/scenarios/application/heap.cdb"); }},
       {"warehouse 1001", 60, [] { return OfFile("library/scenarios/application/warehouse.cdb"); }},
+      {"ragdolls 81", 240, [] { return OfFile("library/scenarios/standard/joints/ragdolls.cdb"); }},
+      {"gripper 10", 480, [] { return OfFile("library/scenarios/standard/joints/gripper.cdb"); }},
       {"asleep 5100", 180, [] { return OfFile("tests/bench/asleep.cdb", true); }},
       {"probe 2001", 400, [] { return OfFile("library/scenarios/standard/haptics/probe.cdb"); }},
       {"clutter 4020", 40,
@@ -165,12 +172,14 @@ int Points(world::Engine& engine) {
   return count;
 }
 
-void RunScene(const LiveScene& live, const Field& field, int rounds, int cycles) {
+void RunScene(const LiveScene& live, const Field& field, int rounds, int cycles,
+              std::uint64_t threads) {
   const std::vector<std::string>& names = field.names;
   plan::Scene scene = live.make();
   tests::SetWorld(scene, "precision", tests::Word(world::EnginePrecision()));
   tests::SetWorld(scene, "record", schema::WordList{"timing"});
   tests::SetWorld(scene, "pair_order", tests::Word("sorted"));
+  tests::SetWorld(scene, "threads", threads);
   layouts::InitialState state = layouts::DrawObjects(scene);
   layouts::Place(scene, state);
   if (yaml::HasPile(scene)) worker::SettlePiles(scene, state);
@@ -214,9 +223,10 @@ void RunScene(const LiveScene& live, const Field& field, int rounds, int cycles)
 
 int Main(int argc, char** argv) {
   int rounds = 3, cycles = 96;
+  std::uint64_t threads = 1;
   Field field;
   std::vector<std::string> only;
-  for (int option; (option = getopt(argc, argv, "r:c:d:n:s:")) != -1;) {
+  for (int option; (option = getopt(argc, argv, "r:c:d:n:s:t:")) != -1;) {
     switch (option) {
       case 'r':
         rounds = std::atoi(optarg);
@@ -230,6 +240,9 @@ int Main(int argc, char** argv) {
       case 'n':
         field.names.push_back(optarg);
         field.phase = protocol::Phase::kNarrow;
+        break;
+      case 't':
+        threads = std::strtoul(optarg, nullptr, 10);
         break;
       case 's':
         only.push_back(optarg);
@@ -249,7 +262,7 @@ int Main(int argc, char** argv) {
       base + "/", "state");
   for (const LiveScene& live : Scenes())
     if (only.empty() || std::ranges::count(only, live.name) > 0)
-      RunScene(live, field, rounds, cycles);
+      RunScene(live, field, rounds, cycles, threads);
   return 0;
 }
 

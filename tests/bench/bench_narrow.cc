@@ -11,8 +11,8 @@
 // (library/exact/signed_distance.h); and where another is better than `batch`.
 //
 // Usage: bench_narrow_f32 [-n PAIRS] [-c CYCLES] [-t TYPE-TYPE] [-i] [-d FOLDER WITH SHARED
-// LIBRARIES], bench_narrow_f64 -e POSES [-t TYPE-TYPE] [-d …]. -t: only these types, e.g. box-box.
-// -i: instructions in place of time (tests/bench/instructions.h).
+// LIBRARIES], bench_narrow_f64 -e POSES [-b] [-t TYPE-TYPE] [-d …]. -t: only these types, e.g.
+// box-box. -b: only `batch`. -i: instructions in place of time (tests/bench/instructions.h).
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -243,43 +243,76 @@ void PrintRow(const std::string& types, const std::string& name, const tests::Fa
              faults.overlaps, faults.missed, faults.phantom,
              three(faults.depths, faults.worst_depth), three(faults.normals, faults.worst_normal),
              three(faults.surfaces, faults.worst_surface));
+  if (faults.missed + faults.phantom > 0 && name == "batch")
+    fmt::print("  the pose {} is one of them\n", faults.worst_pair);
   std::fflush(stdout);
 }
 
-/// Prints the errors of all competitors, and adds to `behind` where one is better than `batch`.
-void PrintErrors(tests::Type a, tests::Type b, int count, const Library& library,
-                 std::vector<std::string>& behind) {
-  distributions::Stream stream(5);
+/// Random pairs of two types, with their exact contacts.
+struct Poses {
   std::vector<PairCase> cases;
   std::vector<tests::ExactContact> exact;
+};
+Poses RandomPoses(distributions::Stream& stream, tests::Type a, tests::Type b, int count) {
+  Poses made;
   for (int i = 0; i < count; ++i) {
-    cases.push_back(tests::RandomPair(stream, a, b));
-    exact.push_back(tests::ExactOf(cases.back()));
+    made.cases.push_back(tests::RandomPair(stream, a, b));
+    made.exact.push_back(tests::ExactOf(made.cases.back()));
   }
+  return made;
+}
+
+/// Poses at a time: a million with their shapes would not fit into memory.
+constexpr int kChunk = 2000;
+
+struct ErrorSettings {
+  int count = 0;            ///< poses of each pair of types; 0: no errors
+  bool only_batch = false;  ///< without competitors
+  /// The distance from a surface takes long: it is judged for at most 20,000 poses.
+  int Every() const { return std::max(5, count / 20000); }
+};
+
+/// Prints the errors of all competitors, and adds to `behind` where one is better than `batch`.
+void PrintErrors(tests::Type a, tests::Type b, const ErrorSettings& settings,
+                 const Library& library, std::vector<std::string>& behind) {
+  distributions::Stream stream(5);
   const std::string types = fmt::format("{}-{}", NameOf(a), NameOf(b));
-  constexpr int kEvery = 5;  // the distance from a surface takes long
-  std::vector<Competitor> all = MakeCompetitors(cases, true, library);
-  Detector& batch = *std::ranges::find(all, "batch", &Competitor::name)->detector;
-  for (Competitor& one : all) {
-    const tests::Faults faults = tests::Judge(*one.detector, cases, exact, nullptr, kEvery);
-    if (faults.pairs == 0) continue;
-    PrintRow(types, one.name, faults);
-    if (one.detector.get() == &batch) continue;
-    const tests::Faults of_batch = tests::Judge(batch, cases, exact, one.detector.get(), kEvery);
+  std::vector<Errors> found;
+  for (int first = 0; first < settings.count; first += kChunk) {
+    const Poses poses = RandomPoses(stream, a, b, std::min(kChunk, settings.count - first));
+    std::vector<Competitor> all = MakeCompetitors(poses.cases, true, library);
+    if (settings.only_batch)
+      std::erase_if(all, [](const Competitor& one) { return one.name != "batch"; });
+    Detector& batch = *std::ranges::find(all, "batch", &Competitor::name)->detector;
+    const auto judge = [&](Detector& detector, const Detector* other, tests::Faults& faults) {
+      faults.Add(tests::Judge(detector, poses.cases, poses.exact, other, settings.Every()), first);
+    };
+    found.resize(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      found[k].name = all[k].name;
+      judge(*all[k].detector, nullptr, found[k].faults);
+      if (all[k].detector.get() != &batch) judge(batch, all[k].detector.get(), found[k].of_batch);
+    }
+  }
+  for (const Errors& one : found) {
+    if (one.faults.pairs == 0) continue;
+    PrintRow(types, one.name, one.faults);
+    if (one.name == "batch") continue;
     for (const Measure& measure : kMeasures)
-      if (const double own = measure.of(of_batch), other = measure.of(faults);
+      if (const double own = measure.of(one.of_batch), other = measure.of(one.faults);
           own > other + measure.slop)
         behind.push_back(fmt::format("{:<24} {:<17} batch {:>8.1e}, {} {:>8.1e}", types,
                                      measure.name, own, one.name, other));
   }
 }
 
-void PrintAllErrors(int count, const std::string& only, const Library& library) {
+void PrintAllErrors(const ErrorSettings& settings, const std::string& only,
+                    const Library& library) {
   fmt::print(
       "{} poses of each pair of types, in double precision. Errors of the deepest point: "
       "depth in sizes of the smaller body; normal, rad; distance of points from the surface, "
       "in sizes. Of the pairs that each handles; each median, 99 %, worst\n",
-      count);
+      settings.count);
   fmt::print("{:<24} {:<8} {:>7} {:>7} {:>6} {:>7}  {:>21}  {:>21}  {:>21}\n", "types", "by",
              "pairs", "overlap", "missed", "phantom", "depth", "normal", "place");
   std::vector<std::string> behind;
@@ -287,7 +320,7 @@ void PrintAllErrors(int count, const std::string& only, const Library& library) 
     for (int j = i; j <= static_cast<int>(tests::Type::kPlane); ++j) {
       const auto a = static_cast<tests::Type>(i), b = static_cast<tests::Type>(j);
       if (only.empty() || only == fmt::format("{}-{}", NameOf(a), NameOf(b)))
-        PrintErrors(a, b, count, library, behind);
+        PrintErrors(a, b, settings, library, behind);
     }
   fmt::print("\n{}\n", behind.empty() ? "batch is nowhere behind another by more than 1e-6"
                                       : "batch is behind, on the pairs that both handle:");
@@ -297,17 +330,18 @@ void PrintAllErrors(int count, const std::string& only, const Library& library) 
 int Main(int argc, char** argv) {
   Settings settings;
   std::string folder = "build/detectors";
-  int errors = 0;
-  for (int option; (option = getopt(argc, argv, "n:c:t:d:e:i")) != -1;) {
+  ErrorSettings errors;
+  for (int option; (option = getopt(argc, argv, "n:c:t:d:e:ib")) != -1;) {
     if (option == 'n') settings.pairs = std::strtoul(optarg, nullptr, 10);
     if (option == 'c') settings.cycles = std::atoi(optarg);
     if (option == 't') settings.only = optarg;
     if (option == 'd') folder = optarg;
     if (option == 'i') settings.counts = true;
-    if (option == 'e') errors = std::atoi(optarg);
+    if (option == 'e') errors.count = std::atoi(optarg);
+    if (option == 'b') errors.only_batch = true;
     if (option == '?') return 2;
   }
-  if (errors > 0) {
+  if (errors.count > 0) {
     PrintAllErrors(errors, settings.only, Library(folder));
     return 0;
   }

@@ -20,6 +20,7 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/page/page.h"
+#include "runtime/printers/json_points.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/results/files/safe_file.h"
 
@@ -56,6 +57,7 @@ Plan MakeLong(const Plan& plan) {
   plan::Axis axis{"seed", "seed", "", {}};
   made.repeats = kLongRepeats;
   made.runs.clear();
+  made.skipped.clear();
   for (const std::uint64_t seed : kLongSeeds) {
     const std::size_t place = axis.values.size();
     axis.values.emplace_back(static_cast<double>(seed));
@@ -64,6 +66,10 @@ Plan MakeLong(const Plan& plan) {
            of.at.insert(of.at.begin(), place);
          }))
       made.runs.push_back(std::move(run));
+    for (std::vector<std::size_t> at : plan.skipped) {
+      at.insert(at.begin(), place);
+      made.skipped.push_back(std::move(at));
+    }
   }
   made.axes.insert(made.axes.begin(), std::move(axis));
   return made;
@@ -75,7 +81,7 @@ Plan WithSeed(const Plan& plan, std::uint64_t seed) {
   return made;
 }
 
-/// Adds runs of these detectors, like those of the baseline.
+/// Adds runs of these detectors, like those of the baseline's detector.
 void AddDetectors(const std::vector<std::string>& names,
                   const std::vector<schema::PluginDetector>& plugins, Plan& plan) {
   const auto axis = std::ranges::find(plan.axes, "detector", &plan::Axis::parameter);
@@ -84,6 +90,13 @@ void AddDetectors(const std::vector<std::string>& names,
   for (const std::string& name : names) {
     if (std::ranges::find(axis->values, plan::Coordinate(name)) != axis->values.end())
       throw options::CommandError(fmt::format("--detector {}: it is already in the suite", name));
+    // They have no narrow phase beside their own or Bullet's either.
+    const std::vector<std::vector<std::size_t>> skipped = plan.skipped;
+    for (std::vector<std::size_t> at : skipped) {
+      if (at[place] != 0) continue;
+      at[place] = axis->values.size();
+      plan.skipped.push_back(std::move(at));
+    }
     const std::vector<plan::Run> before = plan.runs;
     for (plan::Run run : before) {
       if (run.at[place] != 0) continue;
@@ -97,6 +110,7 @@ void AddDetectors(const std::vector<std::string>& names,
     axis->values.emplace_back(name);
   }
   std::ranges::sort(plan.runs, {}, [](const plan::Run& run) { return std::tie(run.at, run.rep); });
+  std::ranges::sort(plan.skipped);
 }
 
 }  // namespace
@@ -136,6 +150,14 @@ std::string FileSha256(const fs::path& file) {
   return plan::Sha256Hex(std::string(std::istreambuf_iterator<char>(in), {}));
 }
 
+/// The version of the suite that a summary names.
+std::optional<int> VersionOf(const std::string& summary) {
+  const auto json = printers::Json::parse(summary, nullptr, false);
+  const auto version = json.is_object() ? json.find("suite") : json.end();
+  if (version == json.end() || !version->is_number_integer()) return std::nullopt;
+  return version->get<int>();
+}
+
 bool IsLong(const results::ResultFile& file) {
   return std::ranges::any_of(file.axes(),
                              [](const plan::Axis& axis) { return axis.parameter == "seed"; });
@@ -168,6 +190,17 @@ SuiteFolder ReadSuiteFolder(const fs::path& folder) {
     if (seed != kLongSeeds[0]) read.facts.seed = seed;
   }
   return read;
+}
+
+void RequireThisVersion(const fs::path& folder) {
+  std::string why;
+  const auto text = plan::ReadInputFile((folder / kSuiteSummary).string(), why);
+  const auto version = text ? VersionOf(*text) : std::nullopt;
+  if (version && *version != figures::kSuiteVersion)
+    throw options::CommandError(
+        fmt::format("the results in '{}' are of version {} of the suite, and this cdb has version "
+                    "{}: scenes and settings differ; run both with one cdb",
+                    folder.string(), *version, figures::kSuiteVersion));
 }
 
 std::string SuiteSummary(const SuiteFolder& read) {
@@ -303,6 +336,10 @@ class Checker {
     const auto text = plan::ReadInputFile((folder / kSuiteSummary).string(), why);
     if (!text)
       Fault("{}: {}; `cdb suite` writes it", kSuiteSummary, why);
+    else if (const auto version = VersionOf(*text).value_or(figures::kSuiteVersion);
+             version != figures::kSuiteVersion)
+      Fault("{}: it is of version {} of the suite, and this cdb has version {}", kSuiteSummary,
+            version, figures::kSuiteVersion);
     else if (*text != SuiteSummary(read_))
       Fault("{}: it is not the summary of these results", kSuiteSummary);
   }

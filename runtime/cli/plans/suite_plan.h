@@ -19,7 +19,8 @@ namespace cdb::plans {
 struct SuiteChoice {
   bool is_long = false;                    ///< kLongRepeats, and the seeds of kLongSeeds
   std::optional<std::uint64_t> seed = {};  ///< a fresh seed in place of the published ones
-  /// Detectors in addition to those of the suite, in scenes that sweep detectors.
+  /// Detectors in addition to those of the suite, in scenes that sweep detectors. Their contacts
+  /// are their own, or Bullet's if they have no narrow phase.
   std::vector<std::string> detectors = {};
   std::vector<std::string> plugins = {};  ///< libraries that contain them
 };
@@ -44,6 +45,10 @@ struct SuiteFolder {
 /// Reads the results that exist. Throws StoreError, and CommandError for a folder without results
 /// of the suite.
 SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
+
+/// Throws CommandError if the summary in the folder names another version of the suite than this
+/// one.
+void RequireThisVersion(const std::filesystem::path& folder);
 
 /// The text of suite.json.
 std::string SuiteSummary(const SuiteFolder& read);

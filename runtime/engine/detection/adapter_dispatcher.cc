@@ -18,8 +18,8 @@ constexpr double kUnit = 1e-3;           ///< a normal's length is off by no mor
 constexpr double kSizeTolerance = 1e-3;  ///< points and distance disagree by no more, in sizes
 constexpr double kFarTolerance = 1e-6;   ///< and this part of the coordinates
 
-/// ns, about.
-constexpr double kWorkOfPair = 40;
+/// ns, about: of a pair whose contacts are kept, and of one that is visited.
+constexpr double kWorkOfPair = 40, kWorkOfVisit = 20;
 
 /// Whose pair it is, in a field that Bullet sets to 0 with a new one and does not use. Of a
 /// detector's pair, the sum of kDetector and its place among all that it is asked for, in cycles in
@@ -60,10 +60,6 @@ bool NeedCollision(const btCollisionObject& a, const btCollisionObject& b) {
   return (a.isActive() || b.isActive()) && a.checkCollideWith(&b) && b.checkCollideWith(&a);
 }
 
-KeptContacts* KeptOf(const btBroadphasePair& pair) {
-  return static_cast<KeptContacts*>(pair.m_algorithm);
-}
-
 }  // namespace
 
 AdapterDispatcher::AdapterDispatcher(btCollisionConfiguration* configuration,
@@ -71,7 +67,10 @@ AdapterDispatcher::AdapterDispatcher(btCollisionConfiguration* configuration,
     : btCollisionDispatcher(configuration),
       detector_(std::move(detector)),
       view_(view),
-      parts_(detector_.lists_all_points ? detector_.threads : 1) {
+      parts_(detector_.lists_all_points ? detector_.threads : 1),
+      visited_(parts_.most()),
+      asked_(visited_[0].asked),
+      places_(visited_[0].places) {
   const Scene scene = view_.For(false);
   for (const Shape& shape : scene.shapes) sizes_.push_back(2 * Greatest(shape.half));
 }
@@ -87,12 +86,9 @@ void AdapterDispatcher::Prepare() {
 void AdapterDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* cache,
                                                   const btDispatcherInfo& info,
                                                   btDispatcher* /*dispatcher*/) {
-  asked_.clear();
-  places_.clear();
   contacts_.clear();
   cache_ = static_cast<OrderedPairCache*>(cache);
-  cache_->ForEach(info.m_deterministicOverlappingPairs,
-                  [&](const Pair& bodies, btBroadphasePair& pair) { Visit(bodies, pair, info); });
+  VisitAll(info);
   try {
     Ask();
   } catch (...) {
@@ -100,20 +96,56 @@ void AdapterDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* cache,
   }
 }
 
-void AdapterDispatcher::Visit(const Pair& bodies, btBroadphasePair& pair,
-                              const btDispatcherInfo& info) {
-  if (pair.m_internalTmpValue == kNobody)
-    pair.m_internalTmpValue = Handles(bodies) ? kDetector : kBullet;
-  if (pair.m_internalTmpValue == kBullet) return getNearCallback()(pair, *this, info);
-  if (!NeedCollision(view_.body(bodies.a), view_.body(bodies.b))) return;
-  if (pair.m_algorithm == nullptr && !info.m_deterministicOverlappingPairs) Make(pair);
-  asked_.push_back(bodies);
-  places_.push_back({&pair, 0, 0});
+/// Bullet's pairs are solved in the order in which they and, if pairs are listed, those of the
+/// detector are visited.
+void AdapterDispatcher::VisitAll(const btDispatcherInfo& info) {
+  for (Visited& part : visited_) part.Clear();
+  const bool is_sorted = info.m_deterministicOverlappingPairs;
+  const Scene scene = view_.For(true);
+  const double work = kWorkOfVisit * static_cast<double>(cache_->getNumOverlappingPairs());
+  const kernels::ThreadPool::Session session = parts_.Begin(work);
+  Visited& first = visited_[0];
+  if (!is_sorted || parts_.most() == 1) {
+    cache_->ForEach(is_sorted, [&](const Pair& bodies, btBroadphasePair& pair) {
+      Visit(scene, bodies, pair, info, first);
+      for (; !first.for_bullet.empty(); first.for_bullet.pop_back())
+        getNearCallback()(*first.for_bullet.back(), *this, info);
+    });
+    return;
+  }
+  // The pairs of later bodies come first.
+  const std::size_t size = view_.size();
+  const unsigned parts =
+      parts_.ForEach(work, 0, size, 1, [&](unsigned part, std::size_t from, std::size_t to) {
+        Visited& own = visited_[part];
+        cache_->ForEachFrom(size - to, size - from,
+                            [&](const Pair& bodies, btBroadphasePair& pair) {
+                              Visit(scene, bodies, pair, info, own);
+                            });
+      });
+  for (unsigned part = 0; part < parts; ++part) {
+    const Visited& own = visited_[part];
+    for (btBroadphasePair* pair : own.for_bullet) getNearCallback()(*pair, *this, info);
+    if (part == 0) continue;
+    first.asked.insert(first.asked.end(), own.asked.begin(), own.asked.end());
+    first.places.insert(first.places.end(), own.places.begin(), own.places.end());
+  }
 }
 
-bool AdapterDispatcher::Handles(const Pair& bodies) {
+void AdapterDispatcher::Visit(const Scene& scene, const Pair& bodies, btBroadphasePair& pair,
+                              const btDispatcherInfo& info, Visited& to) {
+  if (pair.m_internalTmpValue == kNobody)
+    pair.m_internalTmpValue = Handles(scene, bodies) ? kDetector : kBullet;
+  if (pair.m_internalTmpValue == kBullet) return to.for_bullet.push_back(&pair);
+  if (!NeedCollision(view_.body(bodies.a), view_.body(bodies.b))) return;
+  if (pair.m_algorithm == nullptr && !info.m_deterministicOverlappingPairs) Make(pair);
+  to.asked.push_back(bodies);
+  to.places.push_back({&pair, pair.m_algorithm, 0, 0});
+}
+
+bool AdapterDispatcher::Handles(const Scene& scene, const Pair& bodies) {
   try {
-    return detector_.detector->Handles(view_.For(true), bodies.a, bodies.b);
+    return detector_.detector->Handles(scene, bodies.a, bodies.b);
   } catch (...) {
     Blame(detector_, "Handles", view_.cycle());
   }
@@ -213,8 +245,8 @@ void AdapterDispatcher::Check(const Contact& contact) const {
 }
 
 void AdapterDispatcher::Keep() {
-  for (const Place& place : places_)
-    if (place.pair->m_algorithm == nullptr && place.count > 0) Make(*place.pair);
+  for (Place& place : places_)
+    if (place.kept == nullptr && place.count > 0) place.kept = &Make(*place.pair);
   const double work = kWorkOfPair * static_cast<double>(places_.size());
   const kernels::ThreadPool::Session session = parts_.Begin(work);
   parts_.ForEach(work, 0, places_.size(), 1, [&](unsigned, std::size_t from, std::size_t to) {
@@ -223,11 +255,11 @@ void AdapterDispatcher::Keep() {
 }
 
 void AdapterDispatcher::KeepOf(const Place& place) {
-  if (place.pair->m_algorithm == nullptr) return;
+  if (place.kept == nullptr) return;
   const std::span<const Contact> contacts = std::span(contacts_).subspan(place.first, place.count);
   for (const Contact& contact : contacts)
     if (!IsSound(contact, kSizeTolerance * SmallerSize(contact))) Check(contact);
-  KeptOf(*place.pair)->Update(contacts, detector_.lists_all_points);
+  static_cast<KeptContacts*>(place.kept)->Update(contacts, detector_.lists_all_points);
 }
 
 }  // namespace cdb::detection

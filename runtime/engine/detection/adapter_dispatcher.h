@@ -22,8 +22,9 @@ class KeptContacts;
 /// accumulate as in Bullet 3.24; see KeptContacts. A pair gets a manifold with
 /// its first contact if pairs are in the order `sorted`, in which manifolds without contacts have
 /// no effect in Bullet; else at once, since Bullet then solves contacts in the order of manifolds.
-/// The contacts of a detector that lists all points are kept by as many threads as it may use, in
-/// manifolds that are made in the order of the pairs.
+/// The pairs of a detector that lists all points are collected, and its contacts kept, by as many
+/// threads as it may use, in the same order as by one, and in manifolds that are made in the order
+/// of the pairs.
 ///
 /// Throws library::SceneError, from within a step, if the detector throws or returns a contact of a
 /// pair that was not requested, with a NaN, with a normal that is not a unit vector, or with
@@ -49,11 +50,26 @@ class AdapterDispatcher final : public btCollisionDispatcher {
   /// A pair that the detector is asked for.
   struct Place {
     btBroadphasePair* pair;
+    btCollisionAlgorithm* kept;  ///< of the pair, a KeptContacts; null if there is none
     std::uint32_t first, count;  ///< of its contacts
   };
+  /// The pairs of a part of the bodies.
+  struct alignas(64) Visited {
+    std::vector<Pair> asked;
+    std::vector<Place> places;
+    std::vector<btBroadphasePair*> for_bullet;
 
-  void Visit(const Pair& bodies, btBroadphasePair& pair, const btDispatcherInfo& info);
-  bool Handles(const Pair& bodies);
+    void Clear() {
+      asked.clear();
+      places.clear();
+      for_bullet.clear();
+    }
+  };
+
+  void Visit(const Scene& scene, const Pair& bodies, btBroadphasePair& pair,
+             const btDispatcherInfo& info, Visited& to);
+  void VisitAll(const btDispatcherInfo& info);
+  bool Handles(const Scene& scene, const Pair& bodies);
   KeptContacts& Make(btBroadphasePair& pair);
   void Ask();
   void AssignContacts();
@@ -68,12 +84,13 @@ class AdapterDispatcher final : public btCollisionDispatcher {
 
   const NamedDetector detector_;
   SceneView& view_;
-  kernels::PairParts parts_;   ///< of the pairs whose contacts are kept
-  std::vector<double> sizes_;  ///< by body, m: the longest side; infinite for planes
+  kernels::PairParts parts_;      ///< of the pairs whose contacts are kept
+  std::vector<Visited> visited_;  ///< by part; after VisitAll, the first one has all
+  std::vector<double> sizes_;     ///< by body, m: the longest side; infinite for planes
   // Of the current cycle.
   OrderedPairCache* cache_ = nullptr;
-  std::vector<Pair> asked_;
-  std::vector<Place> places_;  ///< of the requested pairs
+  std::vector<Pair>& asked_;
+  std::vector<Place>& places_;  ///< of the requested pairs
   std::vector<Contact> contacts_, in_order_;
   bool are_indexed_ = false;  ///< the pairs hold their places
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "library/detectors/detector.h"
+#include "library/detectors/kernels/pair_buffer.h"
 
 namespace cdb::detection {
 
@@ -15,7 +16,8 @@ namespace cdb::detection {
 /// where it is and, unless it is fixed or kinematic, where it is predicted, plus
 /// gContactBreakingThreshold on each side. Balls, boxes, cylinders, capsules, convex pieces and
 /// compounds are computed here, provided that a trial at the start agrees with the virtual getAabb
-/// of their shape; all other shapes are asked. Not thread-safe.
+/// of their shape; all other shapes are asked. Not thread-safe, except that one call may use
+/// several threads.
 class BoxPass {
  public:
   /// The bodies, their shapes and the sizes of those must outlive it and not change; nor may a body
@@ -26,8 +28,10 @@ class BoxPass {
   /// asleep in the last call too, because they have not moved, and fixed ones whose boxes are
   /// written. `is_asleep` has the last call's values and gets this one's; fixed bodies are always
   /// asleep, kinematic ones never. A body whose box exceeds Bullet's limit of 10^6 m keeps its box
-  /// and is switched off, as by Bullet. Both spans have a value for each body.
-  void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep);
+  /// and is switched off, as by Bullet. Both spans have a value for each body. `parts` share the
+  /// bodies; their number changes nothing.
+  void Update(bool updates_all, std::span<Box> boxes, std::span<std::uint8_t> is_asleep,
+              kernels::PairParts& parts);
 
   /// The number of bodies whose boxes are computed here.
   std::size_t computed() const { return computed_; }
@@ -60,6 +64,8 @@ class BoxPass {
   static bool Write(const ShapeBox& shape, const Body& at, Box& box);
   bool Visit(const Body& at, bool updates_all, std::span<Box> boxes,
              std::span<std::uint8_t> is_asleep) const;
+  void VisitMoving(std::size_t from, std::size_t to, bool updates_all, std::span<Box> boxes,
+                   std::span<std::uint8_t> is_asleep) const;
 
   std::vector<ShapeBox> shapes_;  ///< each once
   std::vector<Body> moving_;

@@ -29,6 +29,10 @@ class OrderedPairCache final : public btOverlappingPairCache {
   /// processAllOverlappingPairs. `visit` adds and removes none.
   template <typename Visit>
   void ForEach(bool is_sorted, Visit visit);
+  /// The same with those of which the first body is from `begin` to `end`, in the order `sorted`.
+  /// Different threads may visit different ones.
+  template <typename Visit>
+  void ForEachFrom(std::size_t begin, std::size_t end, Visit visit);
   bool Has(const Pair& pair) const { return Find(pair) != kNone; }
   std::vector<Pair> List() const;
 
@@ -105,22 +109,24 @@ class OrderedPairCache final : public btOverlappingPairCache {
 
 template <typename Visit>
 void OrderedPairCache::ForEach(bool is_sorted, Visit visit) {
+  if (is_sorted) return ForEachFrom(0, rows_.size(), visit);
+  for (int i = 0; i < pairs_.size(); ++i)
+    visit(PairOf(pairs_[i].m_pProxy0, pairs_[i].m_pProxy1), pairs_[i]);
+}
+
+template <typename Visit>
+void OrderedPairCache::ForEachFrom(std::size_t begin, std::size_t end, Visit visit) {
   const auto pair_at = [this](std::uint32_t place) -> btBroadphasePair& {
     return pairs_[static_cast<int>(place)];
   };
-  if (!is_sorted) {
-    for (int i = 0; i < pairs_.size(); ++i)
-      visit(PairOf(pairs_[i].m_pProxy0, pairs_[i].m_pProxy1), pairs_[i]);
-    return;
-  }
   const auto entries = [this](std::size_t row) {
     return std::span(entries_).subspan(rows_[row].begin, rows_[row].size);
   };
   // Rows are short, so fetch the pairs two rows ahead and their algorithms one row ahead.
-  for (std::size_t row = rows_.size(); row-- > 0;) {
-    if (row > 1)
+  for (std::size_t row = end; row-- > begin;) {
+    if (row > begin + 1)
       for (const Entry& entry : entries(row - 2)) Prefetch(&pair_at(entry.place));
-    if (row > 0)
+    if (row > begin)
       for (const Entry& entry : entries(row - 1)) Prefetch(pair_at(entry.place).m_algorithm);
     const std::span<Entry> own = entries(row);
     for (auto entry = own.rbegin(); entry != own.rend(); ++entry)

@@ -8,6 +8,7 @@
 namespace cdb::detection {
 namespace {
 
+constexpr double kWorkOfPose = 40;  ///< ns, about
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 bool IsPlane(const btRigidBody& wall) {
@@ -36,8 +37,8 @@ Shape WallShape(const btRigidBody& wall) {
 
 SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
                      const std::vector<std::unique_ptr<btRigidBody>>& walls,
-                     const layouts::InitialState& state)
-    : objects_(objects) {
+                     const layouts::InitialState& state, unsigned threads)
+    : parts_(threads), objects_(objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     bodies_.push_back(objects[i].get());
     shapes_.push_back(shape_parts_.Of(state.objects[i].solid));
@@ -70,12 +71,16 @@ void SceneView::CutPlanes() {
 
 void SceneView::TakePoses() {
   poses_.resize(size());
-  for (Id id = 0; id < size(); ++id) {
-    const btTransform& pose = body(id).getWorldTransform();
-    const btMatrix3x3& basis = pose.getBasis();
-    poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),
-                  bullet::ToVec3(basis.getColumn(1)), bullet::ToVec3(basis.getColumn(2))};
-  }
+  const double work = kWorkOfPose * static_cast<double>(size());
+  const kernels::ThreadPool::Session session = parts_.Begin(work);
+  parts_.ForEach(work, 0, size(), 1, [&](unsigned, std::size_t from, std::size_t to) {
+    for (std::size_t id = from; id < to; ++id) {
+      const btTransform& pose = bodies_[id]->getWorldTransform();
+      const btMatrix3x3& basis = pose.getBasis();
+      poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),
+                    bullet::ToVec3(basis.getColumn(1)), bullet::ToVec3(basis.getColumn(2))};
+    }
+  });
   has_poses_ = true;
 }
 

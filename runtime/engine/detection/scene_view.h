@@ -22,10 +22,11 @@ namespace cdb::detection {
 /// Not thread-safe.
 class SceneView {
  public:
-  /// The bodies must outlive it.
+  /// The bodies must outlive it. `threads` share the reading of boxes and poses, which are the same
+  /// with any number of them.
   SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
             const std::vector<std::unique_ptr<btRigidBody>>& walls,
-            const layouts::InitialState& state);
+            const layouts::InitialState& state, unsigned threads = 1);
 
   std::size_t size() const { return bodies_.size(); }
   btRigidBody& body(Id id) const { return *bodies_[id]; }
@@ -36,7 +37,7 @@ class SceneView {
   }
   /// What btCollisionWorld::updateAabbs does, for all bodies at once; see BoxPass. To be called in
   /// its place, before BeginCycle.
-  void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_); }
+  void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_, parts_); }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
   /// From now on, the box of a plane is that of its half-space.
@@ -55,6 +56,7 @@ class SceneView {
  private:
   void TakePoses();
 
+  kernels::PairParts parts_;
   std::vector<btRigidBody*> bodies_;
   const std::vector<std::unique_ptr<btRigidBody>>& objects_;
   Id first_plane_;  ///< planes come last

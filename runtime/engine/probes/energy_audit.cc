@@ -23,6 +23,8 @@ constexpr double kImpact = 4;
 constexpr double kReboundWeight = 2;
 /// Of the kinetic energy: impacts with less are the rocking of what slides.
 constexpr double kLeastImpacts = 0.05;
+/// Fraction of the approach; by less, other contacts than the point's change it.
+constexpr double kLeastChange = 0.1;
 /// Fraction of the velocity of an object; a slower contact point does not slip.
 constexpr double kSlips = 0.1;
 /// s: the time in which friction stops an object that would stop anyway.
@@ -154,7 +156,10 @@ double EnergyAudit::TakenBy(const btPersistentManifold& manifold, const BodyStat
     const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
     const double approach = fall_ + std::max(0.0, -at_start.dot(normal)),
                  rebound = std::max(0.0, at_end.dot(normal)),
-                 mass = static_cast<double>(point.m_appliedImpulse) / (approach + rebound);
+                 // A contact before the bodies touch leaves a part of the approach to a later one.
+        change = approach + std::min(at_end.dot(normal), 0.0) + rebound,
+                 mass = static_cast<double>(point.m_appliedImpulse) /
+                        std::max(change, kLeastChange * approach);
     if (approach > kImpact * fall_) {
       // The fall of the cycle does not count as approach for restitution.
       const double allowed = restitution * (approach - fall_);

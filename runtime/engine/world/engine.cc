@@ -172,7 +172,8 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
   }
   for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
-  scene_view_ = std::make_unique<detection::SceneView>(objects_, walls_, state_);
+  scene_view_ = std::make_unique<detection::SceneView>(
+      objects_, walls_, state_, std::max(detectors.broad.threads, detectors.narrow.threads));
   // Bullet's own broad phases keep all wall pairs by default, as in Bullet alone.
   if ((omissions_.Omits(Component::kWallPairs) || !detection::IsBullets(detectors.broad.name)) &&
       detection::WhyAllWallPairs(scene_, objects_).empty())

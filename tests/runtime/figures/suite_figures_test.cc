@@ -87,6 +87,34 @@ TEST(SuiteScore, IsTheGeometricMeanOfTheSpeedupsWithAnInterval) {
   EXPECT_NEAR(first.figures.configurations[0].ms_per_s.value, 0.8 * 60 * 1.02, 1e-6);
 }
 
+TEST(SuiteScore, ConfigurationsAreNamedByWhereTheyDifferFromTheBaseline) {
+  const auto compiled = CompileText(
+      "benchmark standard_debris \"A scene\" { cycles 6; repeats 2; timestep 1 / 60\n"
+      "  detector sweep(dbvt, auto); narrow_phase sweep(own, batch)\n"
+      "  coordinates sweep(maximal, reduced); skip when narrow_phase == batch and detector == "
+      "dbvt\n"
+      "  world.side 1000; accuracy { metrics pairs } }\n");
+  ASSERT_EQ(compiled.plans.size(), 1u);
+  const TemporaryFolder folder;
+  WriteSuiteResults(
+      compiled.plans[0], "pairs_missed",
+      [](const plan::Run& run, SuiteRun& made) { made.ns = run.at[1] == 1 ? 2e5 : 4e5; },
+      folder / "out.h5");
+  const results::ResultFile file(folder / "out.h5");
+  const SceneFigures scene = figures::CollectScene(kFirst, figures::Model(file));
+  std::vector<std::string> names, own;
+  for (const figures::ConfigurationFigures& of : scene.configurations) {
+    names.push_back(of.name);
+    if (of.is_bullets_own) own.push_back(of.name);
+    EXPECT_EQ(of.fault, "") << of.name;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"dbvt", "dbvt + reduced", "auto", "auto + reduced",
+                                             "auto + batch", "auto + batch + reduced"}));
+  EXPECT_EQ(own, (std::vector<std::string>{"dbvt", "dbvt + reduced"}));
+  EXPECT_NEAR(scene.Find("auto + batch")->speedup.value, 2, 1e-9);
+  EXPECT_EQ(figures::ScoreKinds({scene})[0].baseline, "dbvt");
+}
+
 /// The scores if skin is by far the fastest, and has `change` applied in one of two scenes.
 figures::KindScore SkinWith(const std::function<void(std::uint64_t, Made&)>& change) {
   static const Scene first(kFirst, Usual);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "library/exact/signed_distance.h"
 #include "library/meshes/convex_hull.h"
@@ -261,6 +262,7 @@ class PairJudge {
     if (overlaps && !is_found) ++faults_.missed, faults_.worst_pair = index_;
     if (exact_.gap > 1e-6 * size_) {
       faults_.phantom += is_found;
+      if (is_found && faults_.missed == 0) faults_.worst_pair = index_;
       faults_.near += exact_.gap < 0.0199;
       faults_.missed_near += exact_.gap < 0.0199 && deepest_ == nullptr;
     }
@@ -291,7 +293,7 @@ class PairJudge {
         std::max(faults_.worst_relative, error / std::max(1e-3, -exact_.gap / size_));
     if (error > faults_.worst_depth) {
       faults_.worst_depth = error;
-      if (faults_.missed == 0) faults_.worst_pair = index_;
+      if (faults_.missed + faults_.phantom == 0) faults_.worst_pair = index_;
     }
   }
   bool HasOneNormal() const {
@@ -315,6 +317,32 @@ double Quantile(std::vector<double> values, double part) {
   const auto place = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
   std::ranges::nth_element(values, values.begin() + place);
   return values[static_cast<std::size_t>(place)];
+}
+
+void Faults::Add(const Faults& others, int first) {
+  const auto rank = [](const Faults& of) {
+    return std::tuple(of.missed > 0, of.phantom > 0, of.worst_depth);
+  };
+  if (others.worst_pair >= 0 && (worst_pair < 0 || rank(others) > rank(*this)))
+    worst_pair = first + others.worst_pair;
+  if (others.worst_place >= 0 && (worst_place < 0 || others.worst_surface > worst_surface))
+    worst_place = first + others.worst_place;
+  pairs += others.pairs;
+  overlaps += others.overlaps;
+  near += others.near;
+  missed += others.missed;
+  missed_near += others.missed_near;
+  phantom += others.phantom;
+  invalid += others.invalid;
+  inexact += others.inexact;
+  depths.insert(depths.end(), others.depths.begin(), others.depths.end());
+  normals.insert(normals.end(), others.normals.begin(), others.normals.end());
+  surfaces.insert(surfaces.end(), others.surfaces.begin(), others.surfaces.end());
+  worst_depth = std::max(worst_depth, others.worst_depth);
+  worst_normal = std::max(worst_normal, others.worst_normal);
+  worst_relative = std::max(worst_relative, others.worst_relative);
+  worst_excess = std::max(worst_excess, others.worst_excess);
+  worst_surface = std::max(worst_surface, others.worst_surface);
 }
 
 Faults Judge(Detector& detector, const std::vector<PairCase>& pairs,

@@ -94,8 +94,11 @@ struct Faults {
   /// piece.
   std::vector<double> surfaces = {};
   double worst_surface = 0;
-  int worst_pair = -1;   ///< that with the worst depth, or that is missed
+  int worst_pair = -1;   ///< that with the worst depth; that is a phantom; that is missed
   int worst_place = -1;  ///< that with the worst distance from the surface
+
+  /// Adds the faults of other pairs, the first of which is number `first`.
+  void Add(const Faults& others, int first);
 };
 
 /// The value below which this part of them is; 0 if there are none.

@@ -34,7 +34,7 @@ class BothBoxes {
   void Update() {
     std::vector<int> states;
     for (btRigidBody* body : bodies_) states.push_back(body->getActivationState());
-    pass_.Update(true, boxes_, is_asleep_);
+    pass_.Update(true, boxes_, is_asleep_, parts_);
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       const int state = bodies_[i]->getActivationState();
       bodies_[i]->forceActivationState(states[i]);
@@ -67,6 +67,7 @@ class BothBoxes {
   world::Engine engine_;
   std::vector<btRigidBody*> bodies_;
   detection::BoxPass pass_;
+  kernels::PairParts parts_{3};
   std::vector<Box> boxes_;
   std::vector<std::uint8_t> is_asleep_;
 };
