@@ -10,6 +10,7 @@
 #include "runtime/figures/times.h"
 #include "runtime/printers/compare.h"
 #include "runtime/printers/document.h"
+#include "runtime/printers/show.h"
 #include "runtime/terminal/table.h"
 
 namespace cdb::printers {
@@ -298,7 +299,8 @@ class ComparisonText {
 
   Document Sections() const {
     Document document = {Head(), {"Result", ResultLines(of_, options_)}};
-    for (Section section : {Facts(false), Facts(true), Groups(), Points()})
+    for (Section section :
+         {BoundaryChanges(of_.a->file, of_.b->file), Facts(false), Facts(true), Groups(), Points()})
       if (!section.table.rows.empty()) document.push_back(std::move(section));
     return document;
   }

@@ -134,6 +134,8 @@ Section BudgetSection(const figures::Model& model, const figures::Budget& budget
 void AddRequirements(const figures::Model& model, Document& document);
 /// The boundaries that the searches of the scenario found; none without a search.
 void AddBoundaries(const figures::Model& model, Document& document);
+/// What the same searches found in two files, by place; no rows if they have none in common.
+Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile& b);
 /// The same with the title of the file, for a terminal.
 std::string BoundariesText(const results::ResultFile& file);
 /// A test case for each requirement and point, as JUnit XML: failed if it is not met, skipped if
