@@ -19,6 +19,22 @@ double StudentQuantile(double nu) {
          (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
 }
 
+double StudentTail(double t, double nu) {
+  if (std::isinf(t)) return t > 0 ? 0 : 1;
+  const double tail = Eigen::numext::betainc(nu / 2, 0.5, nu / (nu + t * t)) / 2;
+  return t < 0 ? 1 - tail : tail;
+}
+
+double StudentExceeded(double tail, double nu) {
+  double low = 0, high = 1;
+  while (StudentTail(high, nu) > tail) high *= 2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (StudentTail(middle, nu) > tail ? low : high) = middle;
+  }
+  return high;
+}
+
 namespace {
 
 constexpr std::size_t kMostEnumerated = 6, kDrawn = 1000;
@@ -49,25 +65,6 @@ std::vector<const Estimate*> PointersTo(const std::vector<Estimate>& parts) {
   std::vector<const Estimate*> pointers;
   for (const Estimate& part : parts) pointers.push_back(&part);
   return pointers;
-}
-
-/// The probability that Student's t with `nu` degrees of freedom exceeds `t` (Abramowitz and Stegun
-/// 26.7.1).
-double UpperTail(double t, double nu) {
-  if (std::isinf(t)) return t > 0 ? 0 : 1;
-  const double tail = Eigen::numext::betainc(nu / 2, 0.5, nu / (nu + t * t)) / 2;
-  return t < 0 ? 1 - tail : tail;
-}
-
-/// The t that is exceeded with the probability `tail`, which is below 1 / 2; by bisection.
-double ExceededWith(double tail, double nu) {
-  double low = 0, high = 1;
-  while (UpperTail(high, nu) > tail) high *= 2;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    (UpperTail(middle, nu) > tail ? low : high) = middle;
-  }
-  return high;
 }
 
 /// Applies `combine` to the estimates over the draws of each file.
@@ -243,10 +240,10 @@ TestedChange ChangeTest::Of(const Change& change) const {
   const double nu = (of_a + of_b) * (of_a + of_b) /
                     (of_a * of_a / static_cast<double>(a_.size() - 1) +
                      of_b * of_b / static_cast<double>(b_.size() - 1));
-  const double reach = ExceededWith(0.025, nu) * error;
+  const double reach = StudentExceeded(0.025, nu) * error;
   tested.interval = {std::exp(log - reach), std::exp(log + reach)};
-  tested.p = std::fmin(
-      1, UpperTail((size - negligible) / error, nu) + UpperTail((size + negligible) / error, nu));
+  tested.p = std::fmin(1, StudentTail((size - negligible) / error, nu) +
+                              StudentTail((size + negligible) / error, nu));
   return tested;
 }
 
@@ -317,7 +314,7 @@ PowerFit FitPower(const std::vector<PowerGroup>& groups) {
   const double p = sum.xy / sum.xx;
   const double residual = std::fmax(sum.yy - p * sum.xy, 0);
   const double half =
-      ExceededWith(kSignificance / 2, sum.freedom) * std::sqrt(residual / sum.freedom / sum.xx);
+      StudentExceeded(kSignificance / 2, sum.freedom) * std::sqrt(residual / sum.freedom / sum.xx);
   return {p, {p - half, p + half}};
 }
 

@@ -205,6 +205,11 @@ ChangeVerdict JudgeChange(const TestedChange& change, double adjusted_p, double 
 /// The 97.5 % quantile of Student's t, by the expansion in powers of 1 / nu about that of the
 /// normal distribution; within 0.3 % from nu = 4 on (Abramowitz and Stegun 26.7.5).
 double StudentQuantile(double nu);
+/// The probability that Student's t with `nu` degrees of freedom exceeds `t` (Abramowitz and Stegun
+/// 26.7.1).
+double StudentTail(double t, double nu);
+/// The t that is exceeded with the probability `tail`, which is below 1 / 2; by bisection.
+double StudentExceeded(double tail, double nu);
 
 /// y ~ x^p, by least squares over the logarithms.
 struct PowerFit {

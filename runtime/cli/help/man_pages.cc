@@ -88,10 +88,10 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
   text += Item("1", "an error in the scenario");
   text += Item("2", "environment or usage error: disk, files, command line");
   text += Item("3", "complete, but a run failed or its timings do not count");
-  text += Item(
-      "4",
-      "cdb compare found something that fails (--fail-if, --allow), or cdb suite --against found a "
-      "result that disagrees");
+  text += Item("4",
+               "cdb compare found something that fails (--fail-if, --allow), cdb history something "
+               "worse than "
+               "--fail-above, or cdb suite --against a result that disagrees");
   text += Item("5", "cdb compare did not compare a benchmark, because its scenes differ");
   text += ".SH ENVIRONMENT\n";
   text += Item(Bold("CDB_CACHE"),

@@ -20,7 +20,9 @@ enum class ExitStatus {
   kScenarioError = 1,     ///< an error in the scenario
   kEnvironmentError = 2,  ///< environment or usage error
   kFailedRuns = 3,        ///< complete, but with failed runs
-  kWorse = 4,  ///< `cdb compare` found something worse, or `cdb suite --against` something untrue
+  /// `cdb compare` or `cdb history` found something worse, or `cdb suite --against` something
+  /// untrue
+  kWorse = 4,
   kOtherScenes = 5,  ///< `cdb compare` did not compare a benchmark, whose scenes differ
   kNotMet = 5,       ///< `cdb run` or `cdb show`: a requirement of the scenario is not met
 };

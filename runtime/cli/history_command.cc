@@ -1,0 +1,92 @@
+// `cdb history`: what changed over the results files of many commits, and when.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/cli/options/inputs.h"
+#include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/history_folder.h"
+#include "runtime/figures/history/histories.h"
+#include "runtime/printers/history.h"
+#include "runtime/terminal/console.h"
+
+namespace cdb::cli {
+namespace {
+
+struct HistoryArguments {
+  std::string folder;
+  std::string least, since, fail_above;  ///< empty: the default, the first file, no limit
+  bool is_json = false;
+};
+
+/// The time of the file with this label. Throws CommandError.
+double TimeOfLabel(const std::string& label, const std::vector<history::History>& histories) {
+  std::vector<std::string_view> known;
+  for (const history::History& of : histories)
+    for (std::size_t i = 0; i < of.files.size(); ++i) {
+      if (of.labels[i] == label || of.files[i]->file == label) return of.files[i]->started;
+      known.push_back(of.labels[i]);
+    }
+  throw options::CommandError(fmt::format(
+      "--since {}: there is no file with this label; {}", label,
+      options::Suggestion(label, known, "the labels are in the output without --since")));
+}
+
+options::ExitStatus ShowHistory(const HistoryArguments& arguments) {
+  history::HistoryOptions options;
+  if (!arguments.least.empty())
+    options.least_effect = options::ParsePercent("--least", arguments.least);
+  printers::PrintedHistories printed;
+  if (!arguments.fail_above.empty())
+    printed.fail_above = options::ParsePercent("--fail-above", arguments.fail_above);
+  const plans::HistoryFolder read = plans::ReadHistoryFolder(arguments.folder);
+  if (read.files.empty() && read.left_out.empty())
+    throw options::CommandError(
+        fmt::format("there is no results file (.h5) in {}", arguments.folder));
+  printed.folder = arguments.folder;
+  printed.histories = history::MakeHistories(read.files, options);
+  for (const plans::HistoryFolder::LeftOut& of : read.left_out)
+    printed.left_out.emplace_back(of.file, of.why);
+  printed.files = read.files.size();
+  printed.read = read.read;
+  if (!arguments.since.empty()) printed.since = TimeOfLabel(arguments.since, printed.histories);
+  if (!read.cache_trouble.empty())
+    terminal::Say(
+        fmt::format("without a cache, each call reads all files: {}\n", read.cache_trouble));
+  if (arguments.is_json) {
+    terminal::PrintJson(printers::HistoriesJson(printed));
+  } else {
+    terminal::Print(
+        printers::TextOf(printers::HistoriesDocument(printed), printers::Format::kWrapped));
+  }
+  return printed.IsFailed() ? options::ExitStatus::kWorse : options::ExitStatus::kGood;
+}
+
+void DeclareHistory(options::Subcommand& command) {
+  const auto arguments = std::make_shared<HistoryArguments>();
+  command.Required("FOLDER", arguments->folder,
+                   "folder of results files, one or more for each commit");
+  command.Optional("--least", arguments->least, "the least change that is reported (default: 1%)");
+  command.Optional("--since", arguments->since,
+                   "only changes after this file, by its label (default: the first)");
+  command.Optional("--fail-above", arguments->fail_above,
+                   "exit status 4 if the changes since then make a figure worse by more than this");
+  command.Flag("--json", arguments->is_json, "print JSON, for scripts");
+  command.Action([arguments] { return ShowHistory(*arguments); });
+}
+
+}  // namespace
+
+/// Prints steps and drifts of times and memory, and changes of the motion, over the results files
+/// of a folder. Exit status 4 if a figure became worse by more than --fail-above.
+options::Command HistoryCommand() {
+  return {.name = "history",
+          .help = "report what changed over the results of many commits, and when",
+          .declare = DeclareHistory};
+}
+
+}  // namespace cdb::cli

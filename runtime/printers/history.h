@@ -1,0 +1,38 @@
+// Changes over the commits of a project as text and JSON (`cdb history`).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/figures/history/histories.h"
+#include "runtime/printers/document.h"
+
+namespace cdb::printers {
+
+/// All of a command.
+struct PrintedHistories {
+  std::string folder;
+  std::vector<history::History> histories;
+  std::vector<std::pair<std::string, std::string>> left_out;  ///< a file, and why
+  std::size_t files = 0, read = 0;   ///< number of files, and of those that were not in the cache
+  std::optional<double> since = {};  ///< changes up to this time (s since 1970) are not reported
+  std::optional<double> fail_above = {};
+
+  /// The index of the last file up to `since`; 0 if there is none, and without `since`.
+  std::size_t SinceOf(const history::History& of) const;
+  /// The series that became worse since then by more than `fail_above`, as indices.
+  std::vector<std::size_t> WorseSeries(const history::History& of) const;
+  bool IsFailed() const;
+};
+
+/// A section for each history: its files, and the changes, the newest first; then the curves of the
+/// series that changed most.
+Document HistoriesDocument(const PrintedHistories& printed);
+
+/// `cdb doc history` describes the members.
+std::string HistoriesJson(const PrintedHistories& printed);
+
+}  // namespace cdb::printers
