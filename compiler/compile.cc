@@ -476,7 +476,8 @@ class Expander {
     // The arrays of /requirements and /boundary (runtime/results/layout.cc).
     constexpr std::string_view kOfRequirements[] = {"requirement", "figure", "comparison", "limit",
                                                     "answer",      "value",  "low",        "high"};
-    constexpr std::string_view kOfBoundaries[] = {"value", "low", "high", "outcome", "probes"};
+    constexpr std::string_view kOfBoundaries[] = {"value",   "low",     "high",
+                                                  "outcome", "changes", "probes"};
     if (!requirements_.empty()) CheckNamesBeside("requirements", kOfRequirements);
     if (search_) {
       CheckNamesBeside("boundaries", kOfBoundaries);
@@ -504,6 +505,13 @@ class Expander {
       const std::uint64_t left = grid::RemainingBy(grid_.blocks.back(), {}).counts[0];
       grid_.point_count += left;
       runs += static_cast<double>(left) * static_cast<double>(grid_.head.repeats);
+    }
+    if (search_ && runs > kMostListed) {
+      diagnostics_.Report(
+          scenario::kTooManyRuns, search_->span,
+          fmt::format("this search is among {:.6g} runs, of which it needs few", runs),
+          fmt::format("the limit is {}: raise the tolerance, or split the benchmark", kMostListed));
+      return false;
     }
     return runs <= configure::kMostRuns || TooMany(runs, configure::kMostRuns, "runs");
   }

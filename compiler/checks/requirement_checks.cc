@@ -109,6 +109,12 @@ class Reader {
       return std::nullopt;
     }
     if (!ReadComparison(condition, scope)) return std::nullopt;
+    plan::Requirement& until = found_[0].what;
+    // A name does not say what was searched.
+    if (until.figure.kind != plan::FigureKind::kVerdict &&
+        std::ranges::none_of(until.text, [](char c) { return c >= '0' && c <= '9'; }))
+      until.text += fmt::format(" ({}{}{})", schema::FormatReal(until.limit),
+                                until.figure.Unit().empty() ? "" : " ", until.figure.Unit());
     return std::move(found_[0]);
   }
 

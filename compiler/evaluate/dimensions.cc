@@ -281,7 +281,8 @@ Dimensions::Dimension Dimensions::FindRange(const Expr& expr, const scenario::Sc
         return part.dimension.kind == Kind::kUnit;
       });
   const Dimension joined = Join(parts);
-  if (by_one && joined.kind == Kind::kUnit)
+  // `log` alone is of a search, which divides the range.
+  if (by_one && !expr.is_log && joined.kind == Kind::kUnit)
     return Report(expr.span, "a range with units needs a step or a count",
                   "write 1 cm .. 5 cm step 1 cm, or sweep(1 .. 5) cm");
   return joined;

@@ -97,6 +97,14 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
       good = AddItems(call, *argument.value, scope, tolerance, sweep) && good;
     }
   }
+  const auto given = std::ranges::find_if(
+      call.arguments, [](const dsl::Argument& argument) { return argument.name.has_value(); });
+  if (good && given != call.arguments.end() && !sweep.has_ladder) {
+    evaluator_.Error(scenario::kBadArguments, given->name->span,
+                     "these values are given, and no tolerance changes them",
+                     "a tolerance is for a range a .. b without step and count: remove it");
+    good = false;
+  }
   if (good && sweep.items.size() > kMaxAxisValues) {
     evaluator_.Error(scenario::kTooManyRuns, call.span,
                      fmt::format("this sweep has {} values", sweep.items.size()),
@@ -150,6 +158,7 @@ bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope&
     auto numbers = is_ladder ? ExpandLadder(*range, tolerance, inner, evaluator_)
                              : ExpandRange(*range, inner, evaluator_);
     if (!numbers) return false;
+    sweep.has_ladder = sweep.has_ladder || is_ladder;
     const bool is_count =
         scope.parameter != nullptr && scope.parameter->type == schema::ParameterType::kCount;
     if (is_count && (range->is_log || is_ladder)) RoundBetweenEnds(*numbers);

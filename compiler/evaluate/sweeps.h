@@ -33,7 +33,8 @@ struct Sweep {
   /// kSobol or kLatin if the items are such a range, otherwise nullopt; and its ends.
   std::optional<dsl::RangeKind> sampled = std::nullopt;
   std::pair<double, double> ends = {};
-  bool is_log = false;  ///< the last range is logarithmic
+  bool is_log = false;      ///< the last range is logarithmic
+  bool has_ladder = false;  ///< a range is divided by a tolerance
 };
 
 /// How close together the values of a `find(a .. b)` are, unless its `tolerance` says so: a part of

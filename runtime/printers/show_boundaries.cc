@@ -41,11 +41,13 @@ std::vector<std::string> Notes(const figures::Model& model,
         "In {} of {} searches the condition is met, and then not met again, further along {}: the "
         "first boundary is given, and there are others.",
         not_monotone, searches, axis));
+  const plan::Axis& searched = model.axis(*searches::SearchAxis(model.file().axes()));
   if (uncertain > 0)
     notes.push_back(fmt::format(
-        "In {} of {} searches, runs around the boundary do not tell whether the condition is met: "
-        "more `repeats` narrow it down.",
-        uncertain, searches));
+        "In {} of {} searches, runs that decide do not tell whether the condition is met: {}.",
+        uncertain, searches,
+        searched.search->until.figure.IsMeasured() ? "more `repeats` may narrow it down"
+                                                   : "they failed, or do not have the figure"));
   return notes;
 }
 

@@ -134,7 +134,7 @@ bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
 std::optional<Round> PlanRunner::FirstRound(const plan::Plan& plan, const fs::path& out,
                                             bool has_results) const {
   if (plan.SearchAxis()) {
-    const Round none{plan.repeats, std::set<std::vector<std::size_t>>(), {}};
+    const Round none{plan.repeats, std::set<std::string>(), {}};
     return has_results ? SearchRoundAfter(plan, none, out, options_.shard)
                        : std::optional(FirstSearchRound(plan));
   }
@@ -225,11 +225,12 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   while (round) {
     end.summary = ExecuteRuns(sized, execute);
     execute.start = schedule::SweepStart::kResume;
+    execute.is_repeated = {};
     if (end.summary.signal != 0) SayStopped(sized, end);
     if (end.summary.signal != 0 || (is_part && !has_rounds)) return end;
     if (!is_part) MergeRound(plan, out, is_anew);
     const auto next = RoundAfter(plan, out, folder, *round);
-    if (next && next->points && !options_.is_quiet) terminal::Say(next->progress);
+    if (next && !options_.is_quiet) terminal::Say(next->progress);
     round = next;
   }
   if (is_part) return end;

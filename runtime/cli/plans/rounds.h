@@ -7,7 +7,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "compiler/plan/plan.h"
 #include "runtime/results/store.h"
@@ -17,12 +16,13 @@ namespace cdb::plans {
 
 /// The runs of one round, with those of all rounds before it.
 struct Round {
-  std::uint64_t repeats = 0;                                      ///< of each point
-  std::optional<std::set<std::vector<std::size_t>>> points = {};  ///< nullopt: all
-  std::string progress = {};                                      ///< of a search, a line
+  std::uint64_t repeats = 0;                      ///< of each point
+  std::optional<std::set<std::string>> ids = {};  ///< of the runs; nullopt: all
+  std::string progress = {};                      ///< of a search, a line
 
+  /// A run may be at several points, whose id is the same.
   bool Has(const plan::Run& run) const {
-    return run.rep < repeats && (!points || points->contains(run.at));
+    return run.rep < repeats && (!ids || ids->contains(run.id));
   }
 };
 
@@ -30,7 +30,8 @@ struct Round {
 Round FirstSearchRound(const plan::Plan& plan);
 
 /// The points that the searches of `shard` need after those of `done`, whose runs are in `results`;
-/// nullopt once they have ended. Throws StoreError.
+/// nullopt once they have ended. Throws StoreError, and CommandError if they ask for runs that were
+/// executed already.
 std::optional<Round> SearchRoundAfter(const plan::Plan& plan, const Round& done,
                                       const std::filesystem::path& results,
                                       schedule::ShardChoice shard);
@@ -52,8 +53,7 @@ class ScratchResults {
   std::filesystem::path path_;
 };
 
-/// Throws CommandError for a plan whose search is too long, so that its runs are not listed, or
-/// goes with `--until`.
-void CheckSearch(const plan::Plan& plan, bool is_listed, bool has_until);
+/// Throws CommandError for a plan with a search that goes with `--until`.
+void CheckSearch(const plan::Plan& plan, bool has_until);
 
 }  // namespace cdb::plans

@@ -111,6 +111,7 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
 VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   Plan bare = plan;
   bare.repeats = 1;
+  for (plan::Axis& axis : bare.axes) axis.search.reset();  // which needs figures: every value
   std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
   for (plan::Run& run : bare.runs) {
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {

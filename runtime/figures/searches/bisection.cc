@@ -78,7 +78,11 @@ Bracket Locate(const std::vector<Probe>& line) {
   const auto first_yes =
       std::ranges::find_if(run, [&](std::size_t value) { return line[value].state == kYes; });
   if (first_yes == run.end() || first_yes == run.begin()) {
-    bracket.outcome = first_yes == run.end() ? Outcome::kNowhere : Outcome::kAtFirst;
+    bracket.starts_with_yes = first_yes != run.end();
+    const bool is_sure = line[bracket.starts_with_yes ? run.front() : run.back()].is_sure;
+    bracket.outcome = !is_sure                  ? Outcome::kUncertain
+                      : bracket.starts_with_yes ? Outcome::kAtFirst
+                                                : Outcome::kNowhere;
     return bracket;
   }
   bracket.first_yes = *first_yes;

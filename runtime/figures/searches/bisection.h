@@ -14,8 +14,7 @@ namespace cdb::searches {
 struct Probe {
   enum class State : std::int8_t { kNotRun, kNo, kYes };
   State state = State::kNotRun;
-  /// False where the figure is too noisy to tell, or where a run has no figure (which counts as
-  /// kYes: past a boundary, runs may fail).
+  /// False where the figure is too noisy to tell, or where a run has none.
   bool is_sure = false;
 };
 
@@ -25,13 +24,13 @@ enum class Outcome : std::int8_t {
   kBetween,    ///< between two neighbouring values
   kAtFirst,    ///< the condition holds at the first value already
   kNowhere,    ///< it holds at no value that was run, up to the last
-  kUncertain,  ///< as kBetween, but runs around it do not tell: the boundary is between low and
-               ///< high
+  kUncertain,  ///< one of these three, but the runs from which it follows do not tell
 };
 
 struct Bracket {
   Outcome outcome = Outcome::kNotKnown;
-  std::size_t last_no = 0, first_yes = 0;  ///< of kBetween and kUncertain: neighbouring values
+  std::size_t last_no = 0, first_yes = 0;  ///< if HasNeighbours(): neighbouring values
+  bool starts_with_yes = false;            ///< the condition holds, or may hold, at the first value
   /// The nearest values that surely lie before and past the boundary; none if no run is sure.
   std::optional<std::size_t> sure_no = {}, sure_yes = {};
   std::size_t changes = 0;  ///< from a value that was run to the next; more than 1: not monotone
@@ -39,6 +38,7 @@ struct Bracket {
   /// Values to be run next, ascending; empty once the search has ended.
   std::vector<std::size_t> next = {};
 
+  bool HasNeighbours() const { return first_yes > last_no; }
   bool IsMonotone() const { return changes <= 1; }
 };
 

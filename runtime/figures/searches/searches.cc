@@ -36,12 +36,13 @@ Point PointOf(const Line& line, std::size_t axis, std::size_t position) {
 }
 
 Probe ProbeOf(const plan::Requirement& until, const figures::JudgedPoint& judged) {
-  // Runs that have no figure crashed, or took too long: they are past the boundary, if any is.
-  if (std::isnan(judged.value)) return {Probe::State::kYes, false};
-  const bool is_sure =
-      judged.answer == figures::Answer::kMet || judged.answer == figures::Answer::kNotMet;
+  // A run without the figure crashed, or took too long: it counts as one whose figure is too large.
+  const bool has_figure = !std::isnan(judged.value);
+  const double value = has_figure ? judged.value : std::numeric_limits<double>::infinity();
+  const bool is_sure = has_figure && (judged.answer == figures::Answer::kMet ||
+                                      judged.answer == figures::Answer::kNotMet);
   const bool holds = is_sure ? judged.answer == figures::Answer::kMet
-                             : plan::Holds(judged.value, until.comparison, judged.limit);
+                             : plan::Holds(value, until.comparison, judged.limit);
   return {holds ? Probe::State::kYes : Probe::State::kNo, is_sure};
 }
 
@@ -64,6 +65,7 @@ void SetValues(const plan::Axis& axis, Boundary& boundary) {
       break;
     case Outcome::kBetween:
     case Outcome::kUncertain: {
+      if (!bracket.HasNeighbours()) return;
       const double a = value_at(bracket.last_no), b = value_at(bracket.first_yes);
       boundary.value = axis.search->is_log ? std::sqrt(a * b) : (a + b) / 2;
       if (bracket.sure_no) before = value_at(*bracket.sure_no);
@@ -76,7 +78,8 @@ void SetValues(const plan::Axis& axis, Boundary& boundary) {
   boundary.high = descends ? before : after;
 }
 
-/// The points of a file that have runs, and those all of whose repeats were run.
+/// The points of a file that a search may run, and those all of whose repeats were run. Without
+/// points with repeats of an earlier plan, the others of which were left out.
 struct RunPoints {
   std::vector<Point> all;
   std::set<Point> complete;
@@ -84,11 +87,14 @@ struct RunPoints {
 RunPoints RunPointsOf(const results::ResultFile& file) {
   RunPoints points;
   for (const Point& at : figures::AllPoints(file)) {
-    if (file.ReadStatus({at, 0}) == results::Status::kSkipped) continue;
+    bool is_complete = true, is_left_out = false;
+    for (std::uint64_t rep = 0; rep < file.repeats(); ++rep) {
+      const results::Status status = file.ReadStatus({at, rep});
+      is_complete = is_complete && status != results::Status::kMissing;
+      is_left_out = is_left_out || status == results::Status::kSkipped;
+    }
+    if (is_left_out) continue;
     points.all.push_back(at);
-    bool is_complete = true;
-    for (std::uint64_t rep = 0; rep < file.repeats(); ++rep)
-      is_complete = is_complete && file.ReadStatus({at, rep}) != results::Status::kMissing;
     if (is_complete) points.complete.insert(at);
   }
   return points;
@@ -188,46 +194,41 @@ std::string_view OutcomeName(Outcome outcome) {
 
 namespace {
 
-/// The axis whose values are seeds.
+/// The axis whose values are seeds, unless they are searched.
 std::optional<std::size_t> SeedAxis(const std::vector<plan::Axis>& axes) {
   for (std::size_t i = 0; i < axes.size(); ++i)
-    if (axes[i].parameter == "seed") return i;
+    if (axes[i].parameter == "seed" && !axes[i].search) return i;
   return std::nullopt;
 }
 
 /// Sets value and interval over several seeds.
 void PoolValues(bool is_log, PooledBoundary& pooled) {
   std::vector<double> values;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  // How far each boundary may be below and above its value; and the range of all.
+  double below = 0, above = 0, low = std::numeric_limits<double>::infinity(), high = -low;
+  const auto place = [is_log](double x) { return is_log ? std::log(x) : x; };
   for (const Boundary* one : pooled.searches) {
-    values.push_back(is_log ? std::log(one->value) : one->value);
+    if (!one->IsFound()) continue;
+    values.push_back(place(one->value));
+    below += place(one->value) - place(one->low);
+    above += place(one->high) - place(one->value);
     // A range reaches as far as its searches do not tell.
-    low = std::isnan(one->low) ? -std::numeric_limits<double>::infinity() : std::min(low, one->low);
-    high =
-        std::isnan(one->high) ? std::numeric_limits<double>::infinity() : std::max(high, one->high);
+    low = std::isnan(low) || std::isnan(one->low) ? kNone : std::min(low, one->low);
+    high = std::isnan(high) || std::isnan(one->high) ? kNone : std::max(high, one->high);
   }
-  if (pooled.found == pooled.searches.size()) {
-    const figures::Bootstrap bootstrap(values.size());
-    const figures::Estimate mean = bootstrap.MeanEstimate(values);
-    pooled.value = is_log ? std::exp(mean.value) : mean.value;
-    pooled.kind = bootstrap.kind();
-    if (pooled.kind == figures::IntervalKind::kInterval) {
-      const figures::Interval interval = bootstrap.IntervalOf(mean);
-      // Each boundary is known to its two neighbouring values only.
-      double half = 0;
-      for (const Boundary* one : pooled.searches)
-        half += std::isfinite(one->low) && std::isfinite(one->high)
-                    ? (is_log ? std::log(one->high / one->low) : one->high - one->low) / 2
-                    : std::numeric_limits<double>::infinity();
-      half /= static_cast<double>(values.size());
-      const auto back = [&](double x) { return is_log ? std::exp(x) : x; };
-      pooled.interval = {back(interval.low - half), back(interval.high + half)};
-      return;
-    }
-  }
-  const auto known = [](double end) { return std::isfinite(end) ? end : kNone; };
   pooled.kind = figures::IntervalKind::kRange;
-  pooled.interval = {known(low), known(high)};
+  if (values.empty()) return;
+  pooled.interval = {low, high};
+  if (pooled.found < pooled.searches.size()) return;
+  const figures::Bootstrap bootstrap(values.size());
+  const figures::Estimate mean = bootstrap.MeanEstimate(values);
+  const auto back = [is_log](double x) { return is_log ? std::exp(x) : x; };
+  pooled.value = back(mean.value);
+  pooled.kind = bootstrap.kind();
+  if (pooled.kind != figures::IntervalKind::kInterval) return;
+  const figures::Interval interval = bootstrap.IntervalOf(mean);
+  const auto count = static_cast<double>(values.size());
+  pooled.interval = {back(interval.low - below / count), back(interval.high + above / count)};
 }
 
 }  // namespace
@@ -299,6 +300,10 @@ std::string BoundaryText(const plan::Axis& axis, const PooledBoundary& of) {
   if (nowhere == all) return fmt::format("nowhere up to {}", last);
   if (at_first == all) return fmt::format("at {} already", first);
   const std::string range = RangeText(of.interval);
+  if (of.found == 0 && nowhere + at_first == 0)
+    return of.searches[0]->bracket.starts_with_yes
+               ? fmt::format("cannot tell, may be at {} already", first)
+               : fmt::format("cannot tell, may be nowhere up to {}", last);
   if (of.found < all) {
     std::string text = fmt::format("in {} of {} seeds", of.found, all);
     if (!range.empty()) text += ", " + range;

@@ -39,7 +39,8 @@ struct Boundary {
   double low = figures::kNone, high = figures::kNone;
 
   bool IsFound() const {
-    return bracket.outcome == Outcome::kBetween || bracket.outcome == Outcome::kUncertain;
+    return bracket.outcome == Outcome::kBetween ||
+           (bracket.outcome == Outcome::kUncertain && bracket.HasNeighbours());
   }
 };
 

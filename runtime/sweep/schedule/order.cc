@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <numeric>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -74,23 +74,52 @@ struct Bundle {
   std::vector<std::size_t> groups;
 };
 
+/// A number for each point of a plan that is the same for those of one search, for detectors at one
+/// point, and for searches that have a run in common.
+class SearchNumbers {
+ public:
+  explicit SearchNumbers(const plan::Plan& plan) : plan_(plan) {
+    std::unordered_map<std::string_view, std::size_t> owners;
+    for (const plan::Run& run : plan.runs) {
+      const auto [place, is_new] = places_.try_emplace(PlaceOf(run), same_as_.size());
+      if (is_new) same_as_.push_back(place->second);
+      const auto [owner, is_first] = owners.try_emplace(run.id, place->second);
+      if (!is_first) same_as_[Root(place->second)] = Root(owner->second);
+    }
+  }
+
+  std::size_t Of(const plan::Run& run) const { return Root(places_.at(PlaceOf(run))); }
+
+ private:
+  std::vector<std::size_t> PlaceOf(const plan::Run& run) const {
+    std::vector<std::size_t> place = run.at;
+    for (std::size_t i = 0; i < place.size(); ++i)
+      if (plan_.axes[i].search || plan_.axes[i].parameter == "detector") place[i] = 0;
+    return place;
+  }
+  std::size_t Root(std::size_t number) const {
+    while (same_as_[number] != number) number = same_as_[number];
+    return number;
+  }
+
+  const plan::Plan& plan_;
+  std::map<std::vector<std::size_t>, std::size_t> places_;
+  std::vector<std::size_t> same_as_;
+};
+
 /// Each group by itself; those of one search together, since a search needs the results of its
 /// runs.
 std::vector<Bundle> BundlesOf(const plan::Plan& plan, const std::vector<DetectorGroup>& groups) {
-  const auto search = plan.SearchAxis();
+  std::optional<SearchNumbers> numbers;
+  if (plan.SearchAxis()) numbers.emplace(plan);
   std::vector<Bundle> bundles;
-  std::map<std::vector<std::size_t>, std::size_t> places;
+  std::map<std::size_t, std::size_t> indices;  // by number
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    std::size_t index = bundles.size();
-    if (search) {
-      std::vector<std::size_t> place = groups[i].runs[0]->at;
-      for (std::size_t a = 0; a < place.size(); ++a)
-        if (a == *search || plan.axes[a].parameter == "detector") place[a] = 0;
-      index = places.try_emplace(std::move(place), index).first->second;
-    }
-    if (index == bundles.size()) bundles.emplace_back();
-    bundles[index].work += groups[i].work;
-    bundles[index].groups.push_back(i);
+    const std::size_t number = numbers ? numbers->Of(*groups[i].runs[0]) : i;
+    const auto [index, is_new] = indices.try_emplace(number, bundles.size());
+    if (is_new) bundles.emplace_back();
+    bundles[index->second].work += groups[i].work;
+    bundles[index->second].groups.push_back(i);
   }
   return bundles;
 }

@@ -177,6 +177,78 @@ TEST(Find, GoesOnFromPartOfItsRuns) {
   EXPECT_EQ(now.missing, 0u);
 }
 
+/// Points of two searches may have the same run: 3 x 7 objects are 1 x 21.
+TEST(Find, HasSearchesThatShareRuns) {
+  const Program program;
+  program.Write("shared.cdb",
+                "benchmark shared {\n  let s = sweep(1, 3) as s\n  cycles 2\n  world.side 400\n"
+                "  record stability\n  objects { size 1\n"
+                "    quantity s * find(1 .. 33 step 1, until: moving_objects > 20) as q }\n}\n");
+  const Finished run = program.Run({"run", "shared.cdb", "-q"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const auto check = [&](const char* file) {
+    const FoundSearch found = ReadFound(program.folder() / file);
+    ASSERT_EQ(found.boundaries.size(), 2u);
+    EXPECT_EQ(found.missing, 0u);
+    EXPECT_EQ(found.boundaries[0].low, 20);
+    EXPECT_EQ(found.boundaries[1].low, 6);
+  };
+  check("shared.h5");
+  for (const char* shard : {"1/2", "2/2"})
+    EXPECT_EQ(program.Run({"run", "shared.cdb", "-q", "--shard", shard, "-o", "parts.h5"}).status,
+              0);
+  EXPECT_EQ(program.Run({"merge", "-o", "parts.h5", "parts.runs"}).status, 0);
+  check("parts.h5");
+}
+
+TEST(Find, SearchesSeeds) {
+  const Program program;
+  program.Write(
+      "seeds.cdb",
+      "benchmark seeds {\n  seed find(1 .. 100, tolerance: 10 %, until: max(pairs) > 1e6)\n"
+      "  cycles 2\n  record counts\n  objects { quantity 3; size 1 }\n}\n");
+  const Finished run = program.Run({"run", "seeds.cdb"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("nowhere up to 100"), std::string::npos) << run.out;
+}
+
+/// Objects that do not fit make a run fail, which is as bad as a run can be.
+TEST(Find, TakesFailedRunsForBadOnes) {
+  const Program program;
+  program.Write("fits.cdb",
+                "benchmark fits {\n  cycles 2\n  record stability\n"
+                "  world.side find(3 .. 60 log, tolerance: 10 %, until: verdict == stable)\n"
+                "  objects { quantity 30; size 2; location uniform }\n}\n");
+  program.Run({"run", "fits.cdb", "-q"});
+  const FoundSearch found = ReadFound(program.folder() / "fits.h5");
+  ASSERT_EQ(found.boundaries.size(), 1u);
+  EXPECT_EQ(found.boundaries[0].bracket.outcome, searches::Outcome::kUncertain);
+  EXPECT_TRUE(found.boundaries[0].IsFound());
+  EXPECT_GT(found.boundaries[0].value, 3);
+  EXPECT_TRUE(std::isnan(found.boundaries[0].low)) << "no run before it tells";
+}
+
+TEST(Find, IsVerifiedAtEveryValue) {
+  const Program program;
+  program.Write("all.cdb",
+                "benchmark all {\n  cycles 2\n  world.side 100\n  record counts\n"
+                "  objects { quantity find(1 .. 9 step 1, until: max(pairs) > 1e6); size 1 }\n}\n");
+  const Finished verified = program.Run({"verify", "all.cdb"});
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  EXPECT_NE(verified.err.find("9/9"), std::string::npos) << verified.err;
+}
+
+TEST(Find, ComparesBoundaries) {
+  const Program program;
+  for (const char* limit : {"77.7", "20"}) {
+    program.Write("flight.cdb", Flight("find(1 .. 1000 log, until: max(max_speed) > limit)",
+                                       fmt::format("  let limit = {}\n", limit)));
+    EXPECT_EQ(program.Run({"run", "flight.cdb", "-q", "-o", std::string(limit) + ".h5"}).status, 0);
+  }
+  const Finished same = program.Run({"compare", "20.h5", "20.h5"});
+  EXPECT_NE(same.out.find("no change that shows"), std::string::npos) << same.out << same.err;
+}
+
 TEST(Find, RefusesWhatItCannotDo) {
   const Program program;
   program.Write("flight.cdb",
