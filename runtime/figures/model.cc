@@ -180,14 +180,11 @@ std::size_t Model::bad_count() const {
   });
   const auto failed =
       std::ranges::count(reference_troubles(), false, &results::ReferenceTrouble::is_unsound);
-  // Past the boundary that a search looks for, runs may end badly, which is its answer.
-  const auto searched = std::ranges::find_if(
+  // Beside the boundary that a search looks for, runs may end badly, which is its answer.
+  const bool is_searched = std::ranges::any_of(
       file_.axes(), [](const plan::Axis& axis) { return axis.search.has_value(); });
-  const auto bad = std::ranges::count_if(runs().bad, [&](const CellGroups::Bad& of) {
-    return searched == file_.axes().end() ||
-           of.cell.at[static_cast<std::size_t>(searched - file_.axes().begin())] == 0;
-  });
-  return static_cast<std::size_t>(bad + failed + wrong);
+  const std::size_t bad = is_searched ? 0 : runs().bad.size();
+  return bad + static_cast<std::size_t>(failed + wrong);
 }
 
 namespace {
