@@ -22,7 +22,6 @@ constexpr std::string_view kImport =
 constexpr std::string_view kMeshio = "convert it: `meshio convert {0} {1}.ply`";
 constexpr std::string_view kBlender = "open it in Blender and export OBJ, PLY or STL";
 constexpr std::string_view kCad = "export STL from FreeCAD, or `gmsh {0} -2 -o {1}.stl`";
-constexpr std::string_view kParts = "name the mesh files that it refers to, one for each object";
 constexpr std::string_view kRobot = "write `robot NAME {{ file \"{0}\" }}`, outside of objects";
 constexpr std::string_view kPoints = "write its points as lines `v x y z` of an OBJ file, for hull";
 constexpr std::string_view kUnpack = "unpack it first";
