@@ -186,12 +186,6 @@ std::string RunsText(const plan::Plan& head, std::uint64_t runs) {
                            : all;
 }
 
-std::string_view OutcomeName(Outcome outcome) {
-  constexpr std::string_view kNames[] = {"not known", "between", "at the first value", "nowhere",
-                                         "uncertain"};
-  return kNames[static_cast<std::size_t>(outcome)];
-}
-
 namespace {
 
 /// The axis whose values are seeds, unless they are searched.

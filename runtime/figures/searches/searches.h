@@ -1,5 +1,6 @@
 // The searches of a scenario (`find( )`): which runs they need next, and the boundaries they found,
-// for each point of the other axes, and together over the seeds.
+// for each point of the other axes, and together over the seeds. Throws StoreError. Not
+// thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -57,16 +58,13 @@ std::uint64_t ExpectedRuns(const plan::Plan& head, std::uint64_t runs);
 /// `514 runs`, `a search: about 22 of 514 runs`.
 std::string RunsText(const plan::Plan& head, std::uint64_t runs);
 
-/// `between`, `at the first value`, `nowhere`, `uncertain`.
-std::string_view OutcomeName(Outcome outcome);
-
 /// Searches that differ only in the seed, if the scenario sweeps it; else a single one.
 struct PooledBoundary {
   Point place;  ///< on the other axes but the seed
   std::vector<const Boundary*> searches;
   std::size_t found = 0;  ///< searches with a boundary
-  double value =
-      figures::kNone;  ///< the mean, geometric on a logarithmic axis; NaN unless all found one
+  /// The mean, geometric on a logarithmic axis; NaN unless all found one.
+  double value = figures::kNone;
   /// Of one search, where it is; of several, over the seeds; NaN where nothing is known.
   figures::Interval interval = {figures::kNone, figures::kNone};
   figures::IntervalKind kind = figures::IntervalKind::kAbsent;
@@ -79,8 +77,7 @@ std::vector<std::size_t> PooledAxes(const results::ResultFile& file);
 std::vector<PooledBoundary> Pool(const results::ResultFile& file,
                                  const std::vector<Boundary>& boundaries);
 
-/// `verdict != stable along ratio: from 12.3 (9.8 .. 15)`: the whole of a pooled boundary but for
-/// its place, in words.
+/// `56.0 (54.7 .. 57.3)`, `nowhere up to 100000`: a pooled boundary in words.
 std::string BoundaryText(const plan::Axis& axis, const PooledBoundary& of);
 
 /// What a merged file stores of its requirements and searches.
