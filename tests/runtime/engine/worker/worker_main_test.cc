@@ -96,7 +96,9 @@ TEST(Worker, NeedsNoMoreMemoryIfItSettlesThePile) {
     peaks[i] = recording.header().scalars.peak_rss_bytes;
     heaps[i] = recording.Reals("heap").back();
   }
-  EXPECT_NEAR(peaks[0] / peaks[1], 1, 0.03);          // settled, and found in the cache
+  // Settled, and found in the cache. Which pages of the program are mapped depends on the machine's
+  // load.
+  EXPECT_NEAR(peaks[0] / peaks[1], 1, 0.06);
   EXPECT_NEAR(heaps[0], heaps[1], 0.005 * heaps[1]);  // both 0 with AddressSanitizer's allocator
 }
 
