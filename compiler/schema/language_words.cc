@@ -60,7 +60,8 @@ constexpr LanguageWord kLanguageWords[] = {
      "let n, side = zip(sweep(10, 100), sweep(500, 5000))"},
     {"find", kFunction,
      "find(A .. B [log], [tolerance: T], until: FIGURE < VALUE) [as [NAME] [\"TITLE\"]]",
-     "searches the first value from A on at which a condition on the results holds, for each point "
+     "searches for the first value from A on at which a condition on the results holds, for each "
+     "point "
      "of the other axes; runs only the values that the search needs",
      "objects.mass find(1 .. 1e5 log, until: verdict != stable)"},
     {"until", kModifier, "find(A .. B, until: FIGURE < VALUE)",

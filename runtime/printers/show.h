@@ -134,10 +134,10 @@ Section BudgetSection(const figures::Model& model, const figures::Budget& budget
 void AddRequirements(const figures::Model& model, Document& document);
 /// The boundaries that the searches of the scenario found; none without a search.
 void AddBoundaries(const figures::Model& model, Document& document);
-/// What the same searches found in two files, by place; no rows if they have none in common.
-Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile& b);
 /// The same with the title of the file, for a terminal.
 std::string BoundariesText(const results::ResultFile& file);
+/// What the same searches found in two files, by place; no rows if they have none in common.
+Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile& b);
 /// A test case for each requirement and point, as JUnit XML: failed if it is not met, skipped if
 /// that cannot be told (`cdb show --junit`). Throws StoreError.
 Printed JunitText(const results::ResultFile& file);

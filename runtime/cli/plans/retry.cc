@@ -11,6 +11,7 @@
 #include "dsl/diagnostics.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/sweep_files.h"
+#include "runtime/figures/searches/searches.h"
 #include "runtime/protocol/machine/noise.h"
 #include "runtime/sweep/schedule/folder.h"
 
@@ -94,10 +95,7 @@ RetryChoice FindStartedRetry(const fs::path& folder) {
 KeptRuns::KeptRuns(const fs::path& out, RetryChoice retry)
     : file_(out),
       retry_(std::move(retry)),
-      leaves_missing_(!retry_.is_empty() &&
-                      std::ranges::any_of(file_.axes(), [](const plan::Axis& axis) {
-                        return axis.search.has_value();
-                      })) {}
+      leaves_missing_(!retry_.is_empty() && searches::SearchAxis(file_.axes())) {}
 
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
                    std::uint64_t rep) const {
