@@ -452,6 +452,12 @@ export const cases = {
       ([n, d]) => n * (d === 'a' ? 10 : 20),
       { cycles: 1 },
     ),
+  spikes_at_both_ends: () => {
+    const document = documentOf([texts('detector', ['a', 'b', 'c', 'd', 'e', 'f'])], () => 5000, { cycles: 400 });
+    for (const rows of Object.values(document.cycles).slice(2))
+      for (const row of rows) for (const i of [0, 200, 399]) row[i] *= 1234;
+    return document;
+  },
 };
 
 /** 10^5 points in the compact forms. */

@@ -30,8 +30,29 @@ function stacked(cycles, bins, { entry }, names, factor) {
 function apart(rows, last, width) {
   const chosen = [];
   for (const row of [...rows].sort((a, b) => b.y2 - a.y2))
-    if (chosen.every((other) => (Math.abs(other.cycle - row.cycle) / Math.max(last, 1)) * width > 56)) chosen.push(row);
+    if (chosen.every((other) => (Math.abs(other.cycle - row.cycle) / Math.max(last, 1)) * width > 64)) chosen.push(row);
   return chosen.slice(0, 4);
+}
+
+/** Labels of times beyond the scale; those at an end of the axis stay inside the panel. */
+function labelsBeyond(beyond, last, { width, limit, theme }) {
+  const labels = apart(beyond, last, width);
+  const edge = (28 / width) * Math.max(last, 1);
+  const anchorOf = ({ cycle }) => (cycle < edge ? 'start' : cycle > last - edge ? 'end' : 'middle');
+  return ['start', 'middle', 'end'].map((textAnchor) =>
+    Plot.text(
+      labels.filter((row) => anchorOf(row) === textAnchor),
+      {
+        x: 'cycle',
+        y: limit ?? 0,
+        text: (row) => `▲\u2009${number(row.y2)}`,
+        textAnchor,
+        dy: -7,
+        fill: theme.ink,
+        fontSize: 10,
+      },
+    ),
+  );
 }
 
 function stackPanel(rows, { theme, names, y, limit, unit }) {
@@ -62,15 +83,7 @@ function stackPanel(rows, { theme, names, y, limit, unit }) {
             },
           ),
         ),
-        Plot.text(apart(beyond, rows.at(-1)?.cycle ?? 1, width), {
-          x: 'cycle',
-          y: limit ?? 0,
-          text: (row) => `▲\u2009${number(row.y2)}`,
-          dx: 3,
-          dy: -7,
-          fill: theme.ink,
-          fontSize: 10,
-        }),
+        ...labelsBeyond(beyond, rows.at(-1)?.cycle ?? 1, { width, limit, theme }),
         Plot.ruleY([0], { stroke: theme.muted }),
       ],
     };
