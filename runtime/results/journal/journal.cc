@@ -118,8 +118,17 @@ struct Journal::Impl : Database {
 
   /// False if the file has no tables yet.
   bool CheckHead() {
-    const std::int64_t version = NumberOf("PRAGMA user_version");
-    if (version == 0 && NumberOf("SELECT count(*) FROM sqlite_schema") == 0) {
+    // In one statement, and so of one commit: another process may be making the tables.
+    std::int64_t version = 0, tables = 0;
+    {
+      Statement head(*this,
+                     "SELECT user_version, (SELECT count(*) FROM sqlite_schema) "
+                     "FROM pragma_user_version");
+      head.Step();
+      version = head.Number(0);
+      tables = head.Number(1);
+    }
+    if (version == 0 && tables == 0) {
       // SQLite takes a file without a whole page for an empty one.
       std::error_code error;
       if (const auto bytes = fs::file_size(path, error); !error && bytes % kPageBytes != 0)

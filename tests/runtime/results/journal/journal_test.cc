@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "runtime/results/journal/journals.h"
@@ -71,6 +72,18 @@ TEST_F(JournalTest, ReadersSeeWhatIsWrittenMeanwhile) {
   Write(1, other);
   Write(2, writer);
   EXPECT_THAT(Ids(reader), ElementsAre(Id(0), Id(1), Id(2)));
+}
+
+TEST_F(JournalTest, ReadersMayComeWhileItIsMade) {
+  for (int i = 0; i < 50; ++i) {
+    const TemporaryFolder folder;
+    const fs::path file = journal::OwnJournal(folder.path());
+    const std::jthread maker([&] { Journal::OpenToWrite(folder.path(), plan_.Sha256()); });
+    std::string plan;
+    while (plan.empty())
+      if (fs::exists(file)) plan = Journal::OpenToRead(file).plan_sha256();
+    EXPECT_EQ(plan, plan_.Sha256());
+  }
 }
 
 TEST_F(JournalTest, LeavesNothingBesideItself) {

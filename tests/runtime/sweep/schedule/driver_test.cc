@@ -49,13 +49,22 @@ class DriverTest : public testing::Test {
     pid_t pid = -1;
     EXPECT_EQ(posix_spawn(&pid, arguments[0], &actions, nullptr, arguments.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
+    running = pid;
     return pid;
   }
 
+  /// A test that fails leaves no driver behind; its workers end with it.
+  void TearDown() override {
+    if (running < 0) return;
+    kill(running, SIGKILL);
+    waitpid(running, nullptr, 0);
+  }
+
   /// The exit status, or the negative signal.
-  static int Wait(pid_t pid) {
+  int Wait(pid_t pid) {
     int status = 0;
     EXPECT_EQ(waitpid(pid, &status, 0), pid);
+    running = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
@@ -94,6 +103,7 @@ class DriverTest : public testing::Test {
   TemporaryFolder root;
   fs::path folder = root.path() / "study.runs";
   fs::path log = root.path() / "log";
+  pid_t running = -1;
 };
 
 TEST_F(DriverTest, TwentyKillsLoseNoFinishedRun) {
