@@ -179,7 +179,7 @@ void Plan::Renew() {
   for (Run& run : runs) run.id = RunId(run.scene, run.rep);
 }
 
-std::optional<std::size_t> Plan::SearchAxis() const {
+std::optional<std::size_t> SearchAxis(std::span<const Axis> axes) {
   for (std::size_t i = 0; i < axes.size(); ++i)
     if (axes[i].search) return i;
   return std::nullopt;

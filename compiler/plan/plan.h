@@ -7,6 +7,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -134,6 +136,9 @@ struct Axis {
   bool operator==(const Axis&) const = default;
 };
 
+/// The index of the axis with a search; nullopt if there is none.
+std::optional<std::size_t> SearchAxis(std::span<const Axis> axes);
+
 /// One point of the grid in one repeat.
 struct Run {
   std::string id;               ///< 16 hex digits of a hash of `scene`, `rep` and kPlanVersion
@@ -182,8 +187,7 @@ struct Plan {
 
   /// Runs that bound all others, as WholePlan::bounds does.
   const std::vector<Run>& Bounds() const { return whole ? whole->bounds : runs; }
-  /// The index of the axis with a search; nullopt if there is none.
-  std::optional<std::size_t> SearchAxis() const;
+  std::optional<std::size_t> SearchAxis() const { return plan::SearchAxis(axes); }
   /// The number of all runs, or skipped points, listed or not.
   std::uint64_t RunCount() const { return whole ? whole->run_count : runs.size(); }
   void ForEachRun(const WholePlan::VisitRun& visit) const;

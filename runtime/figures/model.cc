@@ -181,9 +181,7 @@ std::size_t Model::bad_count() const {
   const auto failed =
       std::ranges::count(reference_troubles(), false, &results::ReferenceTrouble::is_unsound);
   // Beside the boundary that a search looks for, runs may end badly, which is its answer.
-  const bool is_searched = std::ranges::any_of(
-      file_.axes(), [](const plan::Axis& axis) { return axis.search.has_value(); });
-  const std::size_t bad = is_searched ? 0 : runs().bad.size();
+  const std::size_t bad = plan::SearchAxis(file_.axes()) ? 0 : runs().bad.size();
   return bad + static_cast<std::size_t>(failed + wrong);
 }
 

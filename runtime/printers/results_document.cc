@@ -94,7 +94,7 @@ Json DocumentBudget(const figures::Model& model) {
 Json DocumentBoundaries(const figures::Model& model) {
   const std::vector<searches::Boundary> boundaries = searches::FindBoundaries(model);
   if (boundaries.empty()) return nullptr;
-  const std::size_t axis = *searches::SearchAxis(model.file().axes());
+  const std::size_t axis = *plan::SearchAxis(model.file().axes());
   const std::vector<std::size_t> axes = searches::PooledAxes(model.file());
   Json all = Json::array(), names = Json::array();
   for (const std::size_t i : axes) names.push_back(model.axis(i).name);

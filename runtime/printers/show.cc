@@ -248,7 +248,7 @@ class Head {
       text += fmt::format(" ({} simulated)", time);
     if (groups_.skipped > 0)
       text += fmt::format(", {} {}", groups_.skipped,
-                          searches::SearchAxis(file_.axes()) ? "not needed" : "skipped");
+                          plan::SearchAxis(file_.axes()) ? "not needed" : "skipped");
     return text;
   }
 

@@ -41,7 +41,7 @@ std::vector<std::string> Notes(const figures::Model& model,
         "In {} of {} searches the condition is met, and then not met again, further along {}: the "
         "first boundary is given, and there are others.",
         not_monotone, searches, axis));
-  const plan::Axis& searched = model.axis(*searches::SearchAxis(model.file().axes()));
+  const plan::Axis& searched = model.axis(*plan::SearchAxis(model.file().axes()));
   if (uncertain > 0)
     notes.push_back(fmt::format(
         "In {} of {} searches, runs that decide do not tell whether the condition is met: {}.",
@@ -101,7 +101,7 @@ std::string ChangeText(const searches::PooledBoundary& a, const searches::Pooled
 
 Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile& b) {
   Section section;
-  const auto in_a = searches::SearchAxis(a.axes()), in_b = searches::SearchAxis(b.axes());
+  const auto in_a = plan::SearchAxis(a.axes()), in_b = plan::SearchAxis(b.axes());
   if (!in_a || !in_b) return section;
   const plan::Axis &axis_a = a.axes()[*in_a], &axis_b = b.axes()[*in_b];
   if (axis_a.name != axis_b.name || !axis_a.search->until.IsSame(axis_b.search->until))
@@ -118,7 +118,7 @@ Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile&
 }
 
 void AddBoundaries(const figures::Model& model, Document& document) {
-  const auto axis = searches::SearchAxis(model.file().axes());
+  const auto axis = plan::SearchAxis(model.file().axes());
   if (!axis) return;
   const std::vector<searches::Boundary> boundaries = searches::FindBoundaries(model);
   const std::vector<searches::PooledBoundary> all = searches::Pool(model.file(), boundaries);
@@ -147,7 +147,7 @@ std::string BoundariesText(const results::ResultFile& file) {
   const figures::Model model(file);
   Document document;
   AddBoundaries(model, document);
-  if (const auto axis = searches::SearchAxis(file.axes()))
+  if (const auto axis = plan::SearchAxis(file.axes()))
     document.front().title = fmt::format("{}: {}", file.title(), TitleOf(file.axes()[*axis]));
   return TextOf(document, Format::kTerminal);
 }

@@ -15,12 +15,6 @@
 
 namespace cdb::searches {
 
-std::optional<std::size_t> SearchAxis(const std::vector<plan::Axis>& axes) {
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    if (axes[i].search) return i;
-  return std::nullopt;
-}
-
 namespace {
 
 using figures::kNone;
@@ -115,7 +109,7 @@ std::vector<Line> LinesOf(std::size_t axis, const std::vector<Point>& points) {
 
 std::vector<Boundary> FindBoundaries(const figures::Model& model) {
   const results::ResultFile& file = model.file();
-  const auto axis = SearchAxis(file.axes());
+  const auto axis = plan::SearchAxis(file.axes());
   if (!axis) return {};
   const plan::Requirement& until = model.axis(*axis).search->until;
   const RunPoints points = RunPointsOf(file);
@@ -229,7 +223,7 @@ void PoolValues(bool is_log, PooledBoundary& pooled) {
 
 std::vector<std::size_t> PooledAxes(const results::ResultFile& file) {
   std::vector<std::size_t> axes;
-  const auto search = SearchAxis(file.axes()), seed = SeedAxis(file.axes());
+  const auto search = plan::SearchAxis(file.axes()), seed = SeedAxis(file.axes());
   for (std::size_t i = 0; i < file.axes().size(); ++i)
     if (i != search && i != seed) axes.push_back(i);
   return axes;
@@ -237,7 +231,7 @@ std::vector<std::size_t> PooledAxes(const results::ResultFile& file) {
 
 std::vector<PooledBoundary> Pool(const results::ResultFile& file,
                                  const std::vector<Boundary>& boundaries) {
-  const auto axis = SearchAxis(file.axes());
+  const auto axis = plan::SearchAxis(file.axes());
   if (!axis) return {};
   auto seed = SeedAxis(file.axes());
   if (seed && *seed > *axis) --*seed;  // places are without the axis of the search
@@ -314,7 +308,7 @@ results::StoredAnswers AnswersToStore(const std::filesystem::path& path) {
   const results::ResultFile file(path, results::ProofOf::kStructure);
   const figures::Model model(file);
   results::StoredAnswers stored = figures::AnswersOf(model);
-  const auto axis = SearchAxis(file.axes());
+  const auto axis = plan::SearchAxis(file.axes());
   if (!axis) return stored;
   const std::vector<Boundary> boundaries = FindBoundaries(model);
   stored.searches_have_ended = NextPoints(*axis, boundaries).empty();

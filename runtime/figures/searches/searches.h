@@ -19,9 +19,6 @@ namespace cdb::searches {
 
 using figures::Point;
 
-/// The axis with a search; nullopt if there is none.
-std::optional<std::size_t> SearchAxis(const std::vector<plan::Axis>& axes);
-
 /// The points of one search: those that differ only on its axis.
 struct Line {
   Point place;                      ///< on the other axes
