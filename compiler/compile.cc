@@ -13,6 +13,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/block_maker.h"
 #include "compiler/checks/file_lets.h"
@@ -679,7 +680,8 @@ void GridChecks::Lint() {
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         const std::uint64_t runs = sample.points * grid_.head.repeats;
         looked_at += runs;
-        if (grid::IsLaid(scene)) return;
+        // Their numbers are of rigid bodies.
+        if (grid::IsLaid(scene) || analysis::HasSoft(scene)) return;
         configure::Configuration& configuration = choose_(sample.block, sample.local);
         findings->Add(configuration, scene, runs);
         idle->Add(configuration, scene);

@@ -7,6 +7,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/parametrised_words.h"
 
@@ -57,7 +58,9 @@ bool HasSpinningFriction(const Group& group) {
   return !IsZero(group.settings.Get("spinning_friction"));
 }
 
-bool IsSoft(const Group& group) { return group.settings.WordOr("contact_stiffness") != "rigid"; }
+bool HasSoftContacts(const Group& group) {
+  return group.settings.WordOr("contact_stiffness") != "rigid";
+}
 
 bool HasSprings(const Group& group) {
   return group.HasLinks() && group.settings.WordOr("links.type") == "spring";
@@ -78,7 +81,7 @@ Reason WhyNotLosses(const Scene& scene) {
        }},
       {"rolling friction", HasRollingFriction},
       {"spinning friction", HasSpinningFriction},
-      {"soft contacts", IsSoft},
+      {"soft contacts", HasSoftContacts},
   };
   for (const Sink& sink : kSinks)
     if (const Group* group = FindGroup(scene, sink.is_in))
@@ -200,7 +203,7 @@ Reason WhyNotImpacts(const Scene& scene) {
   if (const Group* surface =
           FindGroup(scene, [](const Group& group) { return HasSurface(group.settings); }))
     return fmt::format("impacts on surfaces, such as group {}, are not examined", surface->name);
-  if (const Group* soft = FindGroup(scene, IsSoft))
+  if (const Group* soft = FindGroup(scene, HasSoftContacts))
     return fmt::format("group {} has soft contacts", soft->name);
   if (const Group* driven = FindGroup(
           scene, [](const Group& group) { return HasSchedule(group) && !HasKinematic(group); }))
@@ -262,7 +265,27 @@ Reason WhyNotSleep(const Scene& scene) {
                      scene.FindGroup(group)->HasLinks() ? "links" : "joints", group);
 }
 
-bool MaySleep(const Scene& scene) { return scene.world.On("sleeping"); }
+bool MaySleep(const Scene& scene) { return scene.world.On("sleeping") && !HasSoft(scene); }
+
+/// In a scene with soft bodies, nothing else moves.
+Reason WhyNotOfSoft(Question question, const Scene& scene) {
+  switch (question) {
+    case Question::kEnergy:
+      return "the solver of soft bodies takes energy, so that only a rise is judged";
+    case Question::kLosses:
+      return "the solver of soft bodies takes energy";
+    case Question::kPassing:
+      return "of soft bodies, only nodes inside a fixed one at the end of a cycle are found";
+    case Question::kStretch:
+      return scene.world.WordOr("soft_world") == "springs"
+                 ? Reason(
+                       "the springs of soft bodies stretch, and are not compared with their "
+                       "stiffness")
+                 : Reason();
+    default:
+      return "it is not examined of soft bodies";
+  }
+}
 
 constexpr QuestionInfo kQuestions[] = {
     {Question::kEnergy, "energy",
@@ -292,10 +315,18 @@ constexpr QuestionInfo kQuestions[] = {
     {Question::kSprings, "springs", "springs pull as their stiffness and damping say", false,
      SpringsArise, WhyNotSprings},
     {Question::kSleep, "sleep", "objects that fall asleep are held", true, MaySleep, WhyNotSleep},
+    {Question::kStretch, "stretch",
+     "the links of soft bodies that must keep their length (soft_world positions) stay shorter "
+     "than 1.1 times it",
+     false, HasSoft, AlwaysChecked},
 };
 
 const QuestionInfo& InfoOf(Question question) {
   return kQuestions[static_cast<std::size_t>(question)];
+}
+
+Reason WhyNot(const QuestionInfo& info, const Scene& scene) {
+  return HasSoft(scene) ? WhyNotOfSoft(info.question, scene) : info.why_not(scene);
 }
 
 }  // namespace
@@ -312,7 +343,7 @@ Coverage CoverageOf(const plan::Scene& scene) {
   const bool is_recorded = scene.world.Lists("record", "stability");
   for (const QuestionInfo& info : kQuestions) {
     if (!info.arises(scene)) continue;
-    Reason why = is_recorded ? info.why_not(scene) : Reason("record lacks stability");
+    Reason why = is_recorded ? WhyNot(info, scene) : Reason("record lacks stability");
     if (why) {
       coverage.unchecked.push_back({&info, *std::move(why)});
     } else {
@@ -324,11 +355,11 @@ Coverage CoverageOf(const plan::Scene& scene) {
 
 bool IsChecked(Question question, const plan::Scene& scene) {
   const QuestionInfo& info = InfoOf(question);
-  return info.arises(scene) && !info.why_not(scene);
+  return info.arises(scene) && !WhyNot(info, scene);
 }
 
 bool AreGainsJudged(const plan::Scene& scene) {
-  return IsChecked(Question::kEnergy, scene) && FindGroup(scene, IsSoft) == nullptr;
+  return IsChecked(Question::kEnergy, scene) && FindGroup(scene, HasSoftContacts) == nullptr;
 }
 
 std::string CheckedText(const Coverage& coverage) {

@@ -24,6 +24,7 @@ enum class Question {
   kJoints,
   kSprings,
   kSleep,
+  kStretch,
 };
 
 /// One row of the table of questions. Pure functions of a scene with at least one object that can

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "compiler/analysis/queries.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/series.h"
 #include "dsl/text/check.h"
@@ -53,6 +54,7 @@ class Analysis {
   }
 
   Answer Of(Component component, PruningRequest asked) const {
+    if (HasSoft(scene_)) return {Decision::kKept, "the world of soft bodies omits nothing"};
     switch (component) {
       case Component::kWalls:
         return Walls();

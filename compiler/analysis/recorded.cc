@@ -5,6 +5,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/queries.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
 
@@ -12,6 +13,7 @@ namespace cdb::analysis {
 
 RunKind KindOf(const plan::Scene& scene) {
   if (HasConfigurations(scene)) return RunKind::kConfigurations;
+  if (HasSoft(scene)) return RunKind::kSoft;
   if (!TraceOf(scene)) return RunKind::kLive;
   return IsOnPairs(scene) ? RunKind::kOnPairs : RunKind::kOnBoxes;
 }
@@ -24,13 +26,16 @@ bool IsRecordedIn(RunKind kind, const schema::Series& series) {
   switch (kind) {
     case RunKind::kLive:
       return on_traces != kNarrowOnly &&
-             series.on_configurations != schema::OnConfigurations::kOnly;
+             series.on_configurations != schema::OnConfigurations::kOnly &&
+             series.on_soft != schema::OnSoft::kOnly;
     case RunKind::kOnBoxes:
       return on_traces == kBroad || on_traces == kBoth;
     case RunKind::kOnPairs:
       return on_traces == kNarrow || on_traces == kNarrowOnly || on_traces == kBoth;
     case RunKind::kConfigurations:
       return series.on_configurations != schema::OnConfigurations::kNo;
+    case RunKind::kSoft:
+      return series.on_soft != schema::OnSoft::kNo;
   }
   return false;
 }

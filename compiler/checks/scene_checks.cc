@@ -10,6 +10,7 @@
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/checks/configuration_checks.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -20,8 +21,8 @@
 namespace cdb::checks {
 
 bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scene& scene) {
-  return CheckCounts(configuration, scene) && CheckOmit(configuration, scene) &&
-         CheckAccuracy(configuration, scene);
+  return CheckCounts(configuration, scene) && CheckSoft(configuration, scene) &&
+         CheckOmit(configuration, scene) && CheckAccuracy(configuration, scene);
 }
 
 bool SceneChecks::PassConfigurations(configure::Configuration& configuration, plan::Scene& scene) {
@@ -336,6 +337,20 @@ bool SceneChecks::CheckQueries(configure::Configuration& configuration, const pl
                           fault->message, fault->help);
   }
   return good;
+}
+
+// Soft bodies, and settings that only they have.
+bool SceneChecks::CheckSoft(configure::Configuration& configuration, const plan::Scene& scene) {
+  const auto fault = analysis::FindSoftFault(scene);
+  if (!fault) return true;
+  if (!misplaced_.emplace(fault->group, fault->message).second) return false;
+  const scenario::ParameterKey key{fault->group, fault->parameter};
+  diagnostics_.Report(scenario::kContradiction,
+                      fault->word.empty() || !configuration.IsSet(key)
+                          ? configuration.SpanOf(key, benchmark_)
+                          : configuration.SpanOfWord(key, fault->word),
+                      fault->message, fault->help);
+  return false;
 }
 
 // `omit` must not name a component that the scene needs.

@@ -63,6 +63,7 @@ class SceneChecks {
   bool CheckLinks(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckJoints(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckQueries(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckSoft(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene);
 

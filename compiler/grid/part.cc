@@ -13,6 +13,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/grid/survey.h"
 #include "compiler/plan/input_file.h"
@@ -109,6 +110,7 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
   bounds.AddLargest([](const plan::Scene& scene) { return scene.ObjectCount(); });
   bounds.AddLargest([](const plan::Scene& scene) { return analysis::BodyCount(scene); });
   bounds.AddLargest([](const plan::Scene& scene) { return scene.QueryCount(); });
+  bounds.AddLargest([](const plan::Scene& scene) { return analysis::NodeCount(scene); });
   bounds.AddLargest([](const plan::Scene& scene) {
     const auto sampling = analysis::SamplingOf(scene);
     return sampling ? sampling->count : 0;
@@ -122,6 +124,7 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
     return schema::WordList{std::string(scene.world.WordOr("precision")),
                             analysis::TraceOf(scene)             ? "trace"
                             : analysis::HasConfigurations(scene) ? "configurations"
+                            : analysis::HasSoft(scene)           ? "soft"
                                                                  : "scene",
                             analysis::NeedsReference(scene) ? "reference" : "none"};
   });

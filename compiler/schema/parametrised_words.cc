@@ -16,6 +16,8 @@ constexpr Domain kNotNegative = ParameterTable::kNotNegative;
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
+/// A soft body takes about 300 bytes for each node.
+constexpr Domain kCells = {.min = 1, .max = 10000};
 constexpr Domain kHulls = {.min = 1, .max = 1024};
 constexpr Domain kFraction = {.min = 0, .max = 1};
 
@@ -145,6 +147,11 @@ constexpr Parameter kCompound[] = {
     Argument("centre", kVector, kAny, "m", "of mass, in the frame of the compound; fit is that of the parts with equal density", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
     Argument("inertia", kVector, kPositive, "m^2", "moments of inertia ixx, iyy, izz about the centre of mass, along the axes of the compound, for a mass of 1 kg; fit is that of the parts with equal density", {.first_default = "fit", .words = "fit", .omitted_at_default = true}),
     Argument("products", kVector, kAny, "m^2", "ixy, ixz, iyz of the same tensor", {.first_default = "none", .words = "none", .omitted_at_default = true})};
+constexpr Parameter kRope[] = {
+    Argument("segments", kCount, kCells, "", "links between its nodes, which are one more")};
+constexpr Parameter kCloth[] = {
+    Argument("columns", kCount, kCells, "", "rectangles along x, each of two triangles"),
+    Argument("rows", kCount, kCells, "", "rectangles along z")};
 constexpr Parameter kPartOfList = Argument("part", kWord, kAny, "", "a part( )", {.calls = "part"});
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
@@ -184,6 +191,8 @@ constexpr ParametrisedWord kCalls[] = {
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},
     {"compound", "one body of several parts, compound(part(…), part(…)), each at its own place; the origin of its frame is the point that layouts place", kCompound, false, true},
+    {"rope", "a soft body: a chain of nodes along x, as long as its size, and as thick as two margins", kRope},
+    {"cloth", "a soft body: a sheet of triangles over x and z, as thick as two margins", kCloth},
     {"part", "of a compound: a closed form, or the hulls of a mesh", kPart},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},

@@ -15,6 +15,8 @@ std::uint64_t ExtentOf(Dimension dimension, const RunExtents& run) {
       return run.bodies;
     case Dimension::kQueryRow:
       return run.queries;
+    case Dimension::kVertex:
+      return run.nodes;
     default:
       return InfoOf(dimension).labels.size();
   }
@@ -30,7 +32,8 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
                              kOfFilter[] = {kBoxBody, Dimension::kFilter},
                              kOfSample[] = {Dimension::kSample},
                              kOfQuery[] = {Dimension::kQuery, kCycle},
-                             kOfAnswer[] = {kCycle, kQueryRow, Dimension::kAnswer};
+                             kOfAnswer[] = {kCycle, kQueryRow, Dimension::kAnswer},
+                             kOfVertex[] = {kCycle, Dimension::kVertex, kCoordinate};
   switch (shape) {
     case SeriesShape::kScalar:
       return kOfScalar;
@@ -48,6 +51,8 @@ std::span<const Dimension> DimensionsOf(SeriesShape shape) {
       return kOfQuery;
     case SeriesShape::kAnswer:
       return kOfAnswer;
+    case SeriesShape::kVertex:
+      return kOfVertex;
   }
   return {};
 }

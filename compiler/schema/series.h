@@ -21,20 +21,30 @@ struct RecordWord {
   bool needs_detection = false;    ///< means nothing without broad and narrow phase
   bool on_traces = false;          ///< can be recorded by a detector that runs on a trace
   bool on_configurations = false;  ///< can be recorded of configurations, without a simulation
+  bool on_soft = false;            ///< can be recorded of soft bodies
 };
 
 inline constexpr RecordWord kRecordWords[] = {
-    {.name = "timing", .needs_detection = true, .on_traces = true, .on_configurations = true},
-    {.name = "counts", .needs_detection = true, .on_traces = true, .on_configurations = true},
-    {.name = "energy"},
-    {.name = "stability"},
+    {.name = "timing",
+     .needs_detection = true,
+     .on_traces = true,
+     .on_configurations = true,
+     .on_soft = true},
+    {.name = "counts",
+     .needs_detection = true,
+     .on_traces = true,
+     .on_configurations = true,
+     .on_soft = true},
+    {.name = "energy", .on_soft = true},
+    {.name = "stability", .on_soft = true},
     {.name = "contacts", .needs_detection = true, .on_configurations = true},
     {.name = "poses", .on_configurations = true},
-    {.name = "memory", .on_traces = true, .on_configurations = true},
+    {.name = "memory", .on_traces = true, .on_configurations = true, .on_soft = true},
     {.name = "pairs", .needs_detection = true, .on_traces = true, .on_configurations = true},
     {.name = "boxes", .needs_detection = true, .on_configurations = true},
     {.name = "queries"},
     {.name = "query_errors"},
+    {.name = "vertices", .on_soft = true},
 };
 
 /// The phases of a cycle, in the order of the `phase` axis. Each is timed separately, in
@@ -49,6 +59,7 @@ inline constexpr std::string_view kFilterParts[] = {"group", "mask", "fixed"};
 /// The words of `queries.type`, in the order of the `query` axis.
 enum class QueryType { kRay, kSweep, kOverlap, kNearest };
 inline constexpr std::string_view kQueryTypes[] = {"ray", "sweep", "overlap", "nearest"};
+inline constexpr std::string_view kCoordinates[] = {"x", "y", "z"};
 inline constexpr std::string_view kAnswerParts[] = {"body", "distance", "normal_x", "normal_y",
                                                     "normal_z"};
 
@@ -64,7 +75,9 @@ enum class Dimension {
   kSample,
   kQuery,
   kQueryRow,
-  kAnswer
+  kAnswer,
+  kVertex,
+  kCoordinate
 };
 
 struct DimensionInfo {
@@ -94,6 +107,8 @@ inline constexpr DimensionInfo kDimensions[] = {
      .doc = "part of the answer to a query",
      .labels = kAnswerParts,
      .units = "1 m 1 1 1"},
+    {.name = "vertex", .doc = "node of a soft body, in the order of its object and within it"},
+    {.name = "coordinate", .doc = "coordinate of a node", .labels = kCoordinates},
 };
 constexpr const DimensionInfo& InfoOf(Dimension dimension) {
   return kDimensions[static_cast<std::size_t>(dimension)];
@@ -117,6 +132,13 @@ enum class OnConfigurations {
   kOnly,  ///< and no other run
 };
 
+/// Whether the runs with soft bodies record a series.
+enum class OnSoft {
+  kNo,
+  kYes,
+  kOnly,  ///< and no other run
+};
+
 /// The dimensions of a series (DimensionsOf).
 enum class SeriesShape {
   kScalar,  ///< a value for each cycle
@@ -127,6 +149,7 @@ enum class SeriesShape {
   kSample,  ///< errors, which are not part of a recording
   kQuery,   ///< a value for each type of query and each cycle
   kAnswer,
+  kVertex,  ///< a position of each node of the soft bodies
 };
 std::span<const Dimension> DimensionsOf(SeriesShape shape);
 
@@ -136,6 +159,7 @@ struct RunExtents {
   std::uint64_t objects = 0;
   std::uint64_t bodies = 0;   ///< objects, and the walls that are present
   std::uint64_t queries = 0;  ///< of all blocks
+  std::uint64_t nodes = 0;    ///< of all soft bodies
 };
 
 struct Series {
@@ -147,6 +171,7 @@ struct Series {
   std::string_view doc;        ///< the dataset's long_name
   OnTraces on_traces = OnTraces::kNone;
   OnConfigurations on_configurations = OnConfigurations::kNo;
+  OnSoft on_soft = OnSoft::kNo;
   bool may_be_none = false;  ///< NaN or infinite in a cycle without anything to measure
   bool of_queries = false;   ///< recorded only by runs with queries
 
@@ -164,22 +189,23 @@ using enum SeriesType;
 using enum SeriesShape;
 using enum OnTraces;
 using enum OnConfigurations;
+using Soft = OnSoft;
 // clang-format off
 inline constexpr auto kRows = std::to_array<Series>({
-    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth, .on_configurations = kYes},
-    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth, .on_configurations = kYes},
+    {.name = "duration", .records = "timing", .shape = kPhase, .unit = "ns", .doc = "time of each phase of a cycle", .on_traces = kBoth, .on_configurations = kYes, .on_soft = Soft::kYes},
+    {.name = "pairs", .records = "counts stability", .type = kInt32, .doc = "potentially colliding pairs of the broad phase", .on_traces = kBoth, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow, .on_configurations = kYes},
-    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes},
+    {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "unhandled_pairs", .records = "counts", .type = kInt32, .doc = "pairs of the trace that the narrow phase does not handle; they are not in its time, and Bullet makes their contacts", .on_traces = kNarrowOnly},
-    {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation"},
-    {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2"},
-    {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps"},
+    {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation", .on_soft = Soft::kYes},
+    {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2", .on_soft = Soft::kYes},
+    {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps; of soft bodies, that of the deepest node in a fixed body or wall", .on_soft = Soft::kYes},
     {.name = "penetration_ratio", .records = "stability", .doc = "depth of the deepest contact over the least side of the smaller object"},
-    {.name = "max_speed", .records = "stability", .unit = "m/s", .doc = "highest speed of any object's centre of mass"},
-    {.name = "escaped", .records = "stability", .type = kInt32, .doc = "objects with their centre beyond a wall"},
+    {.name = "max_speed", .records = "stability", .unit = "m/s", .doc = "highest speed of any object's centre of mass, or of any node of a soft body", .on_soft = Soft::kYes},
+    {.name = "escaped", .records = "stability", .type = kInt32, .doc = "objects with their centre beyond a wall", .on_soft = Soft::kYes},
     {.name = "asleep", .records = "stability", .type = kInt32, .doc = "objects that Bullet has put to sleep"},
-    {.name = "removed", .records = "stability", .type = kInt32, .doc = "objects that Bullet has switched off, or whose box it cannot hold"},
-    {.name = "non_finite", .records = "stability", .type = kInt32, .doc = "objects with a state that is not finite"},
+    {.name = "removed", .records = "stability", .type = kInt32, .doc = "objects that Bullet has switched off, or whose box it cannot hold", .on_soft = Soft::kYes},
+    {.name = "non_finite", .records = "stability", .type = kInt32, .doc = "objects with a state that is not finite", .on_soft = Soft::kYes},
     {.name = "displacement", .records = "stability", .doc = "largest displacement of an object since the first cycle, over its least side"},
     {.name = "displaced", .records = "stability", .type = kInt32, .doc = "objects displaced since the first cycle by more than a quarter of their least side"},
     {.name = "motion_ratio", .records = "stability", .doc = "distance moved over the expected distance, |v| dt, since the object was last pushed, of the object where this is farthest from 1", .may_be_none = true},
@@ -204,7 +230,7 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "rolling_error", .records = "stability", .doc = "largest deviation of the speed at which a ball, cylinder or capsule rolls on a wall or a fixed cuboid, by its angular momentum about the line of contact, relative to its largest speed so far", .may_be_none = true},
     {.name = "impact_error", .records = "stability", .doc = "deviation of the impulses of impacts so far from those by the shapes, velocities and coefficients of the scene, relative to the sum of these", .may_be_none = true},
     {.name = "unjudged_impacts", .records = "stability", .type = kInt32, .doc = "impacts so far that were not compared"},
-    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth, .on_configurations = kYes},
+    {.name = "heap", .records = "memory", .unit = "bytes", .doc = "heap in use after the cycle", .on_traces = kBoth, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "joint_gap", .records = "stability", .unit = "m", .doc = "largest gap of a joint: distance of its two pivots, or of a slider past a limit or from where its gear puts it", .may_be_none = true},
     {.name = "joint_bend", .records = "stability", .unit = "rad", .doc = "largest angle by which joints give way: of a chain of fixed joints, the distance of an object from where the first one holds it, over the length between; of a hinge, that between its two axes, past a limit, or from where its gear puts it", .may_be_none = true},
     {.name = "joint_stretch", .records = "stability", .doc = "largest sum of the gaps of a chain of joints over its length", .may_be_none = true},
@@ -212,6 +238,10 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "poses", .records = "poses", .shape = kPose, .doc = "position and orientation quaternion (x, y, z, w) after the cycle: of the centre of mass and of the axes of the sides; of a mesh, of its origin and of the axes of its file", .on_configurations = kYes},
     {.name = "boxes", .records = "boxes", .shape = kBox, .unit = "m", .doc = "boxes passed to the broad phase in the cycle; the box of a plane is infinite, an omitted wall has none", .on_configurations = kYes, .may_be_none = true},
     {.name = "box_filters", .records = "boxes", .shape = kFilter, .doc = "bits of the group of the body and of the groups that it may collide with, and 1 if it is fixed; float64, as masks have 32 bits", .on_configurations = kYes},
+    {.name = "stretch", .records = "stability", .doc = "largest length of a link of a soft body over its rest length, minus 1", .on_soft = Soft::kOnly},
+    {.name = "inside", .records = "stability", .type = kInt32, .doc = "nodes of soft bodies deeper than their margin inside a fixed body, or behind a wall", .on_soft = Soft::kOnly},
+    {.name = "self_crossings", .records = "stability", .type = kInt32, .doc = "links of cloths that pierce a triangle of the same cloth; no value without a cloth", .on_soft = Soft::kOnly},
+    {.name = "vertex_positions", .records = "vertices", .shape = kVertex, .unit = "m", .doc = "position of each node of the soft bodies after the cycle", .on_soft = Soft::kOnly},
     {.name = "hit", .records = "timing counts pairs", .type = kInt32, .doc = "1 if the robot hits itself or the scene in this configuration, else 0", .on_configurations = kOnly},
     {.name = "self_hits", .records = "counts", .type = kInt32, .doc = "pairs of links that overlap; -1 if only a hit was asked for", .on_configurations = kOnly},
     {.name = "scene_hits", .records = "counts", .type = kInt32, .doc = "pairs of a link and an object, or wall, of the scene that overlap; -1 if only a hit was asked for", .on_configurations = kOnly},

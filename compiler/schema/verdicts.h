@@ -40,12 +40,15 @@ inline constexpr VerdictInfo kVerdicts[] = {
      "energy rose by 0.01, or was gained or lost by 0.1; false normals of the ground deflected an "
      "object; friction or rolling was off by 0.05, or friction turned an object by > 0.1 rad that "
      "lay flat; impacts were off by an eighth; a motor with effort left is late off by a tenth of "
-     "its speed, or by 0.1 rad or 0.1 S; if the scene must rest, late speed > 0.02 sqrt(g "
+     "its speed, or by 0.1 rad or 0.1 S; a link of soft_world positions is stretched by > 0.1; if "
+     "the scene "
+     "must rest, late speed > 0.02 sqrt(g "
      "S), "
      "or an object moved by > 0.25 S"},
     {Verdict::kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
-     "pressed in, or, if the scene must rest, any depth > 0.25 "
+     "pressed in; nodes of a soft body end inside a fixed one, or a cloth crosses itself; or, if "
+     "the scene must rest, any depth > 0.25 "
      "S"},
     {Verdict::kCollapsed, "collapsed",
      "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "

@@ -15,6 +15,7 @@
 #include "compiler/analysis/joints.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/schema/formula.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
@@ -360,6 +361,7 @@ class PlanReader : public ValueReader {
     if (analysis::HasConfigurations(run.scene))
       if (const auto fault = analysis::FindConfigurationFault(run.scene))
         Fail(node.Mark(), fault->message);
+    if (const auto fault = analysis::FindSoftFault(run.scene)) Fail(node.Mark(), fault->message);
     if (node["queries"])
       for (const YAML::Node& queries : node["queries"]) {
         const std::string name = Name(Member(queries, "queries"));

@@ -8,6 +8,7 @@
 
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "library/distributions/draw.h"
 #include "library/distributions/object_numbers.h"
 #include "library/distributions/stream.h"
@@ -80,6 +81,13 @@ objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& typ
   }
 }
 
+/// The box of the nodes of a soft body with its margin around them. m.
+void AddThickness(const schema::Value& type, double margin, objects::Solid& solid) {
+  const bool is_rope = schema::AsCall(type)->name == analysis::kRopeCall;
+  const Vector3d nodes(solid.sides.x(), 0, is_rope ? 0 : solid.sides.z());
+  solid.sides = nodes + Vector3d::Constant(2 * margin);
+}
+
 void CheckMargin(const ObjectState& object, const std::string& group) {
   const double margin = object.numbers["margin"], least = object.solid.LeastHalfExtent();
   if (margin < least || margin == kBulletMargin || !object.solid.HasMargin()) return;
@@ -107,6 +115,9 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.group = index;
     const schema::Value& chosen = type.Choice();
     object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, group.name);
+    if (analysis::IsSoft(chosen))
+      AddThickness(chosen, numbers.Find(*schema::GroupParameter("margin")).value_or(kBulletMargin),
+                   object.solid);
     numbers.SetVolume(object.solid.Volume());
     const schema::Parameter& mass = *schema::GroupParameter("mass");
     object.mass = numbers.Find(mass).value_or(mass.number_of_word);
@@ -117,7 +128,7 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.numbers.ForEach([&](const schema::Parameter& parameter, double& number) {
       number = numbers.Find(parameter).value_or(parameter.number_of_word);
     });
-    CheckMargin(object, group.name);
+    if (!analysis::IsSoft(chosen)) CheckMargin(object, group.name);
   }
   TakeTable(group, std::span(objects).last(quantity));
   TakePath(group, std::span(objects).last(quantity));

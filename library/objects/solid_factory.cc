@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/plan/foreign_model.h"
 #include "compiler/plan/input_file.h"
@@ -240,8 +241,9 @@ plan::FileMemo<Form>& KeptForms() {
 
 constexpr std::string_view kCompoundWord = "compound";
 
-/// Null for a type with a closed form.
+/// Null for a type with a closed form, and for a soft body.
 Form FormOf(const schema::Value& type, const Reading& reading = {}) {
+  if (analysis::IsSoft(type)) return nullptr;
   const std::string key = schema::ToText(type) + (reading.decomposes ? "" : " read only");
   const schema::Call* call = schema::AsCall(type);
   if (call != nullptr && call->name == kCompoundWord)
@@ -264,7 +266,7 @@ Form FormOf(const schema::Value& type, const Reading& reading = {}) {
 
 bool IsDecomposed(const schema::Value& type) {
   if (const schema::Call* call = schema::AsCall(type)) {
-    if (call->name != kCompoundWord) return !analysis::IsSurface(*call);
+    if (call->name != kCompoundWord) return !analysis::IsSurface(*call) && !analysis::IsSoft(type);
     return std::ranges::any_of(schema::PartsOf(*call), [](const schema::Value& part) {
       const schema::Call* mesh = schema::AsCall(ArgumentOf(*schema::AsCall(part), "type"));
       return mesh != nullptr && mesh->name == "mesh";
@@ -290,7 +292,8 @@ Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const 
             : "the size is native, but the aspect is not 1 : 1 : 1",
         schema::AsCall(type) == nullptr ? "write a size in m" : "remove the aspect");
   if (form == nullptr) {
-    solid.shape = ShapeOf(name);
+    // A soft body has the box of its nodes; its margin adds to it.
+    solid.shape = analysis::IsSoft(type) ? Shape::kCuboid : ShapeOf(name);
     return solid;
   }
   // Another aspect sets all sides.
@@ -386,6 +389,7 @@ std::optional<analysis::ModelFacts> ReadModel(const schema::Value& type, const R
     why = {error.cause(), error.remedy()};
     return std::nullopt;
   }
+  if (analysis::IsSoft(type)) return facts;
   if (form == nullptr) {
     const Solid solid{ShapeOf(std::get<schema::Word>(type).text)};
     facts.placed.y() = -solid.BoxCentre();

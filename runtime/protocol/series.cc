@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compiler/analysis/queries.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/schema.h"
 
@@ -10,7 +11,7 @@ namespace cdb::protocol {
 
 RunExtents ExtentsOf(const plan::Scene& scene) {
   return {scene.world.Count("cycles"), scene.ObjectCount(), analysis::BodyCount(scene),
-          scene.QueryCount()};
+          scene.QueryCount(), analysis::NodeCount(scene)};
 }
 
 bool IsRecordedBy(const Series& series, const plan::Plan& plan) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/soft.h"
 #include "dsl/text/check.h"
 
 namespace cdb::protocol {
@@ -25,7 +26,8 @@ constexpr double kFrictionError = 0.05;  ///< and of rolling
 constexpr double kImpactError = 0.125;
 constexpr double kBend = 0.05, kStretch = 0.02;
 constexpr double kMotorError = 0.1;
-constexpr double kLateSpeed = 0.02;  ///< fraction of the speed scale
+constexpr double kSoftStretch = 0.1;  ///< of a link of a soft body, over its rest length
+constexpr double kLateSpeed = 0.02;   ///< fraction of the speed scale
 /// The fraction of a run, at its end, that counts as late.
 constexpr double kLate = 0.25;
 
@@ -84,11 +86,14 @@ class Case {
         return IfResting({{"inverted", LastStretch("inverted")}, Count("unheld")},
                          {Share("displaced", kCollapsedPart)});
       case kPenetrating:
-        return IfResting(
-            {Late("penetration_ratio", kLateDepth),
-             Late("joint_gap", kLateDepth * scales_.least_side), Late("joint_bend", kBend),
-             Late("joint_stretch", kStretch), Count("pressed")},
-            {Above("penetration_ratio", kPeakDepth)});
+        return IfResting({Late("penetration_ratio", kLateDepth),
+                          Late("joint_gap", kLateDepth * scales_.least_side),
+                          Late("joint_bend", kBend),
+                          Late("joint_stretch", kStretch),
+                          Count("pressed"),
+                          {"inside", LastStretch("inside")},
+                          {"self_crossings", LastStretch("self_crossings")}},
+                         {Above("penetration_ratio", kPeakDepth)});
       case kDrifting: {
         std::vector<Found> all =
             IfResting({{"energy", FirstRise(kDrift)},
@@ -102,9 +107,12 @@ class Case {
                        Where("spin_ratio", [](double x) { return std::abs(x - 1) > kSpinDrift; })},
                       {Late("max_speed", kLateSpeed * scales_.speed_scale), Count("displaced")});
         if (!MustRest()) all.push_back(Above("rolling_error", kFrictionError));
+        // A spring may stretch as far as its stiffness lets it.
+        if (scene_.world.WordOr("soft_world") != "springs")
+          all.push_back(Above("stretch", kSoftStretch));
         if (expectation_ == Expectation::kEnergy) {
           all.push_back({"energy", FirstChange(n_, kDrift)});
-        } else if (analysis::FliesFreely(scene_)) {
+        } else if (analysis::FliesFreely(scene_) && !analysis::HasSoft(scene_)) {
           const auto touch = FirstCount("contacts");
           const std::size_t end = touch < 0 ? n_ : static_cast<std::size_t>(touch);
           all.push_back({"energy", FirstChange(end, kSpinDrift)});

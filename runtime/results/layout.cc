@@ -24,7 +24,8 @@ std::string GroupOf(const std::string& path) { return path.substr(0, path.rfind(
 hdf5::Shape ChunkOf(const Array& array, std::size_t outer) {
   hdf5::Shape chunk = array.shape;
   std::fill_n(chunk.begin(), outer, 1);
-  for (const char* name : {"cycle", "sample", "body", "box_body", "query_row", "contact_row"}) {
+  for (const char* name :
+       {"cycle", "sample", "body", "box_body", "query_row", "contact_row", "vertex"}) {
     const auto found = std::ranges::find(array.dimensions, GroupOf(array.name) + name);
     if (found == array.dimensions.end()) continue;
     hdf5::SplitEvenly(chunk, static_cast<std::size_t>(found - array.dimensions.begin()),
@@ -48,6 +49,12 @@ class Maker {
     if (facts_.boxes) AddBoxDimensions();
     if (std::ranges::any_of(facts_.series, [](const auto* series) { return series->of_queries; }))
       AddQueryDimensions();
+    if (std::ranges::any_of(facts_.series, [](const auto* series) {
+          return series->shape == protocol::SeriesShape::kVertex;
+        })) {
+      AddCounted("", protocol::Dimension::kVertex, facts_.nodes);
+      AddLabelled(protocol::Dimension::kCoordinate);
+    }
     if (facts_.contacts) AddContactDimensions(contact_rows);
     AddGrid(std::string(kRunGroup));
     for (std::size_t i = 0; i < plan_.axes.size(); ++i)

@@ -68,6 +68,7 @@ struct PlanFacts {
   std::uint64_t bodies;                         ///< extent of `body`
   std::uint64_t box_bodies;                     ///< extent of `box_body`
   std::uint64_t queries;                        ///< extent of `query_row`
+  std::uint64_t nodes;                          ///< extent of `vertex`
   std::vector<const protocol::Series*> series;  ///< recorded by some run
   bool poses, boxes, contacts, answers;         ///< some run records them
   std::vector<RunNumber> numbers;               ///< RunNumbers(), and those of /accuracy

@@ -11,6 +11,7 @@
 
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/protocol/samples.h"
 #include "runtime/protocol/series.h"
@@ -137,6 +138,12 @@ std::uint64_t MaxQueries(const plan::Plan& plan) {
   return most;
 }
 
+std::uint64_t MaxNodes(const plan::Plan& plan) {
+  std::uint64_t most = 0;
+  for (const plan::Run& run : plan.Bounds()) most = std::max(most, analysis::NodeCount(run.scene));
+  return most;
+}
+
 }  // namespace
 
 PlanFacts::PlanFacts(const plan::Plan& plan)
@@ -145,6 +152,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
       bodies(std::max<std::uint64_t>(1, plan.MaxObjects())),
       box_bodies(std::max<std::uint64_t>(1, analysis::MaxBodyCount(plan))),
       queries(std::max<std::uint64_t>(1, MaxQueries(plan))),
+      nodes(std::max<std::uint64_t>(1, MaxNodes(plan))),
       poses(plan.Records("poses")),
       boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")),

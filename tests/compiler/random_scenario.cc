@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/catalogue.h"
 #include "compiler/schema/parameter_ref.h"
@@ -112,6 +113,7 @@ class Maker {
     for (const std::string_view word : parameter.AllWords()) {
       if (parameter.name == "omit" && !CanBeOmitted(word)) continue;
       if (parameter.TakesDetectors() && !IsBuilt(word)) continue;
+      if (word == "vertices") continue;  // of soft bodies
       // Kinematic objects cannot be in schedules or piles.
       if (word == analysis::kKinematicWord) continue;
       words.emplace_back(word);
@@ -154,7 +156,7 @@ class Maker {
   /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
     if (parameter == "trace" || parameter == "coordinates" ||
-        parameter.starts_with("configurations."))
+        parameter.starts_with("configurations.") || parameter.starts_with("soft"))
       return false;
     const bool is_ground = Sets("mass fixed");
     if (is_ground && Sets(parameter)) return false;
@@ -172,7 +174,8 @@ class Maker {
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kHeightsCall ||
-             call == analysis::kSurfaceWord;  // for fixed objects only
+             call == analysis::kSurfaceWord ||  // for fixed objects only
+             call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
     });
     return calls;
   }

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "runtime/cli/options/subcommand.h"
 
@@ -48,6 +49,11 @@ plan::Plan MakeTracePlan(plan::Plan plan) {
       throw options::CommandError(
           fmt::format("{}: {} checks configurations, and nothing moves from one to the next; trace "
                       "a benchmark of a live world",
+                      plan.benchmark, plan::Describe(plan, run)));
+    if (analysis::HasSoft(run.scene))
+      throw options::CommandError(
+          fmt::format("{}: {} has soft bodies, which no recorded box or pose describes; trace a "
+                      "benchmark of rigid bodies",
                       plan.benchmark, plan::Describe(plan, run)));
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));

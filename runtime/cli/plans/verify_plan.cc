@@ -9,6 +9,7 @@
 
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/compile.h"
 #include "compiler/schema/catalogue.h"
 #include "runtime/cli/options/subcommand.h"
@@ -114,6 +115,11 @@ VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   for (plan::Axis& axis : bare.axes) axis.search.reset();  // which needs figures: every value
   std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
   for (plan::Run& run : bare.runs) {
+    if (analysis::HasSoft(run.scene))
+      throw options::CommandError(fmt::format(
+          "{}: {} has soft bodies, whose pairs and contacts are not compared with exact "
+          "ones; verify a benchmark of rigid bodies",
+          plan.benchmark, plan::Describe(plan, run)));
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));
     };

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/pose_table.h"
@@ -27,6 +28,7 @@
 #include "runtime/engine/worker/replay.h"
 #include "runtime/engine/worker/run_configurations.h"
 #include "runtime/engine/worker/run_scene.h"
+#include "runtime/engine/worker/run_soft.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/file_descriptor_io.h"
@@ -90,6 +92,8 @@ void RunWorker(Streams streams, const Kept& kept) {
     try {
       if (analysis::HasConfigurations(run.scene)) {
         RunConfigurations(run, recording, streams);
+      } else if (analysis::HasSoft(run.scene)) {
+        RunSoft(run, recording);
       } else if (analysis::TraceOf(run.scene)) {
         ReplayTrace(run, recording, protocol::kTraceFd);
       } else {

@@ -44,6 +44,15 @@ plan::Plan PlanOfConfigurations() {
   return plan;
 }
 
+/// With soft bodies, which have series of their own, too.
+plan::Plan PlanWithSoft() {
+  plan::Plan plan = MakePlan({}, 1, {.record = {"stability", "vertices"}});
+  for (plan::Run& run : plan.runs)
+    run.scene.groups[0].settings.Set("type",
+                                     schema::Call{"rope", {schema::Number(std::uint64_t{5})}});
+  return plan;
+}
+
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const results::PlanFacts facts(plan);
@@ -71,6 +80,7 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   std::set<std::string> used = NamesBesideAxes(plan);
   used.merge(NamesBesideAxes(PlanOnPairs()));
   used.merge(NamesBesideAxes(PlanOfConfigurations()));
+  used.merge(NamesBesideAxes(PlanWithSoft()));
   for (const std::string& name : used)
     EXPECT_TRUE(schema::FindNameClash(name, errors))
         << name << " is in the results and missing in compiler/schema/metrics.cc";

@@ -1,0 +1,21 @@
+#include "library/layouts/soft_nodes.h"
+
+#include "compiler/analysis/soft.h"
+
+namespace cdb::layouts {
+
+std::vector<Eigen::Vector3d> NodesAbout(const plan::Scene& scene, const ObjectState& object) {
+  const analysis::SoftMesh mesh = analysis::MeshOf(scene.groups[object.group].settings.Get("type"));
+  const Eigen::Vector3d extent =
+      object.solid.sides - Eigen::Vector3d::Constant(2 * object.numbers["margin"]);
+  std::vector<Eigen::Vector3d> nodes;
+  nodes.reserve(mesh.NodeCount());
+  for (std::size_t node = 0; node < mesh.NodeCount(); ++node) {
+    const auto [x, z] = mesh.PlaceOf(node);
+    nodes.push_back(object.pose.orientation *
+                    Eigen::Vector3d((x - 0.5) * extent.x(), 0, (z - 0.5) * extent.z()));
+  }
+  return nodes;
+}
+
+}  // namespace cdb::layouts

@@ -1,0 +1,402 @@
+#include "runtime/engine/soft/soft_world.h"
+
+#include <BulletSoftBody/btDefaultSoftBodySolver.h>
+#include <BulletSoftBody/btDeformableBodySolver.h>
+#include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
+#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <type_traits>
+#include <utility>
+
+#include "compiler/analysis/reference.h"
+#include "library/layouts/number_range.h"
+#include "library/layouts/soft_nodes.h"
+#include "runtime/engine/detection/broad_phase.h"
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/timed_world.h"
+#include "runtime/omissions/omissions.h"
+
+namespace cdb::soft {
+namespace {
+
+using Eigen::Vector3d;
+using layouts::ObjectState;
+using protocol::Phase;
+using world::ToBullet;
+
+/// Steps between two collections of the cells that Bullet no longer needs.
+constexpr std::uint64_t kCollectEvery = 256;
+
+/// Stamps the narrow phase, which both worlds call without a virtual function of theirs.
+class TimedDispatcher final : public btCollisionDispatcher {
+ public:
+  TimedDispatcher(btCollisionConfiguration* configuration, PhaseClock& clock)
+      : btCollisionDispatcher(configuration), clock_(clock) {}
+  void dispatchAllCollisionPairs(btOverlappingPairCache* pairs, const btDispatcherInfo& info,
+                                 btDispatcher* dispatcher) override {
+    clock_.Begin(Phase::kNarrow);
+    btCollisionDispatcher::dispatchAllCollisionPairs(pairs, info, dispatcher);
+    clock_.End(Phase::kNarrow);
+  }
+
+ private:
+  PhaseClock& clock_;
+};
+
+/// Stamps the broad phase of either world.
+template <typename World>
+class TimedBroad : public World {
+ public:
+  template <typename... Arguments>
+  TimedBroad(PhaseClock& clock, Arguments... arguments) : World(arguments...), clock_(clock) {}
+  void updateAabbs() override {
+    clock_.Begin(Phase::kBroad);
+    World::updateAabbs();
+  }
+  void computeOverlappingPairs() override {
+    World::computeOverlappingPairs();
+    clock_.End(Phase::kBroad);
+  }
+
+ protected:
+  PhaseClock& clock_;
+};
+
+class TimedPositionSolver final : public btDefaultSoftBodySolver {
+ public:
+  explicit TimedPositionSolver(PhaseClock& clock) : clock_(clock) {}
+  void predictMotion(btScalar timestep) override {
+    clock_.Begin(Phase::kIntegrate);
+    btDefaultSoftBodySolver::predictMotion(timestep);
+    clock_.End(Phase::kIntegrate);
+  }
+  void solveConstraints(btScalar timestep) override {
+    clock_.Begin(Phase::kSolve);
+    btDefaultSoftBodySolver::solveConstraints(timestep);
+    clock_.End(Phase::kSolve);
+  }
+
+ private:
+  PhaseClock& clock_;
+};
+
+class PositionWorld final : public BulletSoftWorld {
+ public:
+  PositionWorld(PhaseClock& clock, btDispatcher& dispatcher, btBroadphaseInterface& broad_phase,
+                btCollisionConfiguration& configuration, int iterations)
+      : solver_(clock),
+        world_(clock, &dispatcher, &broad_phase, &rigid_solver_, &configuration, &solver_),
+        iterations_(iterations) {}
+
+  btDiscreteDynamicsWorld& world() override { return world_; }
+  btSoftBodyWorldInfo& info() override { return world_.getWorldInfo(); }
+  void Add(btSoftBody& body, const plan::Group& group) override {
+    body.m_materials[0]->m_kLST = static_cast<btScalar>(group.settings.Real("soft.correction"));
+    body.m_cfg.piterations = iterations_;
+    body.m_cfg.collisions = btSoftBody::fCollision::SDF_RS | btSoftBody::fCollision::VF_SS;
+    world_.addSoftBody(&body);
+  }
+
+ private:
+  btSequentialImpulseConstraintSolver rigid_solver_;
+  TimedPositionSolver solver_;
+  TimedBroad<btSoftRigidDynamicsWorld> world_;
+  const int iterations_;
+};
+
+class TimedSpringWorld final : public TimedBroad<btDeformableMultiBodyDynamicsWorld> {
+ public:
+  template <typename... Arguments>
+  explicit TimedSpringWorld(PhaseClock& clock, Arguments... arguments)
+      : TimedBroad(clock, arguments...) {
+    // Bullet calls it before and after it solves.
+    setSolverCallback([](btScalar, btDeformableMultiBodyDynamicsWorld* world) {
+      static_cast<TimedSpringWorld*>(world)->StampSolver();
+    });
+  }
+  void predictUnconstraintMotion(btScalar timestep) override {
+    clock_.Begin(Phase::kIntegrate);
+    btDeformableMultiBodyDynamicsWorld::predictUnconstraintMotion(timestep);
+    clock_.End(Phase::kIntegrate);
+  }
+
+ protected:
+  void integrateTransforms(btScalar timestep) override {
+    clock_.Begin(Phase::kIntegrate);
+    btDeformableMultiBodyDynamicsWorld::integrateTransforms(timestep);
+    clock_.End(Phase::kIntegrate);
+  }
+
+ private:
+  void StampSolver() {
+    is_solving_ = !is_solving_;
+    if (is_solving_) {
+      clock_.Begin(Phase::kSolve);
+    } else {
+      clock_.End(Phase::kSolve);
+    }
+  }
+
+  bool is_solving_ = false;
+};
+
+class SpringWorld final : public BulletSoftWorld {
+ public:
+  SpringWorld(PhaseClock& clock, btDispatcher& dispatcher, btBroadphaseInterface& broad_phase,
+              btCollisionConfiguration& configuration, const btVector3& gravity)
+      : world_(clock, &dispatcher, &broad_phase, &contact_solver_, &configuration, &solver_),
+        gravity_(gravity) {
+    contact_solver_.setDeformableSolver(&solver_);
+    gravity_.setIndices(solver_.getIndices());
+    solver_.getLagrangianForceArray()->push_back(&gravity_);
+  }
+
+  btDiscreteDynamicsWorld& world() override { return world_; }
+  btSoftBodyWorldInfo& info() override { return world_.getWorldInfo(); }
+  void Add(btSoftBody& body, const plan::Group& group) override {
+    body.m_cfg.collisions = btSoftBody::fCollision::SDF_RD | btSoftBody::fCollision::SDF_RDN |
+                            btSoftBody::fCollision::VF_DD;
+    body.setSelfCollision(group.settings.On("soft.self_collision"));
+    world_.addSoftBody(&body);
+    gravity_.addSoftBody(&body);
+    ForceOf(group).addSoftBody(&body);
+  }
+
+ private:
+  /// Bullet's addForce would keep the stiffness of the first group for all.
+  btDeformableMassSpringForce& ForceOf(const plan::Group& group) {
+    auto& force = forces_[&group];
+    if (force == nullptr) {
+      force = std::make_unique<btDeformableMassSpringForce>(
+          static_cast<btScalar>(group.settings.Real("soft.stiffness")),
+          static_cast<btScalar>(group.settings.Real("soft.damping")), true, 0);
+      force->setIndices(solver_.getIndices());
+      solver_.getLagrangianForceArray()->push_back(force.get());
+    }
+    return *force;
+  }
+
+  btDeformableBodySolver solver_;
+  btDeformableMultiBodyConstraintSolver contact_solver_;
+  TimedSpringWorld world_;
+  btDeformableGravityForce gravity_;
+  std::map<const plan::Group*, std::unique_ptr<btDeformableMassSpringForce>> forces_;
+};
+
+/// m: where sweep and prune counts its steps from.
+double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
+  const double half = scene.world.Real("world.side") / 2;
+  double fastest = 0;
+  for (const ObjectState& object : state.objects)
+    fastest = std::max(fastest, object.linear_velocity.norm());
+  const double seconds =
+      scene.world.Real("timestep") *
+      static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
+  const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
+  return scene.world.WordOr("world.walls") == "all"
+             ? half
+             : std::min(half + flight, std::max(half, analysis::kLargestBox));
+}
+
+/// kg: of each node, for a body of mass 1.
+std::vector<double> MassShares(const analysis::SoftMesh& mesh) {
+  std::vector<double> shares(mesh.NodeCount(), 0.0);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t node : triangle)
+      shares[node] += 1 / (3 * static_cast<double>(mesh.triangles.size()));
+  if (!mesh.triangles.empty()) return shares;
+  for (const auto& link : mesh.links)
+    for (const std::uint32_t node : link)
+      shares[node] += 1 / (2 * static_cast<double>(mesh.links.size()));
+  return shares;
+}
+
+}  // namespace
+
+void PhaseClock::Begin(Phase phase) {
+  if (is_on_) begin_[protocol::IndexOf(phase)] = world::Now();
+}
+
+void PhaseClock::End(Phase phase) {
+  if (is_on_) spent_[protocol::IndexOf(phase)] += world::Now() - begin_[protocol::IndexOf(phase)];
+}
+
+std::array<double, protocol::kPhaseCount> PhaseClock::Durations() const {
+  std::array<double, protocol::kPhaseCount> durations = {};
+  for (std::size_t i = 0; i < durations.size(); ++i) durations[i] = static_cast<double>(spent_[i]);
+  durations[protocol::IndexOf(Phase::kDetect)] =
+      durations[protocol::IndexOf(Phase::kBroad)] + durations[protocol::IndexOf(Phase::kNarrow)];
+  return durations;
+}
+
+SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
+    : scene_(scene),
+      state_(std::move(state)),
+      timestep_(static_cast<btScalar>(scene.world.Real("timestep"))),
+      side_(scene.world.Real("world.side")),
+      has_springs_(scene.world.WordOr("soft_world") == "springs"),
+      configuration_(std::make_unique<btSoftBodyRigidBodyCollisionConfiguration>()),
+      dispatcher_(std::make_unique<TimedDispatcher>(configuration_.get(), clock_)) {
+  layouts::CheckRange(scene_, state_);
+  if (scene_.world.Lists("record", "timing")) clock_.Enable();
+  const auto reach = static_cast<btScalar>(Reach(scene_, state_));
+  const btVector3 corner(reach, reach, reach), gravity = ToBullet(state_.acceleration);
+  broad_phase_ = detection::MakeBroadPhase({.detector = scene_.world.WordOr("detector"),
+                                            .bodies = state_.objects.size() + omissions::kWallCount,
+                                            .lower = -corner,
+                                            .upper = corner});
+  if (has_springs_) {
+    world_ = std::make_unique<SpringWorld>(clock_, *dispatcher_, *broad_phase_, *configuration_,
+                                           gravity);
+  } else {
+    world_ =
+        std::make_unique<PositionWorld>(clock_, *dispatcher_, *broad_phase_, *configuration_,
+                                        static_cast<int>(scene_.world.Count("solver.iterations")));
+  }
+  btDiscreteDynamicsWorld& world = world_->world();
+  world.setGravity(gravity);
+  world.getSolverInfo().m_numIterations = static_cast<int>(scene_.world.Count("solver.iterations"));
+  world.getDispatchInfo().m_deterministicOverlappingPairs =
+      scene_.world.WordOr("pair_order") == "sorted";
+  btSoftBodyWorldInfo& info = world_->info();
+  info.m_gravity = gravity;
+  if (const auto* cell = schema::AsNumber(scene_.world.Get("soft_cell")))
+    info.m_sparsesdf.setDefaultVoxelsz(static_cast<btScalar>(cell->AsReal()));
+  info.m_sparsesdf.Reset();
+  for (std::size_t i = 0; i < state_.objects.size(); ++i) {
+    const ObjectState& object = state_.objects[i];
+    if (object.IsFixed()) {
+      MakeFixed(object, i);
+    } else {
+      MakeSoft(object, i);
+    }
+  }
+  const std::uint8_t standing = omissions::StandingWalls(scene_);
+  for (int wall = 0; wall < omissions::kWallCount; ++wall)
+    if ((standing & 1 << wall) != 0) MakeWall(wall);
+}
+
+// Bullet searches all pairs for each body that it removes.
+SoftWorld::~SoftWorld() {
+  for (const SoftObject& one : bodies_) world_->world().removeCollisionObject(one.body.get());
+  for (const auto& body : fixed_) world_->world().removeRigidBody(body.get());
+  for (const auto& body : walls_) world_->world().removeRigidBody(body.get());
+}
+
+void SoftWorld::Step() {
+  btDiscreteDynamicsWorld& world = world_->world();
+  clock_.Reset();
+  clock_.Begin(Phase::kStep);
+  world.stepSimulation(timestep_, 1, timestep_);
+  clock_.End(Phase::kStep);
+  if (++steps_ % kCollectEvery == 0) world_->info().m_sparsesdf.GarbageCollect(1);
+}
+
+std::size_t SoftWorld::ContactCount() const {
+  std::size_t count = 0;
+  for (const SoftObject& one : bodies_) {
+    const btSoftBody& body = *one.body;
+    count +=
+        static_cast<std::size_t>(body.m_rcontacts.size() + body.m_scontacts.size() +
+                                 body.m_nodeRigidContacts.size() + body.m_faceNodeContacts.size());
+  }
+  return count;
+}
+
+void SoftWorld::MakeFixed(const ObjectState& object, std::size_t index) {
+  btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"]);
+  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape);
+  const Eigen::Quaterniond& turn = object.pose.orientation;
+  info.m_startWorldTransform.setRotation(
+      {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+       static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
+  info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
+  info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setUserIndex(static_cast<int>(index));
+  world_->world().addRigidBody(body.get());
+  fixed_.push_back(std::move(body));
+}
+
+void SoftWorld::MakeWall(int wall) {
+  const int axis = wall / 2, sign = wall % 2 == 0 ? -1 : 1;
+  const double thickness = omissions::kWallThickness * side_;
+  Vector3d half = Vector3d::Constant(side_ / 2 + thickness), centre = Vector3d::Zero();
+  half[axis] = thickness / 2;
+  centre[axis] = sign * (side_ + thickness) / 2;
+  wall_shapes_.push_back(std::make_unique<btBoxShape>(ToBullet(half)));
+  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, wall_shapes_.back().get());
+  info.m_startWorldTransform.setOrigin(ToBullet(centre));
+  info.m_friction = static_cast<btScalar>(scene_.world.Real("world.wall_friction"));
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setUserIndex(static_cast<int>(state_.objects.size()) + wall);
+  world_->world().addRigidBody(body.get());
+  walls_.push_back(std::move(body));
+}
+
+void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
+  const plan::Group& group = scene_.groups[object.group];
+  SoftObject one{index, nullptr, analysis::MeshOf(group.settings.Get("type")), {}, {}, 0};
+  const std::size_t count = one.mesh.NodeCount();
+  const double margin = object.numbers["margin"];
+  one.masses = MassShares(one.mesh);
+  for (double& mass : one.masses) mass *= object.mass;
+  for (const std::uint32_t node : analysis::PinnedNodes(group)) one.masses[node] = 0;
+  const std::vector<Vector3d> places = layouts::NodesAbout(scene_, object);
+  btAlignedObjectArray<btVector3> points;
+  btAlignedObjectArray<btScalar> masses;
+  for (std::size_t node = 0; node < count; ++node) {
+    points.push_back(ToBullet(object.pose.position + places[node]));
+    masses.push_back(static_cast<btScalar>(one.masses[node]));
+  }
+  one.body = std::make_unique<btSoftBody>(&world_->info(), static_cast<int>(count), &points[0],
+                                          &masses[0]);
+  btSoftBody& body = *one.body;
+  for (const auto& [a, b] : one.mesh.links) {
+    body.appendLink(static_cast<int>(a), static_cast<int>(b), body.m_materials[0]);
+    one.rest.push_back((places[a] - places[b]).norm());
+  }
+  for (const auto& [a, b, c] : one.mesh.triangles)
+    body.appendFace(static_cast<int>(a), static_cast<int>(b), static_cast<int>(c));
+  body.getCollisionShape()->setMargin(static_cast<btScalar>(margin));
+  body.m_cfg.kDF = static_cast<btScalar>(object.numbers["friction"]);
+  // Bullet takes the fraction of a step.
+  body.m_cfg.kDP = static_cast<btScalar>(
+      1 - std::pow(1 - object.numbers["linear_damping"], scene_.world.Real("timestep")));
+  for (std::size_t node = 0; node < count; ++node)
+    if (one.masses[node] > 0)
+      body.m_nodes[static_cast<int>(node)].m_v =
+          ToBullet(object.linear_velocity + object.angular_velocity.cross(places[node]));
+  body.setActivationState(DISABLE_DEACTIVATION);
+  body.setUserIndex(static_cast<int>(index));
+  if (has_springs_) one.stiffness = group.settings.Real("soft.stiffness");
+  world_->Add(body, group);
+  bodies_.push_back(std::move(one));
+}
+
+std::string StateHash(const SoftWorld& world) {
+  using Bits = std::conditional_t<sizeof(btScalar) == 8, std::uint64_t, std::uint32_t>;
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&](const btVector3& vector) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Bits bits = std::bit_cast<Bits>(vector[axis]);
+      for (std::size_t i = 0; i < sizeof(bits); ++i, bits >>= 8)
+        hash = (hash ^ (bits & 0xff)) * 0x100000001b3;
+    }
+  };
+  for (const SoftObject& one : world.bodies())
+    for (int i = 0; i < one.body->m_nodes.size(); ++i) {
+      add(one.body->m_nodes[i].m_x);
+      add(one.body->m_nodes[i].m_v);
+    }
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace cdb::soft

@@ -1,0 +1,68 @@
+#include "runtime/engine/worker/run_soft.h"
+
+#include <new>
+#include <string>
+#include <utility>
+
+#include "compiler/analysis/pruning.h"
+#include "library/layouts/initial_state.h"
+#include "library/layouts/placement.h"
+#include "runtime/engine/probes/processor_time.h"
+#include "runtime/engine/soft/soft_probes.h"
+#include "runtime/engine/soft/soft_world.h"
+#include "runtime/engine/worker/run_scene.h"
+
+namespace cdb::worker {
+namespace {
+
+/// The time stamps of a step, ns: two for each phase that is stamped.
+double StampsNs() {
+  return MedianNs([] {
+    for (int stamp = 0; stamp < 10; ++stamp) static_cast<void>(world::Now());
+  });
+}
+
+void RunCycles(const plan::Scene& scene, soft::SoftWorld& world, protocol::Recording& recording) {
+  soft::SoftProbes probes(scene, world, recording);
+  for (std::uint64_t i = 0; i < scene.world.Count("warmup"); ++i) world.Step();
+  probes.Begin();
+  const probes::ProcessorTime processor_time;
+  for (std::uint64_t cycle = 0; cycle < scene.world.Count("cycles"); ++cycle) {
+    world.Step();
+    probes.Record(cycle);
+    recording.header().cycles_done.store(cycle + 1, std::memory_order_release);
+  }
+  processor_time.Store(recording.header().scalars);
+}
+
+}  // namespace
+
+void RunSoft(const plan::Run& run, protocol::Recording& recording) {
+  protocol::RecordingHeader& header = recording.header();
+  probes::BeginHeap();
+  try {
+    const std::int64_t place_begin = world::Now();
+    layouts::InitialState state = layouts::DrawObjects(run.scene);
+    header.scalars.fill_fraction = state.fill_fraction;
+    layouts::Place(run.scene, state);
+    probes::BeginPeak();
+    const std::int64_t build_begin = world::Now();
+    header.scalars.place_ns = static_cast<double>(build_begin - place_begin);
+    soft::SoftWorld world(run.scene, std::move(state));
+    header.scalars.build_ns = static_cast<double>(world::Now() - build_begin);
+    header.decisions = analysis::DecisionsText(analysis::AnalysePruning(run.scene));
+    header.scalars.harness_ns = StampsNs();
+    RunCycles(run.scene, world, recording);
+    header.state_hash = soft::StateHash(world);
+    header.scalars.peak_rss_bytes = probes::PeakRssBytes();
+    header.outcome.store(protocol::WorkerOutcome::kDone, std::memory_order_release);
+  } catch (const std::bad_alloc&) {
+    header.is_out_of_memory.store(1, std::memory_order_relaxed);
+    ReportFailure(recording,
+                  std::string(protocol::kOutOfMemory) + "; fewer nodes or fewer cycles need less");
+  } catch (const std::exception& error) {
+    ReportFailure(recording, error.what());
+  }
+}
+
+}  // namespace cdb::worker

@@ -1,0 +1,198 @@
+#include "compiler/analysis/soft.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "compiler/analysis/coverage.h"
+#include "dsl/diagnostics.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+schema::Value Cloth(std::uint64_t columns, std::uint64_t rows) {
+  return schema::Call{"cloth", {schema::Number(columns), schema::Number(rows)}};
+}
+
+TEST(SoftMesh, RopeIsAChain) {
+  const analysis::SoftMesh mesh =
+      analysis::MeshOf(schema::Call{"rope", {schema::Number(std::uint64_t{3})}});
+  EXPECT_EQ(mesh.NodeCount(), 4u);
+  EXPECT_TRUE(mesh.triangles.empty());
+  EXPECT_THAT(mesh.links, ElementsAre(std::array{0u, 1u}, std::array{1u, 2u}, std::array{2u, 3u}));
+  EXPECT_EQ(mesh.PlaceOf(3), (std::pair{1.0, 0.5}));
+}
+
+// Euler: nodes - links + triangles = 1 for a disc, each link of which has one or two triangles.
+TEST(SoftMesh, ClothIsADisc) {
+  const analysis::SoftMesh mesh = analysis::MeshOf(Cloth(7, 4));
+  EXPECT_EQ(mesh.NodeCount(), 40u);
+  EXPECT_EQ(mesh.triangles.size(), 2u * 7 * 4);
+  EXPECT_EQ(mesh.NodeCount() + mesh.triangles.size(), mesh.links.size() + 1);
+  std::set<std::set<std::uint32_t>> links;
+  for (const auto& [a, b] : mesh.links) EXPECT_TRUE(links.insert({a, b}).second);
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    for (const auto& link : {std::set{a, b}, std::set{b, c}, std::set{c, a}})
+      EXPECT_TRUE(links.contains(link));
+    const auto at = [&](std::uint32_t node) {
+      const auto [x, z] = mesh.PlaceOf(node);
+      return Eigen::Vector2d(x, z);
+    };
+    const Eigen::Vector2d ab = at(b) - at(a), ac = at(c) - at(a);
+    const double twice = ab.x() * ac.y() - ab.y() * ac.x();
+    EXPECT_LT(twice, 0);  // all have the same orientation
+    area -= twice / 2;
+  }
+  EXPECT_NEAR(area, 1, 1e-12);
+}
+
+compiler::Compilation Compiled(const std::string& statements) {
+  return CompileText("benchmark b { " + statements + " }");
+}
+
+plan::Scene SceneOf(const std::string& statements) {
+  const compiler::Compilation result = Compiled(statements);
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0).runs.at(0).scene;
+}
+
+constexpr const char* kWorld = "world { side 10; wall_shape box } ";
+
+TEST(Soft, PinsAreNamedByTheSides) {
+  const auto pinned = [](const std::string& type, const std::string& pins) {
+    const plan::Scene scene = SceneOf(std::string(kWorld) + "objects { quantity 1; size 1; type " +
+                                      type + "; soft { pin " + pins + " } }");
+    return analysis::PinnedNodes(scene.groups[0]);
+  };
+  EXPECT_THAT(pinned("rope(segments: 5)", "none"), ElementsAre());
+  EXPECT_THAT(pinned("rope(segments: 5)", "left"), ElementsAre(0));
+  EXPECT_THAT(pinned("rope(segments: 5)", "right"), ElementsAre(5));
+  EXPECT_THAT(pinned("rope(segments: 5)", "ends"), ElementsAre(0, 5));
+  EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "back"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "front"), ElementsAre(3, 4, 5));
+  EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "corners"), ElementsAre(0, 2, 3, 5));
+  EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "left, right"), ElementsAre(0, 2, 3, 5));
+}
+
+TEST(Soft, NodesAreCounted) {
+  EXPECT_EQ(analysis::NodeCount(SceneOf("objects { quantity 3 }")), 0u);
+  EXPECT_EQ(analysis::NodeCount(SceneOf(
+                std::string(kWorld) +
+                "objects a { quantity 3; size 1; type rope(segments: 4) } objects b { quantity 2; "
+                "size 1; type cloth(columns: 2, rows: 3) } objects c { quantity 1; mass fixed }")),
+            3u * 5 + 2 * 12);
+}
+
+TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
+  struct Case {
+    const char *statements, *message;
+  };
+  constexpr Case kCases[] = {
+      {"detector grid", "'grid' does not know soft bodies"},
+      {"narrow_phase batch", "'batch' does not know soft bodies"},
+      {"contact faithful", "'contact' has no meaning"},
+      {"solver.erp 0.5", "'solver.erp' has no meaning"},
+      {"solver.warm_start 0", "'solver.warm_start' has no meaning"},
+      {"accuracy { metrics energy }", "'accuracy.metrics' has no meaning"},
+      {"expect rest", "whether soft bodies rest is not judged"},
+      {"expect energy", "whether soft bodies keep their energy is not judged"},
+      {"record poses", "'poses' cannot be recorded with soft bodies"},
+      {"record boxes", "'boxes' cannot be recorded with soft bodies"},
+      {"record contacts", "'contacts' cannot be recorded with soft bodies"},
+      {"record pairs", "'pairs' cannot be recorded with soft bodies"},
+      {"acceleration every(5, (0, -9, 0))", "schedules do not reach"},
+      {"omit solver", "'solver' cannot be omitted"},
+      {"queries { count 5 }", "queries do not know soft bodies"},
+      {"objects ball { quantity 1 }", "other objects must be fixed"},
+      {"objects ball { quantity 1; mass kinematic; linear_velocity (1, 0, 0) }",
+       "other objects must be fixed"},
+      {"objects torus { quantity 1; mass fixed; type torus }", "must be convex"},
+      {"objects ball { quantity 1; mass fixed; soft { pin left } }", "ball has none"},
+      {"objects s { restitution 0.5 }", "'restitution' has no meaning"},
+      {"objects s { rolling_friction 0.5 }", "'rolling_friction' has no meaning"},
+      {"objects s { angular_damping 0.5 }", "'angular_damping' has no meaning"},
+      {"objects s { ccd on }", "'ccd' has no meaning"},
+      {"objects s { contact_stiffness 10 }", "'contact_stiffness' has no meaning"},
+      {"objects s { links { type ball } }", "'links.type' has no meaning"},
+      {"objects s { collides_with none }", "'collides_with' has no meaning"},
+      {"objects s { mass fixed }", "the mass of a soft body is a number"},
+      {"objects s { mass uniform(1, 2) }", "the mass of a soft body is a number"},
+      {"objects s { mass density(5) }", "the mass of a soft body is a number"},
+      {"objects s { location pile }", "'pile' does not place soft bodies"},
+      {"objects s { aspect 1 : 2 : 1 }", "as thick as two margins"},
+      {"objects s { soft { pin back } }", "a rope has no 'back'"},
+      {"objects s { linear_velocity every(5, (0, 1, 0)) }", "schedules do not reach"},
+      {"objects s { soft { stiffness 10 } }", "'soft.stiffness' has a meaning only with"},
+      {"objects s { soft { damping 10 } }", "'soft.damping' has a meaning only with"},
+      {"soft_world springs; objects s { soft { correction 0.5 } }",
+       "'soft.correction' has a meaning only with"},
+      {"soft_world springs; objects s { linear_damping 0.5 }",
+       "'linear_damping' has a meaning only with"},
+      {"soft_world springs; objects s { soft { self_collision on } }", "ropes have no faces"},
+  };
+  const std::string base =
+      std::string(kWorld) + "objects s { quantity 1; size 1; type rope(segments: 3) } ";
+  ASSERT_FALSE(Compiled(base).diagnostics.has_errors()) << dsl::Render(Compiled(base).diagnostics);
+  for (const Case& one : kCases) {
+    const compiler::Compilation result = Compiled(base + one.statements);
+    EXPECT_TRUE(result.diagnostics.has_errors()) << one.statements;
+    EXPECT_THAT(dsl::Render(result.diagnostics), HasSubstr(one.message)) << one.statements;
+  }
+}
+
+TEST(Soft, RefusesOtherTypesSizesAndPlanes) {
+  struct Case {
+    const char *statements, *message;
+  };
+  constexpr Case kCases[] = {
+      {"objects { quantity 1; size 1; type rope(segments: 3) }", "prisms"},
+      {"world.walls none; objects { quantity 1; type rope(segments: 3); size uniform(1, 2) }",
+       "the size of a soft body is a number"},
+      {"world.walls none; objects { quantity 1; size 1; type any(rope(segments: 3), sphere) }",
+       "one type"},
+  };
+  for (const Case& one : kCases)
+    EXPECT_THAT(dsl::Render(Compiled(one.statements).diagnostics), HasSubstr(one.message));
+}
+
+TEST(Soft, RefusesTheirSettingsWithoutThem) {
+  for (const char* statements :
+       {"soft_world springs", "soft_cell 0.1", "record vertices", "objects { soft { pin ends } }",
+        "objects { soft { stiffness 5 } }"}) {
+    const compiler::Compilation result =
+        Compiled(std::string("objects { quantity 1 } ") + statements);
+    EXPECT_TRUE(result.diagnostics.has_errors()) << statements;
+    EXPECT_THAT(dsl::Render(result.diagnostics), HasSubstr("soft bodies")) << statements;
+  }
+}
+
+TEST(Soft, EveryOpenQuestionIsNamed) {
+  const analysis::Coverage coverage = analysis::CoverageOf(
+      SceneOf(std::string(kWorld) +
+              "objects s { quantity 1; size 1; type rope(segments: 3) } objects ground { quantity "
+              "2; type cuboid; mass fixed }"));
+  EXPECT_EQ(analysis::CheckedText(coverage), "stretch");
+  std::set<std::string_view> open;
+  for (const analysis::Coverage::Open& one : coverage.unchecked) {
+    open.insert(one.question->name);
+    EXPECT_THAT(one.why, HasSubstr("soft bodies"));
+  }
+  EXPECT_EQ(open, (std::set<std::string_view>{"energy", "losses", "passing", "edges", "friction",
+                                              "impacts"}));
+  EXPECT_FALSE(analysis::IsChecked(
+      analysis::Question::kStretch,
+      SceneOf(std::string(kWorld) +
+              "soft_world springs; objects { quantity 1; size 1; type rope(segments: 3) }")));
+  // And in no other scene.
+  EXPECT_FALSE(
+      analysis::IsChecked(analysis::Question::kStretch, SceneOf("objects { quantity 1 }")));
+}
+
+}  // namespace
+}  // namespace cdb::tests

@@ -1,0 +1,61 @@
+// Scenes with soft bodies, run in this process.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+
+#include "dsl/diagnostics.h"
+#include "library/layouts/initial_state.h"
+#include "library/layouts/placement.h"
+#include "runtime/engine/soft/soft_probes.h"
+#include "runtime/engine/soft/soft_world.h"
+#include "runtime/engine/worker/run_soft.h"
+#include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/engine.h"
+#include "runtime/protocol/recording.h"
+#include "tests/support/compile_text.h"
+
+namespace cdb::tests {
+
+/// The first run of a benchmark, in the engine's precision.
+inline plan::Run SoftRun(const std::string& statements) {
+  const compiler::Compilation result =
+      CompileText("benchmark b { " + statements + "; precision " + world::EnginePrecision() + " }");
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  return result.plans.at(0).runs.at(0);
+}
+
+inline soft::SoftWorld MakeSoftWorld(const plan::Run& run) {
+  layouts::InitialState state = layouts::DrawObjects(run.scene);
+  layouts::Place(run.scene, state);
+  return soft::SoftWorld(run.scene, std::move(state));
+}
+
+/// The recording of a run in this process.
+inline protocol::Recording RecordSoft(const plan::Run& run) {
+  protocol::Recording recording = protocol::Recording::Create(run.scene);
+  worker::RunSoft(run, recording);
+  EXPECT_EQ(recording.header().outcome.load(), protocol::WorkerOutcome::kDone)
+      << recording.header().message.str();
+  return recording;
+}
+
+inline Eigen::Vector3d NodeAt(const soft::SoftWorld& world, int node, std::size_t body = 0) {
+  return world::ToEigen(world.bodies()[body].body->m_nodes[node].m_x);
+}
+inline Eigen::Vector3d NodeVelocity(const soft::SoftWorld& world, int node, std::size_t body = 0) {
+  return world::ToEigen(world.bodies()[body].body->m_nodes[node].m_v);
+}
+
+/// kg m/s.
+inline Eigen::Vector3d MomentumOf(const soft::SoftWorld& world) {
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  for (const soft::SoftObject& one : world.bodies())
+    for (std::size_t i = 0; i < one.masses.size(); ++i)
+      momentum += one.masses[i] * world::ToEigen(one.body->m_nodes[static_cast<int>(i)].m_v);
+  return momentum;
+}
+
+}  // namespace cdb::tests
