@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/soft.h"
 #include "dsl/diagnostics.h"
 #include "dsl/text/utf8.h"
 #include "runtime/cli/options/inputs.h"
@@ -232,6 +233,11 @@ options::ExitStatus View(const ViewArguments& arguments) {
         recording.cycles.empty() ? "the start" : fmt::format("{} frames", recording.FrameCount())));
     for (const std::string& notice : recording.notices) terminal::Say("  " + notice + "\n");
   }
+  if (!arguments.gltf.empty() && analysis::HasSoft(recordings[0].scene))
+    throw options::CommandError(
+        fmt::format("--gltf {}: the file would lack the soft bodies of this scene, as it moves "
+                    "rigid parts alone; use the page: cdb view -o scene.html",
+                    arguments.gltf));
   if (!arguments.gltf.empty())
     Write(arguments.gltf, view::SceneGlb(recordings[0]), "open it in a program that reads glTF");
   if (arguments.gltf.empty() || !arguments.out.empty()) WritePage(arguments, recordings);

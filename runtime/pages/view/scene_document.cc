@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/soft.h"
 
 namespace cdb::view {
 namespace {
@@ -50,6 +51,7 @@ void AddBodies(const SceneRecording& recording, Json& run) {
     const auto& compound = object.solid.compound;
     radii.push_back(object.solid.OuterRadius() +
                     (compound != nullptr ? compound->OriginToCentre().norm() : 0));
+    if (analysis::IsSoft(recording.scene.groups[object.group])) continue;  // drawn by its nodes
     for (const Part& part : tessellation.PartsOf(object.solid)) {
       part_bodies.push_back(static_cast<std::int32_t>(i));
       part_meshes.push_back(static_cast<std::int32_t>(part.mesh));
@@ -67,6 +69,29 @@ void AddBodies(const SceneRecording& recording, Json& run) {
   run["parts"] = {{"body", PackInts(part_bodies)},
                   {"mesh", PackInts(part_meshes)},
                   {"place", PackFloats(places)}};
+}
+
+void AddSoft(const SceneRecording& recording, Json& run) {
+  if (!analysis::HasSoft(recording.scene)) return;
+  Json bodies = Json::array();
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < recording.ObjectCount(); ++i) {
+    const plan::Group& group = recording.scene.groups[recording.state.objects[i].group];
+    if (!analysis::IsSoft(group)) continue;
+    const analysis::SoftMesh mesh = analysis::MeshOf(group.settings.Get("type"));
+    std::vector<std::int32_t> triangles, links;
+    for (const auto& triangle : mesh.triangles)
+      triangles.insert(triangles.end(), triangle.begin(), triangle.end());
+    for (const auto& link : mesh.links) links.insert(links.end(), link.begin(), link.end());
+    bodies.push_back({{"body", i},
+                      {"first", first},
+                      {"count", mesh.NodeCount()},
+                      {"triangles", PackInts(triangles)},
+                      {"links", PackInts(links)}});
+    first += mesh.NodeCount();
+  }
+  run["soft"] = {
+      {"nodes", first}, {"position", PackFloats(recording.nodes)}, {"bodies", std::move(bodies)}};
 }
 
 void AddFrames(const SceneRecording& recording, Json& run) {
@@ -145,6 +170,7 @@ Json RunOf(const SceneRecording& recording) {
     run["groups"].push_back({{"name", group.name}, {"quantity", group.settings.Count("quantity")}});
   AddBodies(recording, run);
   AddFrames(recording, run);
+  AddSoft(recording, run);
   run["boxes"] = recording.boxes.empty() ? Json() : Json(PackFloats(recording.boxes));
   run["contacts"] = recording.has_contacts ? ContactsOf(recording) : Json();
   run["durations"] = SeriesOf(recording.durations);

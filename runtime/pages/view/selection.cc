@@ -11,10 +11,12 @@
 #include <set>
 
 #include "compiler/analysis/reference.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/exact_layouts.h"
+#include "library/layouts/soft_nodes.h"
 #include "runtime/figures/points.h"
 #include "runtime/pages/view/scene_document.h"
 #include "runtime/terminal/table.h"
@@ -100,9 +102,19 @@ void RequireBodies(const plan::Scene& scene) {
         "a run on a trace has boxes and no bodies: view the run that the trace was recorded from");
 }
 
+/// The word of `record` that shows how the scene moves.
+std::string_view MotionWord(const plan::Scene& scene) {
+  return analysis::HasSoft(scene) ? "vertices" : "poses";
+}
+
 /// Places the objects, for a recording without poses.
 void Start(SceneRecording& recording) {
   recording.state = layouts::MakeInitialState(recording.scene);
+  for (const layouts::ObjectState& object : recording.state.objects)
+    if (analysis::IsSoft(recording.scene.groups[object.group]))
+      for (const Eigen::Vector3d& node : layouts::NodesAbout(recording.scene, object))
+        for (const double value : Eigen::Vector3d(object.pose.position + node))
+          recording.nodes.push_back(value);
   for (const layouts::ObjectState& object : recording.state.objects) {
     const auto [p, q] = objects::OriginOf(object.solid, object.pose);
     for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
@@ -214,24 +226,19 @@ class FrameReader {
   std::pair<std::uint64_t, std::vector<double>> last_[2] = {{~0ULL, {}}, {~0ULL, {}}};
 };
 
-void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const FrameChoice& choice,
-                SceneRecording& recording) {
+/// The last cycle of the frames; throws for cycles that did not run.
+std::uint64_t LastCycle(const FrameChoice& choice, const SceneRecording& recording) {
   if (choice.first >= recording.n_cycles || choice.last.value_or(choice.first) < choice.first ||
       choice.last.value_or(0) >= recording.n_cycles)
     throw StoreError(fmt::format("--cycles {}..{}: the cycles of the run are 0 to {}", choice.first,
                                  choice.last ? fmt::format("{}", *choice.last) : "",
                                  recording.n_cycles - 1));
-  const std::uint64_t last = choice.last.value_or(recording.n_cycles - 1);
-  recording.state = layouts::DrawObjects(recording.scene);
-  const auto& record = recording.scene.world.Words("record");
-  const auto records = [&](const char* word) {
-    return std::ranges::find(record, word) != record.end();
-  };
-  const bool has_boxes = records("boxes");
-  recording.has_contacts = records("contacts") && file.Has("contact_first");
-  FrameReader reader(file, cell, recording);
-  const double bytes =
-      reader.BytesPerFrame(has_boxes) * static_cast<double>(last - choice.first + 1);
+  return choice.last.value_or(recording.n_cycles - 1);
+}
+
+void ChooseStep(double bytes_per_frame, const FrameChoice& choice, std::uint64_t last,
+                SceneRecording& recording) {
+  const double bytes = bytes_per_frame * static_cast<double>(last - choice.first + 1);
   const auto fitting = static_cast<std::uint64_t>(
       std::max(1.0, std::ceil(bytes / static_cast<double>(choice.budget_bytes))));
   recording.every = choice.every.value_or(fitting);
@@ -240,9 +247,62 @@ void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const Fram
         fmt::format("One cycle in {} is shown, of {} to {}: with all of them the page would be too "
                     "large; --cycles A..B shows a part of the run in finer steps.",
                     recording.every, choice.first, last));
+}
+
+void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const FrameChoice& choice,
+                SceneRecording& recording) {
+  const std::uint64_t last = LastCycle(choice, recording);
+  recording.state = layouts::DrawObjects(recording.scene);
+  const auto& record = recording.scene.world.Words("record");
+  const auto records = [&](const char* word) {
+    return std::ranges::find(record, word) != record.end();
+  };
+  const bool has_boxes = records("boxes");
+  recording.has_contacts = records("contacts") && file.Has("contact_first");
+  FrameReader reader(file, cell, recording);
+  ChooseStep(reader.BytesPerFrame(has_boxes), choice, last, recording);
   for (std::uint64_t cycle = choice.first; cycle <= last; cycle += recording.every) {
     recording.cycles.push_back(cycle);
     reader.Read(cycle, has_boxes);
+  }
+}
+
+/// Adds the pose of each object in a frame: of a soft body, the middle of its nodes, not turned.
+void AddSoftPoses(std::span<const double> nodes, SceneRecording& recording) {
+  std::size_t at = 0;
+  for (const layouts::ObjectState& object : recording.state.objects) {
+    const plan::Group& group = recording.scene.groups[object.group];
+    auto [p, q] = objects::OriginOf(object.solid, object.pose);
+    if (analysis::IsSoft(group)) {
+      const std::size_t count = analysis::MeshOf(group.settings.Get("type")).NodeCount();
+      p.setZero();
+      for (std::size_t node = 0; node < count; ++node, at += 3)
+        p += Eigen::Vector3d(nodes[at], nodes[at + 1], nodes[at + 2]) / static_cast<double>(count);
+      q.setIdentity();
+    }
+    for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
+      recording.poses.push_back(value);
+    recording.unmoved.push_back(0);
+  }
+}
+
+/// The same for a run with soft bodies, from `record vertices`.
+void ReadSoftFrames(const ResultFile& file, const ResultFile::Cell& cell, const FrameChoice& choice,
+                    SceneRecording& recording) {
+  const std::uint64_t last = LastCycle(choice, recording);
+  recording.state = layouts::MakeInitialState(recording.scene);
+  const std::size_t count = 3 * analysis::NodeCount(recording.scene);
+  ChooseStep(
+      static_cast<double>(kCoordinateBytes * count + kPoseBytes * recording.state.objects.size()),
+      choice, last, recording);
+  for (std::uint64_t cycle = choice.first; cycle <= last; cycle += recording.every) {
+    recording.cycles.push_back(cycle);
+    const std::vector<double> nodes = file.ReadCycle("vertex_positions", cell, cycle);
+    if (nodes.size() < count)
+      throw StoreError("its vertices have fewer nodes than its plan: run it again");
+    AddSoftPoses(nodes, recording);
+    recording.nodes.insert(recording.nodes.end(), nodes.begin(),
+                           nodes.begin() + static_cast<std::ptrdiff_t>(count));
   }
 }
 
@@ -340,6 +400,11 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   }
   ReadAllSeries(file, cell, recording);
   ReadErrors(file, cell, recording);
+  const bool is_soft = analysis::HasSoft(run.scene);
+  if (is_soft && run.scene.world.Lists("record", "vertices") && recording.n_cycles > 0) {
+    ReadSoftFrames(file, cell, choice, recording);
+    return recording;
+  }
   if (run.scene.world.Lists("record", "poses") && recording.n_cycles > 0) {
     ReadFrames(file, cell, choice, recording);
     NoteCoarseHeights(recording);
@@ -347,15 +412,16 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   }
   if (choice.first != 0 || choice.last || choice.every)
     throw StoreError(
-        "--cycles and --every need poses, but it has none: run it again with `record timing, "
-        "counts, poses`");
+        fmt::format("--cycles and --every need {0}, but it has none: run it again with `record "
+                    "timing, counts, {0}`",
+                    MotionWord(run.scene)));
   recording.notices.push_back(
       recording.n_cycles == 0
           ? fmt::format("This run is {} and has no cycles: the start of its scene is shown.",
                         results::StatusName(recording.status))
-          : std::string(
-                "This run has no poses: the start of its scene is shown. To see it move, add "
-                "`poses` to `record`, as in `record timing, counts, poses`, and run it again."));
+          : fmt::format("This run has no {0}: the start of its scene is shown. To see it move, add "
+                        "`{0}` to `record`, as in `record timing, counts, {0}`, and run it again.",
+                        MotionWord(run.scene)));
   Start(recording);
   NoteCoarseHeights(recording);
   return recording;
@@ -368,9 +434,10 @@ SceneRecording StartOf(const plan::Plan& plan, const plan::Run& run) {
   recording.title = plan.title;
   recording.name = CellName(plan.axes, plan.repeats, {run.at, run.rep});
   recording.scene = run.scene;
-  recording.notices.emplace_back(
-      "The start of the scene, without a run: `cdb run` with `record timing, counts, poses` "
-      "records how it moves.");
+  recording.notices.push_back(
+      fmt::format("The start of the scene, without a run: `cdb run` with `record timing, counts, "
+                  "{}` records how it moves.",
+                  MotionWord(run.scene)));
   Start(recording);
   NoteCoarseHeights(recording);
   return recording;

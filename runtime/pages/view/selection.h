@@ -57,6 +57,7 @@ struct SceneRecording {
   std::vector<char> unmoved;  ///< (frame, object): the pose is identical to the bit to that of the
                               ///< previous cycle
   std::vector<double> boxes;  ///< (frame, object, 6); empty if not recorded
+  std::vector<double> nodes;  ///< (frame, node, 3) of the soft bodies, in the order of the objects
   bool has_contacts = false;  ///< contacts were recorded
   std::vector<std::vector<protocol::ContactRecord>> contacts;  ///< for each frame
   std::vector<CycleSeries> durations;                          ///< of the phases, ns
@@ -92,6 +93,7 @@ SceneRecording ReadRecording(const results::ResultFile& file, const results::Res
 SceneRecording StartOf(const plan::Plan& plan, const plan::Run& run);
 
 /// Bytes of a frame in a page: for each pose, box and contact (on average).
-inline constexpr std::size_t kPoseBytes = 18, kBoxBytes = 24, kContactBytes = 36;
+inline constexpr std::size_t kPoseBytes = 18, kBoxBytes = 24, kContactBytes = 36,
+                             kCoordinateBytes = 4;
 
 }  // namespace cdb::view

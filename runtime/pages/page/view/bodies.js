@@ -3,6 +3,7 @@ import {
   BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, InstancedBufferAttribute, InstancedMesh, Matrix4,
   MeshLambertMaterial, Quaternion, Vector3,
 } from 'three';
+import { SoftBodies } from './soft.js';
 
 const kPlace = 8; // numbers for each part: scale, rotation, offset along y
 const kPicked = [1, 0, 0.6];
@@ -63,11 +64,14 @@ export class Bodies {
       this.object.add(instances);
       return instances;
     });
+    this.soft = recording.soft && new SoftBodies(recording);
+    if (this.soft) this.object.add(this.soft.object);
   }
 
   show(frame, colours) {
     const { recording } = this;
     const colour = colours.colour(recording, frame);
+    this.soft?.show(frame, colour, this.picked);
     const p = [0, 0, 0], q = [0, 0, 0, 1];
     const at = new Vector3(), scale = new Vector3(), offset = new Vector3();
     const turn = new Quaternion(), local = new Quaternion(), matrix = new Matrix4();
@@ -96,6 +100,8 @@ export class Bodies {
   // The first body that a ray hits; -1 if it hits none.
   pick(ray) {
     const hit = ray.intersectObjects(this.meshes, false)[0];
+    const soft = this.soft?.pick(ray);
+    if (soft && soft.distance < (hit?.distance ?? Infinity)) return soft;
     if (!hit) return { body: -1, distance: Infinity };
     return { body: this.recording.parts.body[hit.object.userData.parts[hit.instanceId]], distance: hit.distance };
   }

@@ -46,6 +46,11 @@ export class Recording {
     this.parts.body.forEach((body, part) => {
       if (this.meshOfBody[body] < 0) this.meshOfBody[body] = this.parts.mesh[part];
     });
+    this.soft = run.soft && {
+      nodes: run.soft.nodes,
+      position: floats(run.soft.position),
+      bodies: run.soft.bodies.map((each) => ({ ...each, triangles: ints(each.triangles), links: ints(each.links) })),
+    };
     this.readContacts(run.contacts);
     this.cache = new Map();
   }

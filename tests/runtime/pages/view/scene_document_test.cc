@@ -171,6 +171,63 @@ TEST(SceneDocument, HasTheErrorsOfARun) {
   EXPECT_GT(error->values[4], error->values[0]);
 }
 
+TEST(SceneDocument, HasTheNodesOfSoftBodies) {
+  const Program program;
+  program.Write("soft.cdb", R"(benchmark soft {
+  cycles 10; world { side 10; walls none }
+  record timing, counts, vertices
+  objects ball { quantity 1; size 2; mass fixed; location at(-3, 0, 0) }
+  objects rope { quantity 1; type rope(segments: 3); size 1; margin 0.01; location at(2, 1, 0) }
+  objects cloth { quantity 1; type cloth(columns: 2, rows: 1); size 1; margin 0.01
+    location at(1, 3, 0) }
+})");
+  const Finished run = program.Run({"run", "-q", "soft.cdb"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const results::ResultFile file(program.folder() / "soft.h5");
+  const view::SceneRecording recording = view::ReadRecording(file, {{}, 0}, {});
+  const json shown = json::parse(view::SceneDocument("soft", {&recording, 1}))["runs"][0];
+  // Only the ball has a mesh.
+  EXPECT_EQ(Unpack<std::int32_t>(shown["parts"]["body"]), std::vector<std::int32_t>{0});
+  const json& soft = shown["soft"];
+  EXPECT_EQ(soft["nodes"], 10);
+  ASSERT_EQ(soft["bodies"].size(), 2u);
+  EXPECT_EQ(soft["bodies"][1]["first"], 4);
+  EXPECT_EQ(Unpack<std::int32_t>(soft["bodies"][0]["links"]),
+            (std::vector<std::int32_t>{0, 1, 1, 2, 2, 3}));
+  EXPECT_EQ(Unpack<std::int32_t>(soft["bodies"][1]["triangles"]).size(), 4u * 3);
+  const auto position = Unpack<float>(soft["position"]);
+  ASSERT_EQ(position.size(), 10u * 10 * 3);
+  const std::vector<double> nodes = file.ReadCycle("vertex_positions", {{}, 0}, 9);
+  for (std::size_t i = 0; i < 30; ++i)
+    EXPECT_EQ(position[9 * 30 + i], static_cast<float>(nodes[i]));
+  // A soft body is where the middle of its nodes is.
+  const auto places = Unpack<float>(shown["frames"]["position"]);
+  EXPECT_NEAR(places[(9 * 3 + 1) * 3], 2, 1e-5);
+  EXPECT_NEAR(places[(9 * 3 + 1) * 3 + 1], nodes[1], 1e-5);
+  EXPECT_EQ(places[9 * 3 * 3], -3);  // the ball
+}
+
+TEST(SceneDocument, ShowsTheStartOfSoftBodies) {
+  const Program program;
+  program.Write("soft.cdb", R"(benchmark soft {
+  world { side 10; walls none }
+  objects { quantity 1; type rope(segments: 2); size 2; location at(2, 1, 0) }
+})");
+  ASSERT_EQ(program.Run({"plan", "soft.cdb", "-o", "soft.yaml"}).status, 0);
+  const plan::Plan plan = yaml::FromYaml(program.Read("soft.yaml"), "soft.yaml");
+  const view::SceneRecording recording = view::StartOf(plan, plan.runs[0]);
+  const json shown = json::parse(view::SceneDocument("soft", {&recording, 1}))["runs"][0];
+  const auto position = Unpack<float>(shown["soft"]["position"]);
+  ASSERT_EQ(position.size(), 9u);
+  for (std::size_t node = 0; node < 3; ++node) {
+    EXPECT_NEAR(position[3 * node], 1 + static_cast<double>(node), 1e-6);
+    EXPECT_EQ(position[3 * node + 1], 1);
+  }
+  const Finished glb = program.Run({"view", "soft.cdb", "--gltf", "soft.glb"});
+  EXPECT_NE(glb.status, 0);
+  EXPECT_THAT(glb.err, HasSubstr("soft bodies"));
+}
+
 // With CDB_UPDATE_GOLDEN=1 in the environment, the file is rewritten instead.
 TEST(SceneDocument, IsAsItWas) {
   const Program program;
