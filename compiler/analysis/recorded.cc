@@ -25,11 +25,11 @@ bool IsRecordedIn(RunKind kind, const schema::Series& series) {
   const schema::OnTraces on_traces = series.on_traces;
   switch (kind) {
     case RunKind::kLive:
-      return on_traces != kNarrowOnly &&
+      return on_traces != kNarrowOnly && on_traces != kBroadOnly &&
              series.on_configurations != schema::OnConfigurations::kOnly &&
              series.on_soft != schema::OnSoft::kOnly;
     case RunKind::kOnBoxes:
-      return on_traces == kBroad || on_traces == kBoth;
+      return on_traces == kBroad || on_traces == kBroadOnly || on_traces == kBoth;
     case RunKind::kOnPairs:
       return on_traces == kNarrow || on_traces == kNarrowOnly || on_traces == kBoth;
     case RunKind::kConfigurations:

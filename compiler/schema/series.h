@@ -123,6 +123,7 @@ enum class OnTraces {
   kNarrow,  ///< those of a narrow phase on recorded pairs
   kBoth,
   kNarrowOnly,  ///< as kNarrow, and no run in a live world
+  kBroadOnly,   ///< as kBroad, and no run in a live world
 };
 
 /// Whether the runs that check configurations record a series.
@@ -252,6 +253,8 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "missed_pairs", .records = "pairs", .type = kInt32, .doc = "exact pairs that the detector did not list", .on_traces = kBroad, .on_configurations = kYes},
     {.name = "phantom_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed although their boxes do not overlap", .on_traces = kBroad, .on_configurations = kYes},
     {.name = "duplicate_pairs", .records = "pairs", .type = kInt32, .doc = "pairs that the detector listed again", .on_traces = kBroad, .on_configurations = kYes},
+    {.name = "exact_collisions", .records = "pairs", .type = kInt32, .doc = "exact pairs of a deforming mesh whose primitives meet: in a step in which each vertex moves along a line, or in the frame; without rounding; no value on the trace of a run", .on_traces = kBroadOnly, .may_be_none = true},
+    {.name = "missed_collisions", .records = "pairs", .type = kInt32, .doc = "exact collisions of pairs that the detector did not list", .on_traces = kBroadOnly, .may_be_none = true},
     {.name = "exact_contacts", .records = "pairs", .type = kInt32, .doc = "overlaps deeper than a ten thousandth of the size of the smaller object, by geometry in double precision", .on_traces = kNarrow, .on_configurations = kYes},
     {.name = "uncompared_contacts", .records = "pairs", .type = kInt32, .doc = "other pairs that may overlap as deeply: the exact depth is not proven, or the cycle has too many and they were not drawn", .on_traces = kNarrow, .on_configurations = kYes},
     {.name = "missed_contacts", .records = "pairs", .type = kInt32, .doc = "exact contacts that the narrow phase did not make", .on_traces = kNarrow, .on_configurations = kYes},

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <utility>
 
+#include "library/exact/collision.h"
 #include "library/scene_error.h"
 
 namespace cdb::deforming {
@@ -94,6 +95,26 @@ void FillBoxes(Primitives primitives, const MeshSequence& sequence, std::span<co
       }
     sides.insert(sides.end(), box.begin(), box.end());
   }
+}
+
+bool Meet(Primitives primitives, const Corners& a, const Corners& b, Vertices from, Vertices to) {
+  if (primitives == Primitives::kTriangles) {
+    const auto triangle = [&](const Corners& corners) {
+      return std::array{from[corners[0]], from[corners[1]], from[corners[2]]};
+    };
+    return exact::TrianglesMeet(triangle(a), triangle(b));
+  }
+  const bool is_a_first = CountOf(a) <= CountOf(b);  // the vertex, of a vertex and a face
+  const Corners &first = is_a_first ? a : b, &second = is_a_first ? b : a;
+  exact::MovingPoints points;
+  std::size_t count = 0;
+  for (const Corners* corners : {&first, &second})
+    for (std::size_t i = 0; i < CountOf(*corners); ++i, ++count) {
+      points.from[count] = from[(*corners)[i]];
+      points.to[count] = to[(*corners)[i]];
+    }
+  return primitives == Primitives::kVertexFace ? exact::VertexMeetsFace(points)
+                                               : exact::EdgesMeet(points);
 }
 
 }  // namespace cdb::deforming

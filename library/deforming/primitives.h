@@ -66,4 +66,11 @@ std::size_t CyclesOf(Primitives primitives, const MeshSequence& sequence);
 void FillBoxes(Primitives primitives, const MeshSequence& sequence, std::span<const Corners> bodies,
                std::size_t cycle, std::vector<double>& sides);
 
+/// The positions of all vertices.
+using Vertices = std::span<const Eigen::Vector3d>;
+/// True if two bodies meet: triangles at `from`; others at some time of the step to `to`, in which
+/// each vertex moves along a line. Exact; touching counts (library/exact/collision.h). The bodies
+/// must be a pair of these primitives.
+bool Meet(Primitives primitives, const Corners& a, const Corners& b, Vertices from, Vertices to);
+
 }  // namespace cdb::deforming

@@ -58,7 +58,9 @@ void AddPairs(const results::ResultFile& file, const Cell& cell, DetectorFinding
   const auto exact = Series(file, cell, "exact_pairs"), missed = Series(file, cell, "missed_pairs"),
              false_positives = Series(file, cell, "phantom_pairs"),
              duplicate = Series(file, cell, "duplicate_pairs"),
-             contacts = Series(file, cell, "missed_contacts");  // a trace has none
+             contacts = Series(file, cell, "missed_contacts"),  // a trace has none
+      collisions = Series(file, cell, "exact_collisions"),
+             missed_collisions = Series(file, cell, "missed_collisions");
   bool is_wrong = false, is_watched = false;
   for (std::uint64_t cycle = 0; cycle < exact.size(); ++cycle) {
     if (!(exact[cycle] >= 0)) continue;
@@ -77,6 +79,13 @@ void AddPairs(const results::ResultFile& file, const Cell& cell, DetectorFinding
     note(findings.missed, missed, findings.first_missed);
     note(findings.duplicate, duplicate, findings.first_duplicate);
     if (cycle < contacts.size() && contacts[cycle] >= 0) add(findings.missed_contacts, contacts);
+    if (cycle < collisions.size() && collisions[cycle] >= 0) {
+      const auto count = [&](std::optional<std::uint64_t>& sum, const std::vector<double>& values) {
+        sum = sum.value_or(0) + static_cast<std::uint64_t>(values[cycle]);
+      };
+      count(findings.collisions, collisions);
+      count(findings.missed_collisions, missed_collisions);
+    }
     is_wrong = is_wrong || missed[cycle] > 0;
   }
   findings.wrong_runs += is_wrong ? 1 : 0;

@@ -33,7 +33,9 @@ struct DetectorFindings {
   std::uint64_t cycles = 0;
   std::uint64_t exact = 0, missed = 0, false_positives = 0, duplicate = 0;
   std::uint64_t missed_contacts = 0;  ///< by any phase
-  std::size_t wrong_runs = 0;         ///< with a missed pair
+  /// Of exact pairs of a deforming mesh; none on other traces and in live worlds.
+  std::optional<std::uint64_t> collisions = {}, missed_collisions = {};
+  std::size_t wrong_runs = 0;  ///< with a missed pair
   std::optional<Place> first_missed, first_duplicate;
   std::size_t failed_runs = 0;  ///< that failed, whatever they recorded
   std::optional<Cell> first_failed;

@@ -361,6 +361,7 @@ class Verified {
       if (of.AllRuns() == 0) continue;
       phases_.push_back(BroadPhase(of));
       if (of.failed_runs == 0 && of.runs > 0) exact_.insert(of.exact);
+      if (of.failed_runs == 0 && of.collisions) collisions_ = std::max(collisions_, of.collisions);
     }
     std::ranges::stable_sort(phases_, {}, &VerifiedPhase::fault);
     std::vector<VerifiedPhase> narrow;
@@ -406,6 +407,9 @@ class Verified {
           "Not compared: {} possible overlaps, whose exact depth is not proven or which were not "
           "among the {} that are drawn in a cycle.",
           uncompared_, protocol::kMostComparedContacts));
+    if (collisions_)
+      below.lines.push_back(
+          fmt::format("Collisions, by exact arithmetic: {} of the pairs.", *collisions_));
     std::vector<std::string>& last = below.lines.empty() ? section.notes : below.lines;
     for (const std::string& line : left_out) last.push_back(fmt::format("Omitted: {}.", line));
     return below.lines.empty() ? Document{section} : Document{section, below};
@@ -438,6 +442,9 @@ class Verified {
                  "-",
                  verdict};
     AddFirst(of.detector, "misses pairs", of.first_missed, phase);
+    if (of.missed_collisions.value_or(0) > 0)
+      phase.below.push_back(fmt::format("{} misses {} of {} collisions", of.detector,
+                                        *of.missed_collisions, *of.collisions));
     AddFirst(of.detector, "lists pairs twice", of.first_duplicate, phase);
     if (of.first_failed)
       AddBelow(fmt::format("{} {} at {}: {}", of.detector,
@@ -488,6 +495,7 @@ class Verified {
   std::vector<VerifiedPhase> phases_;
   std::set<std::uint64_t> exact_;  ///< the numbers of exact pairs of the detectors
   std::uint64_t uncompared_ = 0;
+  std::optional<std::uint64_t> collisions_;  ///< of the pairs of a deforming mesh
 };
 
 }  // namespace

@@ -36,12 +36,28 @@ Id IdOf(const btBroadphaseProxy* proxy) {
 }  // namespace
 
 void RecordPairFaults(const Scene& scene, std::vector<Pair> listed, std::uint64_t cycle,
-                      protocol::Recording& recording, const detectors::PairFilter& asked) {
-  const detectors::PairFaults faults = detectors::ComparePairs(scene, std::move(listed), asked);
+                      protocol::Recording& recording, const detectors::PairFilter& asked,
+                      const detectors::PairFilter& collides) {
+  std::erase_if(listed, [&](const Pair& pair) {
+    return !scene.MayCollide(pair.a, pair.b) || (asked && !asked(pair));
+  });
+  std::ranges::sort(listed);
+  const std::vector<Pair> exact = detectors::ExactPairs(scene, asked);
+  const detectors::PairFaults faults = detectors::ComparePairs(exact, listed);
   const auto put = [&](schema::IntSeries series, std::size_t count) {
     constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
     recording.Put(series, cycle, static_cast<std::int32_t>(std::min(count, kMost)));
   };
+  if (collides) {
+    std::size_t collisions = 0, missed = 0;
+    for (const Pair& pair : exact) {
+      if (!collides(pair)) continue;
+      ++collisions;
+      missed += !std::ranges::binary_search(listed, pair);
+    }
+    put("exact_collisions", collisions);
+    put("missed_collisions", missed);
+  }
   put("exact_pairs", faults.exact);
   put("missed_pairs", faults.missed);
   put("phantom_pairs", faults.false_positives);

@@ -90,9 +90,11 @@ ContactMaker ContactMakerOf(world::Engine& engine, const BodyPair& bodies);
 
 /// Compares a list of pairs with brute force and records the counts of the cycle. The message of
 /// the recording becomes the first pair that any cycle missed. `asked`: as in
-/// library/detectors/exact_pairs.h.
+/// library/detectors/exact_pairs.h. `collides`: whether the bodies of an exact pair collide; none
+/// if only their boxes are known.
 void RecordPairFaults(const Scene& scene, std::vector<Pair> listed, std::uint64_t cycle,
-                      protocol::Recording& recording, const detectors::PairFilter& asked = {});
+                      protocol::Recording& recording, const detectors::PairFilter& asked = {},
+                      const detectors::PairFilter& collides = {});
 
 /// Pairs are compared with brute force, in double, on the boxes of the cycle: the list of a
 /// detector before cdb filters it, or, for Bullet's own broad phases, the pair cache. Contacts are

@@ -48,6 +48,18 @@ class TracedScene {
     return corners.empty() || !deforming::AreNeighbours(corners[pair.a], corners[pair.b]);
   }
 
+  bool IsOfMesh() const { return shape().primitives.has_value(); }
+
+  /// Reads the vertices of a cycle of a deforming mesh, for Meet.
+  void ReadVertices(std::uint64_t cycle) {
+    ReadFrame(cycle, from_);
+    if (deforming::IsSwept(*shape().primitives)) ReadFrame(cycle + 1, to_);
+  }
+  bool Meet(const Pair& pair) const {
+    const auto& corners = trace_.corners();
+    return deforming::Meet(*shape().primitives, corners[pair.a], corners[pair.b], from_, to_);
+  }
+
   void MoveTo(std::uint64_t cycle) {
     const double* side = trace_.Read(cycle).data();
     for (Box& box : boxes_) {
@@ -57,7 +69,15 @@ class TracedScene {
   }
 
  private:
+  void ReadFrame(std::uint64_t frame, std::vector<Eigen::Vector3d>& to) {
+    const std::vector<double> coordinates = trace_.ReadVertices(frame);
+    to.resize(coordinates.size() / 3);
+    for (std::size_t i = 0; i < to.size(); ++i)
+      to[i] = {coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]};
+  }
+
   protocol::TraceReader trace_;
+  std::vector<Eigen::Vector3d> from_, to_;  ///< of a deforming mesh
   std::vector<Box> boxes_;
   std::vector<Filter> filters_;
   Scene scene_;
@@ -136,7 +156,8 @@ class Replay {
     header.scalars.harness_ns = HarnessNs();
   }
 
-  /// Runs the same cycles again with a new detector, and compares its pairs with brute force.
+  /// Runs the same cycles again with a new detector, and compares its pairs with brute force, and,
+  /// on a deforming mesh, with the collisions among these.
   void Judge() {
     if (recording_.Ints("missed_pairs").empty()) return;
     const detection::NamedDetector detector = Prepared();
@@ -146,8 +167,14 @@ class Replay {
       detector.detector->FindPairs(traced_.scene(), pairs_);
       PutInShape(traced_, detector.name, pairs_);
       if (i < warmup_) continue;
-      probes::RecordPairFaults(traced_.scene(), pairs_, i - warmup_, recording_,
-                               [this](const Pair& pair) { return traced_.IsAsked(pair); });
+      detectors::PairFilter collides;
+      if (traced_.IsOfMesh()) {
+        traced_.ReadVertices(i);
+        collides = [this](const Pair& pair) { return traced_.Meet(pair); };
+      }
+      probes::RecordPairFaults(
+          traced_.scene(), pairs_, i - warmup_, recording_,
+          [this](const Pair& pair) { return traced_.IsAsked(pair); }, collides);
     }
   }
 

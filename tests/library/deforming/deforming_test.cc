@@ -188,6 +188,28 @@ TEST(Primitives, MeetWhereTheClothLiesOnItself) {
   }
 }
 
+TEST(Primitives, MeetIfAnyOfTheirPointsDo) {
+  // A vertex goes through a face; an edge crosses another one; triangles do so in the first frame.
+  MeshSequence sequence;
+  sequence.triangles = {{0, 1, 2}, {3, 4, 5}};
+  sequence.frames = {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 1}, {9, 9, 9}, {9, 9, 1}},
+                     {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {9, 9, 9}, {9, 9, -9}}};
+  const auto meet = [&](Primitives primitives, const Corners& a, const Corners& b) {
+    const auto &from = sequence.frames[0], &to = sequence.frames[1];
+    const bool is_met = deforming::Meet(primitives, a, b, from, to);
+    EXPECT_EQ(deforming::Meet(primitives, b, a, from, to), is_met);
+    return is_met;
+  };
+  const Corners vertex = {3, kNoCorner, kNoCorner}, other = {4, kNoCorner, kNoCorner};
+  EXPECT_TRUE(meet(Primitives::kVertexFace, vertex, {0, 1, 2}));
+  EXPECT_FALSE(meet(Primitives::kVertexFace, other, {0, 1, 2}));
+  EXPECT_TRUE(meet(Primitives::kEdgeEdge, {1, 2, kNoCorner}, {3, 5, kNoCorner}));
+  EXPECT_FALSE(meet(Primitives::kEdgeEdge, {0, 1, kNoCorner}, {3, 4, kNoCorner}));
+  EXPECT_FALSE(meet(Primitives::kTriangles, {0, 1, 2}, {3, 4, 5}));
+  sequence.frames[0][3] = {1, 1, -1};
+  EXPECT_TRUE(meet(Primitives::kTriangles, {0, 1, 2}, {3, 4, 5}));
+}
+
 TEST(Primitives, OfAStepContainTheMotionBetweenItsFrames) {
   const MeshSequence cloth = FoldingCloth(7, 4);
   for (const Primitives primitives : {Primitives::kVertexFace, Primitives::kEdgeEdge}) {

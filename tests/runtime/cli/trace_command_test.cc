@@ -247,6 +247,21 @@ TEST(Trace, OfADeformingMeshServesEveryDetector) {
     EXPECT_EQ(PairsOf(file, 0), exact);
     EXPECT_EQ(file.ReadSeries("missed_pairs", {{10}, 0}), exact) << "null finds nothing";
 
+    // The halves of the cloth meet in the last frame only.
+    const std::vector<double> collisions = file.ReadSeries("exact_collisions", {{0}, 0});
+    ASSERT_EQ(collisions.size(), exact.size());
+    for (std::size_t i = 0; i + 1 < collisions.size(); ++i) EXPECT_EQ(collisions[i], 0) << i;
+    if (std::string(primitives) == "vertex_face") {
+      // Each vertex lands on another one, and touches the triangles about that: three corners of
+      // 800 triangles, without those on the line of the fold.
+      EXPECT_EQ(collisions.back(), 3 * 800 - 19 * 6 - 2 * 3);
+    } else {
+      EXPECT_GT(collisions.back(), 1000);
+    }
+    EXPECT_LT(collisions.back(), exact.back());
+    EXPECT_EQ(file.ReadSeries("missed_collisions", {{1}, 0}), std::vector<double>(exact.size(), 0));
+    EXPECT_EQ(file.ReadSeries("missed_collisions", {{10}, 0}), collisions);
+
     program.Write("narrow.cdb", "benchmark narrow { trace \"" + name + "\"; narrow_phase batch }");
     const Finished refused = program.Run({"check", "narrow.cdb"});
     EXPECT_EQ(refused.status, 1);

@@ -159,6 +159,7 @@ TEST(Series, EveryCycleHasEveryValue) {
   for (const protocol::Series& series : protocol::AllSeries()) {
     ASSERT_EQ(protocol::IsRecordedBy(series, scene),
               series.on_traces != schema::OnTraces::kNarrowOnly &&
+                  series.on_traces != schema::OnTraces::kBroadOnly &&
                   series.on_configurations != schema::OnConfigurations::kOnly &&
                   series.on_soft != schema::OnSoft::kOnly)
         << series.name;
