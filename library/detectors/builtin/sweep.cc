@@ -260,17 +260,55 @@ class Grid final : public Detector {
     bodies_.LearnOnce(scene);
     const double cost = kGridCost * static_cast<double>(bodies_.movers());
     const auto session = parts_.Begin(cost);
-    const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers(), &parts_.pool());
-    // The other half is building the grid.
-    parts_.Run(cost / 2, [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
-      grid_.QueryPart(part, parts, found.sink());
-      bodies_.Sieve(scene, is_exact, found);
-    });
+    if (bodies_.second_class() > 0)
+      FindBetweenClasses(scene, cost);
+    else
+      FindAll(scene, cost);
     bodies_.MeetWalls(scene, kernels_, parts_.last());
     parts_.AppendTo(pairs);
   }
 
  private:
+  // Half of the cost is building the grid.
+
+  void FindAll(const Scene& scene, double cost) {
+    const bool is_exact = grid_.Build(scene.boxes.data(), bodies_.movers(), &parts_.pool());
+    parts_.Run(cost / 2, [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
+      grid_.QueryPart(part, parts, found.sink());
+      bodies_.Sieve(scene, is_exact, found);
+    });
+  }
+
+  /// Puts the smaller class into the grid, which is asked for each body of the larger one, so that
+  /// no two of a class are tested.
+  void FindBetweenClasses(const Scene& scene, double cost) {
+    const std::size_t second = bodies_.second_class(), after = bodies_.movers() - second;
+    const std::size_t first_in_grid = after < second ? second : 0,
+                      in_grid = std::min(after, second);
+    const std::size_t first_asking = after < second ? 0 : second, asking = std::max(after, second);
+    const bool is_grid_exact =
+        grid_.Build(scene.boxes.data() + first_in_grid, in_grid, &parts_.pool());
+    parts_.Run(cost / 2, [&](unsigned part, unsigned parts, kernels::PairBuffer& found) {
+      bool is_exact = is_grid_exact;
+      const std::size_t end = first_asking + asking * (part + 1) / parts;
+      for (std::size_t id = first_asking + asking * part / parts; id < end; ++id) {
+        kernels::FatBox box;
+        is_exact &= kernels_.narrow(
+            &scene.boxes[id], 1,
+            {{box.lower, box.lower + 1, box.lower + 2}, {box.upper, box.upper + 1, box.upper + 2}});
+        // Those of a grid of the first class are ids, and so lower.
+        if (!std::isnan(box.lower[0]))
+          grid_.QueryOne(box, static_cast<Id>(id), found.sink(), first_in_grid == 0);
+      }
+      for (Pair& pair : found.pairs()) pair.b += static_cast<Id>(first_in_grid);
+      if (is_exact) return;
+      const auto rest = std::ranges::remove_if(found.pairs(), [&](const Pair& pair) {
+        return !Overlap(scene.boxes[pair.a], scene.boxes[pair.b]);
+      });
+      found.Cut(found.size() - rest.size());
+    });
+  }
+
   const kernels::Kernels& kernels_;
   kernels::Bodies bodies_;
   kernels::BoxGrid grid_;

@@ -54,6 +54,21 @@ Vec3 MiddleOf(std::span<const Box> boxes) {
   return count > 0 ? Vec3{sum.x / count, sum.y / count, sum.z / count} : sum;
 }
 
+std::size_t SecondClassOf(const Scene& scene, std::size_t movers) {
+  const auto filters = scene.filters.first(movers);
+  const auto other =
+      std::ranges::find_if(filters.begin(), filters.end(),
+                           [&](const Filter& filter) { return !AreSame(filter, filters[0]); });
+  if (other == filters.end() || !std::all_of(other, filters.end(), [&](const Filter& filter) {
+        return AreSame(filter, *other);
+      }))
+    return 0;
+  const auto second = static_cast<Id>(other - filters.begin());
+  const bool are_classes =
+      scene.MayCollide(0, second) && !scene.MayCollide(0, 0) && !scene.MayCollide(second, second);
+  return are_classes ? second : 0;
+}
+
 }  // namespace
 
 void Bodies::Learn(const Scene& scene) {
@@ -65,6 +80,7 @@ void Bodies::Learn(const Scene& scene) {
   movers_collide_ =
       std::ranges::all_of(movers, [&](const Filter& f) { return AreSame(f, movers[0]); }) &&
       (movers_ == 0 || scene.MayCollide(0, 0));
+  second_class_ = SecondClassOf(scene, movers_);
   middle_ = MiddleOf(scene.boxes.first(movers_));
   free_.clear();
   for (Id id = 0; id < movers_; ++id)

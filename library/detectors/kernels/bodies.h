@@ -36,6 +36,11 @@ class Bodies {
   /// True if so few movers are free that it is faster to visit these alone.
   bool HasFewFree() const { return kFewFree * free_.size() < movers_; }
 
+  /// The first mover of the second class, if the movers are two classes by their filters, one after
+  /// the other, and two of them may collide if and only if they are of different ones, as vertices
+  /// and faces; otherwise 0.
+  std::size_t second_class() const { return second_class_; }
+
   /// Appends the pairs of movers and walls. Cost: one pass over the movers, and a test of each that
   /// is not well inside the room.
   void MeetWalls(const Scene& scene, const Kernels& kernels, PairBuffer& pairs);
@@ -63,6 +68,7 @@ class Bodies {
   static constexpr std::size_t kFewFree = 8;
 
   std::size_t size_ = static_cast<std::size_t>(-1), movers_ = 0;
+  std::size_t second_class_ = 0;
   bool movers_collide_ = true;  ///< any two movers may collide
   Vec3 middle_ = {};            ///< of the finite boxes of movers, when they were learnt
   Box room_ = {};

@@ -108,6 +108,36 @@ TEST(BuiltinDetectors, AreExactWhereMostBodiesAreFixed) {
   }
 }
 
+// Vertices and faces, of which either may be more; with walls, a kind that nothing may meet, boxes
+// beyond floats, and boxes that are not numbers.
+TEST(BuiltinDetectors, AreExactBetweenTwoClasses) {
+  constexpr std::uint32_t kFirst = 2, kSecond = 4;
+  for (const std::size_t firsts : {1u, 60u, 150u, 299u, 300u})
+    for (const unsigned threads : {1u, 3u})
+      for (const bool walls : {false, true}) {
+        BoxScene moving("dense", 300, walls, 21);
+        if (walls) moving.CutWalls();
+        std::vector<Named> all = All(threads);
+        const Scene start = moving.View();
+        std::vector<Filter> filters(start.filters.begin(), start.filters.end());
+        for (std::size_t i = 0; i < 300; ++i) {
+          filters[i].group = i < firsts ? kFirst : kSecond;
+          filters[i].mask = ~(kFirst | kSecond) | (i < firsts ? kSecond : kFirst);
+        }
+        for (int cycle = 0; cycle < 12; ++cycle, moving.Move()) {
+          Scene scene = moving.View();
+          scene.filters = filters;
+          std::vector<Box> boxes(scene.boxes.begin(), scene.boxes.end());
+          scene.boxes = boxes;
+          if (cycle > 3) boxes[7].lower.y = boxes[250].upper.x = std::nan("");
+          if (cycle > 6)
+            for (Box& box : boxes) box.upper.z = std::nextafter(box.upper.z, kInfinite);
+          if (cycle > 9) boxes[11].lower = {-kInfinite, -kInfinite, -kInfinite};
+          ExpectExact(all, scene, std::to_string(firsts) + ", cycle " + std::to_string(cycle));
+        }
+      }
+}
+
 TEST(BuiltinDetectors, AreExactWhereBodiesFallAsleepAndWake) {
   for (const bool cuts_walls : {false, true}) {
     BoxScene moving("dense", 300, true, 13);
