@@ -147,13 +147,19 @@ Polynomial operator*(const Polynomial& a, const Polynomial& b) {
   return Polynomial(std::move(product));
 }
 
+Time::Time(Polynomial root_of, Dyadic lower, Dyadic upper)
+    : root_of_(std::move(root_of)),
+      lower_(std::move(lower)),
+      upper_(std::move(upper)),
+      sign_at_lower_(root_of_.At(lower_).Sign()) {}
+
 void Time::Halve() {
   Dyadic middle = Middle(lower_, upper_);
   const int sign = root_of_.At(middle).Sign();
   if (sign == 0) {
     lower_ = std::move(middle);
     root_of_ = {};
-  } else if (sign == root_of_.At(lower_).Sign()) {
+  } else if (sign == sign_at_lower_) {
     lower_ = std::move(middle);
   } else {
     upper_ = std::move(middle);
@@ -167,9 +173,10 @@ int Time::SignOf(const Polynomial& polynomial) {
     const Polynomial common = CommonDivisor(root_of_, polynomial);
     if (common.Degree() > 0 && common.At(lower_).Sign() != common.At(upper_).Sign()) return 0;
   }
-  while (!root_of_.IsZero()) {
+  // Testing an interval takes as long as many halvings.
+  for (int halvings = 1; !root_of_.IsZero(); halvings *= 2) {
     if (const int sign = SignBetween(polynomial, lower_, upper_); sign != 0) return sign;
-    Halve();
+    for (int i = 0; i < halvings && !root_of_.IsZero(); ++i) Halve();
   }
   return polynomial.At(lower_).Sign();
 }

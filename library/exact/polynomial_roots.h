@@ -41,12 +41,12 @@ class Time {
 
  private:
   friend std::vector<Time> RootsOf(const Polynomial& polynomial);
-  Time(Polynomial root_of, Dyadic lower, Dyadic upper)
-      : root_of_(std::move(root_of)), lower_(std::move(lower)), upper_(std::move(upper)) {}
+  Time(Polynomial root_of, Dyadic lower, Dyadic upper);
   void Halve();
 
   Polynomial root_of_;    ///< without multiple roots, and not 0 at the ends; 0: the time is lower_
   Dyadic lower_, upper_;  ///< the root is between them, and the signs at them differ
+  int sign_at_lower_;     ///< of root_of_
 };
 
 /// The roots above 0 and up to 1 of a polynomial that is not 0, of degree 3 at most, each once, in
