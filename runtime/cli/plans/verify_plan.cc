@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <span>
 #include <utility>
@@ -10,9 +11,11 @@
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
+#include "compiler/analysis/trace.h"
 #include "compiler/compile.h"
 #include "compiler/schema/catalogue.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/results/trace_file.h"
 
 namespace cdb::plans {
 namespace {
@@ -82,24 +85,53 @@ std::vector<schema::DetectorInfo> Chosen(const VerifyOptions& options,
   return chosen;
 }
 
+/// `all` leaves out detectors that test all pairs of more bodies, which would take seconds a cycle.
+constexpr std::uint64_t kMostForAllPairs = 20'000;
+
+bool TestsAllPairs(const schema::DetectorInfo& info) { return info.family == "all pairs"; }
+
+/// The bodies of scenes; those of a trace are in its file, which is read once.
+class BodyCounts {
+ public:
+  /// Throws StoreError if a trace cannot be read.
+  std::uint64_t Of(const plan::Scene& scene) {
+    const auto trace = analysis::TraceOf(scene);
+    if (!trace) return analysis::BodyCount(scene);
+    const auto [at, is_new] = of_traces_.try_emplace(trace->path, 0);
+    if (is_new) at->second = results::ReadTraceFacts(trace->path).bodies;
+    return at->second;
+  }
+
+ private:
+  std::map<std::string, std::uint64_t> of_traces_;
+};
+
 /// Points that a detector cannot handle are skipped; a detector that can handle none is left out.
 VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   VerifyPlan every;
   std::vector<std::string> names;
+  std::vector<std::uint64_t> limits;  // of bodies; 0: none
+  BodyCounts bodies;
+  const auto holds = [&](std::uint64_t limit, const plan::Run& run) {
+    return limit == 0 || bodies.Of(run.scene) <= limit;
+  };
   for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
-    const auto held = std::ranges::count_if(plan.runs, [&](const plan::Run& run) {
-      return info.Holds(analysis::BodyCount(run.scene));
-    });
+    const bool is_slow = options.WantsAll() && TestsAllPairs(info);
+    const std::uint64_t limit = is_slow ? kMostForAllPairs : info.max_bodies;
+    const auto held =
+        std::ranges::count_if(plan.runs, [&](const plan::Run& run) { return holds(limit, run); });
     if (held < std::ssize(plan.runs))
-      every.left_out.push_back(
-          fmt::format("{}, if there are more than {} bodies", info.name, info.max_bodies));
-    if (held > 0) names.emplace_back(info.name);
+      every.left_out.push_back(fmt::format(
+          "{}, if there are more than {} bodies{}", info.name, limit,
+          is_slow ? ", because it tests all pairs of them; name it to run it anyway" : ""));
+    if (held == 0) continue;
+    names.emplace_back(info.name);
+    limits.push_back(limit);
   }
   if (names.empty()) return every;
   every.plan = WithDetectors(plan, names, options.plugins);
   std::erase_if(every.plan.runs, [&](const plan::Run& run) {
-    const auto detector = schema::FindDetector(names[run.at[0]], options.plugins);
-    const bool is_held = detector->Holds(analysis::BodyCount(run.scene));
+    const bool is_held = holds(limits[run.at[0]], run);
     if (!is_held) every.plan.skipped.push_back(run.at);
     return !is_held;
   });

@@ -110,5 +110,28 @@ TEST(VerifyPlan, TakesEveryDetectorThatHoldsTheScene) {
   }
 }
 
+TEST(VerifyPlan, LeavesOutTheTestOfAllPairsOfManyBodiesUnlessItIsNamed) {
+  const Program program;
+  program.Write("s.cdb",
+                "benchmark s { cycles 1; omit none; detector sap32; world.walls none\n"
+                "objects { quantity sweep(20_000, 20_001) } }");
+  ASSERT_EQ(program.Run({"plan", "s.cdb", "-o", "s.yaml"}).status, 0);
+  const plan::Plan plan = yaml::FromYaml(program.Read("s.yaml"), "s.yaml");
+  const plans::VerifyPlan every = plans::MakeVerifyPlan(plan, {{"all"}, 7, {}});
+  EXPECT_NE(std::ranges::find(every.left_out,
+                              "simple, if there are more than 20000 bodies, because it tests all "
+                              "pairs of them; name it to run it anyway"),
+            every.left_out.end());
+  const auto& detectors = every.plan.axes[0].values;
+  const auto simple = std::ranges::find(detectors, plan::Coordinate("simple"));
+  ASSERT_NE(simple, detectors.end());
+  const auto index = static_cast<std::size_t>(simple - detectors.begin());
+  EXPECT_TRUE(std::ranges::binary_search(every.plan.skipped, std::vector<std::size_t>{index, 1}));
+  EXPECT_FALSE(std::ranges::binary_search(every.plan.skipped, std::vector<std::size_t>{index, 0}));
+  const plans::VerifyPlan named = plans::MakeVerifyPlan(plan, {{"simple", "dbvt"}, 7, {}});
+  EXPECT_TRUE(named.left_out.empty());
+  EXPECT_TRUE(named.plan.skipped.empty());
+}
+
 }  // namespace
 }  // namespace cdb::tests
