@@ -43,8 +43,8 @@ class ValueParser {
   bool ParseLimits(Expr& call);
   bool ParseArgument(Expr& call);
   bool ParseLabelled(Argument& argument);
-  /// True at the `until:` of a `find( )`, which a condition follows, or of a `sweep( )` that was meant
-  /// as one.
+  /// True at the `until:` of a `find( )`, which a condition follows, or of a `sweep( )` that was
+  /// meant as one.
   bool AtUntil(const Expr& call) const;
   bool ParseUntil(Expr& call);
   /// Parses `ring radius: 20`: a call with one argument, without brackets.

@@ -82,9 +82,9 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
     const fs::path out = fs::path(arguments.out) / (plan.benchmark + ".h5");
     if (runner.Execute(plan, out).summary.signal != 0) return runner.StoppedStatus();
     const results::ResultFile file(out);
-    terminal::Print((arguments.has_boundaries ? printers::BoundariesText(file)
-                                              : printers::StabilityMap(file)) +
-                    "\n");
+    terminal::Print(
+        (arguments.has_boundaries ? printers::BoundariesText(file) : printers::StabilityMap(file)) +
+        "\n");
   }
   return options::ExitStatus::kGood;
 }

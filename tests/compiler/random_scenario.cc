@@ -174,7 +174,7 @@ class Maker {
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kTableCall || call == schema::kHeightsCall ||
-             call == analysis::kSurfaceWord ||  // for fixed objects only
+             call == analysis::kSurfaceWord ||                             // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
     });
     return calls;

@@ -61,7 +61,8 @@ inline std::optional<analysis::ModelFacts> MadeUpModels(const schema::Value& typ
                    0
                ? objects::ReadModel(type, {}, why)
                : std::nullopt;
-  if (!schema::PartsOf(*call).empty() || analysis::IsSoft(type)) return objects::ReadModel(type, {}, why);
+  if (!schema::PartsOf(*call).empty() || analysis::IsSoft(type))
+    return objects::ReadModel(type, {}, why);
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
   if (file.ends_with("plate.obj"))
     return analysis::ModelFacts{{2, 1, 0.5}, true, {-0.5, -0.5, -0.5}, 1, 1, "plate: 1 hull"};

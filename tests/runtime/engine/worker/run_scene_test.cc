@@ -149,7 +149,7 @@ TEST(Series, EveryCycleHasEveryValue) {
   schema::WordList words;
   for (const schema::RecordWord& word : schema::kRecordWords)
     if (word.name != "contacts" && word.name != "vertices")  // written to a file of the runner, and
-      words.emplace_back(word.name);                        // of soft bodies
+      words.emplace_back(word.name);                         // of soft bodies
   Record(scene, words);
   scene.queries.push_back({"sight", {}});
   scene.queries[0].settings.Set("queries.count", std::uint64_t{20});
