@@ -165,6 +165,11 @@ Reason WhyNotFriction(const Scene& scene) {
     return fmt::format("sliding on surfaces, such as group {}, is not examined", surface->name);
   if (const Group* moving = FindGroup(scene, HasKinematic))
     return fmt::format("sliding on moving ground, such as group {}, is not examined", moving->name);
+  if (const Group* pushed = FindGroup(scene, HasPush))
+    return fmt::format(
+        "sliding of objects with a force or a torque, as of group {}, is not "
+        "examined",
+        pushed->name);
   const auto spins = [](const Group& group) {
     return Spins(group) && group.settings.WordOr("type") != "sphere";
   };
@@ -208,6 +213,11 @@ Reason WhyNotImpacts(const Scene& scene) {
   if (const Group* driven = FindGroup(
           scene, [](const Group& group) { return HasSchedule(group) && !HasKinematic(group); }))
     return fmt::format("a schedule moves group {}", driven->name);
+  if (const Group* pushed = FindGroup(scene, HasPush))
+    return fmt::format(
+        "impacts of objects with a force or a torque, as of group {}, are not "
+        "examined",
+        pushed->name);
   // The rest is examined in part.
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format(

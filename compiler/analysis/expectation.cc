@@ -37,7 +37,9 @@ std::optional<std::string> WhyMayMove(const plan::Scene& scene) {
     if (!IsZero(group.settings.Get("linear_velocity")) ||
         !IsZero(group.settings.Get("angular_velocity")))
       return fmt::format("group {} moves at the start", group.name);
+    if (HasPush(group)) return fmt::format("a force or a torque acts on group {}", group.name);
   }
+  if (const plan::Joint* joint = FindTorqueMotor(scene)) return "a motor drives " + TextOf(*joint);
   return std::nullopt;
 }
 
@@ -155,6 +157,11 @@ bool MayBeKinematic(const schema::Value& mass) {
 bool HasSchedule(const plan::Group& group) {
   return schema::AsCall(group.settings.Get("linear_velocity")) != nullptr ||
          schema::AsCall(group.settings.Get("angular_velocity")) != nullptr;
+}
+
+bool HasPush(const plan::Group& group) {
+  return group.settings.Count("quantity") > 0 &&
+         (!IsZero(group.settings.Get("force")) || !IsZero(group.settings.Get("torque")));
 }
 
 bool HasKinematic(const plan::Group& group) {

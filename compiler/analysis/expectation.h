@@ -81,6 +81,9 @@ inline constexpr std::string_view kKinematicWord = "kinematic";
 /// True if the group has objects, and all or some of them may be kinematic.
 bool HasKinematic(const plan::Group& group);
 
+/// True if the group has objects, and a force or a torque acts on them, at least at times.
+bool HasPush(const plan::Group& group);
+
 /// True if the velocities of the group follow a schedule.
 bool HasSchedule(const plan::Group& group);
 

@@ -8,6 +8,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/time_table.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::analysis {
@@ -33,6 +34,11 @@ constexpr auto kUpper = schema::ParameterRef<true, schema::ValueKind::kReal>("jo
 
 bool HasNumber(const plan::Joint& joint, GroupParameter parameter) {
   return schema::AsNumber(joint.settings.Get(parameter)) != nullptr;
+}
+
+/// A number, or a table of them over time.
+bool HasGoal(const plan::Joint& joint, GroupParameter parameter) {
+  return HasNumber(joint, parameter) || TimeTableOf(joint.settings.Get(parameter)) != nullptr;
 }
 
 const plan::Joint* FindJoint(const plan::Scene& scene, auto has) {
@@ -157,7 +163,7 @@ Fault FindTypeFault(const plan::Joint& joint) {
     GroupParameter parameter;
     const char* what;
   };
-  constexpr std::array<Part, 13> kParts = {{{"joints.axis", "axis"},
+  constexpr std::array<Part, 16> kParts = {{{"joints.axis", "axis"},
                                             {"joints.start", "start"},
                                             {"joints.goal", "goal"},
                                             {"joints.limits.lower", "limits"},
@@ -169,7 +175,10 @@ Fault FindTypeFault(const plan::Joint& joint) {
                                             {"joints.friction", "friction"},
                                             {"joints.motor.velocity", "motor"},
                                             {"joints.motor.position", "motor"},
-                                            {"joints.motor.effort", "motor"}}};
+                                            {"joints.motor.effort", "motor"},
+                                            {"joints.motor.torque", "motor"},
+                                            {"joints.motor.force", "motor"},
+                                            {"joints.armature", "armature"}}};
   for (const Part& part : kParts)
     if (joint.settings.Has(*part.parameter) &&
         !(type == "universal" && part.parameter.get() == GroupParameter(kAxis).get()))
@@ -302,20 +311,63 @@ Fault FindGearFault(const plan::Scene& scene, const plan::Joint& joint) {
       fmt::format("write start {}, or gear.offset start", schema::FormatReal(wanted))};
 }
 
+/// A motor gives a torque, or seeks something; what it gives is of the type of the joint.
+Fault FindTorqueFault(const plan::Joint& joint) {
+  const GroupParameter torque = "joints.motor.torque", force = "joints.motor.force",
+                       effort = "joints.motor.effort";
+  const bool slides = joint.settings.WordOr(kType) == "slider";
+  const GroupParameter wrong = slides ? torque : force;
+  if (HasGoal(joint, wrong))
+    return JointFault{wrong,
+                      fmt::format("the motor of {}, whose type is {}, gives a {}", TextOf(joint),
+                                  slides ? "slider" : "hinge", slides ? "torque" : "force"),
+                      slides ? "write motor.force, in N" : "write motor.torque, in N m"};
+  const GroupParameter given = slides ? force : torque;
+  const char* what = slides ? "force" : "torque";
+  if (!HasGoal(joint, given)) return std::nullopt;
+  if (HasMotor(joint))
+    return JointFault{given,
+                      fmt::format("the motor of {} gives a {} and seeks a velocity or a position",
+                                  TextOf(joint), what),
+                      fmt::format("remove one of them; with motor.effort, a motor that seeks "
+                                  "something has a largest {}",
+                                  what)};
+  if (HasNumber(joint, effort))
+    return JointFault{
+        effort, fmt::format("the motor of {} gives a {}, and needs no effort", TextOf(joint), what),
+        "remove the effort"};
+  return std::nullopt;
+}
+
 Fault FindMotorFault(const plan::Joint& joint) {
   const GroupParameter velocity = "joints.motor.velocity", position = "joints.motor.position",
                        effort = "joints.motor.effort";
-  if (HasNumber(joint, velocity) && HasNumber(joint, position))
+  if (HasGoal(joint, velocity) && HasGoal(joint, position))
     return JointFault{position,
                       fmt::format("the motor of {} seeks a velocity and a position", TextOf(joint)),
                       "remove one of them"};
+  if (Fault fault = FindTorqueFault(joint)) return fault;
+  if (HasTorqueMotor(joint)) return std::nullopt;
   if (HasMotor(joint) == HasNumber(joint, effort)) return std::nullopt;
   if (HasMotor(joint))
-    return JointFault{HasNumber(joint, velocity) ? velocity : position,
+    return JointFault{HasGoal(joint, velocity) ? velocity : position,
                       fmt::format("the motor of {} has no effort", TextOf(joint)),
                       "state its largest torque or force: motor.effort"};
   return JointFault{effort, fmt::format("the motor of {} is off", TextOf(joint)),
                     "give it a velocity or a position, or remove the effort"};
+}
+
+/// A rotor's inertia couples the two bodies of a joint, which Bullet's rigid bodies cannot do.
+Fault FindArmatureFault(const plan::Scene& scene, const plan::Joint& joint) {
+  const GroupParameter armature = "joints.armature";
+  if (joint.settings.Real("joints.armature") == 0 ||
+      scene.world.WordOr("coordinates") == "reduced" || HasConfigurations(scene))
+    return std::nullopt;
+  return JointFault{
+      armature,
+      fmt::format("{} has an armature, which joints in maximal coordinates cannot have",
+                  TextOf(joint)),
+      "write coordinates reduced and sleeping off, or remove the armature"};
 }
 
 std::optional<ReducedFault> FindReducedFault(const plan::Group& group) {
@@ -355,7 +407,11 @@ std::string TextOf(const plan::Joint& joint) {
 bool HasLimits(const plan::Joint& joint) { return HasNumber(joint, kLower); }
 
 bool HasMotor(const plan::Joint& joint) {
-  return HasNumber(joint, "joints.motor.velocity") || HasNumber(joint, "joints.motor.position");
+  return HasGoal(joint, "joints.motor.velocity") || HasGoal(joint, "joints.motor.position");
+}
+
+bool HasTorqueMotor(const plan::Joint& joint) {
+  return HasGoal(joint, "joints.motor.torque") || HasGoal(joint, "joints.motor.force");
 }
 
 bool IsJoined(const plan::Scene& scene, std::string_view group) {
@@ -366,6 +422,10 @@ bool IsJoined(const plan::Scene& scene, std::string_view group) {
 }
 
 const plan::Joint* FindMotor(const plan::Scene& scene) { return FindJoint(scene, HasMotor); }
+
+const plan::Joint* FindTorqueMotor(const plan::Scene& scene) {
+  return FindJoint(scene, HasTorqueMotor);
+}
 
 const plan::Joint* FindLosses(const plan::Scene& scene) {
   return FindJoint(scene, [](const plan::Joint& joint) {
@@ -399,6 +459,7 @@ std::optional<JointFault> FindJointFault(const plan::Scene& scene, const plan::J
   if (Fault fault = FindStartFault(scene, joint)) return fault;
   if (Fault fault = FindGoalFault(scene, joint)) return fault;
   if (Fault fault = FindGearFault(scene, joint)) return fault;
+  if (Fault fault = FindArmatureFault(scene, joint)) return fault;
   return FindMotorFault(joint);
 }
 

@@ -12,12 +12,15 @@ namespace cdb::analysis {
 /// For messages: `the joint elbow`.
 std::string TextOf(const plan::Joint& joint);
 bool HasLimits(const plan::Joint& joint);
+/// Whether a motor seeks a velocity or a position; or gives a torque, or a force.
 bool HasMotor(const plan::Joint& joint);
+bool HasTorqueMotor(const plan::Joint& joint);
 /// Whether a joint that holds objects joins the group to another, or to the world.
 bool IsJoined(const plan::Scene& scene, std::string_view group);
-/// The first joint that holds objects and has a motor; null if there is none. Likewise for limits
-/// or damping, which take energy.
+/// The first joint that holds objects and has such a motor; null if there is none. Likewise for
+/// limits or damping, which take energy.
 const plan::Joint* FindMotor(const plan::Scene& scene);
+const plan::Joint* FindTorqueMotor(const plan::Scene& scene);
 const plan::Joint* FindLosses(const plan::Scene& scene);
 
 /// A coupling: the position of a joint is `ratio` times that of the joint `with`, plus `offset`.

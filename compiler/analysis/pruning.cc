@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "compiler/analysis/expectation.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
@@ -50,7 +51,11 @@ class Analysis {
       return PosesOf(group) != nullptr && group.settings.Count("quantity") > 0;
     });
     if (told != scene.groups.end()) told_ = told->name;
-    if (std::string pulled = scene.PulledGroup(); !pulled.empty()) linked_ = std::move(pulled);
+    if (const std::string pulled = scene.PulledGroup(); !pulled.empty())
+      pull_ = fmt::format("{} are linked and pull on one another", pulled);
+    for (const plan::Group& group : scene.groups)
+      if (!pull_ && HasPush(group))
+        pull_ = fmt::format("a force or a torque acts on {}", group.name);
   }
 
   Answer Of(Component component, PruningRequest asked) const {
@@ -94,15 +99,12 @@ class Analysis {
   }
 
   std::string Sweeps() const { return fmt::format("{} have ccd and look ahead", *ccd_); }
-  std::string Pull() const {
-    return fmt::format("{} are linked and pull on one another", *linked_);
-  }
 
   Answer Walls() const {
     if (scene_.world.WordOr("world.walls") == "none") return {Decision::kAbsent, "none stand"};
     if (HasQueries(scene_)) return {Decision::kKept, "queries may find them"};
     if (ccd_) return {Decision::kKept, Sweeps()};
-    if (linked_) return {Decision::kKept, Pull()};
+    if (pull_) return {Decision::kKept, *pull_};
     return {Decision::kOpen, "the reach of each object is known once all objects are placed"};
   }
 
@@ -146,7 +148,7 @@ class Analysis {
 
   Answer Sleeping() const {
     if (!scene_.world.On("sleeping")) return {Decision::kAbsent, "sleeping is off"};
-    if (linked_) return {Decision::kKept, Pull()};
+    if (pull_) return {Decision::kKept, *pull_};
     return {Decision::kOpen,
             "whether an object can come to rest is known once all objects are placed"};
   }
@@ -169,7 +171,7 @@ class Analysis {
     if (spin_) return {Decision::kKept, fmt::format("{} have angular_velocity", *spin_)};
     if (told_)
       return {Decision::kKept, fmt::format("{} may have the angular velocities of a file", *told_)};
-    if (linked_) return {Decision::kKept, Pull()};
+    if (pull_) return {Decision::kKept, *pull_};
     return {Decision::kOpen,
             "whether a contact can make an object spin is known once all objects are placed"};
   }
@@ -188,13 +190,14 @@ class Analysis {
 
   Answer IfNothingTouches() const {
     if (ccd_) return {Decision::kKept, Sweeps()};
-    if (linked_) return {Decision::kKept, Pull()};
+    if (pull_) return {Decision::kKept, *pull_};
     return {Decision::kOpen, "whether anything can touch is known once all objects are placed"};
   }
 
   const plan::Scene& scene_;
-  std::optional<std::string> ccd_, spin_, linked_;  ///< a group with this property
-  std::optional<std::string> told_;                 ///< a group whose poses are read from a file
+  std::optional<std::string> ccd_, spin_;  ///< a group with this property
+  std::optional<std::string> pull_;        ///< that links or forces move objects, and which
+  std::optional<std::string> told_;        ///< a group whose poses are read from a file
 };
 
 }  // namespace

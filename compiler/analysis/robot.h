@@ -65,6 +65,7 @@ struct RobotJoint {
   double start = 0;
   double damping = 0, friction = 0;
   double effort = 0, velocity = 0;  ///< the largest ones of its motor; 0: not given
+  double armature = 0;              ///< kg m^2, or kg
 };
 
 struct Robot {

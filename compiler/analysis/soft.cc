@@ -124,10 +124,18 @@ using MaybeFault = std::optional<SoftFault>;
 constexpr schema::WorldParameter kUnusedOfWorld[] = {
     "contact", "coordinates", "solver.erp", "solver.warm_start", "trace", "accuracy.metrics"};
 /// The same of a group of soft bodies.
-constexpr schema::GroupParameter kUnusedOfGroup[] = {
-    "collides_with",   "rolling_friction",  "spinning_friction", "restitution",
-    "angular_damping", "contact_stiffness", "contact_damping",   "ccd",
-    "edges",           "links.type"};
+constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
+                                                     "rolling_friction",
+                                                     "spinning_friction",
+                                                     "restitution",
+                                                     "angular_damping",
+                                                     "contact_stiffness",
+                                                     "contact_damping",
+                                                     "ccd",
+                                                     "edges",
+                                                     "links.type",
+                                                     "force",
+                                                     "torque"};
 /// Of one of the two worlds.
 struct OfOneWorld {
   schema::GroupParameter parameter;

@@ -11,6 +11,7 @@
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
+#include "compiler/analysis/time_table.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/checks/configuration_checks.h"
 #include "compiler/scenario/diagnostic_kinds.h"
@@ -77,6 +78,7 @@ bool SceneChecks::CheckCounts(configure::Configuration& configuration, const pla
   const bool moves_good = CheckMotion(configuration, scene);
   if (!CheckLinks(configuration, scene) || !places_good || !moves_good) return false;
   if (!CheckJoints(configuration, scene) || !CheckQueries(configuration, scene)) return false;
+  if (!CheckTimeTables(configuration, scene)) return false;
   if (!CheckCollisions(configuration, scene)) return false;
   bool holds = true;
   using DetectorParameter = schema::ParameterRef<false, schema::ValueKind::kWord>;
@@ -324,6 +326,21 @@ bool SceneChecks::CheckJoints(configure::Configuration& configuration, const pla
   return false;
 }
 
+// Tables of values over time that cannot be read.
+bool SceneChecks::CheckTimeTables(configure::Configuration& configuration,
+                                  const plan::Scene& scene) {
+  const auto fault = analysis::FindTimeTableFault(scene, [&](const std::string& path) {
+    std::string why;
+    return configuration.scenario().TextOf(path, why);
+  });
+  if (!fault) return true;
+  if (misplaced_.emplace(fault->owner, fault->message).second)
+    diagnostics_.Report(scenario::kOutOfDomain,
+                        configuration.SpanOf({fault->owner, fault->parameter}, benchmark_),
+                        fault->message, fault->help);
+  return false;
+}
+
 // Queries that cannot be asked.
 bool SceneChecks::CheckQueries(configure::Configuration& configuration, const plan::Scene& scene) {
   bool good = true;
@@ -405,6 +422,15 @@ bool SceneChecks::CheckAccuracy(configure::Configuration& configuration, const p
     return report(scenario::kContradiction,
                   schema::WorldParameter("accuracy.reference.coordinates").get(),
                   "in the reference run, " + joined->message, joined->help);
+  if (analysis::NeedsReference(scene)) {
+    // In other coordinates, joints may be what they cannot be there.
+    const plan::Scene reference = analysis::ReferenceOf(scene);
+    for (const plan::Joint& joint : reference.joints)
+      if (const auto fault_there = analysis::FindJointFault(reference, joint))
+        return report(scenario::kContradiction,
+                      schema::WorldParameter("accuracy.reference.coordinates").get(),
+                      "in the reference run, " + fault_there->message, fault_there->help);
+  }
   if (!interval_s_) interval_s_ = sampling->interval_s;
   if (*interval_s_ != sampling->interval_s)
     return report(scenario::kMisplacedSweep, schema::WorldParameter("accuracy.interval").get(),
@@ -451,6 +477,13 @@ std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
         fmt::format("only a kinematic object can move along a path, but the mass of {} is {}",
                     group.name, schema::ToText(settings.Get("mass"))),
         "write mass kinematic"};
+  for (const auto parameter : {schema::GroupParameter("force"), schema::GroupParameter("torque")})
+    if (!schema::IsZero(settings.Get(parameter)) &&
+        (analysis::HasKinematic(group) || settings.WordOr("mass") == "fixed"))
+      return MotionFault{parameter,
+                         fmt::format("no {} moves the {}, which are {}", parameter.name(),
+                                     group.name, settings.WordOr("mass", "kinematic")),
+                         fmt::format("give them a mass, or remove the {}", parameter.name())};
   if (!analysis::HasKinematic(group)) return std::nullopt;
   for (const auto parameter :
        {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})

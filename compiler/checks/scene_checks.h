@@ -62,6 +62,7 @@ class SceneChecks {
                           const std::vector<std::string_view>& names);
   bool CheckLinks(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckJoints(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckTimeTables(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckQueries(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckSoft(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);

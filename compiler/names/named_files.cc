@@ -26,7 +26,8 @@ std::string LowerCase(std::string text) {
 std::span<const std::string_view> FormatsOf(const schema::Call& call) {
   if (call.name == schema::kTraceCall) return {};  // as the user named it
   if (call.name == schema::kPosesCall || call.name == schema::kPathCall) return kTableFormats;
-  if (call.name == schema::kListCall) return analysis::kTextFormats;
+  if (call.name == schema::kListCall || call.name == schema::kTableCall)
+    return analysis::kTextFormats;
   if (call.name == schema::kHeightsCall) return plan::kHeightFormats;
   return plan::kModelFormats;
 }
@@ -81,7 +82,7 @@ bool ReadNamedFile(const scenario::Scenario& scenario, schema::Call& call,
   const std::string extension = LowerCase(fs::path(name).extension().string());
   const auto formats = FormatsOf(call);
   const bool is_heights = call.name == schema::kHeightsCall;
-  const bool is_list = call.name == schema::kListCall;
+  const bool is_list = call.name == schema::kListCall || call.name == schema::kTableCall;
   const bool is_imported = !is_table && !is_list && !is_heights && !formats.empty() &&
                            !plan::ImporterOf(extension).empty();
   if (!formats.empty() && !is_imported && std::ranges::find(formats, extension) == formats.end()) {

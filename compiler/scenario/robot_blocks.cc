@@ -43,6 +43,8 @@ constexpr RobotSetting kSettings[] = {
      "the positions of joints at the start; others start at 0, or in the "
      "middle of their limits if these exclude 0"},
     {"hold", "on or off", "motors with the effort of the file hold the joints where they start"},
+    {"armature", "on or off",
+     "the armatures of the file, which need coordinates reduced; off by default"},
     {"self_collision", "on or off", "whether links that no joint joins collide; off by default"},
     {"fixed_joints", "merge or keep",
      "keep makes a body of each link that has mass or shapes, and "
@@ -501,6 +503,8 @@ class Expansion {
       }
       if (joint.damping > 0) set("damping", syntax_.Number(joint.damping));
       if (joint.friction > 0) set("friction", syntax_.Number(joint.friction));
+      if (joint.armature > 0 && Word("armature", "off") == "on")
+        set("armature", syntax_.Number(joint.armature));
       if (joint.effort > 0 && joint.mimic.empty() && Word("hold", "off") == "on") {
         set("motor.position", syntax_.Word(name + ".start"));
         set("motor.effort", syntax_.Number(joint.effort));

@@ -164,6 +164,13 @@ constexpr Parameter kRotating[] = {
     Argument("about", kVector, kNotZero, "", "the axis, right-handed"),
     Argument("period", kReal, kPositive, "s", "of a full turn")};
 
+constexpr Parameter kTimeTable[] = {
+    Argument("file", kText, kAny, "", "CSV or other text, relative to the .cdb file: a line for each time, with the columns t and value, or t, x, y, z of a vector"),
+    Argument("sha256", kText, kAny, "", "of the file; a different file is refused", {.first_default = "any", .words = "any"}),
+    Argument("between", kWord, kAny, "", "between two lines: a straight line from one to the other, or hold the value of the first", {.first_default = "line", .words = "line hold"}),
+    Argument("then", kWord, kAny, "", "after the last line: its value stays, or repeat from the first, or zero", {.first_default = "stay", .words = "stay repeat zero"}),
+    kSeparator, kDecimal, kHeader};
+
 constexpr Parameter kSame[] = {
     Argument("value", kReal, kPositive, kParametersUnit, "a number, or a distribution, drawn once for each object", {.distribution = true})};
 constexpr Parameter kDensity[] = {
@@ -199,6 +206,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"density", "the density of an object, from which its mass is computed", kDensity},
     {"every", "a vector that is drawn again after this number of cycles", kEvery},
     {"rotating", "a vector that rotates at a constant rate", kRotating},
+    {"table", "values over time from a file, a line for each time", kTimeTable},
 };
 // clang-format on
 

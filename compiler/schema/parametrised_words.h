@@ -56,6 +56,8 @@ inline constexpr std::string_view kHeightsCall = "heights";
 inline constexpr std::string_view kPathCall = "path";
 /// The positions of joints that a file lists.
 inline constexpr std::string_view kListCall = "list";
+/// The values over time that a file lists.
+inline constexpr std::string_view kTableCall = "table";
 /// The layout at the objects of another group.
 inline constexpr std::string_view kRelativeCall = "relative_to";
 /// A part of a list, as the parameter that its scope has.

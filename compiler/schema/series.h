@@ -198,7 +198,7 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "unhandled_pairs", .records = "counts", .type = kInt32, .doc = "pairs of the trace that the narrow phase does not handle; they are not in its time, and Bullet makes their contacts", .on_traces = kNarrowOnly},
     {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation", .on_soft = Soft::kYes},
-    {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs, with the integrator's own term, dt F.v / 2", .on_soft = Soft::kYes},
+    {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs and rotors, with the integrator's own term, dt F.v / 2, less the work of forces and torques, and of motors that give one", .on_soft = Soft::kYes},
     {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps; of soft bodies, that of the deepest node in a fixed body or wall", .on_soft = Soft::kYes},
     {.name = "penetration_ratio", .records = "stability", .doc = "depth of the deepest contact over the least side of the smaller object"},
     {.name = "max_speed", .records = "stability", .unit = "m/s", .doc = "highest speed of any object's centre of mass, or of any node of a soft body", .on_soft = Soft::kYes},

@@ -26,9 +26,11 @@ bool IsRandomWord(const Value& value) {
 }
 
 /// The value that a word draws from: for `every`, `same` and `density` their value, for `rotating`
-/// the vector that it rotates.
+/// the vector that it rotates; a table of values over time draws nothing.
 const Value& DrawnBy(const Value& value) {
+  static const Value kNothing = Eigen::Vector3d(Eigen::Vector3d::Zero());
   const schema::Call* call = schema::AsCall(value);
+  if (call != nullptr && call->name == schema::kTableCall) return kNothing;
   if (call != nullptr && (call->name == "every" || call->name == "same" || call->name == "density"))
     return schema::ArgumentOf(*call, "value");
   if (call != nullptr && call->name == "rotating") return schema::ArgumentOf(*call, "vector");

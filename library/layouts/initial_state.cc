@@ -106,7 +106,8 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
   const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
   distributions::Draw type = draw("type"), orientation = draw("orientation");
   distributions::Draw linear_velocity = draw("linear_velocity"),
-                      angular_velocity = draw("angular_velocity");
+                      angular_velocity = draw("angular_velocity"), force = draw("force"),
+                      torque = draw("torque");
   distributions::ObjectNumbers numbers(scene, group);
   const std::uint64_t quantity = group.settings.Count("quantity");
   for (std::uint64_t i = 0; i < quantity; ++i) {
@@ -125,6 +126,8 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     object.pose.orientation = BodyTurn(object.solid, DrawOrientation(orientation));
     object.linear_velocity = linear_velocity.Vector();
     object.angular_velocity = angular_velocity.Vector();
+    object.force = force.Vector();
+    object.torque = torque.Vector();
     object.numbers.ForEach([&](const schema::Parameter& parameter, double& number) {
       number = numbers.Find(parameter).value_or(parameter.number_of_word);
     });

@@ -60,6 +60,8 @@ struct ObjectState {
   objects::Pose pose;  ///< of the body's own axes; a compound's differ from those of its mesh
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();
+  /// At the centre of mass, along the axes of the world, at the start.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
   double mass = 1;  ///< 0 if the object is fixed or kinematic
   DrawnNumbers numbers;
   /// It follows its velocities or its path, whatever it touches.

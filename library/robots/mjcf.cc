@@ -435,11 +435,12 @@ class MjcfReader {
 
   void SetMotion(const Part& part, RobotJoint& joint) {
     const MjcfElement& element = part.element;
-    for (const char* name : kOfJoints) LeaveIfSet(element, name);
+    LeaveIfSet(element, "stiffness");
     const std::string_view type = element.Has("type") ? element.Text("type") : "hinge";
     const bool is_limited = IsLimited(element, "range", "limited");
     if (type == "ball") {
       joint.type = JointType::kBall;
+      LeaveIfSet(element, "armature");
       if (is_limited) builder_.Leave(fmt::format("range of the ball joint {}", joint.name));
       for (const char* name : {"damping", "frictionloss"})
         if (element.Has(name) && element.Numbers(name, 1, 4)[0] != 0)
@@ -455,6 +456,11 @@ class MjcfReader {
     const std::vector<double> damping = element.Numbers("damping", 0, 4);
     if (std::ranges::count(damping, 0.0) + 1 < std::ranges::ssize(damping))
       element.Fail("damping is a polynomial", "write one number");
+    joint.armature = element.Number("armature", 0);
+    if (!(joint.armature >= 0 && joint.armature <= kLargest))
+      element.Fail("the armature is not between 0 and 1e9",
+                   "give it the rotor's inertia, or remove it");
+    if (joint.armature > 0) builder_.Leave("armature, unless the robot has armature on");
     builder_.SetDynamics(joint, damping.empty() ? 0 : damping[0],
                          element.Number("frictionloss", 0));
     joint.effort = EffortOf(element, joint.name);

@@ -228,7 +228,7 @@ std::string LayoutReference() {
 }
 
 std::string ScheduleReference() {
-  return Words("schedules", CallsOf(*schema::WorldParameter("acceleration")));
+  return Words("schedules", CallsOf(*schema::GroupParameter("force")));
 }
 
 }  // namespace cdb::manual

@@ -272,6 +272,7 @@ std::optional<std::string> WhatChanges(const plan::Scene& scene) {
         return fmt::format("the {} of {} is changed during the run", velocity.name(), group.name);
     if (analysis::HasKinematic(group))
       return fmt::format("{} are kinematic and push other objects", group.name);
+    if (analysis::HasPush(group)) return fmt::format("a force or a torque acts on {}", group.name);
     if (layouts::IsPile(group)) return fmt::format("{} settle before the first cycle", group.name);
     if (group.settings.On("overlap")) return fmt::format("{} may overlap initially", group.name);
   }

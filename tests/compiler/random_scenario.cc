@@ -26,9 +26,9 @@ bool IsBuilt(std::string_view detector) {
 }
 
 /// Parameters of `objects` that fixed surfaces do not take.
-constexpr std::string_view kOfMovingObjects[] = {"quantity",        "links.type", "links.anchor",
-                                                 "margin",          "ccd",        "linear_velocity",
-                                                 "angular_velocity"};
+constexpr std::string_view kOfMovingObjects[] = {
+    "quantity",        "links.type",       "links.anchor", "margin", "ccd",
+    "linear_velocity", "angular_velocity", "force",        "torque"};
 
 class Maker {
  public:
@@ -173,7 +173,7 @@ class Maker {
       return (call == "at" && !Sets("quantity 1")) || (call == "pair" && !Sets("quantity 2")) ||
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kRelativeCall ||                            // there is no other group
-             call == schema::kHeightsCall ||
+             call == schema::kTableCall || call == schema::kHeightsCall ||
              call == analysis::kSurfaceWord ||  // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
     });

@@ -57,7 +57,7 @@ void EnergyAudit::Begin(double kinetic, double energy) {
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const double side = 2 * engine_.initial_state().objects[i].solid.LeastHalfExtent();
     // Besides gravity, the energy of moving by a tenth of its side per second.
-    scale_ += masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2);
+    scale_ += masses_[i] * (pull * side + std::pow(0.1 * side, 2) / 2) + PushOn(i) * side;
   }
 }
 
@@ -90,6 +90,11 @@ double EnergyAudit::Gained(double kinetic, double energy, double sagged, double 
                       (approached_ + kLeastImpacts * peak_without_gain_ + kLeastRise * scale_));
 }
 
+double EnergyAudit::PushOn(std::size_t object) const {
+  return engine_.pushes().Strength(
+      object, 2 * engine_.initial_state().objects[object].solid.LeastHalfExtent());
+}
+
 /// J: of all objects that a contact may lift by its depth, which are those connected with it, and
 /// of each by the fall of a cycle, as contacts tremble.
 double EnergyAudit::LiftOfContacts() {
@@ -116,11 +121,12 @@ double EnergyAudit::LiftOfContacts() {
     if (const auto* body = is_free(a) ? a : is_free(b) ? b : nullptr)
       depths.emplace_back(static_cast<std::size_t>(body->getUserIndex()), depth);
   }
-  std::vector<double> masses(masses_.size(), 0);
-  for (std::size_t i = 0; i < masses_.size(); ++i) masses[root(i)] += masses_[i];
+  // N: of their weight, and of what else pushes them into a contact.
+  std::vector<double> loads(masses_.size(), 0);
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    loads[root(i)] += masses_[i] * engine_.acceleration().norm() + PushOn(i);
   double lift = weight_ * fall_ * static_cast<double>(engine_.timestep());
-  for (const auto& [object, depth] : depths)
-    lift += engine_.acceleration().norm() * masses[root(object)] * depth;
+  for (const auto& [object, depth] : depths) lift += loads[root(object)] * depth;
   return lift;
 }
 

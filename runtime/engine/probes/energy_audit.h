@@ -52,6 +52,7 @@ class EnergyAudit {
                  const BodyStates& now);
   double Gained(double kinetic, double energy, double sagged, double rounding);
   double LiftOfContacts();
+  double PushOn(std::size_t object) const;  ///< N
   std::vector<char> Slipping(const BodyStates& states) const;
   double TakenByRounding(const BodyStates& now) const;
   double TakenBySleep(const BodyStates& before, const BodyStates& now) const;

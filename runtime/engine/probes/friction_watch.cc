@@ -81,7 +81,8 @@ FrictionWatch::FrictionWatch(world::Engine& engine, const world::Coefficients& c
   const double pull = engine.acceleration().norm();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const layouts::ObjectState& state = engine.initial_state().objects[i];
-    objects_[i].is_judged = !state.IsFixed() && !engine.links().Holds(i) && !state.solid.IsBall();
+    objects_[i].is_judged = !state.IsFixed() && !engine.links().Holds(i) &&
+                            !engine.pushes().IsPushed(i) && !state.solid.IsBall();
     objects_[i].damping = std::pow(1 - static_cast<double>(engine.objects()[i]->getLinearDamping()),
                                    static_cast<double>(engine.timestep()));
     objects_[i].least_due =
@@ -200,8 +201,9 @@ RollWatch::RollWatch(world::Engine& engine)
     Round& round = objects_[i];
     round.is_ball = solid.IsBall();
     round.is_judged =
-        !state.IsFixed() && !engine.links().Holds(i) && body.getLinearDamping() == 0 &&
-        body.getAngularDamping() == 0 && !(state.numbers["rolling_friction"] > 0) &&
+        !state.IsFixed() && !engine.links().Holds(i) && !engine.pushes().IsPushed(i) &&
+        body.getLinearDamping() == 0 && body.getAngularDamping() == 0 &&
+        !(state.numbers["rolling_friction"] > 0) &&
         (round.is_ball || solid.IsRoundCapsule() ||
          (solid.shape == objects::Shape::kCylinder && solid.sides.x() == solid.sides.z()));
     round.radius = solid.sides.x() / 2;

@@ -70,6 +70,7 @@ ImpactBodies::ImpactBodies(const plan::Scene& scene, world::Engine& engine,
       judged = Judged::kCone;
     const plan::Group& group = scene.groups[state.group];
     if (analysis::HasSchedule(group) && !state.is_kinematic) judged = Judged::kNot;
+    if (engine.pushes().IsPushed(i)) judged = Judged::kNot;
     if (state.solid.IsSurface() || std::isfinite(state.numbers["contact_stiffness"]))
       judged = Judged::kNot;
     bodies_.push_back({state.mass, state.mass * state.solid.InertiaPerMass(),

@@ -43,7 +43,9 @@ MotionWatch::MotionWatch(world::Engine& engine, bool is_driven)
     tracks_[i].least_side = object.solid.sides.minCoeff();
     tracks_[i].least_piece = 2 * object.solid.LeastHalfExtent();
     tracks_[i].is_damped = object.numbers["linear_damping"] != 0;
-    tracks_[i].keeps_spin = object.solid.IsBall() || object.numbers["angular_damping"] != 0;
+    tracks_[i].keeps_spin = object.solid.IsBall() || object.numbers["angular_damping"] != 0 ||
+                            engine.pushes().IsPushed(i);
+    tracks_[i].inverse_mass = object.IsFixed() ? 0 : 1 / object.mass;
     tracks_[i].inertia = object.solid.InertiaPerMass();
     const world::Multibodies* multibodies = engine.links().multibodies();
     tracks_[i].is_link = multibodies != nullptr && multibodies->IsLink(i);
@@ -79,7 +81,12 @@ MotionWatch::Step MotionWatch::StepOf(const btRigidBody& body, const Track& trac
   Step step;
   step.way = world::ToEigen(body.getWorldTransform().getOrigin()) - world::ToEigen(track.position);
   step.velocity = world::ToEigen(body.getLinearVelocity());
-  step.speedup = pull > 0 ? (step.velocity - world::ToEigen(track.velocity)).dot(g) / pull : 0;
+  // Beyond that of the object's own force.
+  const Vector3d gained =
+      step.velocity - world::ToEigen(track.velocity) -
+      timestep * track.inverse_mass *
+          engine_.pushes().Of(static_cast<std::size_t>(body.getUserIndex())).force;
+  step.speedup = pull > 0 ? gained.dot(g) / pull : 0;
   step.spin = world::ToEigen(body.getAngularVelocity()).norm();
   const auto threshold = static_cast<double>(body.getCcdMotionThreshold());
   step.is_swept = threshold > 0 && step.velocity.norm() * timestep > threshold;

@@ -72,7 +72,8 @@ class MotionWatch {
     double least_piece;  ///< m, of its thinnest convex piece
     bool is_damped, is_link;
     bool keeps_spin;              ///< because its moments of inertia are equal (a ball), or its
-                                  ///< spin is damped
+                                  ///< spin is damped, or a torque or force may act on it
+    double inverse_mass;          ///< 1/kg
     Eigen::Vector3d inertia;      ///< principal, for 1 kg
     Eigen::Vector3d gone, to_go;  ///< m along each axis since the last push: actual and expected
     double gained, due;           ///< m/s along g since the last contact: actual and expected

@@ -44,6 +44,8 @@ Energy EnergyOf(const world::Engine& engine) {
     const Vector3d x = world::ToEigen(body.getWorldTransform().getOrigin());
     energy.other += object.mass * (half_timestep * g.dot(v) - g.dot(x));
   }
+  energy.kinetic += engine.links().RotorEnergy();
+  energy.other -= engine.Work();
   return energy;
 }
 
@@ -115,7 +117,8 @@ void Probes::SetScales() {
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
     header_.scales.energy_scale +=
-        mass * (kFall * pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2);
+        mass * (kFall * pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2) +
+        kFall * engine_.pushes().Strength(i, least_sides_[i]) * least_sides_[i];
   }
   header_.scales.least_side = smallest;
   header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(
@@ -530,7 +533,8 @@ Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
     : engine_(engine),
       passes_(engine),
       presses_(engine, least_sides,
-               analysis::ExpectationOf(scene) == analysis::Expectation::kDriven),
+               analysis::ExpectationOf(scene) == analysis::Expectation::kDriven ||
+                   !engine.pushes().IsEmpty()),
       sleepers_(engine),
       normals_(engine),
       supports_(engine),

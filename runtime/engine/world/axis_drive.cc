@@ -55,7 +55,8 @@ std::optional<double> AxisDrive::TakeMiss(double length) {
 
 void AxisDrive::getInfo1(btConstraintInfo1* info) {
   info->m_numConstraintRows = (settings_.damping != 0 ? 1 : 0) + (settings_.friction != 0 ? 1 : 0) +
-                              (settings_.effort != 0 ? 1 : 0) + (settings_.HasLimits() ? 2 : 0);
+                              (settings_.effort != 0 ? 1 : 0) + (settings_.torque ? 1 : 0) +
+                              (settings_.HasLimits() ? 2 : 0);
   info->nub = 0;
 }
 
@@ -85,6 +86,10 @@ void AxisDrive::ListRows(const Moment& moment, RowList& list) {
               .fps = moment.fps,
               .erp = moment.erp};
     list.Add({velocity, -most, most});
+  }
+  if (settings_.torque) {
+    const btScalar impulse = static_cast<btScalar>(*settings_.torque) / moment.fps;
+    list.Add({0, impulse, impulse});
   }
   if (!settings_.HasLimits()) return;
   const auto approach = [&](double limit, btScalar inside) {

@@ -16,7 +16,7 @@ namespace cdb::world {
 ///            of the two bodies, at most what stops it
 ///   friction whatever makes dq/dt 0, up to the friction
 ///   motor    whatever makes dq/dt the velocity, up to the effort; with a target, the velocity by
-///            which the solver's error reduction approaches it
+///            which the solver's error reduction approaches it; or a torque, whatever moves
 ///   limits   what keeps q within them after the step, inelastically; what is beyond a limit is
 ///            corrected by the solver's error reduction
 ///
@@ -28,10 +28,13 @@ class AxisDrive : public btTypedConstraint {
     double friction = 0;
     double velocity = 0, effort = 0;    ///< no motor if the effort is 0
     std::optional<double> target = {};  ///< of q, for the motor
+    std::optional<double> torque = {};  ///< N m, or N, of the motor, instead of what it seeks
     double lower = 1, upper = -1;       ///< no limits if lower > upper
 
     bool HasLimits() const { return lower <= upper; }
-    bool IsIdle() const { return damping == 0 && friction == 0 && effort == 0 && !HasLimits(); }
+    bool IsIdle() const {
+      return damping == 0 && friction == 0 && effort == 0 && !torque && !HasLimits();
+    }
   };
 
   /// Of btTypedConstraint::getUserConstraintType.
@@ -40,7 +43,16 @@ class AxisDrive : public btTypedConstraint {
   /// The axis must outlive it.
   AxisDrive(JointAxis& axis, const Settings& settings);
 
+  /// Whether a motor seeks something.
   bool HasMotor() const { return settings_.effort != 0; }
+  /// Of the steps from now on: its velocity, target or torque, whichever it has.
+  void SetGoal(double goal) {
+    (settings_.torque   ? *settings_.torque
+     : settings_.target ? *settings_.target
+                        : settings_.velocity) = goal;
+  }
+  bool GivesTorque() const { return settings_.torque.has_value(); }
+  double torque() const { return settings_.torque.value_or(0); }
   /// What the solver gave to a row of the step, by its index.
   void TakeImpulse(int row, btScalar impulse) {
     if (row == motor_.row) motor_.impulse = impulse;
@@ -59,7 +71,7 @@ class AxisDrive : public btTypedConstraint {
     btScalar velocity, least, most;
   };
   struct RowList {
-    static constexpr int kMost = 5;
+    static constexpr int kMost = 6;
     Row rows[kMost];
     int count = 0;
     void Add(const Row& row) { rows[count++] = row; }
@@ -88,7 +100,7 @@ class AxisDrive : public btTypedConstraint {
   };
 
   JointAxis& axis_;
-  const Settings settings_;
+  Settings settings_;
   Motor motor_;
 };
 

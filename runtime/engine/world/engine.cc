@@ -63,6 +63,17 @@ btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
   return info;
 }
 
+/// N, by group: the largest force of its table; 0 if it has none.
+std::vector<double> LargestOfTables(const plan::Scene& scene) {
+  const schema::GroupParameter force = "force";
+  std::vector<double> largest;
+  for (const plan::Group& group : scene.groups) {
+    const schema::Call* call = analysis::TimeTableOf(group.settings.Get(force));
+    largest.push_back(call == nullptr ? 0 : ReadTable(*call, group.settings, *force).Largest());
+  }
+  return largest;
+}
+
 /// The extent of sweep and prune's coordinates: the cube, and, if walls are missing, also the
 /// largest distance that an object can fly in the run, or a robot reach.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
@@ -79,13 +90,18 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
       farthest = std::max(farthest, object.pose.position.norm() + object.solid.OuterRadius());
     return std::max(half, std::min(2 * farthest, analysis::kLargestBox));
   }
-  double fastest = 0;
-  for (const ObjectState& object : state.objects)
+  const std::vector<double> tables = LargestOfTables(scene);
+  double fastest = 0, pushed = 0;
+  for (const ObjectState& object : state.objects) {
     fastest = std::max(fastest, object.linear_velocity.norm());
+    const double force = std::max(object.force.norm(), tables[object.group]);
+    if (!object.IsFixed()) pushed = std::max(pushed, force / object.mass);
+  }
+  const double pull = state.acceleration.norm() + pushed;
   const double seconds =
       scene.world.Real("timestep") *
       static_cast<double>(scene.world.Count("cycles") + scene.world.Count("warmup"));
-  const double flight = fastest * seconds + state.acceleration.norm() * seconds * seconds / 2;
+  const double flight = fastest * seconds + pull * seconds * seconds / 2;
   // Bullet disables bodies that are farther out.
   return std::min(half + flight, std::max(half, analysis::kLargestBox));
 }
@@ -148,6 +164,8 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
   CutPlanes();
   MakeDetection(detectors);
   links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
+  pushes_ = std::make_unique<Pushes>(scene_, state_, objects_);
+  acts_ = !pushes_->IsEmpty() || links_->HasTimedMotors();
   if (links_->multibodies() == nullptr) return;
   world_->SolveBy(*links_->multibodies());
   // As in Bullet's own world of multibodies.
@@ -209,6 +227,19 @@ Engine::~Engine() {
   }
 }
 
+void Engine::BeginStep() {
+  const double timestep = scene_.world.Real("timestep");
+  links_->BeginStep(static_cast<double>(steps_) * timestep, timestep);
+  pushes_->BeforeStep(links_->multibodies());
+}
+
+void Engine::EndStep() {
+  const auto timestep = static_cast<double>(timestep_);
+  links_->EndStep(timestep);
+  pushes_->AfterStep(timestep);
+  ++steps_;
+}
+
 void Engine::SetUpSolver() {
   btContactSolverInfo& info = world_->getSolverInfo();
   info.m_numIterations = static_cast<int>(scene_.world.Count("solver.iterations"));
@@ -243,7 +274,8 @@ void Engine::MakeObject(const ObjectState& object) {
   if (!object.IsFixed()) {
     body->setLinearVelocity(ToBullet(object.linear_velocity));
     body->setAngularVelocity(ToBullet(object.angular_velocity));
-    if (!sleeping_) body->setActivationState(DISABLE_DEACTIVATION);
+    if (!sleeping_ || analysis::HasPush(scene_.groups[object.group]))
+      body->setActivationState(DISABLE_DEACTIVATION);
   }
   if (object.is_kinematic) {
     body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
@@ -506,6 +538,8 @@ Schedules::Schedules(const plan::Scene& scene, Engine& engine) : scene_(scene), 
     const std::size_t end = first + group.settings.Count("quantity");
     Add(Target::kLinearVelocity, &group, *GroupParameter("linear_velocity"), first, end);
     Add(Target::kAngularVelocity, &group, *GroupParameter("angular_velocity"), first, end);
+    Add(Target::kForce, &group, *GroupParameter("force"), first, end);
+    Add(Target::kTorque, &group, *GroupParameter("torque"), first, end);
     first = end;
   }
 }
@@ -515,7 +549,10 @@ void Schedules::Add(Target target, const plan::Group* group, const schema::Param
   const schema::Call* call = schema::AsCall(group != nullptr ? group->settings.ValueOf(parameter)
                                                              : scene_.world.ValueOf(parameter));
   if (call == nullptr) return;
-  Row row{target, call, nullptr, first, end};
+  if (first == end) return;
+  Row row{target, call, nullptr, {}, first, end};
+  if (analysis::TimeTableOf(*call) != nullptr)
+    row.table = ReadTable(*call, group->settings, parameter);
   if (call->name == "every") {
     row.draw = std::make_unique<distributions::Draw>(scene_, group, parameter);
     // The initial state already has the first values.
@@ -526,6 +563,8 @@ void Schedules::Add(Target target, const plan::Group* group, const schema::Param
 
 Vector3d Schedules::ValueAt(Row& row, std::uint64_t step) const {
   if (row.draw != nullptr) return row.draw->Vector();
+  if (row.table)
+    return row.table->VectorAt((static_cast<double>(step) + 0.5) * scene_.world.Real("timestep"));
   const auto& vector = std::get<Vector3d>(ArgumentOf(*row.call, "vector"));
   const auto& about = std::get<Vector3d>(ArgumentOf(*row.call, "about"));
   const double turns = static_cast<double>(step) * scene_.world.Real("timestep") /
@@ -535,7 +574,7 @@ Vector3d Schedules::ValueAt(Row& row, std::uint64_t step) const {
 }
 
 void Schedules::Apply(Row& row, std::uint64_t step) {
-  if (step == 0 || !IsDueAt(*row.call, step)) return;
+  if ((step == 0 && !row.table) || !IsDueAt(*row.call, step)) return;
   if (row.target == Target::kAcceleration) {
     engine_.SetAcceleration(ValueAt(row, step));
     return;
@@ -545,10 +584,21 @@ void Schedules::Apply(Row& row, std::uint64_t step) {
     btRigidBody& body = *engine_.objects()[i];
     if (body.isStaticOrKinematicObject()) continue;
     body.activate(true);
-    if (row.target == Target::kLinearVelocity) {
-      body.setLinearVelocity(ToBullet(value));
-    } else {
-      body.setAngularVelocity(ToBullet(value));
+    switch (row.target) {
+      case Target::kAcceleration:
+        break;
+      case Target::kLinearVelocity:
+        body.setLinearVelocity(ToBullet(value));
+        break;
+      case Target::kAngularVelocity:
+        body.setAngularVelocity(ToBullet(value));
+        break;
+      case Target::kForce:
+        engine_.pushes().SetForce(i, value);
+        break;
+      case Target::kTorque:
+        engine_.pushes().SetTorque(i, value);
+        break;
     }
   }
 }

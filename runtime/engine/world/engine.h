@@ -5,16 +5,19 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/time_table.h"
 #include "compiler/plan/plan.h"
 #include "library/distributions/draw.h"
 #include "library/layouts/initial_state.h"
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/detection/scene_view.h"
 #include "runtime/engine/world/links.h"
+#include "runtime/engine/world/pushes.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/engine/world/timed_world.h"
 #include "runtime/omissions/omissions.h"
@@ -44,11 +47,13 @@ class Engine {
 
   /// One cycle: one internal step of the scene's timestep.
   void Step() {
+    if (acts_) BeginStep();
     if (timed_world_ != nullptr) {
       timed_world_->TimedStep(timestep_);
     } else {
       world_->stepSimulation(timestep_, 1, timestep_);
     }
+    if (acts_) EndStep();
   }
 
   /// Broad and narrow phase of the bodies where they are. Nothing moves.
@@ -90,10 +95,17 @@ class Engine {
   /// bodies.
   const Eigen::Vector3d& acceleration() const { return acceleration_; }
   void SetAcceleration(const Eigen::Vector3d& acceleration);
+  /// The forces and torques on objects, which the next step applies.
+  Pushes& pushes() { return *pushes_; }
+  const Pushes& pushes() const { return *pushes_; }
+  /// J, since the start: of forces and torques on objects, and of motors that give one.
+  double Work() const { return pushes_->Work() + links_->Work(); }
   btScalar timestep() const { return timestep_; }
   double side() const { return side_; }
 
  private:
+  void BeginStep();
+  void EndStep();
   void MakeDetection(const detection::Detectors& detectors);
   bool IsKept(int wall) const;  ///< by at least one object
   void MakeObject(const layouts::ObjectState& object);
@@ -125,6 +137,9 @@ class Engine {
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;
+  std::unique_ptr<Pushes> pushes_;
+  bool acts_ = false;                  ///< forces, torques or motors need BeginStep and EndStep
+  std::uint64_t steps_ = 0;            ///< done, if it acts
   TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is a TimedWorld
 };
 
@@ -166,10 +181,11 @@ class Kinematics {
 // Schedules: accelerations and velocities that change during a run.
 //
 // `every(n, value)` sets the value anew before every n-th step, `rotating(vector, about, period)`
-// before each; both count steps from the start, including the warm-up. Setting a value wakes
-// sleeping objects. Velocities are set regardless of changes by contacts since the last time. Not
-// thread-safe. Brownian scenes and moving gravity: Serpa & Rodrigues, "Broadmark", Computer
-// Graphics Forum 39(1), 2020.
+// before each; both count steps from the start, including the warm-up. A table, of a force or a
+// torque, gives the value in the middle of each step. Setting a value wakes sleeping objects.
+// Velocities are set regardless of changes by contacts since the last time. Not thread-safe.
+// Brownian scenes and moving gravity: Serpa & Rodrigues, "Broadmark", Computer Graphics Forum
+// 39(1), 2020.
 
 class Schedules {
  public:
@@ -182,12 +198,13 @@ class Schedules {
   }
 
  private:
-  enum class Target { kAcceleration, kLinearVelocity, kAngularVelocity };
+  enum class Target { kAcceleration, kLinearVelocity, kAngularVelocity, kForce, kTorque };
   /// A parameter with a schedule.
   struct Row {
     Target target;
     const schema::Call* call;
     std::unique_ptr<distributions::Draw> draw;  ///< of `every`
+    std::optional<analysis::TimeTable> table;   ///< of `table`
     std::size_t first = 0, end = 0;             ///< objects
   };
 

@@ -12,6 +12,7 @@
 #include "compiler/analysis/joints.h"
 #include "dsl/text/check.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/pushes.h"
 #include "runtime/engine/world/universal_joint.h"
 
 namespace cdb::world {
@@ -53,6 +54,10 @@ btVector3 InBody(const btRigidBody& body, const btVector3& point) {
   return body.getWorldTransform().invXform(point);
 }
 
+/// What a motor may do, each a number or a table of them.
+constexpr std::array<schema::GroupParameter, 4> kGoals = {
+    "joints.motor.velocity", "joints.motor.position", "joints.motor.torque", "joints.motor.force"};
+
 AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
   AxisDrive::Settings drive;
   const auto number = [&](schema::GroupParameter parameter, double otherwise) {
@@ -65,11 +70,21 @@ AxisDrive::Settings DriveOf(const plan::GroupSettings& settings) {
   drive.effort = number("joints.motor.effort", 0);
   // The drive counts from the initial poses.
   const double start = settings.Real("joints.start");
-  if (const schema::Number* target = schema::AsNumber(settings.Get("joints.motor.position")))
-    drive.target = target->AsReal() - start;
+  const auto has = [&](schema::GroupParameter parameter) {
+    const schema::Value& value = settings.Get(parameter);
+    return schema::AsNumber(value) != nullptr || analysis::TimeTableOf(value) != nullptr;
+  };
+  if (has("joints.motor.position")) drive.target = number("joints.motor.position", start) - start;
+  for (const schema::GroupParameter torque : {schema::GroupParameter("joints.motor.torque"),
+                                              schema::GroupParameter("joints.motor.force")})
+    if (has(torque)) drive.torque = number(torque, 0);
   drive.lower = number("joints.limits.lower", drive.lower + start) - start;
   drive.upper = number("joints.limits.upper", drive.upper + start) - start;
   return drive;
+}
+
+double RateOf(const std::array<JointAxis::Share, 2>& shares) {
+  return static_cast<double>(shares[0].Rate() + shares[1].Rate());
 }
 
 /// The equations of joints for the velocities of their bodies: rows over the bodies' velocities and
@@ -287,12 +302,52 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
                                             link.pivot_in_first, link.pivot_in_second);
   const AxisDrive::Settings drive = DriveOf(settings);
   if (!drive.IsIdle()) link.drive = std::make_unique<AxisDrive>(*link.axis, drive);
+  if (link.axis) link.armature = settings.Real("joints.armature");
   const auto reach = [&](const btRigidBody& body) {
     return &body == &fixed
                ? 0.
                : static_cast<double>((body.getWorldTransform().getOrigin() - pivot).length());
   };
   Add(std::move(link), first, second, reach(first) + reach(second));
+  if (links_.back().drive) AddTimedMotor(settings);
+}
+
+void Links::AddTimedMotor(const plan::GroupSettings& settings) {
+  TimedMotor motor{.link = links_.size() - 1};
+  for (const schema::GroupParameter goal : kGoals)
+    if (const schema::Call* call = analysis::TimeTableOf(settings.Get(goal))) {
+      motor.table = ReadTable(*call, settings, *goal);
+      if (goal.get() == schema::GroupParameter("joints.motor.position").get())
+        motor.start = settings.Real("joints.start");
+    }
+  if (motor.table || links_.back().drive->GivesTorque()) timed_.push_back(std::move(motor));
+}
+
+void Links::BeginStep(double time, double timestep) {
+  for (TimedMotor& motor : timed_) {
+    const Link& link = links_[motor.link];
+    const bool gives = link.drive->GivesTorque();
+    if (motor.table)
+      link.drive->SetGoal(motor.table->At(time + (gives ? timestep / 2 : timestep)) - motor.start);
+    motor.shares = link.axis->Shares();
+    motor.rate = RateOf(motor.shares);
+  }
+}
+
+// The work of an impulse on rigid bodies is that in the pose in which it acts.
+void Links::EndStep(double timestep) {
+  for (const TimedMotor& motor : timed_) {
+    const Link& link = links_[motor.link];
+    const double rate = RateOf(is_reduced_ ? link.axis->Shares() : motor.shares);
+    work_ += link.drive->torque() * timestep * (motor.rate + rate) / 2;
+  }
+}
+
+double Links::RotorEnergy() const {
+  double energy = 0;
+  for (const Link& link : links_)
+    if (link.armature > 0) energy += link.armature / 2 * std::pow(RateOf(link.axis->Shares()), 2);
+  return energy;
 }
 
 void Links::Add(Link link, btRigidBody& first, btRigidBody& second, double length) {
@@ -352,7 +407,7 @@ std::vector<JointFrame> Links::ListFrames() const {
                       link.kind == JointKind::kUniversal
                           ? static_cast<const UniversalJoint&>(*link.constraint).AxisOfSecond()
                           : axis,
-                      link.drive.get()});
+                      link.drive.get(), static_cast<btScalar>(link.armature)});
   }
   return joints;
 }

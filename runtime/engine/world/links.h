@@ -3,11 +3,13 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "compiler/analysis/time_table.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
 #include "library/layouts/joint_pairs.h"
@@ -49,6 +51,16 @@ class Links {
   Links& operator=(const Links&) = delete;
 
   bool HasJoints() const { return joints_; }
+  /// Whether a motor gives a torque, or changes over time what it seeks.
+  bool HasTimedMotors() const { return !timed_.empty(); }
+  /// Call before and after each step, which begins at `time`, s. In a step, a motor gives the
+  /// torque of its middle, and seeks what its table has at its end.
+  void BeginStep(double time, double timestep);
+  void EndStep(double timestep);
+  /// J, of motors that give a torque, since the start.
+  double Work() const { return work_; }
+  /// J, of the rotors of joints with an armature.
+  double RotorEnergy() const;
   /// Watches its motors from now on; null if it has none.
   std::unique_ptr<MotorWatch> WatchMotors() const;
   /// Null in maximal coordinates, and without joints.
@@ -82,6 +94,7 @@ class Links {
     std::unique_ptr<btTypedConstraint> constraint;
     std::unique_ptr<JointAxis> axis;   ///< of a joint that is a hinge or a slider
     std::unique_ptr<AxisDrive> drive;  ///< null without damping, motor and limits
+    double armature = 0;               ///< kg m^2, or kg
     btRigidBody *first, *second;
     btVector3 pivot_in_first, pivot_in_second;  ///< m; for a spring, its ends
     btVector3 line_in_first;                    ///< unit vector of a spring, a hinge or a slider
@@ -95,6 +108,15 @@ class Links {
     std::optional<btMatrix3x3> turn;
   };
 
+  /// A motor that gives a torque, or has a table.
+  struct TimedMotor {
+    std::size_t link;
+    double start = 0;  ///< of the joint, from which the drive counts a position
+    std::optional<analysis::TimeTable> table = {};
+    std::array<JointAxis::Share, 2> shares = {};  ///< before the step
+    double rate = 0;
+  };
+  void AddTimedMotor(const plan::GroupSettings& settings);
   double BendOf(const Link& link) const;
   /// From the pivot of the first to that of the second, where they should be the same.
   Eigen::Vector3d GapOf(const Link& link) const;
@@ -127,6 +149,8 @@ class Links {
   };
   std::vector<Link> links_;
   std::vector<GearEntry> gears_;
+  std::vector<TimedMotor> timed_;
+  double work_ = 0;
   std::unique_ptr<Multibodies> multibodies_;
   std::map<const btRigidBody*, std::size_t> holders_;  ///< the first link whose second it is
   std::vector<bool> held_;                             ///< by object, up to the last that is

@@ -4,12 +4,15 @@
 #include <BulletDynamics/Featherstone/btMultiBodyConstraint.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "library/scene_error.h"
 #include "runtime/engine/world/conversions.h"
 
 namespace cdb::world {
@@ -221,6 +224,16 @@ struct Multibodies::Tree {
   btAlignedObjectArray<btMatrix3x3> matrices;
   btAlignedObjectArray<btQuaternion> turns;
   std::vector<btVector3> spins, velocities;
+  struct Armature {
+    int link, place;  ///< place: of the joint's velocity in a vector of the multibody's
+    btScalar inertia;
+  };
+  std::vector<Armature> armatures;
+  using Matrix = Eigen::Matrix<btScalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<btScalar, Eigen::Dynamic, 1>;
+  Matrix responses;            ///< M^-1 e, of the joint of each armature
+  Eigen::LDLT<Matrix> system;  ///< of diag(1 / armature) + E^T M^-1 E
+  Vector start;                ///< velocities before an acceleration
 
   btRigidBody* BodyOf(int link) const {
     return link == kBase ? base : bodies[static_cast<std::size_t>(link)];
@@ -241,6 +254,48 @@ struct Multibodies::Tree {
   }
   /// Velocities of the joints by the forces that were added, in `seconds`.
   void Accelerate(btScalar seconds) {
+    if (!armatures.empty()) start = VelocitiesOf();
+    AccelerateWithoutArmatures(seconds);
+    if (armatures.empty()) return;
+    FindResponses();
+    const Vector gained = VelocitiesOf() - start;
+    Vector corrected = gained;
+    AddArmatures(corrected.data());
+    corrected -= gained;
+    body->applyDeltaVeeMultiDof(corrected.data(), 1);
+  }
+  int Size() const { return body->getNumDofs() + 6; }
+  Vector VelocitiesOf() const {
+    return Eigen::Map<const Vector>(body->getVelocityVector(), Size());
+  }
+  /// By unit torques of the joints with armatures, in the pose of the last acceleration.
+  void FindResponses() {
+    const auto count = static_cast<Eigen::Index>(armatures.size());
+    responses.resize(Size(), count);
+    Matrix square(count, count);
+    Vector unit = Vector::Zero(Size());
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Armature& armature = armatures[static_cast<std::size_t>(i)];
+      unit[armature.place] = 1;
+      body->calcAccelerationDeltasMultiDof(unit.data(), responses.col(i).data(), reals, vectors);
+      unit[armature.place] = 0;
+      for (Eigen::Index j = 0; j < count; ++j)
+        square(j, i) = responses(armatures[static_cast<std::size_t>(j)].place, i);
+      square(i, i) += 1 / armature.inertia;
+    }
+    system.compute(square);
+  }
+  /// To velocities M^-1 J^T: with (M + E a E^T)^-1 = M^-1 - M^-1 E (1/a + E^T M^-1 E)^-1 E^T M^-1.
+  void AddArmatures(btScalar* velocity) const {
+    Eigen::Map<Vector> all(velocity, Size());
+    Vector rates(static_cast<Eigen::Index>(armatures.size()));
+    for (std::size_t i = 0; i < armatures.size(); ++i)
+      rates[static_cast<Eigen::Index>(i)] = all[armatures[i].place];
+    all -= responses * system.solve(rates);
+  }
+  /// Velocities of the joints by the forces that were added, in `seconds`, of rotors without
+  /// inertia.
+  void AccelerateWithoutArmatures(btScalar seconds) {
     const int links = static_cast<int>(bodies.size());
     reals.resize(links + 1);
     vectors.resize(links + 1);
@@ -316,6 +371,11 @@ void Multibodies::Tree::Make() {
   if (!is_fixed) body->setBaseWorldTransform(base->getWorldTransform());
   for (int link = 0; link < links; ++link) MakeLink(link);
   body->finalizeMultiDof();
+  for (int link = 0; link < links; ++link)
+    if (const btScalar inertia = branches[static_cast<std::size_t>(link)].joint->armature;
+        inertia > 0)
+      armatures.push_back({link, 6 + body->getLink(link).m_dofOffset, inertia});
+  body->setUserPointer(this);
   body->setLinearDamping(0);
   body->setAngularDamping(0);
   body->setMaxCoordinateVelocity(kNoLimit);
@@ -404,7 +464,14 @@ void Multibodies::Grow(std::span<const JointFrame> joints) {
       links_[static_cast<std::size_t>(tree->BodyOf(collider->m_link)->getUserIndex())] =
           collider.get();
   }
-  for (std::size_t i = 0; i < joints.size(); ++i) AddRows(joints[i], is_used[i]);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].armature > 0 && !is_used[i])
+      throw library::SceneError("a joint that closes a loop of joints has an armature",
+                                "give it to another joint of the loop, written before this one");
+    AddRows(joints[i], is_used[i]);
+  }
+  solver_.has_armatures =
+      std::ranges::any_of(trees_, [](const auto& tree) { return !tree->armatures.empty(); });
   for (const auto& tree : trees_) {
     StartMoving(*tree);
     Mirror(*tree);
@@ -460,7 +527,80 @@ void Multibodies::StartMoving(Tree& tree) {
     tree.body->addLinkForce(static_cast<int>(link), force);
     tree.body->addLinkTorque(static_cast<int>(link), torque);
   }
-  tree.Accelerate(1);
+  // The velocities of the links are given, and so are those of the joints: rotors turn with them.
+  tree.AccelerateWithoutArmatures(1);
+}
+
+btScalar Multibodies::Solver::solveGroupCacheFriendlySetup(
+    btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+    int manifold_count, btTypedConstraint** constraints, int constraint_count,
+    const btContactSolverInfo& info, btIDebugDraw* draw) {
+  const btScalar result = btMultiBodyConstraintSolver::solveGroupCacheFriendlySetup(
+      bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info, draw);
+  if (!has_armatures) return result;
+  is_done_.assign(static_cast<std::size_t>(m_data.m_deltaVelocitiesUnitImpulse.size()), 0);
+  for (auto* rows :
+       {&m_multiBodyNonContactConstraints, &m_multiBodyNormalContactConstraints,
+        &m_multiBodyFrictionContactConstraints, &m_multiBodyTorsionalFrictionContactConstraints,
+        &m_multiBodySpinningFrictionContactConstraints})
+    AddArmatures(*rows);
+  return result;
+}
+
+// With what one body of a row does to the other, which Bullet leaves out: two links of a tree.
+btScalar Multibodies::Solver::MobilityOf(const btMultiBodySolverConstraint& row) const {
+  const auto product = [&](const btMultiBody& body, int jacobian, int velocity) {
+    btScalar sum = 0;
+    for (int dof = 0; dof < body.getNumDofs() + 6; ++dof)
+      sum +=
+          m_data.m_jacobians[jacobian + dof] * m_data.m_deltaVelocitiesUnitImpulse[velocity + dof];
+    return sum;
+  };
+  const auto of_rigid = [&](int body, const btVector3& linear, const btVector3& about,
+                            const btVector3& spin) {
+    if (body < 0) return btScalar(0);
+    return linear.dot(linear * m_tmpSolverBodyPool[body].internalGetInvMass()) + about.dot(spin);
+  };
+  const btMultiBody *a = row.m_multiBodyA, *b = row.m_multiBodyB;
+  btScalar sum = a != nullptr ? product(*a, row.m_jacAindex, row.m_jacAindex)
+                              : of_rigid(row.m_solverBodyIdA, row.m_contactNormal1,
+                                         row.m_relpos1CrossNormal, row.m_angularComponentA);
+  sum += b != nullptr ? product(*b, row.m_jacBindex, row.m_jacBindex)
+                      : of_rigid(row.m_solverBodyIdB, row.m_contactNormal2,
+                                 row.m_relpos2CrossNormal, row.m_angularComponentB);
+  if (a != nullptr && a == b)
+    sum += product(*a, row.m_jacAindex, row.m_jacBindex) +
+           product(*a, row.m_jacBindex, row.m_jacAindex);
+  return sum;
+}
+
+// A row's impulse stays right whatever its step, which only decides how fast it is found.
+void Multibodies::Solver::AddArmatures(btMultiBodyConstraintArray& rows) {
+  for (int i = 0; i < rows.size(); ++i) {
+    btMultiBodySolverConstraint& row = rows[i];
+    const auto tree_of = [](const btMultiBody* body) {
+      const auto* tree =
+          body == nullptr ? nullptr : static_cast<const Tree*>(body->getUserPointer());
+      return tree != nullptr && !tree->armatures.empty() ? tree : nullptr;
+    };
+    const Tree *first = tree_of(row.m_multiBodyA), *second = tree_of(row.m_multiBodyB);
+    if (first == nullptr && second == nullptr) continue;
+    const auto correct = [&](const Tree* tree, int place) {
+      if (tree == nullptr) return;
+      // Rows of one drive share their velocities.
+      if (std::exchange(is_done_[static_cast<std::size_t>(place)], 1) == 0)
+        tree->AddArmatures(&m_data.m_deltaVelocitiesUnitImpulse[place]);
+    };
+    correct(first, row.m_jacAindex);
+    correct(second, row.m_jacBindex);
+    if (!(row.m_jacDiagABInv > 0)) continue;
+    const btScalar mobility = MobilityOf(row);
+    if (!(mobility > 0)) continue;
+    const btScalar ratio = 1 / (mobility * row.m_jacDiagABInv);
+    row.m_jacDiagABInv *= ratio;
+    row.m_rhs *= ratio;
+    row.m_cfm *= ratio;
+  }
 }
 
 void Multibodies::Mirror(Tree& tree) {
@@ -482,9 +622,20 @@ void Multibodies::Mirror(Tree& tree) {
 void Multibodies::Solve(const btAlignedObjectArray<btRigidBody*>& bodies, btDispatcher& dispatcher,
                         const btVector3& acceleration, bool in_order,
                         const btContactSolverInfo& info) {
+  for (const auto& tree : trees_) tree->body->clearConstraintForces();
+  for (const ObjectPush& push : pushes_) {
+    const btMultiBodyLinkCollider& link = *links_[push.object];
+    if (link.m_link == kBase) {
+      link.m_multiBody->addBaseForce(push.force);
+      link.m_multiBody->addBaseTorque(push.torque);
+    } else {
+      link.m_multiBody->addLinkForce(link.m_link, push.force);
+      link.m_multiBody->addLinkTorque(link.m_link, push.torque);
+    }
+  }
+  pushes_.clear();
   for (const auto& tree : trees_) {
     btMultiBody& body = *tree->body;
-    body.clearConstraintForces();
     body.addBaseForce(acceleration * body.getBaseMass());
     for (int link = 0; link < body.getNumLinks(); ++link)
       body.addLinkForce(link, acceleration * body.getLinkMass(link));

@@ -29,7 +29,8 @@ struct JointFrame {
   /// In the world; the axes are unit vectors, of a hinge, a slider or a universal joint. The second
   /// body turns about its own axis: of a universal joint, the other one.
   btVector3 pivot, axis, axis_of_second;
-  AxisDrive* drive;  ///< null without damping, motor and limits
+  AxisDrive* drive;   ///< null without damping, motor and limits
+  btScalar armature;  ///< kg m^2, or kg of a slider
 };
 
 /// The trees of a scene's joints. Objects remain rigid bodies of the world for detection; their
@@ -38,7 +39,10 @@ struct JointFrame {
 /// solved as one island.
 ///
 /// Source: R. Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 (the articulated-body
-/// algorithm), as in Bullet. Differences from rigid bodies: no split impulse, explicit gyroscopic
+/// algorithm), as in Bullet. The armature of a joint adds to the diagonal of the inertia of the
+/// joints, which the algorithm has no place for: what follows from its inverse, accelerations and
+/// the rows of the solver, is corrected by the formula of Sherman, Morrison and Woodbury, which is
+/// exact. Differences from rigid bodies: no split impulse, explicit gyroscopic
 /// torques, two directions of friction, contacts without warm starting. Not thread-safe.
 class Multibodies {
  public:
@@ -57,6 +61,10 @@ class Multibodies {
              const btVector3& acceleration, bool in_order, const btContactSolverInfo& info);
   /// Moves the links, and the rigid bodies of their objects.
   void Integrate(btScalar timestep);
+  /// In the next step, a force at the centre of mass and a torque act on the object, a link.
+  void Push(std::size_t object, const btVector3& force, const btVector3& torque) {
+    pushes_.push_back({object, force, torque});
+  }
   /// From now on, drives get the impulses of their rows.
   void WatchDrives() { watches_drives_ = true; }
   /// By the object's index.
@@ -79,13 +87,33 @@ class Multibodies {
   bool watches_drives_ = false;
   std::vector<btMultiBodyLinkCollider*> links_;  ///< by user index; null without joints
   std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;  ///< drives, loops, gears
-  /// The impulses of its rows can be read.
+  /// The impulses of its rows can be read. Its rows know the armatures of joints: Bullet makes them
+  /// for bodies without.
   struct Solver : btMultiBodyConstraintSolver {
     btScalar ImpulseOf(int row) const {
       return m_multiBodyNonContactConstraints[row].m_appliedImpulse;
     }
+    bool has_armatures = false;
+
+   protected:
+    btScalar solveGroupCacheFriendlySetup(btCollisionObject** bodies, int body_count,
+                                          btPersistentManifold** manifolds, int manifold_count,
+                                          btTypedConstraint** constraints, int constraint_count,
+                                          const btContactSolverInfo& info,
+                                          btIDebugDraw* draw) override;
+
+   private:
+    void AddArmatures(btMultiBodyConstraintArray& rows);
+    /// The velocity that a unit impulse gives.
+    btScalar MobilityOf(const btMultiBodySolverConstraint& row) const;
+    std::vector<char> is_done_;  ///< by the index of a row's velocities
   };
   Solver solver_;
+  struct ObjectPush {
+    std::size_t object;
+    btVector3 force, torque;
+  };
+  std::vector<ObjectPush> pushes_;  ///< of the next step
   // Kept from step to step, so as not to be allocated again.
   std::vector<btCollisionObject*> free_;
   std::vector<btPersistentManifold*> manifolds_;

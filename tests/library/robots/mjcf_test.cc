@@ -133,6 +133,22 @@ TEST_F(Mjcf, JointsAreThoseOfTheFile) {
 }
 
 /// As MuJoCo 3 has it, but for a hinge at -q where `ref` is q.
+TEST_F(Mjcf, ArmaturesAreReadAndTakenOverOnRequest) {
+  const Robot robot = MjcfRobot(
+      "<body name='a'><joint name='turn' armature='0.1'/><geom size='0.1'/>"
+      "<body name='b'><joint name='slide' type='slide' armature='2'/><geom size='0.1'/>"
+      "<body name='c'><joint name='free' armature='0'/><geom size='0.1'/></body></body></body>");
+  const auto armature_of = [&](const std::string& name) {
+    const auto found = std::ranges::find(robot.joints, name, &RobotJoint::name);
+    return found == robot.joints.end() ? -1 : found->armature;
+  };
+  EXPECT_EQ(armature_of("turn"), 0.1);
+  EXPECT_EQ(armature_of("slide"), 2);
+  EXPECT_EQ(armature_of("free"), 0);
+  EXPECT_EQ(robot.left_out,
+            std::vector<std::string>{"2 armature, unless the robot has armature on"});
+}
+
 TEST_F(Mjcf, RefIsThePositionInTheFile) {
   const Robot robot = MjcfRobot(
       "<body name='a'><geom size='1'/><body name='b' pos='0 0 2'><joint name='j' axis='1 0 0' "
