@@ -174,7 +174,7 @@ class Maker {
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kTableCall || call == schema::kHeightsCall ||
-             call == analysis::kSurfaceWord ||  // for fixed objects only
+             call == analysis::kSurfaceWord ||                             // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
     });
     return calls;
@@ -213,7 +213,8 @@ class Maker {
       return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
     for (const char* of_links : {"walls", "detection", "solver", "sleeping", "rotation"})
-      if (component == of_links && sets("links.type")) return false;
+      if (component == of_links && (sets("links.type") || sets("force") || sets("torque")))
+        return false;
     if (component == "rotation") return !sets("angular_velocity");
     for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
       if (component == of_ccd) return !sets("ccd");
