@@ -133,9 +133,9 @@ constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
                                                      "contact_damping",
                                                      "ccd",
                                                      "edges",
+                                                     "links.type",
                                                      "force",
-                                                     "torque",
-                                                     "links.type"};
+                                                     "torque"};
 /// Of one of the two worlds.
 struct OfOneWorld {
   schema::GroupParameter parameter;

@@ -51,6 +51,13 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "remove it, or write mass kinematic: such objects move with their velocity, whatever "
            "they meet");
     }
+    const std::string_view mass = group.settings.WordOr("mass");
+    for (const auto push : {schema::GroupParameter("force"), schema::GroupParameter("torque")})
+      if (!IsZero(group.settings.Get(push)))
+        Look(configuration, {group.name, push.get()},
+             mass == "fixed" || mass == analysis::kKinematicWord,
+             fmt::format("'{}' is {}, and no {} moves it", group.name, mass, push.name()),
+             fmt::format("give it a mass, or remove the {}", push.name()));
     if (!IsZero(group.settings.Get("spinning_friction")))
       Look(configuration, {group.name, schema::GroupParameter("spinning_friction").get()},
            std::ranges::all_of(scene.groups,

@@ -213,7 +213,8 @@ class Maker {
       return false;
     if (component == "damping") return !sets("linear_damping") && !sets("angular_damping");
     for (const char* of_links : {"walls", "detection", "solver", "sleeping", "rotation"})
-      if (component == of_links && sets("links.type")) return false;
+      if (component == of_links && (sets("links.type") || sets("force") || sets("torque")))
+        return false;
     if (component == "rotation") return !sets("angular_velocity");
     for (const char* of_ccd : {"walls", "raycast_tree", "detection", "solver", "swept_contacts"})
       if (component == of_ccd) return !sets("ccd");
