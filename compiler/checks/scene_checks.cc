@@ -477,13 +477,6 @@ std::optional<MotionFault> FindMotionFault(const plan::Group& group) {
         fmt::format("only a kinematic object can move along a path, but the mass of {} is {}",
                     group.name, schema::ToText(settings.Get("mass"))),
         "write mass kinematic"};
-  for (const auto parameter : {schema::GroupParameter("force"), schema::GroupParameter("torque")})
-    if (!schema::IsZero(settings.Get(parameter)) &&
-        (analysis::HasKinematic(group) || settings.WordOr("mass") == "fixed"))
-      return MotionFault{parameter,
-                         fmt::format("no {} moves the {}, which are {}", parameter.name(),
-                                     group.name, settings.WordOr("mass", "kinematic")),
-                         fmt::format("give them a mass, or remove the {}", parameter.name())};
   if (!analysis::HasKinematic(group)) return std::nullopt;
   for (const auto parameter :
        {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})

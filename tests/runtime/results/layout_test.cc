@@ -36,6 +36,14 @@ plan::Plan PlanOnPairs() {
   return plan;
 }
 
+/// Of a broad phase on the primitives of a deforming mesh, whose collisions are counted.
+plan::Plan PlanOnBoxes() {
+  plan::Plan plan = MakePlan({}, 1, {.record = {"pairs"}});
+  for (plan::Run& run : plan.runs)
+    run.scene.world.Set("trace", schema::Call{"file", {schema::Text{"t.h5"}, schema::Text{"0"}}});
+  return plan;
+}
+
 /// Of configurations of joints, which have series of their own, too.
 plan::Plan PlanOfConfigurations() {
   plan::Plan plan = MakePlan({}, 1, {.record = {"counts", "pairs"}});
@@ -79,6 +87,7 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   ASSERT_EQ(errors.size(), schema::Errors().size());
   std::set<std::string> used = NamesBesideAxes(plan);
   used.merge(NamesBesideAxes(PlanOnPairs()));
+  used.merge(NamesBesideAxes(PlanOnBoxes()));
   used.merge(NamesBesideAxes(PlanOfConfigurations()));
   used.merge(NamesBesideAxes(PlanWithSoft()));
   for (const std::string& name : used)
