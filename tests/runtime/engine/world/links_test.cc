@@ -28,7 +28,7 @@ plan::Scene LinkedScene(std::uint64_t quantity, const char* type) {
 }
 
 /// Springs with w dt = `w_dt` for a mass of 1 kg.
-plan::Scene SpringScene(std::uint64_t quantity, double w_dt) {
+plan::Scene SpringChainScene(std::uint64_t quantity, double w_dt) {
   plan::Scene scene = LinkedScene(quantity, "spring");
   SetGroup(scene, "links.stiffness", std::pow(w_dt / kTimestep, 2));
   return scene;
@@ -46,7 +46,7 @@ TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
   // valid up to w dt = 2.
   for (const double w_dt : {0.01, 0.1, 1.0, 1.9}) {
     SCOPED_TRACE(w_dt);
-    const plan::Scene scene = SpringScene(1, w_dt);
+    const plan::Scene scene = SpringChainScene(1, w_dt);
     layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, -0.5, 0};
     world::Engine engine = WholeEngine(scene, state);
@@ -64,7 +64,7 @@ TEST(Spring, SwingsWithTheIntegratorsOwnFrequency) {
 }
 
 TEST(Spring, SwingsAboutWhereGravityTakesIt) {
-  plan::Scene scene = SpringScene(1, 0.1);
+  plan::Scene scene = SpringChainScene(1, 0.1);
   SetWorld(scene, "acceleration", Vector3d(0, -9.8, 0));
   world::Engine engine = WholeEngine(scene, OneObjectAt(scene, Vector3d::Zero()));
   // The mean over whole periods of 2 pi / 0.1 steps.
@@ -78,7 +78,7 @@ TEST(Spring, SwingsAboutWhereGravityTakesIt) {
 
 TEST(Spring, ExplodesPastTwo) {
   const auto speed_after = [](double w_dt) {
-    const plan::Scene scene = SpringScene(1, w_dt);
+    const plan::Scene scene = SpringChainScene(1, w_dt);
     layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, -0.1, 0};
     world::Engine engine = WholeEngine(scene, state);
@@ -94,7 +94,7 @@ TEST(Spring, ExplodesPastTwo) {
 }
 
 TEST(Spring, BetweenTwoSwingsWithTheirReducedMass) {
-  plan::Scene scene = SpringScene(2, 0.2);
+  plan::Scene scene = SpringChainScene(2, 0.2);
   SetGroup(scene, "links.anchor", false);
   SetGroup(scene, "links.end_mass", 3.0);
   layouts::InitialState state = layouts::MakeInitialState(scene);
@@ -117,7 +117,7 @@ TEST(Spring, IsDampedByTheWholeDamper) {
   // Also if the damper is stronger than the spring, and opposes it.
   for (const double damping : {0.5, 6.0, 60.0}) {
     SCOPED_TRACE(damping);
-    plan::Scene scene = SpringScene(1, 0.3);
+    plan::Scene scene = SpringChainScene(1, 0.3);
     SetGroup(scene, "links.damping", damping);
     layouts::InitialState state = OneObjectAt(scene, Vector3d::Zero());
     state.objects[0].linear_velocity = {0, 1, 0};
@@ -136,7 +136,7 @@ TEST(Spring, IsDampedByTheWholeDamper) {
 
 TEST(Spring, KeepsItsEnergyWithTheIntegratorsTerm) {
   // x and v stay on an ellipse; those of a chain on one for each mode.
-  plan::Scene scene = SpringScene(6, 0.5);
+  plan::Scene scene = SpringChainScene(6, 0.5);
   SetGroup(scene, "links.end_mass", 4.0);
   layouts::InitialState state = layouts::MakeInitialState(scene);
   state.objects[2].linear_velocity = {0, 1, 0};

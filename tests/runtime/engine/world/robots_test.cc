@@ -113,7 +113,7 @@ TEST_F(RobotsInTheEngine, ACartDrives) {
 }
 
 /// A cuboid of 1 m and 1 kg on a joint to the world, turning at 1 rad/s about z.
-plan::Scene SpinScene(schema::GroupParameter parameter, double value) {
+plan::Scene SpinningLinkScene(schema::GroupParameter parameter, double value) {
   plan::Scene scene = EngineScene(1, 100);
   SetWorld(scene, "world.walls", Word("none"));
   SetWorld(scene, "acceleration", Vector3d(0, 0, 0));
@@ -138,13 +138,13 @@ double SpinAfter(const plan::Scene& scene, int steps) {
 
 TEST(Damping, OfAnySizeStopsTheMotion) {
   for (const double damping : {39.0, 41.0, 100.0, 1e6})
-    EXPECT_NEAR(SpinAfter(SpinScene("joints.damping", damping), 30), 0, 1e-4) << damping;
+    EXPECT_NEAR(SpinAfter(SpinningLinkScene("joints.damping", damping), 30), 0, 1e-4) << damping;
 }
 
 TEST(Friction, TakesAConstantTorque) {
   // A moment of inertia of 1/6 kg m^2, and 0.1 N m.
-  EXPECT_NEAR(SpinAfter(SpinScene("joints.friction", 0.1), 240 / 4), 1 - 0.1 * 6 / 4, 1e-3);
-  EXPECT_NEAR(SpinAfter(SpinScene("joints.friction", 0.1), 2 * 240), 0, 1e-6);
+  EXPECT_NEAR(SpinAfter(SpinningLinkScene("joints.friction", 0.1), 240 / 4), 1 - 0.1 * 6 / 4, 1e-3);
+  EXPECT_NEAR(SpinAfter(SpinningLinkScene("joints.friction", 0.1), 2 * 240), 0, 1e-6);
 }
 
 }  // namespace
