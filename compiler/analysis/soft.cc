@@ -156,6 +156,19 @@ MaybeFault OfWorld(schema::WorldParameter parameter, std::string message, std::s
   return SoftFault{{}, parameter.get(), std::move(word), std::move(message), std::move(help)};
 }
 
+/// Settings of soft bodies in a group that has none.
+MaybeFault FindIdleInGroup(const Group& group) {
+  for (const schema::Parameter& parameter : schema::Schema())
+    if (parameter.name.starts_with("soft.") && group.settings.Has(parameter))
+      return SoftFault{
+          group.name,
+          &parameter,
+          {},
+          fmt::format("'{}' is of soft bodies, and {} has none", parameter.name, group.name),
+          "remove it, or write type rope(…) or cloth(…)"};
+  return std::nullopt;
+}
+
 /// Settings of soft bodies in a scene that has none.
 MaybeFault FindIdle(const Scene& scene) {
   if (scene.world.Lists("record", "vertices"))
@@ -238,15 +251,7 @@ MaybeFault FindFixedFault(const Group& group) {
                              "known whether a node is inside",
                              group.name),
                  fmt::format("use {}", fmt::join(kFixedTypes, ", ")));
-  for (const schema::Parameter& parameter : schema::Schema())
-    if (parameter.name.starts_with("soft.") && group.settings.Has(parameter))
-      return SoftFault{
-          group.name,
-          &parameter,
-          {},
-          fmt::format("'{}' is of soft bodies, and {} has none", parameter.name, group.name),
-          "remove it, or write type rope(…) or cloth(…)"};
-  return std::nullopt;
+  return FindIdleInGroup(group);
 }
 
 MaybeFault FindPinFault(const Group& group, const schema::Call& type) {
@@ -325,15 +330,8 @@ std::optional<SoftFault> FindSoftFault(const Scene& scene) {
   if (!has_soft) {
     if (MaybeFault idle = FindIdle(scene)) return idle;
     for (const Group& group : scene.groups)
-      for (const schema::Parameter& parameter : schema::Schema())
-        if (parameter.name.starts_with("soft.") && HasObjects(group) &&
-            group.settings.Has(parameter))
-          return SoftFault{
-              group.name,
-              &parameter,
-              {},
-              fmt::format("'{}' is of soft bodies, and {} has none", parameter.name, group.name),
-              "remove it, or write type rope(…) or cloth(…)"};
+      if (HasObjects(group))
+        if (MaybeFault idle = FindIdleInGroup(group)) return idle;
     return std::nullopt;
   }
   if (MaybeFault fault = FindWorldFault(scene)) return fault;
