@@ -85,6 +85,8 @@ struct RobotOptions {
   bool merges = true;    ///< links held by fixed joints become one; otherwise only frames do
   /// Takes inertias of which one moment is more than the sum of the others.
   bool takes_any_inertia = false;
+  /// Links of a small mass stand between the joints of a body that has several.
+  bool has_dummy_links = false;
   bool operator==(const RobotOptions&) const = default;
 };
 

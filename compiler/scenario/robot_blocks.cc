@@ -49,6 +49,9 @@ constexpr RobotSetting kSettings[] = {
     {"fixed_joints", "merge or keep",
      "keep makes a body of each link that has mass or shapes, and "
      "joints of type fixed; by default fixed joints make one body"},
+    {"dummy_links", "on or off",
+     "links of 0.1 % of the mass of a body stand between its joints, if it has several in MJCF; "
+     "off by default"},
     {"density", "a number", "kg/m^3, of links that have shapes, but no <inertial>"},
     {"inertia", "possible or any", "any takes inertias that no body has"},
     {"prefix", "a text in quotes", "begins the names of links and joints"},
@@ -212,6 +215,7 @@ class Expansion {
     options.srdf = Path("srdf");
     options.merges = Word("fixed_joints", "merge") == "merge";
     options.takes_any_inertia = Word("inertia", "possible") == "any";
+    options.has_dummy_links = Word("dummy_links", "off") == "on";
     if (!good_) return false;
     std::vector<analysis::RobotFault> faults;
     robot_ = scenario_.RobotAt(path, options, faults);

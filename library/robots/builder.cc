@@ -144,6 +144,14 @@ void RobotBuilder::AddShape(RobotLink& link, RobotShape shape) {
   link.shapes.push_back(std::move(shape));
 }
 
+void RobotBuilder::SetTotalMass(double mass) {
+  double whole = 0;
+  for (const RobotLink& link : links_) whole += link.inertia ? link.inertia->mass : 0;
+  if (!(whole > 0)) return;
+  for (RobotLink& link : links_)
+    if (link.inertia) Scale(*link.inertia, mass / whole);
+}
+
 bool RobotBuilder::SetAxis(RobotJoint& joint, Vector3d& axis, const Vector3d& value) {
   const bool is_good = IsInRange(value) && value.norm() > 1e-9;
   if (is_good)
@@ -298,6 +306,11 @@ AsSolid SolidOf(const RobotShape& shape) {
 }
 
 }  // namespace
+
+void Scale(RobotInertia& inertia, double factor) {
+  inertia.mass *= factor;
+  inertia.tensor *= factor;
+}
 
 double VolumeOf(const RobotShape& shape) {
   const AsSolid solid = SolidOf(shape);

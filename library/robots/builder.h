@@ -32,6 +32,7 @@ class RobotBuilder {
       : path_(path), options_(options), faults_(faults) {}
 
   const std::string& path() const { return path_; }
+  const analysis::RobotOptions& options() const { return options_; }
   void Report(std::size_t line, const std::string& cause, const std::string& remedy);
   void Note(std::string text) { robot_.notes.push_back(std::move(text)); }
   /// Counts what is not taken over.
@@ -46,6 +47,8 @@ class RobotBuilder {
   analysis::RobotShape MeshOf(const std::string& written, const Eigen::Vector3d& scale) const;
   void AddShape(analysis::RobotLink& link, analysis::RobotShape shape);
   void AddLink(analysis::RobotLink link) { links_.push_back(std::move(link)); }
+  /// Scales the masses and inertias of all links.
+  void SetTotalMass(double mass);
 
   // Of a joint, whose type, name and line are set.
 
@@ -79,6 +82,7 @@ class RobotBuilder {
   std::map<std::string, int> left_out_;
 };
 
+void Scale(analysis::RobotInertia& inertia, double factor);
 /// m^3; of a shape that is no mesh.
 double VolumeOf(const analysis::RobotShape& shape);
 /// Of a homogeneous body of that shape, in the frame of its link.

@@ -5,11 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <utility>
 
 #include "library/robots/builder.h"
+#include "library/robots/mjcf_shapes.h"
 #include "library/robots/mjcf_values.h"
 #include "library/robots/reader.h"
 
@@ -69,7 +69,7 @@ class MjcfReader {
         for (const xml_node& child : node.children())
           if (child.type() == pugi::node_element) builder_.Leave(section);
     for (const xml_node& node : root.children("asset"))
-      for (const xml_node& mesh : node.children("mesh")) AddMesh(mesh);
+      for (const xml_node& mesh : node.children("mesh")) shapes_.AddMesh(mesh);
     for (const xml_node& node : root.children("actuator"))
       for (const xml_node& actuator : node.children()) AddActuator(actuator);
     bodies_.push_back({kWorldBody, 0, {}});
@@ -83,6 +83,7 @@ class MjcfReader {
       for (const xml_node& equality : node.children()) AddEquality(equality);
     DisableContacts(root);
     for (NamedJoint& joint : joints_) builder_.AddJoint(std::move(joint));
+    if (const double mass = values_.compiler().total_mass; mass > 0) builder_.SetTotalMass(mass);
     return builder_.Finish(root.attribute("model").as_string("MuJoCo Model"));
   }
 
@@ -114,89 +115,9 @@ class MjcfReader {
     return name.empty() ? fmt::format("{}_{}", kind, ++unnamed_[kind]) : name;
   }
 
-  // Shapes.
-
-  struct Mesh {
-    std::string file;
-    Vector3d scale;
-  };
-  void AddMesh(const xml_node& node) {
-    const MjcfElement mesh = values_.Element(node, "mesh", "");
-    std::filesystem::path file(mesh.Text("file"));
-    if (file.empty() || mesh.Has("refpos") || mesh.Has("refquat"))
-      mesh.Fail(file.empty() ? "a mesh has no file" : "a mesh is moved by refpos or refquat",
-                "write the mesh as it is used into a file");
-    const std::string name =
-        mesh.Has("name") ? std::string(mesh.Text("name")) : file.stem().string();
-    if (values_.compiler().strips_paths) file = file.filename();
-    file = std::filesystem::path(values_.compiler().mesh_folder) / file;
-    meshes_[name] = {file.string(), mesh.Vector("scale", Vector3d::Ones())};
-  }
-
-  /// Nullopt for what is no body, and listed.
-  std::optional<RobotShape> ShapeOf(const MjcfElement& geom) {
-    const std::string_view type = geom.Has("type") ? geom.Text("type") : "sphere";
-    RobotShape shape;
-    if (type == "plane" || type == "hfield") {
-      builder_.Leave(std::string(type));
-      return std::nullopt;
-    }
-    if (type == "mesh") {
-      const auto mesh = meshes_.find(std::string(geom.Text("mesh")));
-      if (mesh == meshes_.end())
-        geom.Fail(fmt::format("there is no mesh '{}'", geom.Text("mesh")),
-                  "write <mesh name=\"…\" file=\"…\"/> in <asset>");
-      shape = builder_.MeshOf(mesh->second.file, mesh->second.scale);
-      shape.pose = values_.PoseOf(geom);
-      return shape;
-    }
-    using Kind = RobotShape::Kind;
-    constexpr std::pair<std::string_view, Kind> kKinds[] = {{"box", Kind::kBox},
-                                                            {"sphere", Kind::kSphere},
-                                                            {"cylinder", Kind::kCylinder},
-                                                            {"capsule", Kind::kCapsule},
-                                                            {"ellipsoid", Kind::kEllipsoid}};
-    const auto* kind = std::ranges::find(kKinds, type, [](const auto& row) { return row.first; });
-    if (kind == std::end(kKinds) || geom.Has("mesh"))
-      geom.Fail(geom.Has("mesh") ? std::string("a shape is fitted to a mesh")
-                                 : fmt::format("a shape has the type '{}'", type),
-                "write a box, a sphere, a cylinder, a capsule, an ellipsoid or a mesh");
-    shape.kind = kind->second;
-    SetSides(geom, shape);
-    return shape;
-  }
-
-  /// MJCF states radii and half lengths.
-  void SetSides(const MjcfElement& geom, RobotShape& shape) const {
-    using Kind = RobotShape::Kind;
-    std::vector<double> size = geom.Numbers("size", 0, 3);
-    const bool is_block = shape.kind == Kind::kBox || shape.kind == Kind::kEllipsoid;
-    const bool is_line = geom.Has("fromto") && shape.kind != Kind::kSphere;
-    const std::size_t least = is_line || shape.kind == Kind::kSphere ? 1 : is_block ? 3 : 2;
-    if (size.size() < least)
-      geom.Fail(fmt::format("size has {} numbers", size.size()), fmt::format("it takes {}", least));
-    size.resize(3, size[0]);
-    shape.pose = is_line ? Isometry3d::Identity() : values_.PoseOf(geom);
-    if (is_line) {
-      const std::vector<double> n = geom.Numbers("fromto", 6, 6);
-      const Vector3d from(n[0], n[1], n[2]), to(n[3], n[4], n[5]);
-      const Vector3d way = from - to;
-      if (!(way.norm() > 1e-9)) geom.Fail("fromto has one point twice", "write two points");
-      shape.pose.translation() = (from + to) / 2;
-      shape.pose.linear() = MjcfValues::TurnOfZ(way);
-      size = {size[0], size[0], way.norm() / 2};
-    } else if (shape.kind == Kind::kSphere) {
-      size = {size[0], size[0], size[0]};
-    } else if (!is_block) {
-      size = {size[0], size[0], size[1]};
-    }
-    shape.sides = 2 * Vector3d(size[0], size[1], size[2]);
-    if (shape.kind == Kind::kCapsule) shape.sides.z() += 2 * size[0];
-  }
-
   void AddShape(const Part& part, std::size_t body, Parts& parts) {
     const MjcfElement& geom = part.element;
-    auto shape = ShapeOf(geom);
+    auto shape = shapes_.ShapeOf(geom);
     if (!shape) return;
     shape->pose = part.pose * shape->pose;
     const auto group = static_cast<int>(geom.Number("group", 0));
@@ -298,7 +219,7 @@ class MjcfReader {
                                     parent != 0 ? "inside of another body" : "and another one"),
                         "write it as the only joint of a body of <worldbody>");
     if (parts.joints.empty()) bodies_[index].whole = bodies_[parent].whole;
-    if (!is_free) AddJoint(parts, pose, bodies_[parent].name);
+    if (!is_free) AddJoints(parts, pose, bodies_[parent].name);
     builder_.AddLink(std::move(parts.link));
     for (const Part& child : parts.bodies) AddBody(child, index);
     return is_free ? std::optional(pose) : std::nullopt;
@@ -340,86 +261,132 @@ class MjcfReader {
     return builder_.InertiaOf(parts.link, mass, pose, tensor);
   }
 
-  /// Zero without shapes; nullopt if all are meshes, whose mass `density` gives.
+  /// Zero without shapes. Nullopt where one is refused elsewhere, or its mesh is not here.
   std::optional<RobotInertia> InertiaOfShapes(const Parts& parts) {
-    constexpr double kWater = 1000;  // the default of MJCF
     RobotInertia whole;
-    std::size_t meshes = 0, others = 0;
     for (const auto& [shape, geom] : parts.masses) {
-      const double density = geom.Number("density", kWater), given = geom.Number("mass", -1);
-      if (given == 0 || (given < 0 && density == 0)) continue;
-      if (shape.kind == RobotShape::Kind::kMesh) {
-        ++meshes;
-        continue;
-      }
-      ++others;
-      // Those of a shape that is refused are not looked at.
-      if (!(shape.sides.minCoeff() > 0)) return std::nullopt;
-      const RobotInertia part =
-          robots::InertiaOf(shape, given > 0 ? given : density * VolumeOf(shape));
-      whole = Together(whole, part, Isometry3d::Identity());
+      if (MjcfShapes::IsWithoutMass(geom)) continue;
+      if (shape.is_missing && std::ranges::find(parts.link.shapes, shape.file, &RobotShape::file) ==
+                                  parts.link.shapes.end())
+        geom.Fail(fmt::format("body {} has the mass of the mesh '{}', but there is no file '{}'",
+                              parts.link.name, shape.written, shape.file),
+                  "its path is relative to the folder of the robot's file");
+      const auto own = shapes_.InertiaOf(shape, geom);
+      if (!own) return std::nullopt;
+      whole = Together(whole, *own, Isometry3d::Identity());
     }
-    if (meshes == 0) return whole;
-    if (others > 0)
-      file_.Fail(
-          parts.masses[0].second.node(),
-          fmt::format("the mass of body {} is that of meshes and of other shapes", parts.link.name),
-          "write <inertial>");
-    return std::nullopt;
+    return whole;
   }
 
   // Joints.
 
-  void AddJoint(const Parts& parts, const Isometry3d& pose, const std::string& parent) {
-    NamedJoint named;
-    RobotJoint& joint = named.joint;
-    joint.line = named.child_line = parts.link.line;
-    joint.origin = pose;
-    named.parent = parent;
-    named.child = parts.link.name;
+  /// Of the body to `parent`; several are a universal joint, or have links between them.
+  void AddJoints(Parts& parts, const Isometry3d& pose, const std::string& parent) {
+    const std::string& child = parts.link.name;
     if (parts.joints.empty()) {
-      joint.name = parent + "_to_" + named.child;
-    } else {
-      const Part& first = parts.joints[0];
-      joint.name = NameOf(first.element.node(), "joint");
-      joint.line = file_.LineOf(first.element.node());
-      joint.pivot = first.pose * first.element.Vector("pos", Vector3d::Zero());
-      if (parts.joints.size() == 1)
-        SetMotion(first, joint);
-      else
-        SetUniversal(parts, joint);
+      NamedJoint named = JointTo(parts.link, pose, parent, child);
+      named.joint.name = parent + "_to_" + child;
+      joints_.push_back(std::move(named));
+      return;
     }
-    joints_.push_back(std::move(named));
+    if (parts.joints.size() > 1) {
+      const auto why = WhyNotUniversal(parts);
+      if (!why) {
+        NamedJoint named = JointAt(parts.joints[0], parts.link, pose, parent, child);
+        SetUniversal(parts, named.joint);
+        joints_.push_back(std::move(named));
+        return;
+      }
+      if (!builder_.options().has_dummy_links)
+        parts.joints[0].element.Fail(
+            fmt::format("body {} has {} joints{}", child, parts.joints.size(), *why),
+            "write `dummy_links on` in the block of the robot, a body with some mass between each "
+            "two, or a ball joint");
+    }
+    AddChain(parts, pose, parent);
+  }
+
+  NamedJoint JointTo(const RobotLink& link, const Isometry3d& pose, const std::string& parent,
+                     const std::string& child) const {
+    NamedJoint named;
+    named.joint.line = named.child_line = link.line;
+    named.joint.origin = pose;
+    named.parent = parent;
+    named.child = child;
+    return named;
+  }
+
+  /// Each joint holds the next of a row of links, the last of which is the body; all have its frame
+  /// where the joints are at 0.
+  void AddChain(Parts& parts, const Isometry3d& pose, const std::string& parent) {
+    constexpr double kShare = 1e-3;  // of the mass and the inertia of the body
+    const std::string& body = parts.link.name;
+    std::string last = parent;
+    for (std::size_t i = 0; i < parts.joints.size(); ++i) {
+      const bool is_body = i + 1 == parts.joints.size();
+      const std::string child = is_body ? body : fmt::format("{}_{}", body, i + 1);
+      NamedJoint named =
+          JointAt(parts.joints[i], parts.link, i == 0 ? pose : Isometry3d::Identity(), last, child);
+      SetMotion(parts.joints[i], named.joint);
+      joints_.push_back(std::move(named));
+      if (is_body) break;
+      RobotLink link;
+      link.name = child;
+      link.line = parts.link.line;
+      link.inertia = parts.link.inertia;
+      if (link.inertia) Scale(*link.inertia, kShare);
+      builder_.AddLink(std::move(link));
+      last = child;
+    }
+    const std::size_t between = parts.joints.size() - 1;
+    if (between == 0) return;
+    if (parts.link.inertia) Scale(*parts.link.inertia, 1 - kShare * static_cast<double>(between));
+    builder_.Disable(parent, body);
+    builder_.Note(fmt::format(
+        "body {} has {} joints, so that {} of {} % of its mass stand{} between them", body,
+        parts.joints.size(), between == 1 ? "1 link" : fmt::format("{} links", between),
+        100 * kShare, between == 1 ? "s" : ""));
+  }
+
+  NamedJoint JointAt(const Part& part, const RobotLink& link, const Isometry3d& pose,
+                     const std::string& parent, const std::string& child) {
+    NamedJoint named = JointTo(link, pose, parent, child);
+    named.joint.name = NameOf(part.element.node(), "joint");
+    named.joint.line = file_.LineOf(part.element.node());
+    named.joint.pivot = part.pose * part.element.Vector("pos", Vector3d::Zero());
+    return named;
   }
 
   Vector3d AxisOf(const Part& part) const {
     return part.pose.linear() * part.element.Vector("axis", Vector3d::UnitZ());
   }
 
-  /// Two hinges about axes that cross at right angles, and that nothing limits or brakes.
-  void SetUniversal(const Parts& parts, RobotJoint& joint) {
+  /// Nullopt for two hinges about axes that cross at right angles, and that nothing limits or
+  /// brakes; otherwise what follows the number of joints in a message.
+  std::optional<std::string> WhyNotUniversal(const Parts& parts) const {
+    if (parts.joints.size() > 2) return "";
     const Part &first = parts.joints[0], &second = parts.joints[1];
-    const auto refuse = [&](const std::string& why) {
-      first.element.Fail(
-          fmt::format("body {} has {} joints{}", parts.link.name, parts.joints.size(), why),
-          "write a body with some mass between each two, or a ball joint");
-    };
-    if (parts.joints.size() > 2) refuse("");
-    joint.type = JointType::kUniversal;
     for (const Part* part : {&first, &second}) {
       const std::string_view type = part->element.Text("type");
-      if (!type.empty() && type != "hinge") refuse(fmt::format(", one of the type {}", type));
+      if (!type.empty() && type != "hinge") return fmt::format(", one of the type {}", type);
       for (const char* name : {"range", "damping", "frictionloss", "ref"})
         if (part->element.Has(name) && part->element.Numbers(name, 1, 4) != std::vector{0.0})
-          refuse(fmt::format(", one of them with {}", name));
-      for (const char* name : kOfJoints) LeaveIfSet(part->element, name);
+          return fmt::format(", one of them with {}", name);
     }
-    const Vector3d pivot = second.pose * second.element.Vector("pos", Vector3d::Zero());
-    if (!builder_.SetAxis(joint, joint.axis, AxisOf(first)) ||
-        !builder_.SetAxis(joint, joint.axis2, AxisOf(second)))
-      return;
-    if ((pivot - joint.pivot).norm() > 1e-9 || std::abs(joint.axis.dot(joint.axis2)) > 1e-9)
-      refuse(" whose axes do not cross at right angles");
+    const Vector3d away = second.pose * second.element.Vector("pos", Vector3d::Zero()) -
+                          first.pose * first.element.Vector("pos", Vector3d::Zero());
+    const bool is_crossing =
+        std::abs(AxisOf(first).normalized().dot(AxisOf(second).normalized())) < 1e-9;
+    if (away.norm() > 1e-9 || !is_crossing) return " whose axes do not cross at right angles";
+    return std::nullopt;
+  }
+
+  void SetUniversal(const Parts& parts, RobotJoint& joint) {
+    joint.type = JointType::kUniversal;
+    for (const Part& part : parts.joints)
+      for (const char* name : kOfJoints) LeaveIfSet(part.element, name);
+    builder_.SetAxis(joint, joint.axis, AxisOf(parts.joints[0]));
+    builder_.SetAxis(joint, joint.axis2, AxisOf(parts.joints[1]));
   }
 
   void LeaveIfSet(const MjcfElement& element, const char* name) {
@@ -587,7 +554,7 @@ class MjcfReader {
   const XmlFile& file_;
   RobotBuilder& builder_;
   const MjcfValues values_;
-  std::map<std::string, Mesh> meshes_;
+  MjcfShapes shapes_{file_, builder_, values_};
   std::map<std::string, int> unnamed_;
   std::map<std::string, double> efforts_, refs_;  ///< by joint
   std::vector<Body> bodies_;                      ///< the first one is the world

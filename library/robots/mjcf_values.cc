@@ -74,8 +74,7 @@ void MjcfValues::ReadCompiler(const xml_node& node) {
   }
   if (element.Text("coordinate") == "global")
     element.Fail("coordinates are global, as in old files", "write the file again by MuJoCo 2.3");
-  if (element.Number("settotalmass", -1) > 0)
-    element.Fail("settotalmass changes the masses of all bodies", "write the masses that it gives");
+  compiler_.total_mass = element.Number("settotalmass", compiler_.total_mass);
   compiler_.has_auto_limits = flag("autolimits", compiler_.has_auto_limits);
   compiler_.strips_paths = flag("strippath", compiler_.strips_paths);
   compiler_.balances = flag("balanceinertia", compiler_.balances);

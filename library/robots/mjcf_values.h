@@ -47,7 +47,8 @@ struct MjcfCompiler {
   enum class FromShapes { kAuto, kAlways, kNever } from_shapes = FromShapes::kAuto;
   int first_group = 0, last_group = 5;  ///< of the shapes that have a mass
   double least_mass = 0, least_moment = 0;
-  bool balances = false;  ///< makes inertias that no body has those of balls
+  double total_mass = -1;  ///< of all bodies; that of the file if it is not above 0
+  bool balances = false;   ///< makes inertias that no body has those of balls
 };
 
 class MjcfValues {

@@ -10,8 +10,10 @@
 #include <utility>
 
 #include "library/robots/builder.h"
+#include "library/robots/mesh_mass.h"
 #include "library/robots/reader.h"
 #include "library/robots/xml.h"
+#include "library/scene_error.h"
 
 namespace cdb::robots {
 namespace {
@@ -303,12 +305,13 @@ class SdfReader {
     std::optional<RobotInertia> whole;
     for (std::size_t i = 0; i < link.shapes.size(); ++i) {
       const RobotShape& shape = link.shapes[i];
-      if (shape.kind == RobotShape::Kind::kMesh)
-        file_.Fail(inertial, fmt::format("the mass of link {} is that of a mesh", link.name),
-                   "write <mass> and <inertia>");
       const double density =
           densities[i] > 0 ? densities[i] : NumberOf(inertial, "density", kWater);
-      const RobotInertia part = robots::InertiaOf(shape, density * VolumeOf(shape));
+      const bool is_mesh = shape.kind == RobotShape::Kind::kMesh;
+      if (is_mesh && shape.is_missing) return std::nullopt;
+      RobotInertia part =
+          is_mesh ? OfMesh(shape, inertial) : robots::InertiaOf(shape, VolumeOf(shape));
+      Scale(part, density);
       whole = whole ? Together(*whole, part, Isometry3d::Identity()) : part;
     }
     if (!whole)
@@ -319,6 +322,14 @@ class SdfReader {
     Isometry3d pose = Isometry3d::Identity();
     pose.translation() = whole->centre;
     return builder_.InertiaOf(link, mass, pose, tensor);
+  }
+
+  RobotInertia OfMesh(const RobotShape& shape, const xml_node& inertial) const {
+    try {
+      return InertiaOfMesh(shape, MeshMass::kSolid);
+    } catch (const library::SceneError& error) {
+      file_.Fail(inertial, error.cause(), error.remedy());
+    }
   }
 
   // Joints.

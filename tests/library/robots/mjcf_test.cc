@@ -43,11 +43,16 @@ Robot MjcfRobot(const std::string& world, const std::string& beside = "") {
   return robot.value_or(Robot());
 }
 
-std::optional<Robot> ReadOdd(bool merges) {
+/// A file beside this one.
+std::optional<Robot> ReadModel(const char* name, bool merges) {
   std::vector<RobotFault> faults;
-  return robots::ReadRobot((SourceFolder() / "tests/library/robots/odd.xml").string(),
-                           {.packages = {}, .srdf = {}, .merges = merges}, faults);
+  auto robot = robots::ReadRobot(
+      (SourceFolder() / "tests/library/robots" / name).string(),
+      {.packages = {}, .srdf = {}, .merges = merges, .has_dummy_links = true}, faults);
+  EXPECT_TRUE(robot) << (faults.empty() ? "" : faults[0].cause);
+  return robot;
 }
+std::optional<Robot> ReadOdd(bool merges) { return ReadModel("odd.xml", merges); }
 
 void ExpectAsMujoco(const Robot& robot, std::istringstream& words) {
   const auto take = [&](auto&& matrix) {
@@ -84,10 +89,11 @@ void ExpectAsMujoco(const Robot& robot, std::istringstream& words) {
   EXPECT_LT((tensor - wanted).norm(), 1e-6 * wanted.norm()) << name << "\n" << tensor;
 }
 
-TEST_F(Mjcf, BodiesAreThoseOfMujoco) {
-  const auto robot = ReadOdd(false);
-  ASSERT_TRUE(robot);
-  std::ifstream file(SourceFolder() / "tests/library/robots/odd_xml.txt");
+/// The number of bodies of the file of what MuJoCo says.
+std::size_t ExpectBodiesOfMujoco(const char* model, const char* said) {
+  const auto robot = ReadModel(model, false);
+  if (!robot) return 0;
+  std::ifstream file(SourceFolder() / "tests/library/robots" / said);
   std::size_t count = 0;
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with('#')) continue;
@@ -95,7 +101,62 @@ TEST_F(Mjcf, BodiesAreThoseOfMujoco) {
     ExpectAsMujoco(*robot, words);
     ++count;
   }
-  EXPECT_EQ(count, 7u);
+  return count;
+}
+
+TEST_F(Mjcf, BodiesAreThoseOfMujoco) {
+  EXPECT_EQ(ExpectBodiesOfMujoco("odd.xml", "odd_xml.txt"), 7u);
+}
+
+TEST_F(Mjcf, MassesOfMeshesAreThoseOfMujoco) {
+  EXPECT_EQ(ExpectBodiesOfMujoco("meshes.xml", "meshes_xml.txt"), 6u);
+}
+
+/// Of a body and the dummy links before it: together what the body is in MuJoCo where the joints
+/// are at 0.
+TEST_F(Mjcf, SeveralJointsOfABodyAreThoseOfMujoco) {
+  auto robot = ReadModel("hips.xml", true);
+  ASSERT_TRUE(robot);
+  ASSERT_EQ(robot->joints.size(), 6u);
+  const char* names[] = {"x", "z", "pitch", "yaw", "roll", "swing"};
+  const double positions[] = {0.3, 1.2, -0.4, 0.5, -0.7, 0.9};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(robot->joints[i].name, names[i]);
+    robot->joints[i].start = positions[i];
+  }
+  EXPECT_EQ(robot->joints[3].limits, std::pair(-1.0, 1.0));
+  EXPECT_EQ(robot->joints[4].damping, 0.5);
+  const auto frames = FramesOf(*robot);
+  std::ifstream file(SourceFolder() / "tests/library/robots/hips_xml.txt");
+  std::size_t bodies = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream words(line);
+    std::string name;
+    Isometry3d frame;
+    double mass = 0;
+    words >> name;
+    for (int i = 0; i < 3; ++i) words >> frame.translation()[i];
+    for (int i = 0; i < 9; ++i) words >> frame.linear()(i / 3, i % 3);
+    words >> mass;
+    ASSERT_FALSE(words.fail());
+    const std::size_t at = LinkAt(*robot, name);
+    ASSERT_LT(at, frames.size());
+    // The world is the root here, which is at rest at the origin.
+    EXPECT_LT((frames[at].translation() - frame.translation()).norm(), 1e-12) << name;
+    EXPECT_LT((frames[at].linear() - frame.linear()).norm(), 1e-12) << name;
+    double whole = robot->links[at].inertia->mass;
+    for (const char* dummy : {"_1", "_2"}) {
+      const std::size_t between = LinkAt(*robot, name + dummy);
+      ASSERT_LT(between, frames.size()) << name;
+      EXPECT_TRUE(robot->links[between].shapes.empty());
+      EXPECT_NEAR(robot->links[between].inertia->mass, 1e-3 * mass, 1e-12);
+      whole += robot->links[between].inertia->mass;
+    }
+    EXPECT_NEAR(whole, mass, 1e-12 * mass);
+    ++bodies;
+  }
+  EXPECT_EQ(bodies, 2u);
 }
 
 TEST_F(Mjcf, JointsAreThoseOfTheFile) {
@@ -236,6 +297,8 @@ TEST_F(Mjcf, RefuseByNameAndLine) {
       {body("<composite type='rope'/>"), "r.xml:4: <composite> stands for other elements"},
       {in_body("<geom type='sdf'/>"), "r.xml:4: a shape has the type 'sdf'"},
       {in_body("<geom type='mesh' mesh='x'/>"), "r.xml:4: there is no mesh 'x'"},
+      {in_body("<geom size='1' shellinertia='true'/>"),
+       "r.xml:4: the mass of a shape is that of its"},
       {in_body("<geom type='box' size='1'/>"), "r.xml:4: size has 1 numbers; it takes 3"},
       {in_body("<geom type='box' size='1 1 x'/>"), "r.xml:4: size is 'x', which is no number"},
       {in_body("<geom size='-1'/>"), "r.xml:4: a collision shape of link b has the sides -2 x"},
@@ -266,9 +329,13 @@ TEST_F(Mjcf, RefuseByNameAndLine) {
        "r.xml:4: link b has an inertia that no body has"},
       {"<mujoco><worldbody/></mujoco>", "r.xml:1: there is no <body>"},
       {"<mujoco>\n<compiler coordinate='global'/></mujoco>", "r.xml:2: coordinates are global"},
-      {"<mujoco>\n<compiler settotalmass='3'/></mujoco>", "r.xml:2: settotalmass changes"},
       {"<mujoco>\n<compiler eulerseq='xy'/></mujoco>", "r.xml:2: eulerseq is 'xy'"},
       {"<mujoco>\n<default><default/></default></mujoco>", "r.xml:2: a class of defaults"},
+      {"<mujoco>\n<asset><mesh file='x.obj' inertia='solid'/></asset></mujoco>",
+       "r.xml:2: the inertia of a mesh is 'solid'; write legacy, convex, exact or shell"},
+      {"<mujoco>\n<asset><mesh file='x.obj'/></asset><worldbody>\n<body><geom type='mesh' mesh='x' "
+       "contype='0' conaffinity='0'/></body></worldbody></mujoco>",
+       "r.xml:3: body body_1 has the mass of the mesh 'x.obj', but there is no file 'x.obj'"},
       {"<mujoco>\n<asset><mesh/></asset></mujoco>", "r.xml:2: a mesh has no file"},
       {"<mujoco>\n<body></mujoco>", "r.xml:2: </mujoco> does not close <body> of line 2"},
   };

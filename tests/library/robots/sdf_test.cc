@@ -104,6 +104,23 @@ TEST_F(Sdf, FramesAreComposedAsTheFileStatesThem) {
   EXPECT_LT((robot->links[0].inertia->centre - base * Vector3d(0.05, 0.02, -0.01)).norm(), 1e-12);
 }
 
+/// A fork that is made of a box and two tines.
+TEST_F(Sdf, MassesOfMeshesAreThoseOfWhatIsWithin) {
+  const std::string path = (SourceFolder() / "tests/library/robots/fork.obj").string();
+  const Robot robot = SdfRobot(
+      "<link name='a'><inertial auto='true'/><collision name='c'>"
+      "<density>200</density><pose>1 0 0 0 0 0</pose><geometry><mesh><uri>" +
+      path + "</uri><scale>2 2 2</scale></mesh></geometry></collision></link>");
+  const analysis::RobotInertia& inertia = *robot.links.at(0).inertia;
+  const double thick = 0.75, floor = 1.5 * 0.5 * thick, left = 0.5 * 0.75 * thick,
+               right = 0.5 * 0.5 * thick;
+  const double volume = floor + left + right;
+  EXPECT_NEAR(inertia.mass, 200 * volume, 1e-12);
+  const Vector3d centre(floor * 0.75 + left * 0.25 + right * 1.25,
+                        floor * 0.25 + left * 0.875 + right * 0.75, 0.375 * volume);
+  EXPECT_LT((inertia.centre - Vector3d(1, 0, 0) - centre / volume).norm(), 1e-12);
+}
+
 TEST_F(Sdf, DefaultsAreThoseOfTheFormat) {
   const Robot robot = SdfRobot("<link name='a'/>");
   EXPECT_EQ(robot.links.at(0).inertia->mass, 1);
