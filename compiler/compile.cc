@@ -680,11 +680,10 @@ void GridChecks::Lint() {
       [&](const grid::Sample& sample, const plan::Scene& scene) {
         const std::uint64_t runs = sample.points * grid_.head.repeats;
         looked_at += runs;
-        // Their numbers are of rigid bodies.
-        if (grid::IsLaid(scene) || analysis::HasSoft(scene)) return;
+        if (grid::IsLaid(scene)) return;
         configure::Configuration& configuration = choose_(sample.block, sample.local);
         findings->Add(configuration, scene, runs);
-        idle->Add(configuration, scene);
+        if (!analysis::HasSoft(scene)) idle->Add(configuration, scene);
       });
   idle->Report();
   findings->Report(looked_at, grid_.run_count());

@@ -8,6 +8,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/schema/metrics.h"
 #include "compiler/schema/parametrised_words.h"
 #include "compiler/schema/schema.h"
 #include "compiler/schema/series.h"
@@ -121,8 +122,15 @@ namespace {
 using MaybeFault = std::optional<SoftFault>;
 
 /// Parameters of the world without a meaning beside soft bodies.
-constexpr schema::WorldParameter kUnusedOfWorld[] = {
-    "contact", "coordinates", "solver.erp", "solver.warm_start", "trace", "accuracy.metrics"};
+constexpr schema::WorldParameter kUnusedOfWorld[] = {"contact",
+                                                     "coordinates",
+                                                     "solver.erp",
+                                                     "solver.warm_start",
+                                                     "trace",
+                                                     "accuracy.closed_form",
+                                                     "accuracy.reference.contact",
+                                                     "accuracy.reference.coordinates",
+                                                     "accuracy.reference.sleeping"};
 /// The same of a group of soft bodies.
 constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
                                                      "rolling_friction",
@@ -182,6 +190,18 @@ MaybeFault FindIdle(const Scene& scene) {
   return std::nullopt;
 }
 
+MaybeFault FindMetricFault(const Scene& scene) {
+  std::vector<std::string_view> measurable;
+  for (const schema::Metric& metric : schema::Metrics())
+    if (metric.on_soft) measurable.push_back(metric.name);
+  for (const std::string& word : scene.world.Words("accuracy.metrics"))
+    if (word != "none" && std::ranges::find(measurable, word) == measurable.end())
+      return OfWorld("accuracy.metrics",
+                     fmt::format("the error of '{}' cannot be measured of soft bodies", word),
+                     fmt::format("those that can be: {}", fmt::join(measurable, ", ")), word);
+  return std::nullopt;
+}
+
 MaybeFault FindWorldFault(const Scene& scene) {
   if (HasConfigurations(scene))
     return OfWorld("configurations.positions",
@@ -192,13 +212,18 @@ MaybeFault FindWorldFault(const Scene& scene) {
       return OfWorld(parameter,
                      fmt::format("'{}' has no meaning for soft bodies", parameter.name()),
                      "remove it, or the soft bodies");
-  const std::string_view detector = scene.world.WordOr("detector");
-  if (detector != "simple" && detector != "sap" && detector != "sap32" && detector != "dbvt")
-    return OfWorld("detector",
-                   fmt::format("'{}' does not know soft bodies, whose pairs only Bullet's broad "
-                               "phases find",
-                               detector),
-                   "use dbvt, sap32, sap or simple");
+  for (const schema::WorldParameter parameter :
+       {schema::WorldParameter("detector"),
+        schema::WorldParameter("accuracy.reference.detector")}) {
+    const schema::Word* word = schema::AsWord(scene.world.Get(parameter));
+    const std::string_view detector = word == nullptr ? "" : std::string_view(word->text);
+    if (detector != "simple" && detector != "sap" && detector != "sap32" && detector != "dbvt")
+      return OfWorld(parameter,
+                     fmt::format("'{}' does not know soft bodies, whose pairs only Bullet's broad "
+                                 "phases find",
+                                 detector),
+                     "use dbvt, sap32, sap or simple");
+  }
   const std::string_view narrow = scene.world.WordOr("narrow_phase");
   if (narrow != "own" && narrow != "bullet")
     return OfWorld(
@@ -225,6 +250,7 @@ MaybeFault FindWorldFault(const Scene& scene) {
     if (std::ranges::find(recordable, word) == recordable.end())
       return OfWorld("record", fmt::format("'{}' cannot be recorded with soft bodies", word),
                      fmt::format("what can be: {}", fmt::join(recordable, ", ")), word);
+  if (MaybeFault fault = FindMetricFault(scene)) return fault;
   if (schema::AsCall(scene.world.Get("acceleration")) != nullptr)
     return OfWorld("acceleration", "schedules do not reach the nodes of soft bodies",
                    "write a constant acceleration");

@@ -244,6 +244,11 @@ class Converter {
       near = schema::WordFor(text);
     std::string help = near.empty() ? fmt::format("it takes {}", parameter_.Takes(plugins_))
                                     : fmt::format("did you mean '{}'?", near);
+    if (near.empty() && parameter_.word_source == schema::WordSource::kObjectTypes)
+      for (const schema::Parameter& other : schema::Schema())
+        if (!other.grouped && schema::ListsWord(other.also, text))
+          help = fmt::format("did you mean '{}', {}?", other.FullName(),
+                             other.doc.substr(0, other.doc.find(';')));
     if (parameter_.TakesDetectors() && plugins_.empty())
       help +=
           fmt::format("{}our own detector needs --plugin FILE.so, or `use detector \"FILE.so\"`",

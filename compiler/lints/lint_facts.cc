@@ -11,6 +11,7 @@
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/lints/lints.h"
@@ -454,6 +455,10 @@ double ShorterStepSquared(const SceneFacts& scene, double value, double threshol
 }
 
 std::vector<LintNumber> LintScene(const plan::Scene& scene, const FactReaders& read) {
+  if (analysis::HasSoft(scene)) {  // the other numbers are of rigid bodies
+    const auto stiff = StiffSoftSpring(scene);
+    return stiff ? std::vector{*stiff} : std::vector<LintNumber>();
+  }
   const SceneFacts facts = FactsOf(scene, read);
   std::vector<LintNumber> numbers;
   for (const Row& row : kFormulae)

@@ -164,6 +164,9 @@ Formula SwingingJoint;
 Formula TumblingTree;
 Formula StiffSpring;
 
+// Soft bodies, in a scene that has nothing else that moves: soft_lints.cc.
+std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene);
+
 // Contacts: contact_lints.cc.
 Formula LongStep;
 Formula ThinWall;

@@ -19,22 +19,22 @@ using enum Fold;
 constexpr ErrorInfo kErrors[] = {
     {.kind = ErrorKind::kPosition, .name = "position", .series = "accuracy/position_series", .metric = "position",
      .unit = "", .doc = "distance from the true position, in sizes of the object; root mean square over objects and samples",
-     .needs_truth = true, .to_horizon = true, .fold = kRms},
+     .needs_truth = true, .to_horizon = true, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kVelocity, .name = "velocity", .series = "accuracy/velocity_series", .metric = "velocity",
      .unit = "m/s", .doc = "difference from the true velocity; root mean square over objects and samples",
-     .needs_truth = true, .to_horizon = true, .fold = kRms},
+     .needs_truth = true, .to_horizon = true, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kRotation, .name = "rotation", .series = "accuracy/rotation_series", .metric = "rotation",
      .unit = "rad", .doc = "angle between the orientation and the true one; root mean square over objects and samples",
      .needs_truth = true, .to_horizon = true, .fold = kRms},
     {.kind = ErrorKind::kEnergy, .name = "energy", .series = "accuracy/energy_series", .metric = "energy",
      .unit = "", .doc = "kinetic and potential energy minus the true energy, over the energy of the scene; root mean square over samples",
-     .needs_truth = true, .to_horizon = false, .fold = kRms},
+     .needs_truth = true, .to_horizon = false, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kMomentum, .name = "momentum", .series = "accuracy/momentum_series", .metric = "momentum",
      .unit = "", .doc = "total momentum of all objects minus the true one, over the largest sum of their m|v|; root mean square over samples",
-     .needs_truth = true, .to_horizon = false, .fold = kRms},
+     .needs_truth = true, .to_horizon = false, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kAngularMomentum, .name = "angular_momentum", .series = "accuracy/angular_momentum_series", .metric = "angular_momentum",
      .unit = "", .doc = "total angular momentum about the common centre of mass minus the true one, over the largest sum of those of the objects; root mean square over samples",
-     .needs_truth = true, .to_horizon = false, .fold = kRms},
+     .needs_truth = true, .to_horizon = false, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kPenetration, .name = "penetration", .series = "accuracy/penetration_series", .metric = "penetration",
      .unit = "", .doc = "mean depth of the contacts that overlap, in sizes of the smaller object; mean over samples",
      .needs_truth = false, .to_horizon = false, .fold = kMean},
@@ -43,10 +43,10 @@ constexpr ErrorInfo kErrors[] = {
      .needs_truth = false, .to_horizon = false, .fold = kMax},
     {.kind = ErrorKind::kHeight, .name = "height", .series = "accuracy/height_series", .metric = "height",
      .unit = "", .doc = "mean height of the objects minus the true one, in mean sizes; root mean square over samples",
-     .needs_truth = true, .to_horizon = false, .fold = kRms},
+     .needs_truth = true, .to_horizon = false, .fold = kRms, .on_soft = true},
     {.kind = ErrorKind::kHeightW1, .name = "height_w1", .series = "accuracy/height_w1_series", .metric = "height",
      .unit = "", .doc = "Wasserstein distance W1 between the distribution of heights and the true one, in mean sizes; mean over samples",
-     .needs_truth = true, .to_horizon = false, .fold = kMean},
+     .needs_truth = true, .to_horizon = false, .fold = kMean, .on_soft = true},
     {.kind = ErrorKind::kContacts, .name = "contacts", .series = "accuracy/contacts_series", .metric = "contacts",
      .unit = "", .doc = "number of contact points minus the true number, over the true number; root mean square over samples",
      .needs_truth = true, .to_horizon = false, .fold = kRms},
@@ -75,7 +75,7 @@ std::span<const Metric> Metrics() {
   static const std::vector<Metric> metrics = [] {
     std::vector<Metric> words;
     for (const ErrorInfo& error : kErrors)
-      if (words.empty() || words.back().name != error.metric) words.push_back({error.metric});
+      if (words.empty() || words.back().name != error.metric) words.push_back({error.metric, error.on_soft});
     return words;
   }();
   return metrics;

@@ -92,7 +92,7 @@ struct ParameterTable {
      .also = "side cube box width world.size bounds limits"},
     {.name = "world.walls", .type = kWord, .first_default = "all", .words = "all floor none",
      .doc = "walls of the cube that are present; floor is the one at -y",
-     .also = "walls floor ground"},
+     .also = "walls floor ground plane halfspace half_space"},
     {.name = "world.wall_shape", .type = kWord, .first_default = "plane", .words = "plane box",
      .doc = "shape of the walls: infinite planes or boxes; Bullet gives a box on a plane one new contact a cycle, so that one that slides rocks and may turn"},
     {.name = "world.wall_friction", .type = kReal, .domain = kNotNegative, .first_default = "0.5",

@@ -1,5 +1,6 @@
 // Samples for the comparison with the ground truth: the state of every object at regular times,
-// taken in a pass without a clock, and the resulting errors. Shared by worker, runner and store.
+// taken in a pass without a clock, and the resulting errors. Of a scene with soft bodies, the
+// objects of samples are their nodes. Shared by worker, runner and store.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +19,8 @@ namespace cdb::protocol {
 
 /// Size of a body's state: position, orientation quaternion x y z w, linear and angular velocity.
 inline constexpr std::size_t kStateSize = 13;
-/// Constants of a body: mass, kg (0 if it is fixed), and size, m.
+/// Constants of a body: mass, kg (0 if it is fixed), and size, m; of a node, the size is that of its
+/// body.
 inline constexpr std::size_t kBodySize = 2;
 
 /// Quantities summed over all objects at a sample.

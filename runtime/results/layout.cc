@@ -219,7 +219,7 @@ class Maker {
     for (const plan::Run& reference : plan_.references) ids.push_back(reference.id);
     AddDimension(kReferenceGroup, Labelled("reference", std::move(ids), "id of a reference run"));
     AddSampleDimension(kReferenceGroup);
-    AddCounted(kReferenceGroup, protocol::Dimension::kBody, facts_.bodies);
+    AddCounted(kReferenceGroup, protocol::Dimension::kBody, facts_.sampled_bodies);
     const auto add = [this](const char* name, std::span<const std::string_view> labels,
                             std::string_view units, const char* doc) {
       AddDimension(kReferenceGroup, Labelled(name, {labels.begin(), labels.end()}, doc));

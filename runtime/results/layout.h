@@ -75,6 +75,7 @@ struct PlanFacts {
   std::vector<RunText> texts;                   ///< RunTexts(), and those of /accuracy
   std::vector<protocol::Series> error_series;   ///< of /accuracy, over `sample`
   std::uint64_t samples = 0;                    ///< extent of `sample`; 0 if no run has samples
+  std::uint64_t sampled_bodies = 1;             ///< extent of `body` of the references
   double interval_s = 0;                        ///< time between samples
 };
 

@@ -166,6 +166,8 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
     if (const auto sampling = analysis::SamplingOf(run.scene)) {
       samples = std::max(samples, sampling->count);
       interval_s = sampling->interval_s;
+      const std::uint64_t objects = protocol::SampleShapeOf(run.scene)->objects;
+      sampled_bodies = std::max({sampled_bodies, bodies, objects});
     }
   }
   if (samples > 0) AddErrors(plan, *this);

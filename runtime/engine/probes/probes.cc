@@ -12,6 +12,7 @@
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/reference.h"
 #include "runtime/engine/probes/processor_time.h"
+#include "runtime/engine/probes/recorded_energy.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/manifolds.h"
 #include "runtime/protocol/file_descriptor_io.h"
@@ -295,19 +296,13 @@ void Probes::RecordMotion(std::uint64_t cycle) {
 }
 
 void Probes::RecordEnergy(std::uint64_t cycle) {
-  // The integrator keeps the energy with its own term even of springs that explode, near
-  // w timestep = 2 with a hundred times as much kinetic energy.
-  constexpr double kDiverged = 1e4;
   const Energy energy = EnergyOf(engine_);
-  const double bodies = energy.kinetic + energy.other;
-  const double plain = bodies + engine_.links().SpringEnergy(0);
-  const bool is_diverged =
-      plain - header_.scales.initial_energy > kDiverged * header_.scales.energy_scale;
+  const world::Links& links = engine_.links();
+  const SpringEnergies springs{links.SpringEnergy(0),
+                               links.SpringEnergy(static_cast<double>(engine_.timestep()))};
   recording_.Put("kinetic_energy", cycle, energy.kinetic);
-  recording_.Put(
-      "energy", cycle,
-      is_diverged ? plain
-                  : bodies + engine_.links().SpringEnergy(static_cast<double>(engine_.timestep())));
+  recording_.Put("energy", cycle,
+                 RecordedEnergy(energy.kinetic, energy.other, springs, header_.scales));
 }
 
 void Probes::RecordPoses(std::uint64_t cycle) {

@@ -44,17 +44,32 @@ Vector3d CentreOf(const SoftObject& one, const std::vector<Vector3d>& nodes) {
   return sum / MassOf(one);
 }
 
-void AddSprings(const SoftObject& one, double half_timestep, SoftEnergy& energy) {
+void AddSprings(const SoftObject& one, double half_timestep, probes::SpringEnergies& energy) {
   for (std::size_t i = 0; i < one.mesh.links.size(); ++i) {
     const auto& [a, b] = one.mesh.links[i];
     const Vector3d along = PlaceOf(*one.body, b) - PlaceOf(*one.body, a);
     const double length = along.norm(), extension = length - one.rest[i];
-    energy.other += one.stiffness / 2 * extension * extension;
+    const double plain = one.stiffness / 2 * extension * extension;
+    energy.plain += plain;
+    energy.with_term += plain;
     if (!(length > 0)) continue;
     // A pinned node has no velocity.
-    energy.other += half_timestep * one.stiffness * extension / length *
-                    along.dot(VelocityOf(*one.body, a) - VelocityOf(*one.body, b));
+    energy.with_term += half_timestep * one.stiffness * extension / length *
+                        along.dot(VelocityOf(*one.body, a) - VelocityOf(*one.body, b));
   }
+}
+
+/// J: of nodes and springs, with the places of all rounded a few times.
+double RoundingEnergyOf(const SoftObject& one, double timestep) {
+  constexpr double kTimes = 64;
+  double farthest = 0;
+  for (std::size_t node = 0; node < one.masses.size(); ++node)
+    farthest = std::max(farthest, PlaceOf(*one.body, node).cwiseAbs().maxCoeff());
+  const double off =
+      kTimes * farthest * static_cast<double>(std::numeric_limits<btScalar>::epsilon());
+  return (MassOf(one) / (timestep * timestep) +
+          static_cast<double>(one.mesh.links.size()) * one.stiffness) *
+         off * off / 2;
 }
 
 }  // namespace
@@ -66,11 +81,12 @@ SoftEnergy EnergyOf(const SoftWorld& world) {
   for (const SoftObject& one : world.bodies()) {
     for (std::size_t node = 0; node < one.masses.size(); ++node) {
       const Vector3d v = VelocityOf(*one.body, node);
+      const double weight = -one.masses[node] * g.dot(PlaceOf(*one.body, node));
       energy.kinetic += one.masses[node] / 2 * v.squaredNorm();
-      energy.other +=
-          one.masses[node] * (half_timestep * g.dot(v) - g.dot(PlaceOf(*one.body, node)));
+      energy.weight += weight;
+      energy.weight_with_term += weight + one.masses[node] * half_timestep * g.dot(v);
     }
-    if (one.stiffness > 0) AddSprings(one, half_timestep, energy);
+    if (one.stiffness > 0) AddSprings(one, half_timestep, energy.springs);
   }
   return energy;
 }
@@ -115,13 +131,14 @@ void SoftProbes::Begin() {
   protocol::VerdictScales& scales = recording_.header().scales;
   const SoftEnergy energy = EnergyOf(world_);
   const double pull = world_.acceleration().norm();
-  scales.initial_energy = energy.kinetic + energy.other;
+  scales.initial_energy = energy.kinetic + energy.weight_with_term + energy.springs.with_term;
   scales.energy_scale = energy.kinetic;
   scales.least_side = std::numeric_limits<double>::infinity();
   for (const SoftObject& one : world_.bodies()) {
     const double side = 2 * MarginOf(*one.body);
     scales.least_side = std::min(scales.least_side, side);
     scales.energy_scale += MassOf(one) * (kFall * pull * side + std::pow(0.01 * side, 2) / 2);
+    scales.energy_scale += RoundingEnergyOf(one, world_.timestep());
   }
   scales.moving_objects = static_cast<double>(world_.bodies().size());
   scales.speed_scale = std::sqrt(pull * scales.least_side);
@@ -140,7 +157,9 @@ void SoftProbes::Record(std::uint64_t cycle) {
   if (!recording_.Reals("energy").empty()) {
     const SoftEnergy energy = EnergyOf(world_);
     recording_.Put("kinetic_energy", cycle, energy.kinetic);
-    recording_.Put("energy", cycle, energy.kinetic + energy.other);
+    recording_.Put("energy", cycle,
+                   probes::RecordedEnergy(energy.kinetic, energy.weight_with_term, energy.springs,
+                                          recording_.header().scales));
   }
   ReadNodes();
   if (!recording_.Reals("stretch").empty()) RecordStability(cycle);

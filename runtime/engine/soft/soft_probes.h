@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/engine/probes/recorded_energy.h"
 #include "runtime/engine/soft/soft_world.h"
 #include "runtime/protocol/recording.h"
 
@@ -16,8 +17,9 @@ namespace cdb::soft {
 /// J.
 struct SoftEnergy {
   double kinetic = 0;
-  /// Of gravity and springs, with the integrator's own term, dt F.v / 2.
-  double other = 0;
+  double weight = 0;            ///< of gravity
+  double weight_with_term = 0;  ///< plus the integrator's own, dt F.v / 2
+  probes::SpringEnergies springs;
 };
 SoftEnergy EnergyOf(const SoftWorld& world);
 

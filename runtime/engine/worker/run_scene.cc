@@ -139,12 +139,7 @@ void RunAgain(const plan::Scene& scene, const world::Engine& first,
   quiet.world.Set("record", schema::WordList{});
   world::Engine engine(quiet, first.initial_state(), first.omissions());
   RunWithoutClock(scene, engine, recording);
-  const std::string hash = probes::StateHash(engine), timed = recording.header().state_hash.str();
-  if (hash != timed)
-    throw std::runtime_error(
-        fmt::format("the pass that measures errors ended in the state {}, the timed pass in {}: "
-                    "this run is not repeatable, and neither pass can be trusted",
-                    hash, timed));
+  RequireSameState(probes::StateHash(engine), recording);
 }
 
 /// Reports progress to the runner, and keeps the time spent on settling.
@@ -166,6 +161,15 @@ void SettleAndTell(const plan::Scene& scene, layouts::InitialState& state,
 void ReportFailure(protocol::Recording& recording, const std::string& message) {
   recording.header().message = message;
   recording.header().outcome.store(protocol::WorkerOutcome::kFailed, std::memory_order_release);
+}
+
+void RequireSameState(const std::string& hash, protocol::Recording& recording) {
+  const std::string timed = recording.header().state_hash.str();
+  if (hash != timed)
+    throw std::runtime_error(
+        fmt::format("the pass that measures errors ended in the state {}, the timed pass in {}: "
+                    "this run is not repeatable, and neither pass can be trusted",
+                    hash, timed));
 }
 
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,

@@ -41,6 +41,8 @@ struct Streams {
 std::unique_ptr<world::Engine> RunScene(const plan::Run& run, protocol::Recording& recording,
                                         Streams streams, const Kept& kept = {});
 
+/// Throws std::runtime_error if a pass without a clock did not end in the state of the timed one.
+void RequireSameState(const std::string& hash, protocol::Recording& recording);
 /// Sets kFailed and the message, truncated to the size of the field.
 void ReportFailure(protocol::Recording& recording, const std::string& message);
 

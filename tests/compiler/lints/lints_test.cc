@@ -71,6 +71,32 @@ TEST(Lints, AreTheirFormulae) {
   EXPECT_NEAR(spring->value, 20. / 60, 1e-12);
 }
 
+/// A rope with free ends has the frequency 2 sqrt(k / m), m the mass of a node within; the power
+/// iteration comes close to it from below.
+TEST(Lints, SoftSpringsExplodeWhereTheHighestFrequencyIsTooHigh) {
+  const auto number = [](const std::string& soft) {
+    return NumberOf(
+        lints::Lint::kStiffSpring,
+        "timestep 0.01; soft_world springs; world.walls none; objects { quantity 1; size "
+        "2; mass 2; type rope(segments: 20); soft { " +
+            soft + " } }");
+  };
+  EXPECT_FALSE(number("stiffness 500")) << "0.7 of the limit";
+  const auto beyond = number("stiffness 2000");
+  ASSERT_TRUE(beyond);
+  EXPECT_NEAR(beyond->value, 2 * std::sqrt(2000 / 0.1) * 0.01, 0.02);
+  EXPECT_TRUE(beyond->IsBad());
+  EXPECT_LT(beyond->remedy, 0.01 * std::sqrt(0.5));
+  EXPECT_GT(beyond->remedy, 0.006);
+  const auto damped = number("stiffness 2000; damping 1");
+  ASSERT_TRUE(damped);
+  EXPECT_LT(damped->value, beyond->value);
+  EXPECT_FALSE(
+      NumberOf(lints::Lint::kTallStack,
+               "world { side 10; wall_shape box } objects { quantity 1; size 2; mass 2; type "
+               "cloth(columns: 2, rows: 2) }"));
+}
+
 TEST(Lints, SayNothingWhereNothingCanHappen) {
   EXPECT_FALSE(NumberOf(lints::Lint::kTallStack, "acceleration 0; objects.location stack"));
   EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, "world.walls none"));

@@ -1,12 +1,18 @@
 // The series of runs with soft bodies.
 #include "runtime/engine/soft/soft_probes.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <string>
+#include <tuple>
 
+#include "compiler/lints/lints.h"
 #include "runtime/protocol/verdict.h"
 #include "tests/runtime/engine/soft/soft_fixture.h"
 
@@ -113,6 +119,84 @@ TEST(SoftVerdict, SpringsExplodeBeyondTheirLimit) {
   };
   EXPECT_EQ(verdict("900"), protocol::Verdict::kStable);
   EXPECT_GE(verdict("1200"), protocol::Verdict::kExploded);
+}
+
+/// rad/s, of small motions about the start: the square root of the largest eigenvalue.
+double HighestFrequencyOf(const soft::SoftWorld& world) {
+  const soft::SoftObject& one = world.bodies()[0];
+  const auto n = static_cast<Eigen::Index>(one.masses.size());
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (const auto& [a, b] : one.mesh.links) {
+    const Eigen::Vector3d along =
+        (NodeAt(world, static_cast<int>(b)) - NodeAt(world, static_cast<int>(a))).normalized();
+    const Eigen::Matrix3d block = one.stiffness * along * along.transpose();
+    for (const auto& [i, j, sign] : {std::tuple{a, a, 1}, {b, b, 1}, {a, b, -1}, {b, a, -1}})
+      stiffness.block<3, 3>(3 * i, 3 * j) += sign * block;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double mass = one.masses[static_cast<std::size_t>(i)];
+    const double scale = mass > 0 ? 1 / std::sqrt(mass) : 0;
+    stiffness.middleRows<3>(3 * i) *= scale;
+    stiffness.middleCols<3>(3 * i) *= scale;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, Eigen::EigenvaluesOnly);
+  return std::sqrt(solver.eigenvalues().maxCoeff());
+}
+
+/// Random ropes and cloths, from a third of the limit to three times it: those beyond it explode,
+/// whatever the integrator's energy says, and only those; the lint knows it before.
+TEST(SoftVerdict, ExplosionsAreSeenAndForeseen) {
+  std::mt19937 random(7);
+  const auto draw = [&](double low, double high) {
+    return std::uniform_real_distribution<>(low, high)(random);
+  };
+  int exploded = 0, sound = 0;
+  for (int i = 0; i < 40; ++i) {
+    const bool is_cloth = i % 2 == 1;
+    const int columns = 1 + static_cast<int>(draw(0, 8)), rows = 1 + static_cast<int>(draw(0, 4));
+    const std::string type = is_cloth ? fmt::format("cloth(columns: {}, rows: {})", columns, rows)
+                                      : fmt::format("rope(segments: {})", columns);
+    const double timestep = 1 / draw(60, 600), mass = std::pow(10, draw(-1, 1));
+    const auto run_with = [&](double stiffness) {
+      return SoftRun(fmt::format(
+          "soft_world springs; timestep {}; cycles 200; world {{ side 100; walls none }} objects "
+          "{{ "
+          "quantity 1; size 2; mass {}; margin 0.01; type {}; location at(0, 0, 0); orientation "
+          "(0.3, 0.2, 1); linear_velocity (1, 0.3, 0.2); soft {{ pin {}; stiffness {} }} }}",
+          timestep, mass, type, is_cloth ? "corners" : "left", stiffness));
+    };
+    const double unit = HighestFrequencyOf(MakeSoftWorld(run_with(1)));
+    if (unit == 0) continue;  // pinned at all corners
+    const double factor = std::pow(3, draw(-1, 1));
+    if (std::abs(factor - 1) < 0.1) continue;
+    const plan::Run run = run_with(std::pow(2 * factor / (timestep * unit), 2));
+    const protocol::Judgement judgement = JudgementOf(run);
+    const bool is_bad = judgement.verdict >= protocol::Verdict::kExploded;
+    EXPECT_EQ(is_bad, factor > 1) << i << " " << type << " " << factor;
+    (is_bad ? exploded : sound) += 1;
+    const auto numbers = lints::LintScene(run.scene);
+    const bool is_foreseen =
+        std::ranges::any_of(numbers, [](const lints::LintNumber& n) { return n.IsBad(); });
+    EXPECT_EQ(is_foreseen, factor > 1) << i << " " << type << " " << factor;
+    if (is_foreseen) {
+      EXPECT_NEAR(numbers[0].value / (2 * factor), 1, 0.02) << type;
+    }
+  }
+  EXPECT_GT(exploded, 10);
+  EXPECT_GT(sound, 10);
+}
+
+/// Nothing moves, and what rounding does is no motion.
+TEST(SoftVerdict, RoundingIsNoExplosion) {
+  for (const char* type : {"rope(segments: 10)", "cloth(columns: 3, rows: 8)"}) {
+    const plan::Run run = SoftRun(
+        "soft_world springs; timestep 1/960; cycles 300; acceleration 0; world { side 100; walls "
+        "none } objects { quantity 1; size 5; mass 1; margin 0.01; location at(0, 0, 0); "
+        "orientation "
+        "(0.3, 0.2, 1.4); soft { stiffness 5000 } type " +
+        std::string(type) + " }");
+    EXPECT_EQ(JudgementOf(run).verdict, protocol::Verdict::kStable) << type;
+  }
 }
 
 TEST(SoftVerdict, StretchedBeyondItsLimitDrifts) {
