@@ -72,6 +72,23 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "give it a velocity that is not 0, or location path(\"motion.csv\"); or write mass "
            "fixed");
   }
+  for (const plan::Joint& joint : scene.joints) {
+    if (!scene.HoldsObjects(joint)) continue;
+    const auto number = [&](schema::GroupParameter parameter) {
+      const schema::Number* value = schema::AsNumber(joint.settings.Get(parameter));
+      return value == nullptr ? std::nullopt : std::optional(value->AsReal());
+    };
+    const auto sought = number("joints.motor.position"), lower = number("joints.limits.lower"),
+               upper = number("joints.limits.upper");
+    if (!sought || !lower || !upper) continue;
+    Look(
+        configuration, {joint.name, schema::GroupParameter("joints.motor.position").get()},
+        *sought < *lower || *sought > *upper,
+        fmt::format("the motor of '{}' seeks {:.6g}, and its limits are {:.6g} and {:.6g}: it will "
+                    "push against one of them",
+                    joint.name, *sought, *lower, *upper),
+        "write a position within the limits");
+  }
   for (const auto parameter :
        {schema::WorldParameter("detector"), schema::WorldParameter("narrow_phase"),
         schema::WorldParameter("pair_order"), schema::WorldParameter("threads")})

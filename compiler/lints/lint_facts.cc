@@ -221,6 +221,7 @@ SceneFacts FactsOf(const plan::Scene& scene, const FactReaders& read) {
   FindContacts(facts);
   FindAdjoining(facts);
   FindTrees(scene, facts);
+  FindLoads(scene, facts);
   return facts;
 }
 

@@ -66,8 +66,11 @@ struct GroupFacts {
   bool chained = false, springs = false;  ///< by links
   bool linked = false;                    ///< by links or joints: the objects do not move freely
   double tumble = 0;                      ///< rad/s: the spin of its tree (FindTrees)
-  double overlap = 0;                     ///< m, between neighbours at the start
-  double gap = 0;                         ///< m, the initial fall of the objects of a stack
+  double driven_spin = 0;                 ///< rad/s, by a motor (FindLoads)
+  double joined_load = 0;     ///< mass that joints hold beyond an object, over its own (FindLoads)
+  bool is_load_open = false;  ///< that load depends on what it stands on
+  double overlap = 0;         ///< m, between neighbours at the start
+  double gap = 0;             ///< m, the initial fall of the objects of a stack
 };
 
 /// Bounds of a drawn number of a group, also if a formula or a density gives it (PositiveBounds).
@@ -125,6 +128,10 @@ void FindAdjoining(SceneFacts& scene);
 /// that joints hold together, if neither the world nor anything fixed holds them and one of the
 /// joints turns. chain_lints.cc.
 void FindTrees(const plan::Scene& scene, SceneFacts& facts);
+
+/// Sets the facts of joints between groups: GroupFacts::driven_spin, and, in maximal coordinates,
+/// joined_load and is_load_open. joint_lints.cc.
+void FindLoads(const plan::Scene& scene, SceneFacts& facts);
 
 /// The position at which `location at(…)` places the group's object.
 std::optional<Eigen::Vector3d> FixedPositionOf(const GroupFacts& objects);

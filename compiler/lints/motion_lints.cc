@@ -73,8 +73,10 @@ double Twist(const GroupFacts& objects, double time) {
 }  // namespace
 
 std::optional<Estimate> FastSpin(const SceneFacts& scene, const GroupFacts& objects) {
-  const double value = objects.spin * scene.timestep;
-  return Estimate{value, kFastSpin, ShorterStep(scene, value, kFastSpin)};
+  // A motor may lack the effort to reach its speed.
+  const bool is_driven = objects.driven_spin > objects.spin;
+  const double value = std::max(objects.spin, objects.driven_spin) * scene.timestep;
+  return Estimate{value, kFastSpin, ShorterStep(scene, value, kFastSpin), is_driven};
 }
 
 std::optional<Estimate> SpinDrift(const SceneFacts& scene, const GroupFacts& objects) {

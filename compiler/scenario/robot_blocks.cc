@@ -108,6 +108,7 @@ class Expansion {
     RefuseMassless();
     for (const RobotJoint& joint : robot_->joints) AddJoint(joint);
     if (!good_) return std::nullopt;
+    WarnOfIdleHold();
     PlaceGiven();
     if (!good_) return std::nullopt;
     return std::move(result_);
@@ -272,9 +273,23 @@ class Expansion {
                "write prefix \"left_\", for example, in the block of the robot");
       return plain;
     };
-    for (const RobotLink& link : robot_->links) result_.groups.push_back(name(link.name, "_link"));
-    for (const RobotJoint& joint : robot_->joints)
+    std::vector<std::string> renamed;
+    const auto tell = [&](const char* what, const std::string& written, const std::string& plain) {
+      if (plain != prefix + written)
+        renamed.push_back(fmt::format("{} {} is {}", what, written, plain));
+    };
+    for (const RobotLink& link : robot_->links) {
+      result_.groups.push_back(name(link.name, "_link"));
+      tell("link", link.name, result_.groups.back());
+    }
+    for (const RobotJoint& joint : robot_->joints) {
       result_.joints.push_back(name(joint.name, "_joint"));
+      tell("joint", joint.name, result_.joints.back());
+    }
+    if (!renamed.empty())
+      scenario_.NoteOnRobot(
+          fmt::format("  in the scene, {}: other names are taken, or are no names of the language",
+                      fmt::join(renamed, ", ")));
   }
 
   // Links.
@@ -509,12 +524,31 @@ class Expansion {
       if (joint.friction > 0) set("friction", syntax_.Number(joint.friction));
       if (joint.armature > 0 && Word("armature", "off") == "on")
         set("armature", syntax_.Number(joint.armature));
-      if (joint.effort > 0 && joint.mimic.empty() && Word("hold", "off") == "on") {
-        set("motor.position", syntax_.Word(name + ".start"));
-        set("motor.effort", syntax_.Number(joint.effort));
+      if (joint.mimic.empty() && Word("hold", "off") == "on") {
+        if (joint.effort > 0) {
+          set("motor.position", syntax_.Word(name + ".start"));
+          set("motor.effort", syntax_.Number(joint.effort));
+        } else {
+          without_effort_.push_back(name);
+        }
       }
     }
     result_.block.statements.push_back(syntax_.Statement(std::move(group)));
+  }
+
+  void WarnOfIdleHold() {
+    if (without_effort_.empty()) return;
+    constexpr std::size_t kNamed = 3;
+    const std::size_t count = without_effort_.size(), named = std::min(count, kNamed);
+    diagnostics_.Report(
+        kNoEffect, Find("hold")->span,
+        fmt::format("{} has no limit of effort for {}{}, so that 'hold' gives {} no motor", path_,
+                    fmt::join(without_effort_.begin(),
+                              without_effort_.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                    count > named ? fmt::format(" and {} more joints", count - named) : "",
+                    count == 1 ? "it" : "them"),
+        fmt::format("write {}.motor {{ position 0; effort 100 }} outside of the block, for example",
+                    without_effort_[0]));
   }
 
   /// Of the block of a joint.
@@ -556,6 +590,7 @@ class Expansion {
   const std::vector<std::string>& others_;
   const std::function<bool(const std::string&)>& is_word_;
   dsl::Diagnostics& diagnostics_;
+  std::vector<std::string> without_effort_;  ///< joints that `hold` cannot hold
   const text::Span at_;
   const SyntaxMaker syntax_;
   bool good_ = true;

@@ -311,7 +311,13 @@ std::vector<std::string> Scenario::RobotTexts() const {
   std::vector<std::string> texts;
   for (const RobotRead& read : robots_)
     if (read.robot != nullptr) texts.push_back(read.robot->summary);
+  for (const std::string& note : robot_notes_) texts.push_back(note + "\n");
   return texts;
+}
+
+void Scenario::NoteOnRobot(std::string line) const {
+  if (std::ranges::find(robot_notes_, line) == robot_notes_.end())
+    robot_notes_.push_back(std::move(line));
 }
 
 std::vector<std::string> Scenario::ModelTexts() const {

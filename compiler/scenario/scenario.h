@@ -114,8 +114,10 @@ class Scenario {
   std::shared_ptr<const analysis::Robot> RobotAt(const std::string& path,
                                                  const analysis::RobotOptions& options,
                                                  std::vector<analysis::RobotFault>& faults) const;
-  /// The summaries of the robots read so far.
+  /// The summaries of the robots read so far, and the notes on them.
   std::vector<std::string> RobotTexts() const;
+  /// A line about a robot in a scene. Not thread-safe.
+  void NoteOnRobot(std::string line) const;
   /// The texts about the models read so far, in the order of their types.
   std::vector<std::string> ModelTexts() const;
   /// The text of the main file, then of each used file under a comment with its name.
@@ -175,6 +177,7 @@ class Scenario {
     std::vector<analysis::RobotFault> faults;
   };
   mutable std::vector<RobotRead> robots_;
+  mutable std::vector<std::string> robot_notes_;
 };
 
 }  // namespace cdb::scenario

@@ -75,7 +75,8 @@ std::span<const Metric> Metrics() {
   static const std::vector<Metric> metrics = [] {
     std::vector<Metric> words;
     for (const ErrorInfo& error : kErrors)
-      if (words.empty() || words.back().name != error.metric) words.push_back({error.metric, error.on_soft});
+      if (words.empty() || words.back().name != error.metric)
+        words.push_back({error.metric, error.on_soft});
     return words;
   }();
   return metrics;

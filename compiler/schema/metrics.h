@@ -50,7 +50,7 @@ struct ErrorInfo {
   bool needs_truth;         ///< a closed form or a reference run; else only the run itself
   bool to_horizon;          ///< meaningful only as long as the reference is reliable
   Fold fold;
-  bool on_soft = false;     ///< can be measured of soft bodies, whose objects are their nodes
+  bool on_soft = false;  ///< can be measured of soft bodies, whose objects are their nodes
 };
 std::span<const ErrorInfo> Errors();
 

@@ -95,19 +95,29 @@ std::optional<RobotInertia> RobotBuilder::InertiaOf(const RobotLink& link, doubl
     return std::nullopt;
   }
   const Vector3d moments = tensor.selfadjointView<Eigen::Lower>().eigenvalues();
-  const bool is_negative = moments[0] < -1e-9 * std::abs(moments[2]);
-  if (is_negative ||
-      (!options_.takes_any_inertia && moments[2] > kRoundedInertia * (moments[0] + moments[1])))
+  if (moments[0] < -1e-9 * std::abs(moments[2]))
     return refuse(
-        fmt::format("has an inertia that no body has: of the principal moments {:.4g}, {:.4g} "
-                    "and {:.4g} kg m^2, one is {}",
-                    moments[0], moments[1], moments[2],
-                    is_negative ? "negative" : "more than the sum of the others"),
-        is_negative ? "correct the inertia: it is about the centre of mass, along the axes of its "
-                      "frame"
-                    : "correct the inertia, or write `inertia any` in the block of the robot: "
-                      "Bullet simulates such bodies");
+        fmt::format("has an inertia that no body has: of the principal moments {:.4g}, "
+                    "{:.4g} and {:.4g} kg m^2, one is negative",
+                    moments[0], moments[1], moments[2]),
+        "correct the inertia: it is about the centre of mass, along the axes of its frame");
   return RobotInertia{mass, pose.translation(), pose.linear() * tensor * pose.linear().transpose()};
+}
+
+void RefuseOddInertias(const Robot& robot, const std::string& path,
+                       std::vector<analysis::RobotFault>& faults) {
+  for (const RobotLink& link : robot.links) {
+    if (!link.inertia) continue;
+    const Vector3d moments =
+        link.inertia->tensor.selfadjointView<Eigen::Lower>().eigenvalues().cwiseMax(0);
+    if (moments[2] <= kRoundedInertia * (moments[0] + moments[1])) continue;
+    faults.push_back(
+        {fmt::format("{}:{}: link {} has an inertia that no body has: of the principal moments "
+                     "{:.4g}, {:.4g} and {:.4g} kg m^2, one is more than the sum of the others",
+                     path, link.line, link.name, moments[0], moments[1], moments[2]),
+         "correct the inertia, or write `inertia any` in the block of the robot: Bullet simulates "
+         "such bodies"});
+  }
 }
 
 RobotShape RobotBuilder::MeshOf(const std::string& written, const Vector3d& scale) const {
@@ -134,6 +144,9 @@ void RobotBuilder::AddShape(RobotLink& link, RobotShape shape) {
         link.line,
         fmt::format("a collision shape of link {} has no position below 1e9 m", link.name), "");
   const bool is_mesh = shape.kind == RobotShape::Kind::kMesh;
+  // A point of contact, which no body of Bullet is.
+  if (shape.kind == RobotShape::Kind::kSphere && shape.sides.isZero(0))
+    return Leave("sphere of radius 0");
   const double least = is_mesh ? shape.sides.cwiseAbs().minCoeff() : shape.sides.minCoeff();
   if (!(least > 0) || !IsInRange(shape.sides))
     return Report(

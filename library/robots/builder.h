@@ -82,6 +82,10 @@ class RobotBuilder {
   std::map<std::string, int> left_out_;
 };
 
+/// Faults for the links of which one principal moment is more than the sum of the others.
+void RefuseOddInertias(const analysis::Robot& robot, const std::string& path,
+                       std::vector<analysis::RobotFault>& faults);
+
 void Scale(analysis::RobotInertia& inertia, double factor);
 /// m^3; of a shape that is no mesh.
 double VolumeOf(const analysis::RobotShape& shape);

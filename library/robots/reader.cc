@@ -87,7 +87,9 @@ std::optional<Robot> ParseRobot(const std::string& text, const std::string& path
   try {
     auto robot = Parse(text, path, options, faults);
     if (robot) *robot = MergeFixed(*robot, !options.merges);
-    return robot;
+    // Links that are held together have the inertia of one body.
+    if (robot && !options.takes_any_inertia) RefuseOddInertias(*robot, path, faults);
+    return faults.empty() ? robot : std::nullopt;
   } catch (const library::SceneError& error) {
     faults.push_back({error.cause(), error.remedy()});
   } catch (const std::exception& error) {

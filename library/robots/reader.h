@@ -34,6 +34,8 @@ std::optional<analysis::Robot> ParseRobot(const std::string& text, const std::st
 
 /// The text of `cdb check FILE`: links, joints, masses, shapes, and what was left out.
 std::string SummaryOf(const analysis::Robot& robot, const std::string& path);
+/// Why every scene refuses the robot, unless its block says otherwise; empty if none does.
+std::vector<std::string> RefusedOf(const analysis::Robot& robot);
 
 // Joints that mimic others: mimics.cc.
 

@@ -64,4 +64,32 @@ std::string SummaryOf(const Robot& robot, const std::string& path) {
   return text;
 }
 
+std::vector<std::string> RefusedOf(const Robot& robot) {
+  std::vector<std::string> massless, still, all;
+  bool have_shapes = true;
+  for (std::size_t i = 1; i < robot.links.size(); ++i) {  // the root may be fixed
+    const RobotLink& link = robot.links[i];
+    if (!link.inertia) {
+      massless.push_back(link.name);
+      have_shapes = have_shapes && !link.shapes.empty();
+    } else if (!(link.inertia->tensor.trace() > 0)) {
+      still.push_back(link.name);
+    }
+  }
+  if (!massless.empty())
+    all.push_back(fmt::format("{} can move, but {} no mass{}", fmt::join(massless, ", "),
+                              massless.size() == 1 ? "has" : "have",
+                              have_shapes ? ", unless the block of the robot has a density" : ""));
+  if (!still.empty())
+    all.push_back(fmt::format("{} {} a mass, but the inertia 0", fmt::join(still, ", "),
+                              still.size() == 1 ? "has" : "have"));
+  for (const RobotLink& link : robot.links)
+    for (const RobotShape& shape : link.shapes)
+      if (shape.is_missing) {
+        all.push_back("meshes are missing; the block of the robot may name the folder of packages");
+        return all;
+      }
+  return all;
+}
+
 }  // namespace cdb::robots

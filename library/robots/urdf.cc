@@ -104,6 +104,13 @@ class Document {
   }
 
  private:
+  bool HasShape(std::size_t geometry) const {
+    const auto& shapes = kUrdfTaken.at("geometry");
+    return std::ranges::any_of(elements_, [&](const Element& element) {
+      return element.parent == geometry && shapes.contains(element.name);
+    });
+  }
+
   /// Overwrites what is not taken with blanks, so that lines remain.
   void Reduce() {
     std::vector<char> is_out(elements_.size(), 0);
@@ -114,7 +121,7 @@ class Document {
       if (is_out[i] != 0) continue;
       const auto taken = kUrdfTaken.find(parent.name);
       if (taken == kUrdfTaken.end() || taken->second.contains(element.name)) continue;
-      if (parent.name == "geometry")
+      if (parent.name == "geometry" && !HasShape(element.parent))
         throw library::SceneError(
             fmt::format("{}:{}: a collision shape is a <{}>, which URDF does not have", path_,
                         element.line, element.name),
@@ -240,7 +247,10 @@ class UrdfReader {
       builder_.SetMimic(joint, from.mimic->joint_name, from.mimic->multiplier, from.mimic->offset);
     if (from.dynamics) builder_.SetDynamics(joint, from.dynamics->damping, from.dynamics->friction);
     if (!from.limits) return;
-    joint.effort = std::max(from.limits->effort, 0.0);
+    if (!(from.limits->effort >= 0))
+      return refuse(fmt::format("has the effort {:.6g}", from.limits->effort).c_str(),
+                    "the largest force or torque of its motor is 0 or more");
+    joint.effort = from.limits->effort;
     joint.velocity = std::max(from.limits->velocity, 0.0);
     if (from.type != urdf::Joint::CONTINUOUS)
       builder_.SetLimits(joint, from.limits->lower, from.limits->upper);

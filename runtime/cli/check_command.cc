@@ -58,7 +58,10 @@ options::ExitStatus CheckRobot(const std::string& file) {
                                        : fmt::format("{}; {}\n", fault.cause, fault.remedy));
   if (!robot) return options::ExitStatus::kScenarioError;
   terminal::Print(robots::SummaryOf(*robot, file));
-  return options::ExitStatus::kGood;
+  const std::vector<std::string> refused = robots::RefusedOf(*robot);
+  for (const std::string& why : refused)
+    terminal::Say(fmt::format("{}: a scene refuses it: {}\n", file, why));
+  return refused.empty() ? options::ExitStatus::kGood : options::ExitStatus::kScenarioError;
 }
 
 options::ExitStatus Check(const CheckArguments& arguments) {

@@ -19,8 +19,8 @@ namespace cdb::protocol {
 
 /// Size of a body's state: position, orientation quaternion x y z w, linear and angular velocity.
 inline constexpr std::size_t kStateSize = 13;
-/// Constants of a body: mass, kg (0 if it is fixed), and size, m; of a node, the size is that of its
-/// body.
+/// Constants of a body: mass, kg (0 if it is fixed), and size, m; of a node, the size is that of
+/// its body.
 inline constexpr std::size_t kBodySize = 2;
 
 /// Quantities summed over all objects at a sample.

@@ -114,7 +114,10 @@ void Probes::SetScales() {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
     const double mass = engine_.initial_state().objects[i].mass;
-    if (mass > 0) smallest = std::min(smallest, least_sides_[i]);
+    // Of the object as a whole: a small piece of a compound makes neither its joints nor its rest
+    // worse.
+    if (mass > 0)
+      smallest = std::min(smallest, engine_.initial_state().objects[i].solid.sides.minCoeff());
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
     header_.scales.energy_scale +=

@@ -154,6 +154,7 @@ Json RunOf(const SceneRecording& recording) {
               {"verdict", std::string(protocol::VerdictName(recording.judgement.verdict))},
               {"criterion", recording.judgement.criterion},
               {"first_bad_cycle", recording.judgement.first_bad_cycle},
+              {"unchecked", recording.unchecked},
               {"message", recording.message},
               {"timestep", world.Real("timestep")},
               {"warmup", world.Count("warmup")},

@@ -394,6 +394,7 @@ SceneRecording ReadRecording(const ResultFile& file, const ResultFile::Cell& cel
   recording.is_run = true;
   recording.status = file.ReadStatus(cell);
   recording.judgement = file.ReadJudgement(cell);
+  if (file.Has("unchecked")) recording.unchecked = file.ReadText("unchecked", cell);
   if (recording.status != results::Status::kMissing) {
     recording.message = file.ReadText("message", cell);
     recording.n_cycles = file.ReadCycleCount(cell);

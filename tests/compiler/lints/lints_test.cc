@@ -71,6 +71,56 @@ TEST(Lints, AreTheirFormulae) {
   EXPECT_NEAR(spring->value, 20. / 60, 1e-12);
 }
 
+/// A light link between heavy ones, held by the world or standing on the floor.
+TEST(Lints, LightLinksBetweenHeavyOnesComeApart) {
+  const auto number = [](const std::string& statements, int g = 10) {
+    return NumberOf(
+        lints::Lint::kHeavyEnd,
+        "acceleration (0, -" + std::to_string(g) +
+            ", 0); timestep 0.01; cycles 1000; sleeping off; solver.iterations 10; "
+            "objects a { quantity 1; type cuboid; size 1; mass 2; location at(0, 0, 0) } objects b "
+            "{ "
+            "quantity 1; type cuboid; size 1; mass 0.5; location relative_to(a, (0, -1.5, 0)) } "
+            "objects "
+            "c { quantity 1; type cuboid; size 1; mass 30; location relative_to(b, (0, -1.5, 0)) } "
+            "joints ab { parent a; child b; type hinge; at (0, -0.75, 0) } joints bc { parent b; "
+            "child "
+            "c; type hinge; at (0, -0.75, 0) } " +
+            statements);
+  };
+  constexpr const char* kHeld =
+      "world { side 20; walls none } joints j { parent world; child a; type hinge; at (0, 0.5, 0) "
+      "}";
+  const auto held = number(kHeld);
+  ASSERT_TRUE(held);
+  EXPECT_NEAR(held->value, 30 / 0.5 * 10 * 1e-4 / (10 * 0.2), 1e-9);
+  EXPECT_FALSE(held->open);
+  EXPECT_FALSE(number(std::string(kHeld) + " coordinates reduced"));
+  EXPECT_FALSE(number(kHeld, 0));
+  const auto standing = number("world { side 20; walls floor }");
+  ASSERT_TRUE(standing);
+  EXPECT_NEAR(standing->value, 30 / 0.5 * 10 * 1e-4 / (10 * 0.2), 1e-9);
+  EXPECT_TRUE(standing->open) << "the floor may carry c";
+  EXPECT_FALSE(number("world { side 20; walls none }")) << "it falls, and nothing pulls";
+}
+
+TEST(Lints, MotorsThatTurnTooFastAreNamed) {
+  const auto value = [](const std::string& motor) {
+    const auto number =
+        NumberOf(lints::Lint::kFastSpin,
+                 "timestep 0.01; cycles 100; acceleration 0; objects w { quantity 1; type cuboid; "
+                 "size 1; mass 6; location at(0, 0, 0) } joints j { parent world; child w; type "
+                 "hinge; at (0, 0, 0); axis (0, 0, 1); " +
+                     motor + " }");
+    EXPECT_TRUE(!number || number->open);
+    return number ? number->value : 0;
+  };
+  EXPECT_NEAR(value("motor { velocity 200 rad/s; effort 10 }"), 2, 1e-12);
+  EXPECT_NEAR(value("motor { torque 300 }"), 300 * 1 / 1.0 * 0.01, 1e-12);
+  EXPECT_EQ(value("damping 1; motor { torque 300 }"), 0) << "it has a speed that it comes to";
+  EXPECT_EQ(value("motor { position 1; effort 10 }"), 0);
+}
+
 /// A rope with free ends has the frequency 2 sqrt(k / m), m the mass of a node within; the power
 /// iteration comes close to it from below.
 TEST(Lints, SoftSpringsExplodeWhereTheHighestFrequencyIsTooHigh) {

@@ -325,7 +325,7 @@ TEST_F(Mjcf, RefuseByNameAndLine) {
        "r.xml:5: there are two joints 'j'"},
       {in_body("<inertial mass='-1' pos='0 0 0' diaginertia='1 1 1'/>"),
        "r.xml:4: link b has the mass -1 kg"},
-      {in_body("<inertial mass='1' pos='0 0 0' diaginertia='1 1 3'/>"),
+      {in_body("<joint/><inertial mass='1' pos='0 0 0' diaginertia='1 1 3'/>"),
        "r.xml:4: link b has an inertia that no body has"},
       {"<mujoco><worldbody/></mujoco>", "r.xml:1: there is no <body>"},
       {"<mujoco>\n<compiler coordinate='global'/></mujoco>", "r.xml:2: coordinates are global"},

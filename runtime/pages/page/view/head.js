@@ -9,6 +9,9 @@ function chip(run) {
   if (run.verdict === 'unknown')
     return element('span', { class: 'chip' },
       `no verdict: ${run.has_configurations ? 'nothing is simulated' : 'record has no stability'}`);
+  if (kSound[run.verdict] && run.unchecked)
+    return element('span', { class: 'chip good', title: `not checked: ${run.unchecked}` },
+      `✓ ${run.verdict}, as far as was checked`);
   const from = run.first_bad_cycle >= 0 ? ` from cycle ${run.first_bad_cycle}` : '';
   return element('span', { class: `chip ${kSound[run.verdict] ? 'good' : 'bad'}` },
     `${kSound[run.verdict] ? '✓' : '✗'} ${run.verdict}${run.criterion ? ` (${run.criterion})` : ''}${from}`);
