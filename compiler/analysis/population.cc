@@ -20,7 +20,7 @@ using plan::Scene;
 using schema::GroupParameter;
 using schema::WorldParameter;
 
-constexpr GroupParameter kSpawnCount = "spawn.count", kBelow = "remove.below",
+constexpr GroupParameter kSpawnBatch = "spawn.batch", kBelow = "remove.below",
                          kOutside = "remove.outside", kAfter = "remove.after";
 
 bool IsChanging(const Group& group) {
@@ -36,7 +36,7 @@ std::uint64_t Spawning::DueAt(std::uint64_t cycle, std::uint64_t quantity) const
 }
 
 std::optional<Spawning> SpawningOf(const Group& group) {
-  const schema::Number* count = schema::AsNumber(group.settings.Get(kSpawnCount));
+  const schema::Number* count = schema::AsNumber(group.settings.Get(kSpawnBatch));
   if (count == nullptr) return std::nullopt;
   return Spawning{count->AsCount(), group.settings.Count("spawn.every"),
                   group.settings.Count("spawn.start")};
@@ -62,6 +62,11 @@ const Group* FindChanging(const Scene& scene) {
   return found == scene.groups.end() ? nullptr : &*found;
 }
 
+bool KnowsChanges(std::string_view detector) {
+  const schema::DetectorInfo* info = schema::FindDetector(detector);
+  return info != nullptr && info->part.empty();
+}
+
 bool ComesOrGoes(const Scene& scene) { return FindChanging(scene) != nullptr; }
 
 namespace {
@@ -74,12 +79,6 @@ constexpr FixedRecord kFixedRecords[] = {
     {"boxes", "a trace has the same bodies in every cycle"},
     {"queries", "queries ask the same bodies in every cycle"},
     {"query_errors", "queries ask the same bodies in every cycle"}};
-
-/// Detectors of cdb and Bullet, which are told of each object that comes or goes.
-bool KnowsChanges(std::string_view detector) {
-  const schema::DetectorInfo* info = schema::FindDetector(detector);
-  return info != nullptr && info->part.empty();
-}
 
 bool MayBeWord(const schema::Value& value) {
   if (schema::AsWord(value) != nullptr) return true;
@@ -235,13 +234,13 @@ std::optional<PopulationFault> FindIdleSpawning(const Group& group) {
                              parameter.get(),
                              {},
                              fmt::format("all objects of {} are there from the start", group.name),
-                             "write how many come at a time: spawn { count 20 }, or remove it"};
+                             "write how many come at a time: spawn { batch 20 }, or remove it"};
   return std::nullopt;
 }
 
 /// The first parameter that makes objects of the group come or go.
 const schema::Parameter* ChangingParameter(const Group& group) {
-  for (const GroupParameter parameter : {kSpawnCount, kBelow, kAfter})
+  for (const GroupParameter parameter : {kSpawnBatch, kBelow, kAfter})
     if (schema::AsNumber(group.settings.Get(parameter)) != nullptr) return parameter.get();
   return kOutside.get();
 }

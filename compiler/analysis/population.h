@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "compiler/plan/plan.h"
 
@@ -35,6 +36,8 @@ std::optional<Removal> RemovalOf(const plan::Group& group);
 /// The first group with objects that come or go; null if there is none.
 const plan::Group* FindChanging(const plan::Scene& scene);
 bool ComesOrGoes(const plan::Scene& scene);
+/// Detectors of cdb and Bullet, which are told of each object that comes or goes.
+bool KnowsChanges(std::string_view detector);
 
 struct PopulationFault {
   std::string group;                   ///< empty for a parameter of the world

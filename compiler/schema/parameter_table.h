@@ -233,9 +233,9 @@ struct ParameterTable {
      .ignored_by = kTrace | kConfigurations},
 
     // objects that come and go,
-    {.name = "spawn.count", .grouped = true, .type = kCount, .domain = kCountFromOne, .first_default = "all", .words = "all",
+    {.name = "spawn.batch", .grouped = true, .type = kCount, .domain = kCountFromOne, .first_default = "all", .words = "all",
      .doc = "objects that come into the world at a time, at free places of the region, until `quantity` have come; all are there from the start",
-     .also = "emit emitter emission insert insertion inject generate burst birth source nparticles particlerate particles_per_second massrate factory",
+     .also = "count number rate emit emitter emission insert insertion inject generate burst birth source nparticles particlerate particles_per_second massrate factory",
      .ignored_by = kPile | kTrace | kConfigurations, .closed_forms_need_default = true},
     {.name = "spawn.every", .grouped = true, .type = kCount, .domain = kCountFromOne, .first_default = "1",
      .doc = "cycles from one time to the next",

@@ -36,11 +36,8 @@ class Stepper {
   Stepper(const plan::Scene& scene, world::Engine& engine)
       : engine_(engine), schedules_(scene, engine), kinematics_(scene, engine), guard_(engine) {}
 
-  /// Objects come and go, before anything of the next step is looked at.
-  void Change() { engine_.Change(steps_); }
-
   void Step() {
-    Change();
+    engine_.Change();  // before the bodies are pushed
     schedules_.BeforeStep(steps_);
     kinematics_.BeforeStep(steps_);
     guard_.BeforeStep();
@@ -88,7 +85,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   probes.Begin();
   const probes::ProcessorTime processor_time;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
-    stepper.Change();
+    engine.Change();
     if (referee) referee->BeforeStep();
     stepper.Step();
     if (queries) queries->Ask(cycle);
@@ -123,7 +120,7 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   if (sampler) sampler->Begin();
   if (probes) probes->Begin();
   for (std::uint64_t i = 0; i < steps; ++i) {
-    stepper.Change();
+    engine.Change();
     if (sampler) sampler->BeforeStep();
     if (referee && i >= warmup) referee->BeforeStep();
     stepper.Step();

@@ -197,8 +197,14 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
          .numbers_bodies = analysis::ComesOrGoes(scene_)});
     return MakeWorld();
   }
-  for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
+  for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow}) {
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
+    if (*detector && analysis::ComesOrGoes(scene_) && !analysis::KnowsChanges(detector->name))
+      throw SceneError(fmt::format(
+          "detector `{}` is told of its bodies once, at the start, but the objects of {} come and "
+          "go; use a detector of cdb or Bullet",
+          detector->name, analysis::FindChanging(scene_)->name));
+  }
   scene_view_ = std::make_unique<detection::SceneView>(
       objects_, walls_, state_, std::max(detectors.broad.threads, detectors.narrow.threads));
   // Bullet's own broad phases keep all wall pairs by default, as in Bullet alone.

@@ -50,6 +50,10 @@ class Engine {
 
   /// One cycle: one internal step of the scene's timestep.
   void Step() {
+    if (population_ != nullptr) {
+      Change();
+      ++stepped_;
+    }
     if (acts_) BeginStep();
     if (timed_world_ != nullptr) {
       timed_world_->TimedStep(timestep_);
@@ -59,10 +63,9 @@ class Engine {
     if (acts_) EndStep();
   }
 
-  /// Before each Step, with the number of steps done: objects that come and go. May be called
-  /// earlier, for what has to know the bodies of the step.
-  void Change(std::uint64_t step) {
-    if (population_ != nullptr && step == changed_) population_->BeforeStep(changed_++);
+  /// Lets objects come and go, as the next Step does first; for what has to know its bodies.
+  void Change() {
+    if (population_ != nullptr && changed_ == stepped_) population_->BeforeStep(changed_++);
   }
   /// Null if the same objects are there all the time.
   const Population* population() const { return population_.get(); }
@@ -162,6 +165,7 @@ class Engine {
   std::vector<char> is_present_;  ///< by object
   std::size_t present_ = 0;
   std::unique_ptr<Population> population_;  ///< null if no objects come or go
+  std::uint64_t stepped_ = 0;               ///< steps done, if there is a population
   std::uint64_t changed_ = 0;               ///< steps for which it has changed them
   bool acts_ = false;                  ///< forces, torques or motors need BeginStep and EndStep
   std::uint64_t steps_ = 0;            ///< done, if it acts
