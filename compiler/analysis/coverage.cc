@@ -7,6 +7,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/schema/parametrised_words.h"
@@ -297,6 +298,14 @@ Reason WhyNotOfSoft(Question question, const Scene& scene) {
   }
 }
 
+/// Series that follow an object from cycle to cycle are not recorded.
+Reason WhyNotOfChanging(Question question, const Scene& scene) {
+  if (question == Question::kPassing)
+    return "of objects that come and go, only those beyond a wall at the end of a cycle are found";
+  return fmt::format("it is not examined where objects come and go, as those of group {}",
+                     FindChanging(scene)->name);
+}
+
 constexpr QuestionInfo kQuestions[] = {
     {Question::kEnergy, "energy",
      "the total energy does not rise, and is kept until something touches", true, Always,
@@ -336,7 +345,8 @@ const QuestionInfo& InfoOf(Question question) {
 }
 
 Reason WhyNot(const QuestionInfo& info, const Scene& scene) {
-  return HasSoft(scene) ? WhyNotOfSoft(info.question, scene) : info.why_not(scene);
+  if (HasSoft(scene)) return WhyNotOfSoft(info.question, scene);
+  return ComesOrGoes(scene) ? WhyNotOfChanging(info.question, scene) : info.why_not(scene);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/standing.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -99,6 +100,8 @@ std::string DriverText(const plan::Scene& scene) {
     if (HasSchedule(group)) return fmt::format("a schedule moves group {}", group.name);
   }
   if (const plan::Joint* joint = FindMotor(scene)) return "a motor drives " + TextOf(*joint);
+  if (const plan::Group* group = FindChanging(scene))
+    return fmt::format("the objects of group {} come and go", group->name);
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
@@ -56,6 +57,8 @@ class Analysis {
     for (const plan::Group& group : scene.groups)
       if (!pull_ && HasPush(group))
         pull_ = fmt::format("a force or a torque acts on {}", group.name);
+    if (const plan::Group* group = FindChanging(scene); !pull_ && group != nullptr)
+      pull_ = fmt::format("{} come and go", group->name);
   }
 
   Answer Of(Component component, PruningRequest asked) const {
@@ -177,6 +180,8 @@ class Analysis {
   }
 
   Answer StaticBoxes() const {
+    if (const plan::Group* group = FindChanging(scene_))
+      return {Decision::kKept, fmt::format("{} come and go", group->name)};
     // A box that is not updated moves into the second tree of dbvt, without its margin, and pairs
     // are found in another order.
     if (scene_.world.WordOr("detector") == "dbvt")

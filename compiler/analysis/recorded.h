@@ -7,7 +7,7 @@
 namespace cdb::analysis {
 
 /// The kinds of run, which can record different series.
-enum class RunKind { kLive, kOnBoxes, kOnPairs, kConfigurations, kSoft };
+enum class RunKind { kLive, kOnBoxes, kOnPairs, kConfigurations, kSoft, kChanging };
 RunKind KindOf(const plan::Scene& scene);
 
 /// True if `scene` requests the series, and a run of its kind can record it.

@@ -65,6 +65,7 @@ class SceneChecks {
   bool CheckTimeTables(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckQueries(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckSoft(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckPopulation(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene);
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
@@ -125,6 +126,7 @@ std::vector<plan::Run> BoundsOf(const Grid& grid) {
                             analysis::TraceOf(scene)             ? "trace"
                             : analysis::HasConfigurations(scene) ? "configurations"
                             : analysis::HasSoft(scene)           ? "soft"
+                            : analysis::ComesOrGoes(scene)       ? "changing"
                                                                  : "scene",
                             analysis::NeedsReference(scene) ? "reference" : "none"};
   });

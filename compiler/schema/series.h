@@ -175,6 +175,7 @@ struct Series {
   OnSoft on_soft = OnSoft::kNo;
   bool may_be_none = false;  ///< NaN or infinite in a cycle without anything to measure
   bool of_queries = false;   ///< recorded only by runs with queries
+  bool of_changes = false;   ///< recorded only by runs in which objects come or go
 
   std::size_t ItemBytes() const { return type == SeriesType::kInt32 ? 4 : 8; }
   /// The position of the cycle among its dimensions; nullopt if it has one value per run.
@@ -198,6 +199,11 @@ inline constexpr auto kRows = std::to_array<Series>({
     {.name = "manifolds", .records = "counts stability", .type = kInt32, .doc = "contact manifolds that hold a point", .on_traces = kNarrow, .on_configurations = kYes},
     {.name = "contacts", .records = "counts contacts stability", .type = kInt32, .doc = "contact points", .on_traces = kNarrow, .on_configurations = kYes, .on_soft = Soft::kYes},
     {.name = "unhandled_pairs", .records = "counts", .type = kInt32, .doc = "pairs of the trace that the narrow phase does not handle; they are not in its time, and Bullet makes their contacts", .on_traces = kNarrowOnly},
+    {.name = "present", .records = "counts", .type = kInt32, .doc = "objects that are in the world in the cycle", .of_changes = true},
+    {.name = "spawned", .records = "counts", .type = kInt32, .doc = "objects that came into the world just before the cycle", .of_changes = true},
+    {.name = "departed", .records = "counts", .type = kInt32, .doc = "objects that left the world just before the cycle", .of_changes = true},
+    {.name = "waiting", .records = "counts", .type = kInt32, .doc = "objects that were due in the cycle and found no free place", .of_changes = true},
+    {.name = "change_time", .records = "timing", .unit = "ns", .doc = "time to add the objects that come before the cycle to the world, and to remove those that leave, which is not part of step; without finding places for them", .of_changes = true},
     {.name = "kinetic_energy", .records = "energy stability", .unit = "J", .doc = "kinetic energy of translation and rotation", .on_soft = Soft::kYes},
     {.name = "energy", .records = "energy stability", .unit = "J", .doc = "kinetic and potential energy, including springs and rotors, with the integrator's own term, dt F.v / 2, less the work of forces and torques, and of motors that give one", .on_soft = Soft::kYes},
     {.name = "max_penetration", .records = "stability", .unit = "m", .doc = "depth of the deepest contact; 0 if none overlaps; of soft bodies, that of the deepest node in a fixed body or wall", .on_soft = Soft::kYes},

@@ -13,6 +13,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
@@ -371,6 +372,8 @@ class PlanReader : public ValueReader {
         if (const auto fault = analysis::FindQueryFault(run.scene.queries.back()))
           Fail(queries.Mark(), fault->message);
       }
+    if (const auto fault = analysis::FindPopulationFault(run.scene))
+      Fail(node.Mark(), fault->message);
     if (analysis::Collisions(run.scene).ClassCount() > analysis::kMostCollisionClasses)
       Fail(node.Mark(), fmt::format("`collides_with` makes more than {} kinds of groups",
                                     analysis::kMostCollisionClasses));

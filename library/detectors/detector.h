@@ -27,7 +27,9 @@ struct Vec3 {
   double x, y, z;
 };
 
-/// An axis-aligned box. Sides may be infinite (a plane's box is); lower <= upper on each axis.
+/// An axis-aligned box. Sides may be infinite (a plane's box is); lower <= upper on each axis,
+/// except that all sides are NaN while a body is not in the world, where objects come and go: such
+/// a box overlaps none, not even itself. Only detectors of cdb and Bullet get scenes of that kind.
 struct Box {
   Vec3 lower, upper;
 };

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
 #include "library/distributions/draw.h"
@@ -175,7 +176,9 @@ InitialState DrawObjects(const plan::Scene& scene) {
   state.forms = solids.Forms();
   state.acceleration = distributions::Draw(scene, "acceleration").Vector();
   const double side = scene.world.Real("world.side");
-  for (const ObjectState& object : state.objects) state.fill_fraction += object.solid.Volume();
+  for (const ObjectState& object : state.objects)
+    if (!analysis::SpawningOf(scene.groups[object.group]))
+      state.fill_fraction += object.solid.Volume();
   state.fill_fraction /= side * side * side;
   return state;
 }

@@ -77,7 +77,7 @@ struct InitialState {
   std::vector<std::shared_ptr<const objects::ConvexDecomposition>>
       forms;  ///< of the compounds among them
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
-  double fill_fraction = 0;  ///< volume of the objects divided by that of the cube
+  double fill_fraction = 0;  ///< volume of the objects at the start divided by that of the cube
 };
 
 /// Draws and places. Throws SceneError if a distribution gives no usable value, an object does not

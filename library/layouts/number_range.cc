@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/analysis/population.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/scene_error.h"
 
@@ -48,7 +49,8 @@ class Range {
       Refuse(fmt::format("the {} of object {}", what, index + 1), group, parameter);
     };
     const Vector sides = object.solid.sides.template cast<Scalar>();
-    if (!IsFinite(object.pose.position)) refuse("position", "location");
+    if (!IsFinite(object.pose.position) && !analysis::SpawningOf(scene_.groups[object.group]))
+      refuse("position", "location");
     if (!IsFinite(object.solid.sides) || !(sides.squaredNorm() > 0)) refuse("size", "size");
     if (!IsFinite(object.linear_velocity)) refuse("linear velocity", "linear_velocity");
     if (!IsFinite(object.angular_velocity)) refuse("angular velocity", "angular_velocity");

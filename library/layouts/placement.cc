@@ -11,10 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/population.h"
 #include "dsl/text/check.h"
 #include "library/distributions/draw.h"
 #include "library/layouts/bodies.h"
 #include "library/layouts/clearance.h"
+#include "library/layouts/emitter.h"
 #include "library/layouts/exact_layouts.h"
 #include "library/layouts/number_range.h"
 #include "library/objects/solid_pair.h"
@@ -36,9 +38,59 @@ bool PlaceStanding(const plan::Scene& scene, Bodies& bodies) {
   return standing.size() < bodies.size();
 }
 
+bool Spawns(const plan::Scene& scene) {
+  return std::ranges::any_of(scene.groups, [](const plan::Group& group) {
+    return analysis::SpawningOf(group) && group.settings.Count("quantity") > 0;
+  });
+}
+
+/// The scene with those objects that are there at the start.
+plan::Scene WithoutSpawned(const plan::Scene& scene) {
+  plan::Scene at_start = scene;
+  for (plan::Group& group : at_start.groups)
+    if (analysis::SpawningOf(group))
+      group.settings.Set("quantity", schema::Number(std::uint64_t{0}));
+  return at_start;
+}
+
+/// Moves the objects that are there at the start out of `state`.
+InitialState WithoutSpawned(const plan::Scene& scene, InitialState& state) {
+  InitialState there;
+  there.forms = state.forms;
+  there.acceleration = state.acceleration;
+  for (ObjectState& object : state.objects)
+    if (!analysis::SpawningOf(scene.groups[object.group]))
+      there.objects.push_back(std::move(object));
+  return there;
+}
+
+/// Moves them back, and takes the positions of the others.
+void PutBack(const plan::Scene& scene, InitialState there, InitialState& state) {
+  auto next = there.objects.begin();
+  std::size_t index = 0;
+  for (std::size_t group = 0; group < scene.groups.size(); ++group) {
+    const bool spawns = analysis::SpawningOf(scene.groups[group]).has_value();
+    for (std::uint64_t i = scene.groups[group].settings.Count("quantity"); i > 0; --i, ++index) {
+      if (spawns) {
+        state.objects[index].pose.position.setConstant(std::numeric_limits<double>::quiet_NaN());
+      } else {
+        state.objects[index] = std::move(*next++);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void Place(const plan::Scene& scene, InitialState& state) {
+  if (Spawns(scene)) {
+    CheckEmitters(scene, state);
+    const plan::Scene at_start = WithoutSpawned(scene);
+    InitialState there = WithoutSpawned(scene, state);
+    Place(at_start, there);
+    PutBack(scene, std::move(there), state);
+    return;
+  }
   Bodies bodies(scene, state);
   std::uint64_t tries = MostTries(bodies.size());
   if (PlaceStanding(scene, bodies)) PlaceDrawn(scene, bodies, tries);
@@ -46,6 +98,11 @@ void Place(const plan::Scene& scene, InitialState& state) {
 
 void CheckPlacement(const plan::Scene& scene, std::uint64_t& draws) {
   InitialState state = DrawObjects(scene);
+  if (Spawns(scene)) {
+    CheckEmitters(scene, state);
+    CheckRange(scene, state);
+    return CheckPlacement(WithoutSpawned(scene), draws);
+  }
   Bodies bodies(scene, state);
   const bool are_all_placed = !PlaceStanding(scene, bodies);
   CheckRange(scene, state);

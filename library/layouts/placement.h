@@ -63,6 +63,8 @@ inline constexpr double kShortOfSide = 0.25;
 /// redrawn: its voxels would need weights, and it crowds at the centre long before the cube is
 /// full.
 ///
+/// Objects that come later have no position: NaN.
+///
 /// Throws SceneError if an exact layout does not take this number of objects or gives an invalid
 /// position, with the amount and a remedy (library/layouts/clearance.h). Throws it, with the
 /// packing fraction, the fraction already filled and a remedy, if a drawn object is larger than the

@@ -22,37 +22,26 @@ using Eigen::Vector3d;
       remedy, group.name, std::string(parameter));
 }
 
+objects::Box CubeOf(double side) {
+  const Vector3d half = Vector3d::Constant(side / 2);
+  return {-half, half};
+}
+
 class RegionFinder {
  public:
   RegionFinder(const Bodies& bodies, const GroupRange& range) : bodies_(bodies), range_(range) {}
 
   Region Find() const {
-    Region region{Cube()};
-    const schema::Value& value = range_.group->settings.Get("region");
-    const schema::Call* call = schema::AsCall(value);
-    if (call == nullptr) {
-      region.stands = range_.group->settings.WordOr("region") == "floor";
-      region.is_cube = true;
-      return region;
-    }
+    const schema::Call* call = schema::AsCall(range_.group->settings.Get("region"));
+    if (call == nullptr || call->name == "box") return FixedRegionOf(*range_.group, bodies_.side());
+    Region region{Beside(*call)};
     region.stands = call->name == "on_top";
-    if (call->name == "box") {
-      region.box = {std::get<Vector3d>(schema::ArgumentOf(*call, "lower")),
-                    std::get<Vector3d>(schema::ArgumentOf(*call, "upper"))};
-    } else {
-      region.box = Beside(*call);
-    }
     if ((region.box.lower.array() < region.box.upper.array()).all()) return region;
-    Refuse(call->name == "box" ? "its lower corner is not below its upper one"
-                               : "there is no room between the group and the wall",
-           call->name == "box" ? "exchange the coordinates" : "make world.side larger");
+    Refuse("there is no room between the group and the wall", "make world.side larger");
   }
 
  private:
-  objects::Box Cube() const {
-    const Vector3d half = Vector3d::Constant(bodies_.side() / 2);
-    return {-half, half};
-  }
+  objects::Box Cube() const { return CubeOf(bodies_.side()); }
 
   /// The box at one side of a group.
   objects::Box Beside(const schema::Call& call) const {
@@ -131,6 +120,21 @@ const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std
 
 Region RegionOf(const Bodies& bodies, const GroupRange& range) {
   return RegionFinder(bodies, range).Find();
+}
+
+Region FixedRegionOf(const plan::Group& group, double side) {
+  const schema::Call* call = schema::AsCall(group.settings.Get("region"));
+  Region region{CubeOf(side)};
+  if (call == nullptr) {
+    region.stands = group.settings.WordOr("region") == "floor";
+    region.is_cube = true;
+    return region;
+  }
+  region.box = {std::get<Vector3d>(schema::ArgumentOf(*call, "lower")),
+                std::get<Vector3d>(schema::ArgumentOf(*call, "upper"))};
+  if ((region.box.lower.array() < region.box.upper.array()).all()) return region;
+  Refuse(group, "region", "its lower corner is not below its upper one",
+         "exchange the coordinates");
 }
 
 objects::Box DomainOf(const Region& region, double side, const objects::Box& bounds) {

@@ -40,6 +40,9 @@ Region RegionOf(const Bodies& bodies, const GroupRange& range);
 const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std::string_view name,
                               std::string_view parameter);
 
+/// The region of a group that is at no other group.
+Region FixedRegionOf(const plan::Group& group, double side);
+
 /// The positions of the centre of mass of an object of bounds `bounds` that keep it within the
 /// region and the cube, which is `side` wide; open. One that stands has a gap of half to one and a
 /// half times kStandingGap.

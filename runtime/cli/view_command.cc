@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/soft.h"
 #include "dsl/diagnostics.h"
 #include "dsl/text/utf8.h"
@@ -238,6 +239,11 @@ options::ExitStatus View(const ViewArguments& arguments) {
         fmt::format("--gltf {}: the file would lack the soft bodies of this scene, as it moves "
                     "rigid parts alone; use the page: cdb view -o scene.html",
                     arguments.gltf));
+  if (!arguments.gltf.empty() && analysis::ComesOrGoes(recordings[0].scene))
+    throw options::CommandError(fmt::format(
+        "--gltf {}: objects come and go in this scene, and a node of glTF is there all the time; "
+        "use the page: cdb view -o scene.html",
+        arguments.gltf));
   if (!arguments.gltf.empty())
     Write(arguments.gltf, view::SceneGlb(recordings[0]), "open it in a program that reads glTF");
   if (arguments.gltf.empty() || !arguments.out.empty()) WritePage(arguments, recordings);

@@ -302,8 +302,8 @@ std::string LabelOf(const plan::Axis& axis) {
 }
 
 std::vector<std::string> DocumentedCounts(const figures::Model& model) {
-  return Those(model.file(), {"pairs", "unhandled_pairs", "manifolds", "contacts", "exact_pairs",
-                              "missed_pairs"});
+  return Those(model.file(), {"pairs", "unhandled_pairs", "manifolds", "contacts", "present",
+                              "departed", "exact_pairs", "missed_pairs"});
 }
 
 std::vector<std::string> DocumentedMemory(const figures::Model& model) {

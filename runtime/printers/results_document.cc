@@ -182,7 +182,8 @@ class PointTable {
     if (model.HasTimes())
       for (const protocol::Phase phase : phases.empty() ? figures::AllPhases() : phases)
         AddPhase(phase);
-    for (const char* series : {"pairs", "unhandled_pairs", "manifolds", "contacts", "missed_pairs"})
+    for (const char* series : {"pairs", "unhandled_pairs", "manifolds", "contacts", "present",
+                               "departed", "missed_pairs"})
       if (file_.Has(series))
         AddNumber(series,
                   [&](const MeasuredPoint& point) { return model_.CountOf(point, series); });

@@ -156,7 +156,8 @@ class Maker {
   /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
     if (parameter == "trace" || parameter == "coordinates" ||
-        parameter.starts_with("configurations.") || parameter.starts_with("soft"))
+        parameter.starts_with("configurations.") || parameter.starts_with("soft") ||
+        parameter.starts_with("spawn.") || parameter.starts_with("remove."))
       return false;
     const bool is_ground = Sets("mass fixed");
     if (is_ground && Sets(parameter)) return false;

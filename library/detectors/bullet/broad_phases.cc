@@ -98,7 +98,8 @@ class BulletBroadPhase : public Detector {
           pairs_.getOverlappingPairArray()[pairs_.getNumOverlappingPairs() - 1];
       pairs_.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher_);
     }
-    for (btBroadphaseProxy* proxy : proxies_) broad_phase_->destroyProxy(proxy, &dispatcher_);
+    for (btBroadphaseProxy* proxy : proxies_)
+      if (proxy != nullptr) broad_phase_->destroyProxy(proxy, &dispatcher_);
   }
 
   void Prepare(const Scene& scene) override {
@@ -109,12 +110,8 @@ class BulletBroadPhase : public Detector {
     for (Id body = 0; body < scene.size; ++body) bodies_[body] = {scene.boxes[body], nullptr, body};
     // Boxes in order along a line would degenerate the tree to a list.
     std::shuffle(bodies_.begin(), bodies_.end(), std::mt19937_64(1));
-    for (Body& body : bodies_) {
-      const Filter& filter = scene.filters[body.id];
-      proxies_[body.id] = body.proxy = broad_phase_->createProxy(
-          Lower(body.box.lower), Upper(body.box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body.id),
-          static_cast<int>(filter.group), static_cast<int>(filter.mask), &dispatcher_);
-    }
+    for (Body& body : bodies_)
+      if (IsThere(body.box)) Add(scene, body);
   }
 
   void FindPairs(const Scene& scene, std::vector<Pair>& pairs) override {
@@ -127,9 +124,11 @@ class BulletBroadPhase : public Detector {
   bool FindChanges(const Scene& scene, std::vector<Pair>& came, std::vector<Pair>& went) override {
     if (!is_listed_) return Detector::FindChanges(scene, came, went);
     Update(scene);
-    for (const Pair& pair : pairs_.touched())
-      (pairs_.findPair(proxies_[pair.a], proxies_[pair.b]) != nullptr ? came : went)
+    for (const Pair& pair : pairs_.touched()) {
+      const bool are_there = proxies_[pair.a] != nullptr && proxies_[pair.b] != nullptr;
+      (are_there && pairs_.findPair(proxies_[pair.a], proxies_[pair.b]) != nullptr ? came : went)
           .push_back(pair);
+    }
     pairs_.Forget();
     return true;
   }
@@ -143,6 +142,20 @@ class BulletBroadPhase : public Detector {
 
   virtual std::unique_ptr<btBroadphaseInterface> Make(const Scene& scene,
                                                       btOverlappingPairCache& pairs) = 0;
+  /// False for the box of a body that is not in the world.
+  static bool IsThere(const Box& box) { return !std::isnan(box.lower.x); }
+  void Add(const Scene& scene, Body& body) {
+    const Filter& filter = scene.filters[body.id];
+    proxies_[body.id] = body.proxy = broad_phase_->createProxy(
+        Lower(body.box.lower), Upper(body.box.upper), BOX_SHAPE_PROXYTYPE, ObjectOf(body.id),
+        static_cast<int>(filter.group), static_cast<int>(filter.mask), &dispatcher_);
+  }
+  void Remove(Body& body) {
+    if (body.proxy == nullptr) return;
+    pairs_.removeOverlappingPairsContainingProxy(body.proxy, &dispatcher_);
+    broad_phase_->destroyProxy(body.proxy, &dispatcher_);
+    proxies_[body.id] = body.proxy = nullptr;
+  }
   void Update(const Scene& scene) {
     constexpr std::size_t kAhead = 8;  // bodies whose boxes are fetched
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -153,7 +166,12 @@ class BulletBroadPhase : public Detector {
       const Box& box = scene.boxes[body.id];
       if (std::memcmp(&box, &body.box, sizeof box) == 0) continue;
       body.box = box;
-      broad_phase_->setAabb(body.proxy, Lower(box.lower), Upper(box.upper), &dispatcher_);
+      if (body.proxy != nullptr && IsThere(box))
+        broad_phase_->setAabb(body.proxy, Lower(box.lower), Upper(box.upper), &dispatcher_);
+      else if (IsThere(box))
+        Add(scene, body);
+      else
+        Remove(body);
     }
     broad_phase_->calculateOverlappingPairs(&dispatcher_);
   }

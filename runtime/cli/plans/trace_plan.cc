@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "compiler/analysis/configurations.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "runtime/cli/options/subcommand.h"
@@ -55,6 +56,11 @@ plan::Plan MakeTracePlan(plan::Plan plan) {
           fmt::format("{}: {} has soft bodies, which no recorded box or pose describes; trace a "
                       "benchmark of rigid bodies",
                       plan.benchmark, plan::Describe(plan, run)));
+    if (const plan::Group* changing = analysis::FindChanging(run.scene))
+      throw options::CommandError(
+          fmt::format("{}: in {} the objects of {} come and go, and a trace has the same bodies in "
+                      "every cycle; trace a benchmark without spawn and remove",
+                      plan.benchmark, plan::Describe(plan, run), changing->name));
     const auto set = [&](schema::WorldParameter parameter, schema::Value value) {
       run.scene.world.Set(parameter, std::move(value));
     };

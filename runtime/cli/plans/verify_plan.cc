@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/queries.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
@@ -116,6 +117,14 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
     return limit == 0 || bodies.Of(run.scene) <= limit;
   };
   for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
+    const bool is_told_once = !analysis::KnowsChanges(info.name);
+    const bool comes_or_goes = std::ranges::any_of(
+        plan.runs, [](const plan::Run& run) { return analysis::ComesOrGoes(run.scene); });
+    if (is_told_once && comes_or_goes) {
+      every.left_out.push_back(
+          fmt::format("{}, which is told of its bodies once, and objects come and go", info.name));
+      continue;
+    }
     const bool is_slow = options.WantsAll() && TestsAllPairs(info);
     const std::uint64_t limit = is_slow ? kMostForAllPairs : info.max_bodies;
     const auto held =

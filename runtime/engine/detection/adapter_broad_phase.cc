@@ -36,13 +36,14 @@ void AdapterBroadPhase::Prepare() {
 btBroadphaseProxy* AdapterBroadPhase::createProxy(const btVector3& lower, const btVector3& upper,
                                                   int /*shape_type*/, void* object, int group,
                                                   int mask, btDispatcher* /*dispatcher*/) {
-  CDB_CHECK(added_ < view_.size() && object == &view_.body(added_));
-  const Id id = added_++;
+  const Id id = view_.IdOf(*static_cast<btCollisionObject*>(object));
+  CDB_CHECK(id < view_.size() && object == &view_.body(id));
   btBroadphaseProxy& proxy = proxies_[id];
+  CDB_CHECK(proxy.m_clientObject == nullptr);
   proxy.m_clientObject = object;
   proxy.m_collisionFilterGroup = group;
   proxy.m_collisionFilterMask = mask;
-  proxy.m_uniqueId = static_cast<int>(added_);
+  proxy.m_uniqueId = static_cast<int>(id + 1);
   view_.SetBox(id, lower, upper);
   view_.SetFilter(id, group, mask);
   return &proxy;
@@ -51,6 +52,7 @@ btBroadphaseProxy* AdapterBroadPhase::createProxy(const btVector3& lower, const 
 void AdapterBroadPhase::destroyProxy(btBroadphaseProxy* proxy, btDispatcher* dispatcher) {
   cache_.removeOverlappingPairsContainingProxy(proxy, dispatcher);
   proxy->m_clientObject = nullptr;
+  view_.RemoveBox(IdOf(proxy));
 }
 
 void AdapterBroadPhase::setAabb(btBroadphaseProxy* proxy, const btVector3& lower,

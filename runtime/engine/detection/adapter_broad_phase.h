@@ -20,10 +20,10 @@ namespace cdb::detection {
 /// body.
 class AdapterBroadPhase final : public btBroadphaseInterface {
  public:
-  /// `view` must outlive it; bodies must be added in the order of the view.
+  /// `view` must outlive it. All bodies that are added must be in it, and those that come and go.
   AdapterBroadPhase(NamedDetector detector, SceneView& view);
 
-  /// To be called once, after all bodies have been added.
+  /// To be called once, after the bodies of the start have been added.
   void Prepare();
 
   /// From the next cycle on, stores the unfiltered pairs of the detector in `list`.
@@ -54,7 +54,6 @@ class AdapterBroadPhase final : public btBroadphaseInterface {
   const NamedDetector detector_;
   SceneView& view_;
   std::vector<btBroadphaseProxy> proxies_;  ///< by body
-  Id added_ = 0;
   OrderedPairCache cache_;
   PairChanges changes_;
   std::vector<Pair> found_, lost_, list_;

@@ -14,6 +14,9 @@ struct BroadPhaseOptions {
   btVector3 lower, upper;  ///< where sweep and prune counts its steps from; what leaves this box is
                            ///< still found, with more pairs
   bool raycast_tree = true;  ///< sweep and prune keeps its tree for ray casts
+  /// Bodies come and go: each has the number of its getUserIndex, by which Bullet orders pairs and
+  /// contacts, whenever it comes. A number comes only once.
+  bool numbers_bodies = false;
 };
 
 /// Throws library::SceneError for a detector that is not part of this build, or for more bodies

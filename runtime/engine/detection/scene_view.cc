@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kWorkOfPose = 40;  ///< ns, about
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Box kNoBox = {{kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN}};
 
 bool IsPlane(const btRigidBody& wall) {
   return wall.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
@@ -50,6 +52,7 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
     shapes_.push_back(WallShape(*wall));
   }
   boxes_.assign(size(), {{-kInfinite, -kInfinite, -kInfinite}, {kInfinite, kInfinite, kInfinite}});
+  std::fill_n(boxes_.begin(), objects.size(), kNoBox);
   filters_.resize(size());
   is_asleep_.assign(size(), 0);
   box_pass_.emplace(std::span(bodies_).first(first_plane_));
@@ -63,6 +66,17 @@ SceneView::SceneView(const std::vector<std::unique_ptr<btRigidBody>>& objects,
 void SceneView::SetFilter(Id id, int group, int mask) {
   filters_[id].group = static_cast<std::uint32_t>(group);
   filters_[id].mask = static_cast<std::uint32_t>(mask);
+}
+
+void SceneView::RemoveBox(Id id) {
+  boxes_[id] = kNoBox;
+  is_asleep_[id] = 0;  // the next box is another one
+}
+
+Id SceneView::IdOf(const btCollisionObject& body) const {
+  const auto index = static_cast<std::size_t>(body.getUserIndex());
+  if (index < objects_.size()) return static_cast<Id>(index);
+  return static_cast<Id>(std::ranges::find(bodies_, &body) - bodies_.begin());
 }
 
 void SceneView::CutPlanes() {

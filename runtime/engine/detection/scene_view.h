@@ -18,7 +18,8 @@ namespace cdb::detection {
 
 /// Objects, then the walls of the world, numbered consecutively in the order in which they are
 /// added to the world. Boxes are Bullet's, including the 0.02 m that it adds on each side for
-/// future contacts, except those of planes, which are infinite or, after CutPlanes, HalfSpaceBox.
+/// future contacts, except those of planes, which are infinite or, after CutPlanes, HalfSpaceBox,
+/// and those of objects that are not in the world, which are NaN.
 /// Not thread-safe.
 class SceneView {
  public:
@@ -40,6 +41,9 @@ class SceneView {
   void UpdateBoxes(bool updates_all) { box_pass_->Update(updates_all, boxes_, is_asleep_, parts_); }
   const Box& box(Id id) const { return boxes_[id]; }
   void SetFilter(Id id, int group, int mask);
+  /// The body is no longer in the world: it has a box of NaN, which overlaps none.
+  void RemoveBox(Id id);
+  Id IdOf(const btCollisionObject& body) const;
   /// From now on, the box of a plane is that of its half-space.
   void CutPlanes();
 

@@ -94,8 +94,11 @@ void PairReferee::AfterStep(std::uint64_t cycle) {
 void PairReferee::ReadBoxes() {
   const auto read = [&](const btRigidBody& body) {
     btBroadphaseProxy* proxy = const_cast<btBroadphaseProxy*>(body.getBroadphaseHandle());
-    if (proxy == nullptr) return;
-    const Id id = IdOf(proxy);
+    const auto id = static_cast<Id>(body.getUserIndex());
+    if (proxy == nullptr) {
+      boxes_[id] = {{kNone, kNone, kNone}, {kNone, kNone, kNone}};
+      return;
+    }
     btVector3 lower, upper;
     engine_.world().getBroadphase()->getAabb(proxy, lower, upper);
     boxes_[id] = {Corner(lower), Corner(upper)};
@@ -209,6 +212,7 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
   std::vector<Row> rows;
   const auto& objects = engine.initial_state().objects;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    if (!engine.IsPresent(i)) continue;
     const objects::Pose pose = world::ExactPose(*engine.objects()[i]);
     objects::Box box = objects::Bounds(objects[i].solid, pose.orientation);
     box.lower += pose.position;
@@ -233,7 +237,7 @@ std::vector<BodyPair> ExactPairs(const world::Engine& engine) {
 std::vector<BodyPair> WithWalls(const world::Engine& engine, std::vector<BodyPair> pairs) {
   const auto& objects = engine.initial_state().objects;
   for (std::uint32_t i = 0; i < objects.size(); ++i) {
-    if (objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
+    if (!engine.IsPresent(i) || objects[i].IsFixed() || !engine.MayTouchWalls(i)) continue;
     for (const auto& wall : engine.walls()) {
       const auto index = static_cast<std::uint32_t>(wall->getUserIndex());
       if (!engine.IsWithoutWall(i, static_cast<int>(index - objects.size())))

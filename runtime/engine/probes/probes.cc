@@ -34,7 +34,7 @@ Energy EnergyOf(const world::Engine& engine) {
   Energy energy;
   for (std::size_t i = 0; i < engine.objects().size(); ++i) {
     const layouts::ObjectState& object = engine.initial_state().objects[i];
-    if (object.IsFixed()) continue;
+    if (object.IsFixed() || !engine.IsPresent(i)) continue;
     const btRigidBody& body = *engine.objects()[i];
     const Vector3d v = world::ToEigen(body.getLinearVelocity());
     // The axes of a body are its principal axes.
@@ -79,21 +79,22 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, protocol::Record
       is_floor_box_(scene.world.WordOr("world.wall_shape") == "box"),
       contacts_fd_(contacts_fd),
       standing_walls_(omissions::StandingWalls(scene)) {
-  if (recording_.Reals("motion_ratio").empty()) return;
-  motion_watch_.emplace(engine, is_driven_);
+  if (recording_.Reals("max_speed").empty()) return;
   touches_.resize(engine.objects().size() + omissions::kWallCount);
   below_.resize(engine.objects().size(), Below::kNot);
   least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < engine.objects().size(); ++i)
     least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
+  if (recording_.Reals("motion_ratio").empty()) return;
+  motion_watch_.emplace(engine, is_driven_);
   soundness_.emplace(scene, engine, least_sides_);
   motor_watch_ = engine.links().WatchMotors();
 }
 
 void Probes::Begin() {
   if (!recording_.Reals("box_filters").empty()) RecordFilters();
-  if (!motion_watch_) return;
-  motion_watch_->Begin();
+  if (least_sides_.empty()) return;
+  if (motion_watch_) motion_watch_->Begin();
   SetScales();
 }
 
@@ -107,7 +108,7 @@ void Probes::SetScales() {
   header_.scales.initial_energy =
       energy.kinetic + energy.other +
       engine_.links().SpringEnergy(static_cast<double>(engine_.timestep()));
-  soundness_->Begin(energy.kinetic, header_.scales.initial_energy);
+  if (soundness_) soundness_->Begin(energy.kinetic, header_.scales.initial_energy);
   // What perfect joints take at once from velocities that contradict them is not lost.
   header_.scales.initial_energy -= engine_.links().JerkEnergy();
   header_.scales.energy_scale = energy.kinetic;
@@ -145,6 +146,13 @@ void Probes::Record(std::uint64_t cycle) {
   // First, because the following may use the heap.
   if (!recording_.Reals("heap").empty()) recording_.Put("heap", cycle, HeapBytes());
   recording_.Put("pairs", cycle, engine_.world().getPairCache()->getNumOverlappingPairs());
+  if (const world::Population* population = engine_.population()) {
+    recording_.Put("present", cycle, static_cast<std::int32_t>(engine_.present()));
+    recording_.Put("spawned", cycle, population->last().spawned);
+    recording_.Put("departed", cycle, population->last().departed);
+    recording_.Put("waiting", cycle, population->last().waiting);
+    recording_.Put("change_time", cycle, population->last().ns);
+  }
   if (!recording_.Ints("manifolds").empty() || !recording_.Ints("contacts").empty() ||
       !recording_.Reals("max_penetration").empty())
     RecordManifolds(cycle);
@@ -266,6 +274,7 @@ void Probes::RecordStability(std::uint64_t cycle) {
   double fastest = 0;
   std::int32_t escaped = 0, asleep = 0, removed = 0, non_finite = 0;
   for (std::size_t i = 0; i < engine_.objects().size(); ++i) {
+    if (!engine_.IsPresent(i)) continue;
     const auto& body = engine_.objects()[i];
     if (!IsFinite(*body)) {
       ++non_finite;
@@ -318,8 +327,12 @@ void Probes::RecordPoses(std::uint64_t cycle) {
     const objects::Pose pose =
         objects::OriginOf(engine_.initial_state().objects[i].solid,
                           {world::ToEigen(body.getOrigin()), world::ToEigen(turn)});
-    for (const double x : pose.position) *at++ = x;
-    for (const double part : pose.orientation.coeffs()) *at++ = part;  // x, y, z, w
+    const bool is_there = engine_.IsPresent(i);
+    const auto put = [&](double value) {
+      *at++ = is_there ? value : std::numeric_limits<double>::quiet_NaN();
+    };
+    for (const double x : pose.position) put(x);
+    for (const double part : pose.orientation.coeffs()) put(part);  // x, y, z, w
   }
 }
 

@@ -37,6 +37,7 @@ class Stepper {
       : engine_(engine), schedules_(scene, engine), kinematics_(scene, engine), guard_(engine) {}
 
   void Step() {
+    engine_.Change();  // before the bodies are pushed
     schedules_.BeforeStep(steps_);
     kinematics_.BeforeStep(steps_);
     guard_.BeforeStep();
@@ -84,6 +85,7 @@ void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Record
   probes.Begin();
   const probes::ProcessorTime processor_time;
   for (std::uint64_t cycle = 0; cycle < cycles; ++cycle) {
+    engine.Change();
     if (referee) referee->BeforeStep();
     stepper.Step();
     if (queries) queries->Ask(cycle);
@@ -118,6 +120,7 @@ void RunWithoutClock(const plan::Scene& scene, world::Engine& engine,
   if (sampler) sampler->Begin();
   if (probes) probes->Begin();
   for (std::uint64_t i = 0; i < steps; ++i) {
+    engine.Change();
     if (sampler) sampler->BeforeStep();
     if (referee && i >= warmup) referee->BeforeStep();
     stepper.Step();

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <numbers>
 #include <string>
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/joints.h"
+#include "compiler/analysis/population.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/schema/parametrised_words.h"
 #include "dsl/text/check.h"
@@ -24,6 +26,7 @@
 #include "runtime/engine/detection/wall_pairs.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/internal_edges.h"
+#include "runtime/engine/world/manifolds.h"
 
 namespace cdb::world {
 namespace {
@@ -157,7 +160,11 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
       solver_(MakeSolver(scene_, omissions_)) {
   layouts::CheckRange(scene_, state_);
   objects_.reserve(state_.objects.size());
-  for (const ObjectState& object : state_.objects) MakeObject(object);
+  for (const ObjectState& object : state_.objects) {
+    MakeObject(object);
+    is_present_.push_back(!analysis::SpawningOf(scene_.groups[object.group]));
+    present_ += is_present_.back() != 0;
+  }
   for (int wall = 0; wall < omissions::kWallCount; ++wall)
     if ((standing_ & 1 << wall) != 0 && IsKept(wall)) MakeWall(wall);
   SettleRotation();
@@ -165,6 +172,7 @@ Engine::Engine(const plan::Scene& scene, layouts::InitialState state,
   MakeDetection(detectors);
   links_ = std::make_unique<Links>(scene_, state_, objects_, *world_);
   pushes_ = std::make_unique<Pushes>(scene_, state_, objects_);
+  if (analysis::ComesOrGoes(scene_)) population_ = std::make_unique<Population>(scene_, *this);
   acts_ = !pushes_->IsEmpty() || links_->HasTimedMotors();
   if (links_->multibodies() == nullptr) return;
   world_->SolveBy(*links_->multibodies());
@@ -185,11 +193,18 @@ void Engine::MakeDetection(const detection::Detectors& detectors) {
          .bodies = bodies,
          .lower = -corner,
          .upper = corner,
-         .raycast_tree = !omissions_.Omits(Component::kRaycastTree)});
+         .raycast_tree = !omissions_.Omits(Component::kRaycastTree),
+         .numbers_bodies = analysis::ComesOrGoes(scene_)});
     return MakeWorld();
   }
-  for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow})
+  for (const detection::NamedDetector* detector : {&detectors.broad, &detectors.narrow}) {
     detection::CheckHolds(detector->name, detector->max_bodies, bodies);
+    if (*detector && analysis::ComesOrGoes(scene_) && !analysis::KnowsChanges(detector->name))
+      throw SceneError(fmt::format(
+          "detector `{}` is told of its bodies once, at the start, but the objects of {} come and "
+          "go; use a detector of cdb or Bullet",
+          detector->name, analysis::FindChanging(scene_)->name));
+  }
   scene_view_ = std::make_unique<detection::SceneView>(
       objects_, walls_, state_, std::max(detectors.broad.threads, detectors.narrow.threads));
   // Bullet's own broad phases keep all wall pairs by default, as in Bullet alone.
@@ -373,63 +388,114 @@ void Engine::MakeWorld() {
     for (const auto& body : objects_) body->setContactProcessingThreshold(0);
     for (const auto& wall : walls_) wall->setContactProcessingThreshold(0);
   }
-  if (collisions_.AllMayTouch()) {
-    AddBodies();
-  } else {
-    AddFilteredBodies();
-  }
+  AddBodies();
 }
 
 void Engine::AddBodies() {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    btRigidBody& body = *objects_[i];
-    int without = 0;
-    for (int wall = 0; wall < omissions::kWallCount; ++wall)
-      if (IsWithoutWall(i, wall)) without |= WallGroup(wall);
-    if (without == 0) {
-      world_->addRigidBody(&body);
-    } else {
-      world_->addRigidBody(&body, kObjectGroup, btBroadphaseProxy::AllFilter & ~without);
+    if (IsPresent(i)) {
+      AddObject(i);
+    } else if (scene_view_ != nullptr) {
+      // Detectors read the filters of all bodies at the start.
+      const auto [group, mask] = FilterOf(i);
+      scene_view_->SetFilter(static_cast<Id>(i), group, mask);
     }
   }
   for (const auto& wall : walls_) {
-    if (omissions_.walls.empty()) {
+    const int own = WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size()));
+    if (!collisions_.AllMayTouch()) {
+      world_->addRigidBody(wall.get(), own, WallMask());
+    } else if (omissions_.walls.empty()) {
       world_->addRigidBody(wall.get());
     } else {
-      world_->addRigidBody(wall.get(),
-                           WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size())),
-                           kObjectGroup);
+      world_->addRigidBody(wall.get(), own, kObjectGroup);
     }
   }
 }
 
-// Fixed objects have groups of their own, because two of them never touch.
-void Engine::AddFilteredBodies() {
-  const auto mask_of = [&](std::size_t group, bool is_fixed) {
-    int mask = 0;
-    for (std::size_t other = 0; other < scene_.groups.size(); ++other) {
-      if (!collisions_.MayTouch(group, other)) continue;
-      mask |= ClassGroup(collisions_.ClassOf(other), false);
-      if (!is_fixed) mask |= ClassGroup(collisions_.ClassOf(other), true);
-    }
-    return mask;
-  };
-  int movers = 0;  // groups of moving objects that may touch walls
-  for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const bool is_fixed = objects_[i]->isStaticOrKinematicObject();
-    const std::size_t group = state_.objects[i].group;
-    const int own = ClassGroup(collisions_.ClassOf(group), is_fixed);
-    int mask = mask_of(group, is_fixed);
-    if (!is_fixed && collisions_.MayTouchWalls(group)) {
-      movers |= own;
-      for (int wall = 0; wall < omissions::kWallCount; ++wall)
-        if (!IsWithoutWall(i, wall)) mask |= WallGroup(wall);
-    }
-    world_->addRigidBody(objects_[i].get(), own, mask);
+void Engine::AddObject(std::size_t object) {
+  const auto [group, mask] = FilterOf(object);
+  world_->addRigidBody(objects_[object].get(), group, mask);
+}
+
+// With `collides_with`, fixed objects have groups of their own, because two of them never touch.
+std::pair<int, int> Engine::FilterOf(std::size_t object) const {
+  const bool is_fixed = objects_[object]->isStaticOrKinematicObject();
+  int without = 0;
+  for (int wall = 0; wall < omissions::kWallCount; ++wall)
+    if (IsWithoutWall(object, wall)) without |= WallGroup(wall);
+  if (collisions_.AllMayTouch()) {
+    // Those that addRigidBody chooses without any.
+    if (without != 0) return {kObjectGroup, btBroadphaseProxy::AllFilter & ~without};
+    if (!is_fixed) return {kObjectGroup, btBroadphaseProxy::AllFilter};
+    return {btBroadphaseProxy::StaticFilter,
+            btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter};
   }
-  for (const auto& wall : walls_)
-    world_->addRigidBody(
-        wall.get(), WallGroup(wall->getUserIndex() - static_cast<int>(objects_.size())), movers);
+  const std::size_t group = state_.objects[object].group;
+  int mask = 0;
+  for (std::size_t other = 0; other < scene_.groups.size(); ++other) {
+    if (!collisions_.MayTouch(group, other)) continue;
+    mask |= ClassGroup(collisions_.ClassOf(other), false);
+    if (!is_fixed) mask |= ClassGroup(collisions_.ClassOf(other), true);
+  }
+  if (!is_fixed && collisions_.MayTouchWalls(group))
+    for (int wall = 0; wall < omissions::kWallCount; ++wall)
+      if ((without & WallGroup(wall)) == 0) mask |= WallGroup(wall);
+  return {ClassGroup(collisions_.ClassOf(group), is_fixed), mask};
+}
+
+/// With `collides_with`: the groups of moving objects that may touch walls.
+int Engine::WallMask() const {
+  int movers = 0;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const std::size_t group = state_.objects[i].group;
+    if (!objects_[i]->isStaticOrKinematicObject() && collisions_.MayTouchWalls(group))
+      movers |= ClassGroup(collisions_.ClassOf(group), false);
+  }
+  return movers;
+}
+
+void Engine::Add(std::size_t object, const Eigen::Vector3d& place) {
+  CDB_CHECK(!IsPresent(object));
+  btRigidBody& body = *objects_[object];
+  btTransform pose = body.getWorldTransform();
+  pose.setOrigin(ToBullet(place));
+  body.setCenterOfMassTransform(pose);
+  const btVector3 velocity = ToBullet(state_.objects[object].linear_velocity),
+                  spin = ToBullet(state_.objects[object].angular_velocity);
+  body.setLinearVelocity(velocity);
+  body.setInterpolationLinearVelocity(velocity);
+  body.setAngularVelocity(spin);
+  body.setInterpolationAngularVelocity(spin);
+  body.forceActivationState(sleeping_ ? ACTIVE_TAG : DISABLE_DEACTIVATION);
+  is_present_[object] = 1;
+  ++present_;
+  AddObject(object);
+}
+
+void Engine::Remove(std::span<const std::size_t> objects) {
+  for (const std::size_t object : objects) is_present_[object] = 0;
+  const auto leaves = [this](const btCollisionObject& body) {
+    const auto index = static_cast<std::size_t>(body.getUserIndex());
+    return index < objects_.size() && !IsPresent(index);
+  };
+  // Bullet would leave what lies on them asleep in the air.
+  for (const btPersistentManifold& manifold : TouchingManifolds(*world_)) {
+    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+    if (leaves(a)) b.activate();
+    if (leaves(b)) a.activate();
+  }
+  constexpr btScalar kNone = std::numeric_limits<btScalar>::quiet_NaN();
+  const btVector3 none(kNone, kNone, kNone);
+  for (const std::size_t object : objects) {
+    btRigidBody& body = *objects_[object];
+    world_->removeRigidBody(&body);
+    body.getWorldTransform().setOrigin(none);
+    body.getInterpolationWorldTransform().setOrigin(none);
+    body.setLinearVelocity(none);
+    body.setAngularVelocity(none);
+  }
+  present_ -= objects.size();
 }
 
 namespace {

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "compiler/analysis/expectation.h"
@@ -17,6 +19,7 @@
 #include "runtime/engine/detection/detectors.h"
 #include "runtime/engine/detection/scene_view.h"
 #include "runtime/engine/world/links.h"
+#include "runtime/engine/world/population.h"
 #include "runtime/engine/world/pushes.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/engine/world/timed_world.h"
@@ -47,6 +50,10 @@ class Engine {
 
   /// One cycle: one internal step of the scene's timestep.
   void Step() {
+    if (population_ != nullptr) {
+      Change();
+      ++stepped_;
+    }
     if (acts_) BeginStep();
     if (timed_world_ != nullptr) {
       timed_world_->TimedStep(timestep_);
@@ -55,6 +62,19 @@ class Engine {
     }
     if (acts_) EndStep();
   }
+
+  /// Lets objects come and go, as the next Step does first; for what has to know its bodies.
+  void Change() {
+    if (population_ != nullptr && changed_ == stepped_) population_->BeforeStep(changed_++);
+  }
+  /// Null if the same objects are there all the time.
+  const Population* population() const { return population_.get(); }
+  bool IsPresent(std::size_t object) const { return is_present_[object] != 0; }
+  std::size_t present() const { return present_; }
+  /// Puts an object that has not been in the world into it, at rest at its place or as it is drawn.
+  void Add(std::size_t object, const Eigen::Vector3d& place);
+  /// Takes objects out of the world, for good, and wakes those that they touch.
+  void Remove(std::span<const std::size_t> objects);
 
   /// Broad and narrow phase of the bodies where they are. Nothing moves.
   void Detect() {
@@ -86,7 +106,8 @@ class Engine {
   const TimedWorld* timed_world() const { return timed_world_; }
   LeanWorld& world() { return *world_; }
   const layouts::InitialState& initial_state() const { return state_; }
-  /// The objects, in the order of the initial state. The getUserIndex of an object is its index
+  /// The objects, in the order of the initial state; one that is not in the world has a position
+  /// and velocities that are NaN. The getUserIndex of an object is its index
   /// here, that of a wall is the number of objects plus its own index.
   const std::vector<std::unique_ptr<btRigidBody>>& objects() const { return objects_; }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
@@ -114,7 +135,10 @@ class Engine {
   void CutPlanes();
   void MakeWorld();
   void AddBodies();
-  void AddFilteredBodies();
+  void AddObject(std::size_t object);
+  /// Group and mask.
+  std::pair<int, int> FilterOf(std::size_t object) const;
+  int WallMask() const;
   void SetUpSolver();
 
   // Members are declared in dependency order: the world uses all members before it.
@@ -138,6 +162,11 @@ class Engine {
   std::unique_ptr<LeanWorld> world_;
   std::unique_ptr<Links> links_;
   std::unique_ptr<Pushes> pushes_;
+  std::vector<char> is_present_;  ///< by object
+  std::size_t present_ = 0;
+  std::unique_ptr<Population> population_;  ///< null if no objects come or go
+  std::uint64_t stepped_ = 0;               ///< steps done, if there is a population
+  std::uint64_t changed_ = 0;               ///< steps for which it has changed them
   bool acts_ = false;                  ///< forces, torques or motors need BeginStep and EndStep
   std::uint64_t steps_ = 0;            ///< done, if it acts
   TimedWorld* timed_world_ = nullptr;  ///< `world_`, if it is a TimedWorld

@@ -12,8 +12,8 @@
 #include "compiler/analysis/joints.h"
 #include "dsl/text/check.h"
 #include "runtime/engine/world/conversions.h"
+#include "runtime/engine/world/joints/universal_joint.h"
 #include "runtime/engine/world/pushes.h"
-#include "runtime/engine/world/universal_joint.h"
 
 namespace cdb::world {
 namespace {
@@ -284,9 +284,9 @@ void Links::AddJoint(const layouts::JointPair& pair, const layouts::InitialState
     link.kind = JointKind::kUniversal;
     const btVector3 second_axis =
         ToBullet(frame.orientation * settings.Vector("joints.axis2").stableNormalized());
-    link.constraint =
-        std::make_unique<UniversalJoint>(first, second, link.pivot_in_first, link.pivot_in_second,
-                                         link.line_in_first, to_second.getBasis() * second_axis);
+    link.constraint = std::make_unique<joints::UniversalJoint>(
+        first, second, link.pivot_in_first, link.pivot_in_second, link.line_in_first,
+        to_second.getBasis() * second_axis);
   } else {
     link.kind = type == "fixed" ? JointKind::kFixed : JointKind::kSlider;
     link.turn =
@@ -403,11 +403,12 @@ std::vector<JointFrame> Links::ListFrames() const {
     if (!link.kind) continue;
     const btTransform& pose = link.first->getWorldTransform();
     const btVector3 axis = pose.getBasis() * link.line_in_first;
-    joints.push_back({*link.kind, link.first, link.second, pose * link.pivot_in_first, axis,
-                      link.kind == JointKind::kUniversal
-                          ? static_cast<const UniversalJoint&>(*link.constraint).AxisOfSecond()
-                          : axis,
-                      link.drive.get(), static_cast<btScalar>(link.armature)});
+    joints.push_back(
+        {*link.kind, link.first, link.second, pose * link.pivot_in_first, axis,
+         link.kind == JointKind::kUniversal
+             ? static_cast<const joints::UniversalJoint&>(*link.constraint).AxisOfSecond()
+             : axis,
+         link.drive.get(), static_cast<btScalar>(link.armature)});
   }
   return joints;
 }
@@ -447,7 +448,7 @@ double Links::BendOf(const Link& link) const {
     return std::max(bend, link.drive ? link.drive->Excess() : 0);
   }
   if (link.kind == JointKind::kUniversal) {
-    const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+    const auto& joint = static_cast<const joints::UniversalJoint&>(*link.constraint);
     return std::asin(
         std::min(1., std::abs(ToEigen(joint.AxisOfFirst()).dot(ToEigen(joint.AxisOfSecond())))));
   }
@@ -523,7 +524,7 @@ double Links::JerkEnergy() const {
       add_turn(ToEigen(y));
       add_turn(ToEigen(z));
     } else if (link.kind == JointKind::kUniversal) {
-      const auto& joint = static_cast<const UniversalJoint&>(*link.constraint);
+      const auto& joint = static_cast<const joints::UniversalJoint&>(*link.constraint);
       add_turn(ToEigen(joint.AxisOfFirst().cross(joint.AxisOfSecond())));
     } else if (link.kind == JointKind::kFixed || link.kind == JointKind::kSlider) {
       for (int axis = 0; axis < 3; ++axis) add_turn(Vector3d::Unit(axis));

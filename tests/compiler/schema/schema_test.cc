@@ -95,7 +95,7 @@ TEST(Schema, OmitTakesEveryComponent) {
 
 TEST(Schema, BlocksFollowFromItsNames) {
   using Blocks = std::vector<std::string_view>;
-  EXPECT_EQ(schema::BlocksIn("", true), Blocks({"links", "soft"}));
+  EXPECT_EQ(schema::BlocksIn("", true), Blocks({"links", "spawn", "remove", "soft"}));
   EXPECT_EQ(schema::BlocksIn("links", true), Blocks());
   EXPECT_EQ(schema::BlocksIn("joints", true), Blocks({"gear", "limits", "motor"}));
   const Blocks of_world = schema::BlocksIn("", false);

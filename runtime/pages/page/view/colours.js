@@ -38,7 +38,8 @@ function continuous(low, high, unit, valuesAt, { note, power = 1 } = {}) {
   return {
     colour(recording, frame) {
       const values = valuesAt(recording, frame);
-      return (body) => ramp[Math.min(255, Math.max(0, Math.round(part(Math.max(values[body], low)) * 255)))];
+      // An object that has just come has no speed.
+      return (body) => ramp[Math.min(255, Math.max(0, Math.round(part(Math.max(values[body], low)) * 255)))] ?? none;
     },
     legend: { ends: [number(low), number(middle), `${number(high)} ${unit}`], note },
   };

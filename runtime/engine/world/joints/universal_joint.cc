@@ -1,6 +1,6 @@
-#include "runtime/engine/world/universal_joint.h"
+#include "runtime/engine/world/joints/universal_joint.h"
 
-namespace cdb::world {
+namespace cdb::joints {
 
 UniversalJoint::UniversalJoint(btRigidBody& first, btRigidBody& second,
                                const btVector3& pivot_in_first, const btVector3& pivot_in_second,
@@ -27,4 +27,4 @@ void UniversalJoint::getInfo2(btConstraintInfo2* info) {
   info->m_constraintError[row] = -info->fps * info->erp * a.dot(b);
 }
 
-}  // namespace cdb::world
+}  // namespace cdb::joints

@@ -3,7 +3,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
-namespace cdb::world {
+namespace cdb::joints {
 
 /// Holds two points together, and an axis of the first body perpendicular to one of the second: the
 /// second turns about both. Bullet's btUniversalConstraint divides the turn into Euler's angles,
@@ -25,4 +25,4 @@ class UniversalJoint final : public btPoint2PointConstraint {
   const btVector3 axis_in_first_, axis_in_second_;
 };
 
-}  // namespace cdb::world
+}  // namespace cdb::joints

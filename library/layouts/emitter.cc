@@ -1,0 +1,118 @@
+#include "library/layouts/emitter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compiler/analysis/population.h"
+#include "library/distributions/draw.h"
+#include "library/layouts/bodies.h"
+#include "library/objects/distance.h"
+#include "library/scene_error.h"
+
+namespace cdb::layouts {
+namespace {
+
+using Eigen::Vector3d;
+
+double Along(const auto& neighbour) { return neighbour.centre.x(); }
+
+}  // namespace
+
+Emitter::Emitter(const plan::Scene& scene, const std::vector<ObjectState>& objects,
+                 std::size_t group)
+    : objects_(objects),
+      side_(scene.world.Real("world.side")),
+      region_(FixedRegionOf(scene.groups[group], side_)),
+      stream_(distributions::NamedStream(scene, scene.groups[group].name, "location")) {
+  for (std::size_t i = 0; i < group; ++i) first_ += scene.groups[i].settings.Count("quantity");
+  end_ = first_ + scene.groups[group].settings.Count("quantity");
+  for (std::size_t i = first_; i < end_; ++i)
+    largest_ = std::max(largest_, objects[i].solid.OuterRadius());
+}
+
+void Emitter::Begin() {
+  small_.clear();
+  large_.clear();
+  is_sorted_ = true;
+}
+
+void Emitter::Meet(std::size_t index, const objects::Pose& pose) {
+  const objects::Solid& solid = objects_[index].solid;
+  const double outer = solid.OuterRadius();
+  const Vector3d nearest = pose.position.cwiseMax(region_.box.lower).cwiseMin(region_.box.upper);
+  const double reach = (outer + 2 * largest_) * (1 + kRounding);
+  if ((pose.position - nearest).squaredNorm() > reach * reach) return;
+  (outer > largest_ ? large_ : small_)
+      .push_back({pose.position, solid.InnerRadius(), outer, index, pose.orientation});
+  is_sorted_ = false;
+}
+
+bool Emitter::Touches(std::size_t index, const Vector3d& place, const Neighbour& other) const {
+  const ObjectState& object = objects_[index];
+  const double distance = (other.centre - place).squaredNorm();
+  const double outer = object.solid.OuterRadius() + other.outer;
+  if (distance > outer * outer * (1 + kRounding)) return false;
+  const double inner = object.solid.InnerRadius() + other.inner;
+  if (distance < inner * inner * (1 - kRounding) && object.solid.InnerRadius() > 0 &&
+      other.inner > 0)
+    return true;
+  return objects::Overlap(object.solid, {place, object.pose.orientation},
+                          objects_[other.index].solid, {other.centre, other.orientation});
+}
+
+bool Emitter::IsFree(std::size_t index, const Vector3d& place) const {
+  for (const Neighbour& other : large_)
+    if (Touches(index, place, other)) return false;
+  const double reach = (objects_[index].solid.OuterRadius() + largest_) * (1 + kRounding);
+  auto other = std::ranges::lower_bound(small_, place.x() - reach, {}, Along<Neighbour>);
+  for (; other != small_.end() && other->centre.x() <= place.x() + reach; ++other)
+    if (Touches(index, place, *other)) return false;
+  return true;
+}
+
+std::optional<Vector3d> Emitter::FindPlace(std::size_t index) {
+  if (!is_sorted_) std::ranges::sort(small_, {}, Along<Neighbour>);
+  is_sorted_ = true;
+  const ObjectState& object = objects_[index];
+  const objects::Box domain =
+      DomainOf(region_, side_, objects::Bounds(object.solid, object.pose.orientation));
+  for (int draw = 0; draw < kMostDraws; ++draw) {
+    Vector3d place;
+    for (int axis = 0; axis < 3; ++axis)
+      place[axis] = stream_.Uniform(domain.lower[axis], domain.upper[axis]);
+    if (!IsFree(index, place)) continue;
+    const Neighbour own{place, object.solid.InnerRadius(), object.solid.OuterRadius(), index,
+                        object.pose.orientation};
+    small_.insert(std::ranges::upper_bound(small_, place.x(), {}, Along<Neighbour>), own);
+    return place;
+  }
+  return std::nullopt;
+}
+
+void CheckEmitters(const plan::Scene& scene, const InitialState& state) {
+  std::size_t index = 0;
+  const double side = scene.world.Real("world.side");
+  for (const plan::Group& group : scene.groups) {
+    const std::size_t end = index + group.settings.Count("quantity");
+    if (!analysis::SpawningOf(group)) {
+      index = end;
+      continue;
+    }
+    const Region region = FixedRegionOf(group, side);
+    for (; index < end; ++index) {
+      const ObjectState& object = state.objects[index];
+      const objects::Box domain =
+          DomainOf(region, side, objects::Bounds(object.solid, object.pose.orientation));
+      if ((domain.lower.array() < domain.upper.array()).all()) continue;
+      throw library::SceneError(
+          fmt::format("object {} of {} (group `{}`) does not fit into the region in which it "
+                      "spawns, of {:.4g} x {:.4g} x {:.4g} m within the cube",
+                      index + 1, state.objects.size(), group.name, region.Extents().x(),
+                      region.Extents().y(), region.Extents().z()),
+          "make the region larger, or the size smaller", group.name, "region");
+    }
+  }
+}
+
+}  // namespace cdb::layouts
