@@ -55,6 +55,7 @@ void AddBudget(const figures::Model& model, bool has_answer, Document& document)
 Document Brief(const figures::Model& model) {
   Document document = {BriefHead(model)};
   AddBoundaries(model, document);
+  AddRaces(model, document);
   AddRequirements(model, document);
   Document tables;
   const auto by = ChooseTables(model, {});
@@ -82,6 +83,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   // Whoever asks for certain rows does not ask how the file is stored.
   Document document = {SummaryHead(model, asked.empty())};
   AddBoundaries(model, document);
+  AddRaces(model, document);
   AddRequirements(model, document);
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
@@ -248,7 +250,7 @@ class Head {
       text += fmt::format(" ({} simulated)", time);
     if (groups_.skipped > 0)
       text += fmt::format(", {} {}", groups_.skipped,
-                          plan::SearchAxis(file_.axes()) ? "not needed" : "skipped");
+                          plan::ChoosesRuns(file_.axes()) ? "not needed" : "skipped");
     return text;
   }
 

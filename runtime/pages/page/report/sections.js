@@ -32,7 +32,7 @@ function outcomes(doc) {
     ['good', doc.phases.length > 0 ? 'timed' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
-    ['skipped', doc.raw.boundaries ? 'not needed' : 'skipped'],
+    ['skipped', doc.raw.boundaries || doc.raw.races ? 'not needed' : 'skipped'],
     ['missing', 'missing'],
   ]
     .filter(([key]) => runs[key])
