@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "compiler/plan/race_bounds.h"
+#include "runtime/figures/conclusions.h"
 #include "runtime/figures/races/races.h"
 #include "runtime/figures/searches/searches.h"
 #include "runtime/printers/json_points.h"
@@ -241,6 +242,13 @@ std::vector<std::string> RaceNotes(const figures::Model& model,
 }
 
 }  // namespace
+
+std::vector<figures::Conclusion> ConclusionsOf(const figures::Model& model) {
+  std::vector<figures::Conclusion> all = figures::Conclusions(model);
+  if (const std::vector<PlacedRace> raced = races::RunRaces(model.file()); !raced.empty())
+    all.insert(all.begin(), races::ConcludeRaces(model.file(), raced));
+  return all;
+}
 
 void AddRaces(const figures::Model& model, Document& document) {
   const std::vector<PlacedRace> all = races::RunRaces(model.file());

@@ -25,6 +25,7 @@
 #include "runtime/figures/requirements.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/json_points.h"
+#include "runtime/printers/show.h"
 
 namespace cdb::printers {
 namespace {
@@ -47,7 +48,7 @@ Json IntervalWords(const figures::Model& model) {
 Json DocumentConclusions(const figures::Model& model) {
   Json all = Json::array();
   if (IsLarge(model)) return all;
-  for (const figures::Conclusion& of : figures::Conclusions(model)) {
+  for (const figures::Conclusion& of : ConclusionsOf(model)) {
     Json conclusion = {{"question", of.question},
                        {"answer", of.answer},
                        {"kind", of.kind},

@@ -196,7 +196,7 @@ class Head {
     Lines lines = {Grid()};
     Add(lines, AxisTitles());
     std::size_t count = 0;
-    for (const figures::Conclusion& conclusion : figures::Conclusions(model_)) {
+    for (const figures::Conclusion& conclusion : ConclusionsOf(model_)) {
       // Whether the others can be believed.
       const bool is_about_soundness = conclusion.kind == "stability";
       if (++count > kMostAnswers && !is_about_soundness) continue;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -185,6 +186,73 @@ std::string RatioText(const PlacedRace& race, std::size_t racer) {
   if (!std::isnan(standing.bounds.low))
     all += fmt::format(" ({} .. {})", text(standing.bounds.low), text(standing.bounds.high));
   return all;
+}
+
+namespace {
+
+/// `grid is 1.0093 (1.0025 .. 1.0388) times as slow`: the one that is the nearest to the winner.
+std::string NextText(const results::ResultFile& file, const PlacedRace& of, std::size_t winner) {
+  for (const std::size_t i : of.With(Outcome::kDropped))
+    if (of.race.standings[i].against == winner)
+      return fmt::format(" Next is {}, with {} times its time.", RacerText(file, of.racers[i]),
+                         RatioText(of, i));
+  return {};
+}
+
+/// The winner; those that are left, if nobody won.
+std::string FastestText(const results::ResultFile& file, const PlacedRace& of) {
+  if (!of.race.HasEnded()) return "not known, as runs are missing";
+  for (const Outcome outcome : {Outcome::kWon, Outcome::kTied, Outcome::kOpen}) {
+    std::vector<std::string> names;
+    for (const std::size_t i : of.With(outcome)) names.push_back(RacerText(file, of.racers[i]));
+    if (names.empty()) continue;
+    return figures::JoinWords(names) + (outcome == Outcome::kTied   ? ", which are tied"
+                                        : outcome == Outcome::kOpen ? ", too close to call"
+                                                                    : "");
+  }
+  return "none, as all failed";
+}
+
+}  // namespace
+
+figures::Conclusion ConcludeRaces(const results::ResultFile& file,
+                                  const std::vector<PlacedRace>& races) {
+  const std::vector<std::size_t> raced = plan::RaceAxes(file.axes()),
+                                 others = PlaceAxes(file.axes());
+  std::vector<std::string> names;
+  for (const std::size_t axis : raced) names.push_back(file.axes()[axis].name);
+  figures::Conclusion conclusion = {
+      fmt::format("Which {} has the least {}?", figures::JoinWords(names),
+                  file.axes()[raced[0]].race->by.Text()),
+      {},
+      "race",
+      figures::Certainty::kClear};
+  std::map<std::string, std::vector<const PlacedRace*>> by_text;
+  std::size_t won = 0, unfinished = 0;
+  for (const PlacedRace& of : races) {
+    by_text[FastestText(file, of)].push_back(&of);
+    won += of.race.HasEnded() && !of.With(Outcome::kWon).empty();
+    unfinished += !of.race.HasEnded();
+  }
+  if (won < races.size())
+    conclusion.certainty = unfinished > 0 ? figures::Certainty::kUnknown : figures::Certainty::kTie;
+  std::vector<std::pair<std::string, std::vector<const PlacedRace*>>> all(by_text.begin(),
+                                                                          by_text.end());
+  std::ranges::stable_sort(all, std::greater<>{}, [](const auto& of) { return of.second.size(); });
+  std::string& answer = conclusion.answer;
+  constexpr std::size_t kMostTexts = 4;
+  for (std::size_t i = 0; i < std::min(all.size(), kMostTexts); ++i) {
+    const auto& [text, alike] = all[i];
+    answer += i == 0 ? "" : "; ";
+    answer += races.size() == 1 ? text
+              : alike.size() == 1
+                  ? fmt::format("{} at {}", text, figures::PlaceText(file, others, alike[0]->place))
+                  : fmt::format("{} in {} of {} races", text, alike.size(), races.size());
+  }
+  answer += all.size() > kMostTexts ? "; others elsewhere." : ".";
+  if (races.size() == 1 && won == 1)
+    answer += NextText(file, races[0], races[0].With(Outcome::kWon)[0]);
+  return conclusion;
 }
 
 }  // namespace cdb::races

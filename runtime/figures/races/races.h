@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "compiler/plan/plan.h"
+#include "runtime/figures/conclusions.h"
 #include "runtime/figures/points.h"
 #include "runtime/figures/races/race.h"
 #include "runtime/results/store.h"
@@ -54,5 +55,8 @@ std::string_view OutcomeName(Outcome outcome);
 std::string OutcomeText(const results::ResultFile& file, const PlacedRace& race, std::size_t racer);
 /// `1.31 (1.22 .. 1.44)`; empty where there is none, and of the leader.
 std::string RatioText(const PlacedRace& race, std::size_t racer);
+/// Who is the fastest where. `races`: not empty.
+figures::Conclusion ConcludeRaces(const results::ResultFile& file,
+                                  const std::vector<PlacedRace>& races);
 
 }  // namespace cdb::races

@@ -64,6 +64,9 @@ TEST(RaceCommand, DropsTheSlowOnesAndSaysWhoWon) {
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.err.find("0 of 1 races have ended; 18 runs next"), std::string::npos) << run.err;
   EXPECT_NE(run.out.find("Race of quantity by min(step)"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("Which quantity has the least min(step)?\n    2. Next is 1000, with "),
+            std::string::npos)
+      << run.out;
   EXPECT_NE(run.out.find("1 race: 1 won."), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("slower than 2 "), std::string::npos) << run.out;
   const FoundRaces found = ReadRaces(program.folder() / "uneven.h5");
