@@ -251,6 +251,7 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["requirements"] = DocumentRequirements(model);
   document["boundaries"] = DocumentBoundaries(model);
   document["races"] = DocumentRaces(model);
+  document["steady"] = DocumentSteady(model);
   if (options.for_page) {
     document["pooled"] = DocumentPooled(model, ratios);
     document["cycles"] = DocumentCycles(model);

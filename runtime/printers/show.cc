@@ -19,6 +19,7 @@
 #include "runtime/figures/model.h"
 #include "runtime/figures/requirements.h"
 #include "runtime/figures/searches/searches.h"
+#include "runtime/figures/steady/steady_state.h"
 #include "runtime/printers/document.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
@@ -185,6 +186,7 @@ class Head {
     Add(lines, figures::SameMotionText(file_));
     Add(lines, figures::OpenQuestionsText(file_, Judged()));
     Add(lines, figures::SleepNote(file_, measured_));
+    Add(lines, steady::SteadyText(steady::FindSteadyStates(model_)));
     Add(lines, Errors());
     Add(lines, Missing());
     Add(lines, BadRuns());

@@ -92,7 +92,11 @@ function sectionsOf(doc, figures, key) {
     (has.cycles(doc) || doc.raw.distributions) && [
       'over-cycles',
       'Over the cycles',
-      [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])],
+      [
+        ...(has.cycles(doc) ? take('cycles') : []),
+        ...(doc.raw.steady ? [h('p', { class: 'note' }, doc.raw.steady.text)] : []),
+        ...(doc.raw.distributions ? take('distribution', 'repeats') : []),
+      ],
     ],
     doc.count > 0 && ['soundness', 'Stability', take('stability')],
     parts.findings(doc) && ['findings', 'Pairs and contacts', parts.findings(doc)],
