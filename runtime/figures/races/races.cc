@@ -69,8 +69,9 @@ std::vector<std::size_t> PlacedRace::With(Outcome outcome) const {
   for (std::size_t i = 0; i < racers.size(); ++i)
     if (race.standings[i].outcome == outcome) with.push_back(i);
   std::ranges::stable_sort(with, {}, [&](std::size_t i) {
-    const double ratio = race.standings[i].ratio;
-    return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
+    const Standing& standing = race.standings[i];
+    if (std::isnan(standing.ratio)) return std::numeric_limits<double>::infinity();
+    return standing.against == i ? 0 : standing.ratio;
   });
   return with;
 }
@@ -144,8 +145,8 @@ std::uint64_t LeastRuns(const plan::Plan& head, std::uint64_t runs) {
 
 std::string RacerText(const results::ResultFile& file, const Point& racer) {
   const std::vector<std::size_t> axes = plan::RaceAxes(file.axes());
-  return axes.size() == 1 ? terminal::CoordinateText(file.axes()[axes[0]], racer[axes[0]])
-                          : figures::PlaceText(file, axes, figures::Project(racer, axes));
+  if (axes.size() == 1) return terminal::CoordinateText(file.axes()[axes[0]], racer[axes[0]]);
+  return fmt::format("({})", figures::PlaceText(file, axes, figures::Project(racer, axes)));
 }
 
 std::string_view OutcomeName(Outcome outcome) {
@@ -222,8 +223,8 @@ figures::Conclusion ConcludeRaces(const results::ResultFile& file,
   std::vector<std::string> names;
   for (const std::size_t axis : raced) names.push_back(file.axes()[axis].name);
   figures::Conclusion conclusion = {
-      fmt::format("Which {} has the least {}?", figures::JoinWords(names),
-                  file.axes()[raced[0]].race->by.Text()),
+      fmt::format("Which {}{} has the least {}?", raced.size() > 1 ? "combination of " : "",
+                  figures::JoinWords(names), file.axes()[raced[0]].race->by.Text()),
       {},
       "race",
       figures::Certainty::kClear};

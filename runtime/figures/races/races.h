@@ -25,7 +25,7 @@ struct PlacedRace {
   std::vector<Point> racers;  ///< on all axes, in grid order; those that have runs
   Race race;                  ///< by positions in `racers`
 
-  /// Those with this outcome, the fastest first.
+  /// Those with this outcome: the leader first, then by their ratios.
   std::vector<std::size_t> With(Outcome outcome) const;
 };
 
@@ -46,7 +46,7 @@ results::StoredAnswers::Races RacesToStore(const results::ResultFile& file,
 /// without its runs; `runs`: their number.
 std::uint64_t LeastRuns(const plan::Plan& head, std::uint64_t runs);
 
-/// `dbvt`, `detector dbvt, threads 4`: a racer by its values on the axes with
+/// `dbvt`, `(detector dbvt, threads 4)`: a racer by its values on the axes with
 /// a race.
 std::string RacerText(const results::ResultFile& file, const Point& racer);
 /// `won`, `not_known`: as in results.
