@@ -24,6 +24,7 @@
 #include "compiler/evaluate/sweeps.h"
 #include "compiler/grid/survey.h"
 #include "compiler/plan/input_file.h"
+#include "compiler/plan/race_bounds.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/schema.h"
@@ -325,7 +326,7 @@ class Expander {
       for (std::size_t a = 0; a < axes_.size(); ++a)
         if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
     const double points = grid::CountOf(grid_.extents());
-    return FindRepeats() && FindBudget() && FindRequirements() && FindSearch() &&
+    return FindRepeats() && FindBudget() && FindRequirements() && FindSearch() && FindRace() &&
            (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
   }
 
@@ -459,6 +460,42 @@ class Expander {
     return true;
   }
 
+  /// Reads the races of all axes, which are one.
+  bool FindRace() {
+    for (std::size_t i = 0; i < axes_.size(); ++i)
+      for (const auto& configuration : configurations_) {
+        const configure::SweepAxis* sweep = SweepOf(axes_[i], *configuration);
+        if (sweep == nullptr || !evaluate::IsRace(*sweep->call)) continue;
+        auto race = checks::ReadRace(*configuration, *sweep->call, sweep->scope);
+        if (!race) return false;
+        const auto fail = [&](std::string message, std::string help) {
+          diagnostics_.Report(scenario::kMisplacedSweep, race->span, std::move(message),
+                              std::move(help));
+          return false;
+        };
+        if (search_)
+          return fail("a benchmark has find() or race(), and not both",
+                      "write a benchmark for each, or sweep one of them");
+        if (race_ && race->what != race_->what)
+          return fail("the races of a benchmark are one: of all combinations of their values",
+                      "state the same figure and tolerance in each");
+        grid_.head.axes[i].race = race->what;
+        race_ = std::move(race);
+      }
+    if (!race_) return true;
+    std::size_t racers = 1;
+    for (const std::size_t axis : grid_.head.RaceAxes())
+      racers *= grid_.head.axes[axis].values.size();
+    const std::uint64_t least = plan::LeastRaceRepeats(racers);
+    if (grid_.head.repeats >= least) return true;
+    diagnostics_.Report(
+        scenario::kBadArguments, race_->span,
+        fmt::format("a race of {} drops nobody before repeat {}, and `repeats` is {}", racers,
+                    least, grid_.head.repeats),
+        fmt::format("write the most that it may take, such as repeats {}", 5 * least));
+    return false;
+  }
+
   /// Reports axes that have the name of an array that is in one group with them.
   void CheckNamesBeside(std::string_view what, std::span<const std::string_view> names) {
     for (const GridAxis& axis : axes_)
@@ -474,15 +511,21 @@ class Expander {
 
   /// Reports requirements, and conditions of `find( )`, on figures that no run has.
   void CheckRequirements() {
-    // The arrays of /requirements and /boundary (runtime/results/layout.cc).
+    // The arrays of /requirements, /boundary and /race (runtime/results/layout.cc).
     constexpr std::string_view kOfRequirements[] = {"requirement", "figure", "comparison", "limit",
                                                     "answer",      "value",  "low",        "high"};
     constexpr std::string_view kOfBoundaries[] = {"value",   "low",     "high",
                                                   "outcome", "changes", "probes"};
+    constexpr std::string_view kOfRaces[] = {"outcome", "repeats", "against",
+                                             "ratio",   "low",     "high"};
     if (!requirements_.empty()) CheckNamesBeside("requirements", kOfRequirements);
     if (search_) {
       CheckNamesBeside("boundaries", kOfBoundaries);
       requirements_.push_back(*search_);
+    }
+    if (race_) {
+      CheckNamesBeside("races", kOfRaces);
+      requirements_.push_back({{.text = {}, .figure = race_->what.by}, race_->span, race_->figure});
     }
     if (requirements_.empty()) return;
     std::vector<bool> is_recorded(requirements_.size(), false);
@@ -507,11 +550,12 @@ class Expander {
       grid_.point_count += left;
       runs += static_cast<double>(left) * static_cast<double>(grid_.head.repeats);
     }
-    if (search_ && runs > kMostListed) {
-      diagnostics_.Report(
-          scenario::kTooManyRuns, search_->span,
-          fmt::format("this search is among {:.6g} runs, of which it needs few", runs),
-          fmt::format("the limit is {}: raise the tolerance, or split the benchmark", kMostListed));
+    if ((search_ || race_) && runs > kMostListed) {
+      diagnostics_.Report(scenario::kTooManyRuns, search_ ? search_->span : race_->span,
+                          fmt::format("this {} is among {:.6g} runs, of which it needs few",
+                                      search_ ? "search" : "race", runs),
+                          fmt::format("the limit is {}: {}, or split the benchmark", kMostListed,
+                                      search_ ? "raise the tolerance" : "write fewer repeats"));
       return false;
     }
     return runs <= configure::kMostRuns || TooMany(runs, configure::kMostRuns, "runs");
@@ -588,6 +632,7 @@ class Expander {
   std::vector<GridAxis> axes_;
   std::vector<checks::WrittenRequirement> requirements_;
   std::optional<checks::WrittenRequirement> search_;
+  std::optional<checks::WrittenRace> race_;
   grid::Grid grid_;
   /// A point has an error, which another benchmark may already have reported.
   bool is_broken_ = false;

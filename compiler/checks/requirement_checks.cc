@@ -13,6 +13,8 @@
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/evaluate/dimensions.h"
+#include "compiler/evaluate/evaluate.h"
+#include "compiler/evaluate/sweeps.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 #include "compiler/schema/metrics.h"
 #include "compiler/schema/series.h"
@@ -322,6 +324,29 @@ std::optional<WrittenRequirement> ReadUntil(configure::Configuration& configurat
                                             const dsl::Condition& condition,
                                             const scenario::Scope& scope, std::uint64_t repeats) {
   return Reader(configuration, repeats).ReadOne(condition, scope);
+}
+
+std::optional<WrittenRace> ReadRace(configure::Configuration& configuration, const Expr& call,
+                                    const scenario::Scope& scope) {
+  evaluate::Evaluator& evaluator = configuration.evaluator();
+  const evaluate::Sweep* sweep = evaluator.sweeps().Find(call, scope);
+  if (sweep == nullptr) return std::nullopt;
+  WrittenRace race = {{*plan::FindFigure("mean(step)"), sweep->tolerance}, call.span, call.span};
+  for (const dsl::Argument& argument : call.arguments) {
+    if (!argument.name || argument.name->text != evaluate::kBy) continue;
+    race.figure = argument.value->span;
+    const auto figure = FigureOf(*argument.value);
+    if (!figure || figure->kind != plan::FigureKind::kTime) {
+      evaluator.Error(
+          scenario::kBadArguments, argument.value->span,
+          "a race is by a time: a statistic over the cycles of a run, of a phase",
+          fmt::format("for example: by: median(detect); statistics: {}; phases: {}",
+                      fmt::join(plan::kCycleStatistics, ", "), fmt::join(schema::kPhases, ", ")));
+      return std::nullopt;
+    }
+    race.what.by = *figure;
+  }
+  return race;
 }
 
 bool HasFigure(const plan::Scene& scene, const plan::Figure& figure) {

@@ -29,6 +29,15 @@ std::optional<WrittenRequirement> ReadUntil(configure::Configuration& configurat
                                             const dsl::Condition& condition,
                                             const scenario::Scope& scope, std::uint64_t repeats);
 
+struct WrittenRace {
+  plan::Race what;
+  text::Span span, figure;  ///< of the call, and of its figure
+};
+
+/// What a `race( )` is by: `mean(step)` if it does not say. Nullopt after a diagnostic.
+std::optional<WrittenRace> ReadRace(configure::Configuration& configuration, const dsl::Expr& call,
+                                    const scenario::Scope& scope);
+
 /// True if a run of the scene has the figure.
 bool HasFigure(const plan::Scene& scene, const plan::Figure& figure);
 /// Reports that no run of the benchmark has the figure, and how to record it.

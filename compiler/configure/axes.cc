@@ -152,6 +152,10 @@ class AxisFinder {
     axis.is_log = sweep->is_log;
     CheckDistinct(axis, *sweep, *values);
     if (evaluate::IsFind(call)) CheckOrder(axis);
+    if (evaluate::IsRace(call) && axis.values.size() < 2)
+      evaluator_.Error(scenario::kBadArguments, axis.call->span,
+                       "race() has one value, which has nobody to race",
+                       "for example: race(sap, dbvt, auto)");
     axes_.push_back(std::move(axis));
   }
 

@@ -101,7 +101,7 @@ std::nullopt_t NoSuchFunction(const Expr& expr, const scenario::Scope& scope,
                            fmt::format("no function is called '{}'", expr.text),
                            fmt::format("write {}", range));
   std::vector<std::string_view> names = schema::DistributionNames();
-  names.insert(names.begin(), {"sweep", "find"});
+  names.insert(names.begin(), {kSweep, kFind, kRace});
   const std::vector<std::string_view> functions = FunctionNames();
   names.insert(names.end(), functions.begin(), functions.end());
   for (const schema::ParametrisedWord& info : schema::ParametrisedWords())

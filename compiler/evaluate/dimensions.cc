@@ -299,7 +299,8 @@ Dimensions::Parts Dimensions::ItemsOf(const Expr& expr, const scenario::Scope& s
 Dimensions::Parts Dimensions::ArgumentsOf(const Expr& call, const scenario::Scope& scope) {
   Parts parts;
   for (const dsl::Argument& argument : call.arguments) {
-    if (IsFind(call) && argument.name) {
+    if (IsRace(call) && argument.name && argument.name->text == kBy) continue;
+    if ((IsFind(call) || IsRace(call)) && argument.name) {
       RequirePure({Find(*argument.value, scope), argument.value->span}, "a tolerance");
       continue;
     }

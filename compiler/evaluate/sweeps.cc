@@ -8,6 +8,7 @@
 #include "compiler/evaluate/dimensions.h"
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/evaluate/samples.h"
+#include "compiler/plan/race.h"
 #include "compiler/scenario/diagnostic_kinds.h"
 
 namespace cdb::evaluate {
@@ -17,6 +18,11 @@ using dsl::Expr;
 using dsl::ExprKind;
 using schema::Number;
 using schema::Value;
+
+const char* ExampleOf(const Expr& call) {
+  if (IsFind(call)) return "find(1 .. 1000 log, until: verdict != stable)";
+  return IsRace(call) ? "race(sap, dbvt, auto)" : "sweep(1, 2, 5) or sweep(1 .. 5)";
+}
 
 /// Restores a value at the end of a scope.
 template <typename T>
@@ -71,9 +77,9 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   Sweep sweep;
   const Restore guard(is_inside_, true);
   bool good = true;
-  double tolerance = kTolerance;
+  sweep.tolerance = IsRace(call) ? plan::kRaceTolerance : kTolerance;
   for (const dsl::Argument& argument : call.arguments)
-    if (argument.name) good = TakeNamed(call, argument, scope, tolerance) && good;
+    if (argument.name) good = TakeNamed(call, argument, scope, sweep) && good;
   if (IsFind(call) && !call.until) {
     evaluator_.Error(scenario::kBadArguments, call.span, "find() has no condition",
                      "for example: find(1 .. 1000 log, until: verdict != stable)");
@@ -94,12 +100,12 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
                        "separate the values by commas");
       good = false;
     } else {
-      good = AddItems(call, *argument.value, scope, tolerance, sweep) && good;
+      good = AddItems(call, *argument.value, scope, sweep) && good;
     }
   }
   const auto given = std::ranges::find_if(
       call.arguments, [](const dsl::Argument& argument) { return argument.name.has_value(); });
-  if (good && given != call.arguments.end() && !sweep.has_ladder) {
+  if (good && IsFind(call) && given != call.arguments.end() && !sweep.has_ladder) {
     evaluator_.Error(scenario::kBadArguments, given->name->span,
                      "these values are given, and no tolerance changes them",
                      "a tolerance is for a range a .. b without step and count: remove it");
@@ -113,9 +119,7 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
   }
   if (good && sweep.items.empty()) {
     evaluator_.Error(scenario::kBadArguments, call.span,
-                     fmt::format("{}() has no values", call.text),
-                     IsFind(call) ? "find(1 .. 1000 log, until: verdict != stable)"
-                                  : "sweep(1, 2, 5) or sweep(1 .. 5)");
+                     fmt::format("{}() has no values", call.text), ExampleOf(call));
     good = false;
   }
   if (!good) return std::nullopt;
@@ -123,17 +127,21 @@ std::optional<Sweep> Sweeps::Expand(const Expr& call, const scenario::Scope& sco
 }
 
 bool Sweeps::TakeNamed(const Expr& call, const dsl::Argument& argument,
-                       const scenario::Scope& scope, double& tolerance) {
-  if (!IsFind(call) || argument.name->text != "tolerance") {
+                       const scenario::Scope& scope, Sweep& sweep) {
+  // The figure is read with the conditions on figures (checks/requirement_checks.h).
+  if (IsRace(call) && argument.name->text == kBy) return true;
+  if (call.text == kSweep || argument.name->text != "tolerance") {
     evaluator_.Error(scenario::kBadArguments, argument.name->span,
                      fmt::format("{}() has no argument '{}'", call.text, argument.name->text),
-                     IsFind(call) ? "it has: tolerance, until" : "sweep(1, 2, 5) or sweep(1 .. 5)");
+                     IsFind(call)   ? "it has: tolerance, until"
+                     : IsRace(call) ? "it has: by, tolerance"
+                                    : ExampleOf(call));
     return false;
   }
   const auto number = evaluator_.EvaluateNumber(*argument.value, scope, "a tolerance");
   if (!number) return false;
-  tolerance = number->AsReal();
-  if (tolerance > 0 && tolerance < 1) return true;
+  sweep.tolerance = number->AsReal();
+  if (sweep.tolerance > 0 && sweep.tolerance < 1) return true;
   evaluator_.Error(scenario::kBadArguments, argument.value->span,
                    "a tolerance is a part of a range, or of a value: above 0 and below 1",
                    "for example: tolerance: 5 %");
@@ -141,7 +149,7 @@ bool Sweeps::TakeNamed(const Expr& call, const dsl::Argument& argument,
 }
 
 bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope& scope,
-                      double tolerance, Sweep& sweep) {
+                      Sweep& sweep) {
   const Expr* range = expr.kind == ExprKind::kRange ? &expr : nullptr;
   scenario::Scope inner = scope;
   if (expr.kind == ExprKind::kPath) {
@@ -155,7 +163,7 @@ bool Sweeps::AddItems(const Expr& call, const Expr& expr, const scenario::Scope&
   if (range != nullptr && IsSampled(range->range)) return AddSamples(call, *range, inner, sweep);
   if (range != nullptr) {
     const bool is_ladder = IsFind(call) && range->range == dsl::RangeKind::kByOne;
-    auto numbers = is_ladder ? ExpandLadder(*range, tolerance, inner, evaluator_)
+    auto numbers = is_ladder ? ExpandLadder(*range, sweep.tolerance, inner, evaluator_)
                              : ExpandRange(*range, inner, evaluator_);
     if (!numbers) return false;
     sweep.has_ladder = sweep.has_ladder || is_ladder;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,15 +15,25 @@ namespace cdb::evaluate {
 
 class Evaluator;
 
-/// True for `sweep( )` and `find( )`, which make an axis.
+/// The functions that make an axis.
+inline constexpr std::string_view kSweep = "sweep", kFind = "find", kRace = "race";
+inline bool MakesAxis(std::string_view function) {
+  return function == kSweep || function == kFind || function == kRace;
+}
+/// True for a call of one of them.
 inline bool IsSweep(const dsl::Expr& expr) {
-  return expr.kind == dsl::ExprKind::kCall && (expr.text == "sweep" || expr.text == "find");
+  return expr.kind == dsl::ExprKind::kCall && MakesAxis(expr.text);
 }
 inline bool IsFind(const dsl::Expr& expr) {
-  return expr.kind == dsl::ExprKind::kCall && expr.text == "find";
+  return expr.kind == dsl::ExprKind::kCall && expr.text == kFind;
 }
+inline bool IsRace(const dsl::Expr& expr) {
+  return expr.kind == dsl::ExprKind::kCall && expr.text == kRace;
+}
+/// The argument of a `race( )` that is a figure, `by: mean(step)`.
+inline constexpr std::string_view kBy = "by";
 
-/// A `sweep( )` or `find( )` with its ranges expanded.
+/// A call that makes an axis, with its ranges expanded.
 struct Sweep {
   /// A value: an expression, or a number of a range.
   struct Item {
@@ -35,6 +46,7 @@ struct Sweep {
   std::pair<double, double> ends = {};
   bool is_log = false;      ///< the last range is logarithmic
   bool has_ladder = false;  ///< a range is divided by a tolerance
+  double tolerance = 0;     ///< of a search or a race
 };
 
 /// How close together the values of a `find(a .. b)` are, unless its `tolerance` says so: a part of
@@ -58,9 +70,9 @@ class Sweeps {
   std::optional<Sweep> Expand(const dsl::Expr& call, const scenario::Scope& scope);
   /// An argument with a name; false after a diagnostic.
   bool TakeNamed(const dsl::Expr& call, const dsl::Argument& argument, const scenario::Scope& scope,
-                 double& tolerance);
+                 Sweep& sweep);
   bool AddItems(const dsl::Expr& call, const dsl::Expr& expr, const scenario::Scope& scope,
-                double tolerance, Sweep& sweep);
+                Sweep& sweep);
   bool AddSamples(const dsl::Expr& call, const dsl::Expr& range, const scenario::Scope& scope,
                   Sweep& sweep);
 

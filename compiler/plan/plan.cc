@@ -167,6 +167,9 @@ std::string Plan::Sha256() const {
       text += fmt::format("until {} {} {}\n", axis.search->until.figure.Text(),
                           ComparisonText(axis.search->until.comparison),
                           CoordinateText(axis.search->until.limit));
+    if (axis.race)
+      text += fmt::format("race by {} tolerance {}\n", axis.race->by.Text(),
+                          CoordinateText(axis.race->tolerance));
   }
   for (const Run& run : runs)
     text += fmt::format("run {} {} {}\n", run.id, fmt::join(run.at, " "), run.rep);
@@ -183,6 +186,17 @@ std::optional<std::size_t> SearchAxis(std::span<const Axis> axes) {
   for (std::size_t i = 0; i < axes.size(); ++i)
     if (axes[i].search) return i;
   return std::nullopt;
+}
+
+std::vector<std::size_t> RaceAxes(std::span<const Axis> axes) {
+  std::vector<std::size_t> raced;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (axes[i].race) raced.push_back(i);
+  return raced;
+}
+
+bool ChoosesRuns(std::span<const Axis> axes) {
+  return SearchAxis(axes).has_value() || !RaceAxes(axes).empty();
 }
 
 std::uint64_t Plan::MaxCycles() const {

@@ -15,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "compiler/plan/race.h"
 #include "compiler/plan/requirement.h"
 #include "compiler/plan/settings.h"
 #include "compiler/schema/catalogue.h"
@@ -128,6 +129,7 @@ struct Axis {
   std::string title = {};                 ///< of a figure's axis, from `as "title"`; may be empty
   std::vector<Coordinates> sampled = {};  ///< if its values are the numbers of sampled points
   std::optional<Search> search = {};      ///< of `find( )`: its values ascend or descend
+  std::optional<Race> race = {};          ///< of `race( )`; the same on all axes that have one
   bool IsText() const { return !values.empty() && values[0].index() == 1; }
   /// True if its values are numbers of something that may be more or less.
   bool IsScale() const { return !IsText() && sampled.empty(); }
@@ -138,6 +140,10 @@ struct Axis {
 
 /// The index of the axis with a search; nullopt if there is none.
 std::optional<std::size_t> SearchAxis(std::span<const Axis> axes);
+/// The indices of the axes with a race.
+std::vector<std::size_t> RaceAxes(std::span<const Axis> axes);
+/// True if the results of some runs decide which others are executed: of a search or a race.
+bool ChoosesRuns(std::span<const Axis> axes);
 
 /// One point of the grid in one repeat.
 struct Run {
@@ -188,6 +194,8 @@ struct Plan {
   /// Runs that bound all others, as WholePlan::bounds does.
   const std::vector<Run>& Bounds() const { return whole ? whole->bounds : runs; }
   std::optional<std::size_t> SearchAxis() const { return plan::SearchAxis(axes); }
+  std::vector<std::size_t> RaceAxes() const { return plan::RaceAxes(axes); }
+  bool ChoosesRuns() const { return plan::ChoosesRuns(axes); }
   /// The number of all runs, or skipped points, listed or not.
   std::uint64_t RunCount() const { return whole ? whole->run_count : runs.size(); }
   void ForEachRun(const WholePlan::VisitRun& visit) const;

@@ -64,12 +64,21 @@ constexpr LanguageWord kLanguageWords[] = {
      "point "
      "of the other axes; runs only the values that the search needs",
      "objects.mass find(1 .. 1e5 log, until: verdict != stable)"},
+    {"race", kFunction, "race(VALUE, …, [by: TIME], [tolerance: T]) [as [NAME] [\"TITLE\"]]",
+     "finds the fastest of its values, for each point of the other axes: values that are surely "
+     "slower get no more repeats",
+     "detector race(sap, dbvt, grid, auto)"},
+    {"by", kModifier, "race(VALUE, …, by: TIME)",
+     "the time by which a race is decided, a statistic as in require; without it, mean(step)",
+     "detector race(sap, dbvt, grid, by: median(detect))"},
     {"until", kModifier, "find(A .. B, until: FIGURE < VALUE)",
      "the condition of a search, on a figure as in require",
      "objects.quantity find(100 .. 5000, until: mean(step) > 4 ms)"},
-    {"tolerance", kModifier, "find(A .. B, tolerance: T, until: FIGURE < VALUE)",
+    {"tolerance", kModifier,
+     "find(A .. B, tolerance: T, until: FIGURE < VALUE), race(VALUE, …, tolerance: T)",
      "how well a search knows its boundary: a part of the range, or of the value if the range is "
-     "logarithmic; without it, 5 %",
+     "logarithmic; without it, 5 %. In a race, the part by which times may differ that need not be "
+     "told apart; without it, 1 %",
      "objects.size find(0.1 .. 10 log, tolerance: 1 %, until: verdict != stable)"},
     {"as", kModifier, "sweep(…) as NAME, sweep(…) as \"TITLE\", sweep(…) as NAME \"TITLE\"",
      "names an axis, which is otherwise named after its parameter; gives it a title for figures",

@@ -164,6 +164,12 @@ void WriteAxis(YAML::Emitter& out, const plan::Axis& axis) {
     WriteRequirement(out, axis.search->until);
     out << YAML::Key << "log" << YAML::Value << axis.search->is_log;
   }
+  if (axis.race) {
+    out << YAML::Key << "race" << YAML::Value << YAML::BeginMap;
+    out << YAML::Key << "by" << YAML::Value << axis.race->by.Text();
+    out << YAML::Key << "tolerance" << YAML::Value << YamlReal(axis.race->tolerance);
+    out << YAML::EndMap;
+  }
   out << YAML::EndMap;
 }
 

@@ -451,6 +451,12 @@ class PlanReader : public ValueReader {
       if (text) Fail(node.Mark(), "a search needs an axis of numbers");
       axis.search = {ReadRequirement(until), Text(Member(node, "log")) == "true"};
     }
+    if (const YAML::Node race = node["race"]) {
+      const auto by = plan::FindFigure(Text(Member(race, "by")));
+      if (!by || by->kind != plan::FigureKind::kTime)
+        Fail(race.Mark(), "a race is by a time, such as mean(step)");
+      axis.race = {*by, Real(Member(race, "tolerance"))};
+    }
     return axis;
   }
 

@@ -132,11 +132,11 @@ options::ExitStatus Merge(const MergeArguments& arguments) {
   const std::size_t missing = plans::CountMissing(file, plan);
   const std::size_t left_out = plans::CountLeftOut(file, plan);
   const bool removes = lock && missing == 0 && not_again == 0;
-  terminal::Say(fmt::format(
-      "{} of {} runs{} in '{}'{}{}\n", plan.RunCount() - missing - left_out, plan.RunCount(),
-      left_out > 0 ? ", all that the search needs," : "", arguments.out,
-      not_again > 0 ? fmt::format(", {} of them still to be run again", not_again) : "",
-      removes ? "" : "; the journals are left where they are"));
+  terminal::Say(
+      fmt::format("{} of {} runs{} in '{}'{}{}\n", plan.RunCount() - missing - left_out,
+                  plan.RunCount(), left_out > 0 ? ", all that are needed," : "", arguments.out,
+                  not_again > 0 ? fmt::format(", {} of them still to be run again", not_again) : "",
+                  removes ? "" : "; the journals are left where they are"));
   SayProcessors(file);
   if (removes) plans::RemoveMergedRuns(plan, places[0], *lock, /*is_quiet=*/false);
   return options::ExitStatus::kGood;

@@ -189,7 +189,7 @@ void PrintDryRun(const plans::SizedPlan& sized, const fs::path& out, const RunAr
     names += fmt::format("  {}  {}\n", id, plan::Describe(plan, {id, at, rep, {}, {}, {}}));
   });
   const std::uint64_t runs = plan.RunCount();
-  if (plan.SearchAxis() && count > 0)
+  if (plan.ChoosesRuns() && count > 0)
     return terminal::Print(
         fmt::format("{}: {} would be executed, as the results of one another ask, into '{}'; {} "
                     "are finished\n",
@@ -299,7 +299,7 @@ options::ExitStatus Run(const RunArguments& arguments) {
   const std::optional<protocol::Verdict> required = RequiredVerdict(arguments, plans);
   for (const plans::SizedPlan& sized : plans) {
     if (until) plans::CheckUntil(sized.plan);
-    plans::CheckSearch(sized.plan, until.has_value());
+    plans::CheckChoice(sized.plan, until.has_value());
   }
   std::vector<fs::path> outs;
   for (const plans::SizedPlan& plan : plans)

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/evaluate/sweeps.h"
 #include "compiler/schema/language_words.h"
 #include "dsl/format.h"
 #include "dsl/lexer.h"
@@ -288,7 +289,7 @@ class Completer {
   void AddFunctions() {
     for (const schema::LanguageWord& word : schema::LanguageWords()) {
       if (word.role != schema::WordRole::kFunction) continue;
-      const bool makes_axis = word.name == "sweep" || word.name == "find";
+      const bool makes_axis = evaluate::MakesAxis(word.name);
       const bool fits = context_.parameter == nullptr || context_.parameter->distribution;
       if (makes_axis || fits) AddWord(word.name, ItemKind::kFunction);
     }

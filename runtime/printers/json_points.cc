@@ -18,6 +18,7 @@
 #include "runtime/figures/bootstrap.h"
 #include "runtime/figures/coverage.h"
 #include "runtime/figures/model.h"
+#include "runtime/figures/steady/steady_state.h"
 #include "runtime/printers/show.h"
 
 namespace cdb::printers {
@@ -454,6 +455,20 @@ Json DocumentDistributions(const figures::Model& model) {
     all["repeat_means"][name] = std::move(means);
   }
   return all;
+}
+
+Json DocumentSteady(const figures::Model& model) {
+  const std::vector<steady::PointState> states = steady::FindSteadyStates(model);
+  const std::string text = steady::SteadyText(states);
+  if (text.empty()) return nullptr;
+  Json points = Json::array();
+  for (const steady::PointState& of : states)
+    points.push_back({{"point", model.IndexOf(of.point->at)},
+                      {"state", steady::StateName(of.steady.state)},
+                      {"warmup", of.steady.warmup},
+                      {"all", JsonNumber(of.steady.all)},
+                      {"rest", JsonNumber(of.steady.rest)}});
+  return {{"text", text}, {"points", std::move(points)}};
 }
 
 }  // namespace cdb::printers

@@ -81,6 +81,12 @@ Json DocumentCycles(const figures::Model& model);
 /// 500 points, step and detect for at most 2000; null for more, and without timings.
 Json DocumentDistributions(const figures::Model& model);
 
+/// `boundaries` of the searches, pooled over the seeds; null without a search.
+Json DocumentBoundaries(const figures::Model& model);
+/// `races`: how each configuration did; null without a race.
+Json DocumentRaces(const figures::Model& model);
+/// `steady`: where the step is steady; null for runs that are too short to tell.
+Json DocumentSteady(const figures::Model& model);
 /// `runs`: the number of runs by their ending.
 Json DocumentRuns(const figures::Model& model);
 /// `warnings` to read before quoting a figure: each with its kind and a sentence, the most severe

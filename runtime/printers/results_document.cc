@@ -23,9 +23,9 @@
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/requirements.h"
-#include "runtime/figures/searches/searches.h"
 #include "runtime/printers/document.h"
 #include "runtime/printers/json_points.h"
+#include "runtime/printers/show.h"
 
 namespace cdb::printers {
 namespace {
@@ -48,7 +48,7 @@ Json IntervalWords(const figures::Model& model) {
 Json DocumentConclusions(const figures::Model& model) {
   Json all = Json::array();
   if (IsLarge(model)) return all;
-  for (const figures::Conclusion& of : figures::Conclusions(model)) {
+  for (const figures::Conclusion& of : ConclusionsOf(model)) {
     Json conclusion = {{"question", of.question},
                        {"answer", of.answer},
                        {"kind", of.kind},
@@ -88,34 +88,6 @@ Json DocumentBudget(const figures::Model& model) {
           {"text", budget->Text()},
           {"phase", "step"},
           {"points", std::move(points)}};
-}
-
-/// The boundaries of the searches, pooled over the seeds.
-Json DocumentBoundaries(const figures::Model& model) {
-  const std::vector<searches::Boundary> boundaries = searches::FindBoundaries(model);
-  if (boundaries.empty()) return nullptr;
-  const std::size_t axis = *plan::SearchAxis(model.file().axes());
-  const std::vector<std::size_t> axes = searches::PooledAxes(model.file());
-  Json all = Json::array(), names = Json::array();
-  for (const std::size_t i : axes) names.push_back(model.axis(i).name);
-  for (const searches::PooledBoundary& of : searches::Pool(model.file(), boundaries))
-    all.push_back({{"place", PlaceJson(model, axes, of.place)},
-                   {"at", of.place},
-                   {"value", JsonNumber(of.value, 9)},
-                   {"low", JsonNumber(of.interval.low, 9)},
-                   {"high", JsonNumber(of.interval.high, 9)},
-                   {"interval", figures::NameOf(of.kind)},
-                   {"searches", of.searches.size()},
-                   {"found", of.found},
-                   {"probes", of.probes},
-                   {"not_monotone", of.not_monotone},
-                   {"text", searches::BoundaryText(model.axis(axis), of)}});
-  return {{"axis", model.axis(axis).name},
-          {"until", model.axis(axis).search->until.text},
-          {"log", model.axis(axis).search->is_log},
-          {"values", model.axis(axis).values.size()},
-          {"axes", std::move(names)},
-          {"boundaries", std::move(all)}};
 }
 
 Json DocumentRequirements(const figures::Model& model) {
@@ -279,6 +251,8 @@ Printed ResultsDocument(const results::ResultFile& file, const DocumentOptions& 
   document["budget"] = DocumentBudget(model);
   document["requirements"] = DocumentRequirements(model);
   document["boundaries"] = DocumentBoundaries(model);
+  document["races"] = DocumentRaces(model);
+  document["steady"] = DocumentSteady(model);
   if (options.for_page) {
     document["pooled"] = DocumentPooled(model, ratios);
     document["cycles"] = DocumentCycles(model);

@@ -19,6 +19,7 @@
 #include "runtime/figures/model.h"
 #include "runtime/figures/requirements.h"
 #include "runtime/figures/searches/searches.h"
+#include "runtime/figures/steady/steady_state.h"
 #include "runtime/printers/document.h"
 #include "runtime/terminal/console.h"
 #include "runtime/terminal/table.h"
@@ -55,6 +56,7 @@ void AddBudget(const figures::Model& model, bool has_answer, Document& document)
 Document Brief(const figures::Model& model) {
   Document document = {BriefHead(model)};
   AddBoundaries(model, document);
+  AddRaces(model, document);
   AddRequirements(model, document);
   Document tables;
   const auto by = ChooseTables(model, {});
@@ -82,6 +84,7 @@ Printed Show(const results::ResultFile& file, const ShowOptions& options) {
   // Whoever asks for certain rows does not ask how the file is stored.
   Document document = {SummaryHead(model, asked.empty())};
   AddBoundaries(model, document);
+  AddRaces(model, document);
   AddRequirements(model, document);
   for (const auto& by : ChooseTables(model, asked)) {
     AddPhases(model, by, options.phases, document);
@@ -183,6 +186,7 @@ class Head {
     Add(lines, figures::SameMotionText(file_));
     Add(lines, figures::OpenQuestionsText(file_, Judged()));
     Add(lines, figures::SleepNote(file_, measured_));
+    Add(lines, steady::SteadyText(steady::FindSteadyStates(model_)));
     Add(lines, Errors());
     Add(lines, Missing());
     Add(lines, BadRuns());
@@ -194,7 +198,7 @@ class Head {
     Lines lines = {Grid()};
     Add(lines, AxisTitles());
     std::size_t count = 0;
-    for (const figures::Conclusion& conclusion : figures::Conclusions(model_)) {
+    for (const figures::Conclusion& conclusion : ConclusionsOf(model_)) {
       // Whether the others can be believed.
       const bool is_about_soundness = conclusion.kind == "stability";
       if (++count > kMostAnswers && !is_about_soundness) continue;
@@ -248,7 +252,7 @@ class Head {
       text += fmt::format(" ({} simulated)", time);
     if (groups_.skipped > 0)
       text += fmt::format(", {} {}", groups_.skipped,
-                          plan::SearchAxis(file_.axes()) ? "not needed" : "skipped");
+                          plan::ChoosesRuns(file_.axes()) ? "not needed" : "skipped");
     return text;
   }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/figures/conclusions.h"
 #include "runtime/figures/errors.h"
 #include "runtime/figures/model.h"
 #include "runtime/figures/requirements.h"
@@ -134,7 +135,11 @@ Section BudgetSection(const figures::Model& model, const figures::Budget& budget
 void AddRequirements(const figures::Model& model, Document& document);
 /// The boundaries that the searches of the scenario found; none without a search.
 void AddBoundaries(const figures::Model& model, Document& document);
-/// The same with the title of the file, for a terminal.
+/// The conclusions of a file, that on its races first.
+std::vector<figures::Conclusion> ConclusionsOf(const figures::Model& model);
+/// The races of the scenario: how each configuration did; none without a race.
+void AddRaces(const figures::Model& model, Document& document);
+/// The boundaries with the title of the file, for a terminal.
 std::string BoundariesText(const results::ResultFile& file);
 /// What the same searches found in two files, by place; no rows if they have none in common.
 Section BoundaryChanges(const results::ResultFile& a, const results::ResultFile& b);

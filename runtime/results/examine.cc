@@ -262,8 +262,8 @@ void CheckRuns(const hdf5::File& file, const FileExtents& extents, const plan::P
     std::size_t cell = 0;
     for (std::size_t i = 0; i < at.size(); ++i) cell = cell * extents.grid[i] + at[i];
     cell = cell * extents.grid.back() + rep;
-    // A search leaves out the runs that it does not need.
-    if (!plan.SearchAxis() && statuses.at(cell) == static_cast<double>(Status::kSkipped))
+    // A search or a race leaves out the runs that it does not need.
+    if (!plan.ChoosesRuns() && statuses.at(cell) == static_cast<double>(Status::kSkipped))
       throw hdf5::Error(fmt::format("the run {} of its plan is marked as skipped", id));
     if (ids.at(cell) != id)
       throw hdf5::Error(fmt::format("it contains the run {} where its plan has {}", ids[cell], id));

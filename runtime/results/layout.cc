@@ -72,6 +72,7 @@ class Maker {
     if (holds_references) AddReferences();
     if (!plan_.requirements.empty()) AddRequirements();
     if (plan_.SearchAxis()) AddBoundaries();
+    if (!plan_.RaceAxes().empty()) AddRaces();
     return std::move(layout_);
   }
 
@@ -316,6 +317,38 @@ class Maker {
         "changes of the condition between neighbouring values that were run; above 1: not "
         "monotone");
     add("probes", Type::kInt32, "", "values that were run");
+  }
+
+  /// Over all axes: for each configuration of each race.
+  void AddRaces() {
+    std::vector<std::string> points;
+    for (std::size_t i = 0; i < plan_.axes.size(); ++i) {
+      AddDimension(kRaceGroup, AxisDimension(plan_.axes[i], facts_.integer_axes[i]));
+      points.push_back(plan_.axes[i].name);
+    }
+    const plan::Race& race = *plan_.axes[plan_.RaceAxes()[0]].race;
+    const auto add = [&](const char* name, Type type, const std::string& doc) -> Array& {
+      Array& array = Add(kRaceGroup + name, type, points, false);
+      if (type != Type::kInt8) {
+        array.fill = type == Type::kFloat64 ? kNaN : -1;
+        array.has_fill_value = true;
+      }
+      Describe(array, "", doc);
+      return array;
+    };
+    Array& outcome = add("outcome", Type::kInt8, "how the configuration did in its race");
+    outcome.flags = "not_known won dropped tied open failed";
+    outcome.attributes.erase("units");
+    add("repeats", Type::kInt32, "repeats by which that was decided");
+    add("against", Type::kInt32,
+        "the configuration with which it is compared: its index among all combinations of the "
+        "values of the axes with a race, the last axis fastest");
+    add("ratio", Type::kFloat64,
+        fmt::format("median over the repeats of {}, divided by that of the configuration it is "
+                    "compared with",
+                    race.by.Text()));
+    add("low", Type::kFloat64, "lower bound of the ratio, of 95 % over the whole race");
+    add("high", Type::kFloat64, "upper bound of the same");
   }
 
   void AddContactDimensions(std::uint64_t rows) {

@@ -29,6 +29,7 @@ inline constexpr std::string_view kSampledGroup = "sampled/";
 inline const std::string kReferenceGroup = "accuracy/reference/";
 inline const std::string kRequirementsGroup = "requirements/";
 inline const std::string kBoundaryGroup = "boundary/";
+inline const std::string kRaceGroup = "race/";
 
 /// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -144,6 +145,8 @@ void WriteRequirements(hdf5::File& file, const std::vector<plan::Requirement>& r
 
 /// Fills the arrays of /boundary, if there are any.
 void WriteBoundaries(hdf5::File& file, const plan::Plan& plan, const StoredAnswers* answers);
+/// Fills the arrays of /race, if there are any.
+void WriteRaces(hdf5::File& file, const plan::Plan& plan, const StoredAnswers* answers);
 
 /// Writes the attributes of the file itself. `what` is the line of `history`.
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,

@@ -116,6 +116,20 @@ void WriteBoundaries(hdf5::File& file, const plan::Plan& plan, const StoredAnswe
   write("probes", boundaries.probes);
 }
 
+void WriteRaces(hdf5::File& file, const plan::Plan& plan, const StoredAnswers* answers) {
+  if (plan.RaceAxes().empty() || answers == nullptr) return;
+  const auto write = [&](const char* name, const std::vector<double>& values) {
+    file.OpenDataset(kRaceGroup + name).Write(values);
+  };
+  const StoredAnswers::Races& races = answers->races;
+  write("outcome", races.outcome);
+  write("repeats", races.repeats);
+  write("against", races.against);
+  write("ratio", races.ratio);
+  write("low", races.low);
+  write("high", races.high);
+}
+
 void WriteHead(hdf5::File& file, const plan::Plan& plan, const PlanFacts& facts,
                std::string_view what) {
   file.SetText("Conventions", kConventions);

@@ -35,18 +35,36 @@ std::vector<std::string> Words(const std::string& text) {
   return words;
 }
 
+/// Nullopt for any other text.
+std::optional<double> NumberIn(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value)
+                                                                  : std::nullopt;
+}
+
 /// The search along an axis; nullopt if there is none.
 std::optional<plan::Search> ReadSearch(const hdf5::Dataset& axis) {
   const std::string text = axis.Text(kUntilAttribute);
   if (text.empty()) return std::nullopt;
   const auto figure = plan::FindFigure(axis.Text(kFigureAttribute));
   const auto comparison = plan::FindComparison(axis.Text(kComparisonAttribute));
-  const std::string limit = axis.Text(kLimitAttribute);
-  double value = 0;
-  const auto [end, error] = std::from_chars(limit.data(), limit.data() + limit.size(), value);
-  if (!figure || !comparison || error != std::errc() || end != limit.data() + limit.size())
+  const auto limit = NumberIn(axis.Text(kLimitAttribute));
+  if (!figure || !comparison || !limit)
     throw hdf5::Error(fmt::format("the search until '{}' is not one of this cdb", text));
-  return plan::Search{{text, *figure, *comparison, value}, axis.Text(kScaleAttribute) == kLogScale};
+  return plan::Search{{text, *figure, *comparison, *limit},
+                      axis.Text(kScaleAttribute) == kLogScale};
+}
+
+/// The race of an axis; nullopt if there is none.
+std::optional<plan::Race> ReadRace(const hdf5::Dataset& axis) {
+  const std::string text = axis.Text(kRaceAttribute);
+  if (text.empty()) return std::nullopt;
+  const auto by = plan::FindFigure(text);
+  const auto tolerance = NumberIn(axis.Text(kToleranceAttribute));
+  if (!by || by->kind != plan::FigureKind::kTime || !tolerance)
+    throw hdf5::Error(fmt::format("the race by '{}' is not one of this cdb", text));
+  return plan::Race{*by, *tolerance};
 }
 
 }  // namespace
@@ -80,6 +98,7 @@ struct ResultFile::Impl {
           throw hdf5::Error(sampled + " has not one value for each point");
       }
       axis.search = ReadSearch(dataset);
+      axis.race = ReadRace(dataset);
       grid.push_back(axis.values.size());
       kept.emplace_back(axis.values.size());
       std::iota(kept.back().begin(), kept.back().end(), std::size_t{0});
@@ -348,8 +367,13 @@ const std::string& ResultFile::source() const { return impl_->source; }
 const std::vector<plan::Axis>& ResultFile::axes() const { return impl_->axes; }
 void ResultFile::Select(std::size_t axis, const std::vector<std::size_t>& kept) {
   CDB_CHECK(axis < impl_->axes.size() && !kept.empty());
-  // A part of its values says nothing of a search.
-  if (kept.size() < impl_->axes[axis].values.size()) impl_->axes[axis].search.reset();
+  // A part of its values says nothing of a search, or a race.
+  if (kept.size() < impl_->axes[axis].values.size()) {
+    const bool is_raced = impl_->axes[axis].race.has_value();
+    impl_->axes[axis].search.reset();
+    for (plan::Axis& each : impl_->axes)
+      if (is_raced) each.race.reset();
+  }
   std::vector<std::size_t> places;
   std::vector<plan::Coordinate> values;
   for (const std::size_t place : kept) {

@@ -87,6 +87,10 @@ Dimension AxisDimension(const plan::Axis& axis, bool is_integer) {
   for (const plan::Coordinates& coordinates : axis.sampled)
     sampled.append(sampled.empty() ? "" : " ").append(coordinates.name);
   if (!sampled.empty()) dimension.attributes.emplace(kSampledAttribute, sampled);
+  if (axis.race) {
+    dimension.attributes.emplace(kRaceAttribute, axis.race->by.Text());
+    dimension.attributes.emplace(kToleranceAttribute, schema::FormatReal(axis.race->tolerance));
+  }
   if (axis.search) {
     const plan::Requirement& until = axis.search->until;
     dimension.attributes.emplace(kUntilAttribute, until.text);

@@ -193,8 +193,14 @@ struct StoredAnswers {
     std::vector<double> outcome, value, low, high, changes, probes;
   };
   Boundaries boundaries = {};
-  /// True if no search needs another run: the others are then left out for good.
-  bool searches_have_ended = false;
+  /// How each configuration did in its race, for each point of the grid
+  /// (figures/races/races.h).
+  struct Races {
+    std::vector<double> outcome, repeats, against, ratio, low, high;
+  };
+  Races races = {};
+  /// True if no search or race needs another run: the others are then left out for good.
+  bool has_all_runs = false;
 };
 
 // The dimensions of a results file, with their coordinates.
@@ -227,6 +233,8 @@ inline constexpr const char* kNoUnit = "1";
 /// `scale` is `linear` or kLogScale, with the ends of their ranges.
 inline constexpr const char *kSampledAttribute = "sampled", *kLogScale = "log",
                             *kFirstAttribute = "first", *kLastAttribute = "last";
+/// Of an axis with a race: its figure, and its tolerance.
+inline constexpr const char *kRaceAttribute = "race_by", *kToleranceAttribute = "race_tolerance";
 /// Of an axis with a search: its condition as it is written, and as what it is judged.
 inline constexpr const char *kUntilAttribute = "until", *kFigureAttribute = "until_figure",
                             *kComparisonAttribute = "until_comparison",

@@ -102,7 +102,7 @@ class Counter {
   EarlierRuns Counted(const plan::Plan& plan) const {
     EarlierRuns earlier;
     earlier.runs = plan.RunCount();
-    earlier.is_searched = plan.SearchAxis().has_value();
+    earlier.is_searched = plan.ChoosesRuns();
     earlier.kept = kept_;
     earlier.others = others_;
     earlier.unlike = fmt::format("{}", fmt::join(unlike_, ", "));

@@ -133,10 +133,10 @@ bool PlanRunner::IsComplete(const plan::Plan& plan, const fs::path& out) const {
 
 std::optional<Round> PlanRunner::FirstRound(const plan::Plan& plan, const fs::path& out,
                                             bool has_results) const {
-  if (plan.SearchAxis()) {
+  if (plan.ChoosesRuns()) {
     const Round none{plan.repeats, std::set<std::string>(), {}};
-    return has_results ? SearchRoundAfter(plan, none, out, options_.shard)
-                       : std::optional(FirstSearchRound(plan));
+    return has_results ? ChosenRoundAfter(plan, none, out, options_.shard)
+                       : std::optional(FirstChosenRound(plan));
   }
   if (!options_.until) return Round{plan.repeats, {}};
   const std::uint64_t least = figures::Bootstrap::kLeastForInterval;
@@ -150,10 +150,10 @@ std::optional<Round> PlanRunner::FirstRound(const plan::Plan& plan, const fs::pa
 
 std::optional<Round> PlanRunner::RoundAfter(const plan::Plan& plan, const fs::path& out,
                                             const fs::path& folder, const Round& done) const {
-  if (plan.SearchAxis()) {
-    if (options_.shard.count == 1) return SearchRoundAfter(plan, done, out, options_.shard);
+  if (plan.ChoosesRuns()) {
+    if (options_.shard.count == 1) return ChosenRoundAfter(plan, done, out, options_.shard);
     const ScratchResults scratch(plan, folder, out, options_.shard, provenance_);
-    return SearchRoundAfter(plan, done, scratch.path(), options_.shard);
+    return ChosenRoundAfter(plan, done, scratch.path(), options_.shard);
   }
   if (!options_.until) return std::nullopt;
   const auto repeats = RepeatsAfter(
@@ -193,8 +193,8 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
     if (options_.retry.is_empty() && !options_.is_quiet)
       terminal::Say(fmt::format("resuming the interrupted `--retry` in '{}'\n", out.string()));
     ExecutedPlan end = Retry(sized, out, retry);
-    // Runs that end otherwise now may move a boundary.
-    if (!end.is_merged || !plan.SearchAxis() || IsThereAlready(out, plan)) return end;
+    // Runs that end otherwise now may move a boundary, or decide a race.
+    if (!end.is_merged || !plan.ChoosesRuns() || IsThereAlready(out, plan)) return end;
   }
   const bool is_part = options_.shard.count > 1;
   const bool goes_on_anew = !is_part && IsMadeAnew(plan, folder);
@@ -216,7 +216,7 @@ ExecutedPlan PlanRunner::Execute(const SizedPlan& sized, const fs::path& out) co
   if (has_results) kept.emplace(out, RetryChoice());
   schedule::ExecuteOptions execute =
       ExecuteOptionsFor(plan, folder, options_.fresh && !goes_on_anew);
-  const bool has_rounds = options_.until.has_value() || plan.SearchAxis().has_value();
+  const bool has_rounds = options_.until.has_value() || plan.ChoosesRuns();
   if (kept || has_rounds)  // without it, finished parts are skipped by their marks
     execute.find_elsewhere = [&](const plan::Run& run) {
       return round->Has(run) ? (kept ? kept->Find(run) : std::nullopt) : journal::RunInfo{};

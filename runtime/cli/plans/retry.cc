@@ -95,7 +95,7 @@ RetryChoice FindStartedRetry(const fs::path& folder) {
 KeptRuns::KeptRuns(const fs::path& out, RetryChoice retry)
     : file_(out),
       retry_(std::move(retry)),
-      leaves_missing_(!retry_.is_empty() && plan::SearchAxis(file_.axes())) {}
+      leaves_missing_(!retry_.is_empty() && plan::ChoosesRuns(file_.axes())) {}
 
 bool KeptRuns::Has(const std::string& id, const std::vector<std::size_t>& at,
                    std::uint64_t rep) const {

@@ -57,7 +57,8 @@ class KeptRuns {
  private:
   const results::ResultFile file_;
   const RetryChoice retry_;
-  /// True for a retry of a search, which goes on afterwards and chooses from the missing runs.
+  /// True for a retry of a search or a race, which goes on afterwards and chooses from the missing
+  /// runs.
   const bool leaves_missing_;
 };
 

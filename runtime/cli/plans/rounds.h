@@ -1,5 +1,5 @@
 // Rounds of a sweep whose results decide which runs follow: the repeats of `--until`, the points of
-// a search.
+// a search, the repeats of a race.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace cdb::plans {
 struct Round {
   std::uint64_t repeats = 0;                      ///< of each point
   std::optional<std::set<std::string>> ids = {};  ///< of the runs; nullopt: all
-  std::string progress = {};                      ///< of a search, a line
+  std::string progress = {};                      ///< of a search or a race, a line
 
   /// A run may be at several points, whose id is the same.
   bool Has(const plan::Run& run) const {
@@ -26,18 +26,20 @@ struct Round {
   }
 };
 
-/// The points that every search of the plan begins with.
-Round FirstSearchRound(const plan::Plan& plan);
+// Of a plan that chooses runs by results: with searches or races.
 
-/// The points that the searches of `shard` need after those of `done`, whose runs are in `results`;
-/// nullopt once they have ended. Throws StoreError, and CommandError if they ask for runs that were
-/// executed already.
-std::optional<Round> SearchRoundAfter(const plan::Plan& plan, const Round& done,
+/// The runs that every search or race of the plan begins with.
+Round FirstChosenRound(const plan::Plan& plan);
+
+/// The runs that the searches or races of `shard` need after those of `done`, which are in
+/// `results`; nullopt once they have ended. Throws StoreError, and CommandError if they ask for
+/// runs that were executed already.
+std::optional<Round> ChosenRoundAfter(const plan::Plan& plan, const Round& done,
                                       const std::filesystem::path& results,
                                       schedule::ShardChoice shard);
 
-/// The finished runs of a folder in a results file of its own, which is removed again: a shard of a
-/// search reads what it has found so far. Throws StoreError.
+/// The finished runs of a folder in a results file of its own, which is removed again: a shard of
+/// searches or races reads what they have found so far. Throws StoreError.
 class ScratchResults {
  public:
   ScratchResults(const plan::Plan& plan, const std::filesystem::path& folder,
@@ -53,7 +55,7 @@ class ScratchResults {
   std::filesystem::path path_;
 };
 
-/// Throws CommandError for a plan with a search that goes with `--until`.
-void CheckSearch(const plan::Plan& plan, bool has_until);
+/// Throws CommandError for a plan with searches or races that goes with `--until`.
+void CheckChoice(const plan::Plan& plan, bool has_until);
 
 }  // namespace cdb::plans

@@ -40,7 +40,10 @@ std::string FileName(const plan::Plan& plan, const plan::Run& run) {
 plan::Plan MakeTracePlan(plan::Plan plan) {
   std::erase_if(plan.runs, [](const plan::Run& run) { return run.rep > 0; });
   plan.repeats = 1;
-  for (plan::Axis& axis : plan.axes) axis.search.reset();  // which needs figures: every value
+  for (plan::Axis& axis : plan.axes) {  // every value: what chooses among them needs figures
+    axis.search.reset();
+    axis.race.reset();
+  }
   for (plan::Run& run : plan.runs) {
     if (analysis::TraceOf(run.scene))
       throw options::CommandError(

@@ -153,7 +153,10 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
 VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   Plan bare = plan;
   bare.repeats = 1;
-  for (plan::Axis& axis : bare.axes) axis.search.reset();  // which needs figures: every value
+  for (plan::Axis& axis : bare.axes) {  // every value: what chooses among them needs figures
+    axis.search.reset();
+    axis.race.reset();
+  }
   std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
   for (plan::Run& run : bare.runs) {
     if (analysis::HasSoft(run.scene))

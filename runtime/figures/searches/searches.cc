@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "runtime/figures/bootstrap.h"
+#include "runtime/figures/races/races.h"
 #include "runtime/figures/requirements.h"
 #include "runtime/terminal/table.h"
 
@@ -168,7 +169,7 @@ std::vector<Point> FirstPoints(const plan::Plan& plan) {
 
 std::uint64_t ExpectedRuns(const plan::Plan& head, std::uint64_t runs) {
   const auto axis = head.SearchAxis();
-  if (!axis) return runs;
+  if (!axis) return runs;  // a race may need all
   const std::uint64_t values = head.axes[*axis].values.size();
   const std::uint64_t lines = (runs + values * head.repeats - 1) / (values * head.repeats);
   return std::min(runs, lines * UsualProbes(values) * head.repeats);
@@ -176,6 +177,8 @@ std::uint64_t ExpectedRuns(const plan::Plan& head, std::uint64_t runs) {
 
 std::string RunsText(const plan::Plan& head, std::uint64_t runs) {
   const std::string all = fmt::format("{} run{}", runs, runs == 1 ? "" : "s");
+  if (!head.RaceAxes().empty())
+    return fmt::format("a race: {} to {}", races::LeastRuns(head, runs), all);
   return head.SearchAxis() ? fmt::format("a search: about {} of {}", ExpectedRuns(head, runs), all)
                            : all;
 }
@@ -308,10 +311,14 @@ results::StoredAnswers AnswersToStore(const std::filesystem::path& path) {
   const results::ResultFile file(path, results::ProofOf::kStructure);
   const figures::Model model(file);
   results::StoredAnswers stored = figures::AnswersOf(model);
+  if (const std::vector<races::PlacedRace> raced = races::RunRaces(file); !raced.empty()) {
+    stored.races = races::RacesToStore(file, raced);
+    stored.has_all_runs = races::NextCells(raced).empty();
+  }
   const auto axis = plan::SearchAxis(file.axes());
   if (!axis) return stored;
   const std::vector<Boundary> boundaries = FindBoundaries(model);
-  stored.searches_have_ended = NextPoints(*axis, boundaries).empty();
+  stored.has_all_runs = NextPoints(*axis, boundaries).empty();
   std::map<Point, std::size_t> places;
   for (const Point& at : figures::AllPoints(file))
     places.emplace(figures::Without(at, *axis), places.size());

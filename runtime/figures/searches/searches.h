@@ -49,10 +49,10 @@ std::vector<Boundary> FindBoundaries(const figures::Model& model);
 std::vector<Point> NextPoints(std::size_t axis, const std::vector<Boundary>& boundaries);
 /// The same before anything was run.
 std::vector<Point> FirstPoints(const plan::Plan& plan);
-/// The number of runs of a plan that are executed: all of `runs`, or what its searches take if
-/// every run tells. `head`: the plan without its runs.
+/// The number of runs of a plan that are executed: all of `runs`, which a race may need, or what
+/// its searches take if every run tells. `head`: the plan without its runs.
 std::uint64_t ExpectedRuns(const plan::Plan& head, std::uint64_t runs);
-/// `514 runs`, `a search: about 22 of 514 runs`.
+/// `514 runs`, `a search: about 22 of 514 runs`, `a race: 48 to 300 runs`.
 std::string RunsText(const plan::Plan& head, std::uint64_t runs);
 
 /// Searches that differ only in the seed, if the scenario sweeps it; else a single one.
@@ -77,7 +77,7 @@ std::vector<PooledBoundary> Pool(const results::ResultFile& file,
 /// `56.0 (54.7 .. 57.3)`, `nowhere up to 100000`: a pooled boundary in words.
 std::string BoundaryText(const plan::Axis& axis, const PooledBoundary& of);
 
-/// What a merged file stores of its requirements and searches.
+/// What a merged file stores of its requirements, searches and races.
 results::StoredAnswers AnswersToStore(const std::filesystem::path& file);
 
 }  // namespace cdb::searches

@@ -47,7 +47,7 @@ struct SceneRecording {
   bool is_run = false;          ///< from a results file
   results::Status status = results::Status::kMissing;
   protocol::Judgement judgement;
-  std::string unchecked;  ///< questions that the verdict leaves open
+  std::string unchecked;       ///< questions that the verdict leaves open
   std::string message;         ///< reason why it failed; may be empty
   std::uint64_t n_cycles = 0;  ///< number of cycles that ran
 

@@ -99,11 +99,10 @@ class Merger {
     results::CreateArrays(file, layout_);
     const std::size_t merged = CopyRuns(file);
     const std::size_t left_out = LeaveOut();
-    results::WriteHead(
-        file, plan_, facts_,
-        left_out == 0
-            ? fmt::format("merged {} of {} runs", merged, runs_.size())
-            : fmt::format("merged {} runs, all that the search needs of {}", merged, runs_.size()));
+    results::WriteHead(file, plan_, facts_,
+                       left_out == 0 ? fmt::format("merged {} of {} runs", merged, runs_.size())
+                                     : fmt::format("merged {} runs, all that are needed of {}",
+                                                   merged, runs_.size()));
     file.SetText(results::kDigestAttribute, results::kDigestText);
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       file.OpenDataset(facts_.numbers[i].name).Write(numbers_[i]);
@@ -114,6 +113,7 @@ class Merger {
     if (facts_.contacts) file.OpenDataset("contact_first").Write(contact_first_);
     results::WriteRequirements(file, plan_.requirements, answers_);
     results::WriteBoundaries(file, plan_, answers_);
+    results::WriteRaces(file, plan_, answers_);
     WriteProvenance(file);
     file.Close();
   }
@@ -238,10 +238,10 @@ class Merger {
     return merged;
   }
 
-  /// Once its searches have ended, marks the runs that they do not need as skipped, and returns
-  /// their number.
+  /// Once its searches or races have ended, marks the runs that they do not need as skipped, and
+  /// returns their number.
   std::size_t LeaveOut() {
-    if (answers_ == nullptr || !answers_->searches_have_ended) return 0;
+    if (answers_ == nullptr || !answers_->has_all_runs) return 0;
     std::size_t left_out = 0;
     for (double& status : numbers_[0]) {
       if (status != static_cast<double>(results::Status::kMissing)) continue;
@@ -472,7 +472,7 @@ void Merge(const plan::Plan& plan, const results::Provenance& provenance,
   files::TemporaryFile temporary(out);
   try {
     std::optional<results::StoredAnswers> answers;
-    if (judge && (!plan.requirements.empty() || plan.SearchAxis())) {
+    if (judge && (!plan.requirements.empty() || plan.ChoosesRuns())) {
       Merger(plan, provenance, places, base, nullptr).Write(temporary.path());
       files::AppendSeal(temporary.path(), out);
       answers = judge(temporary.path());

@@ -1,6 +1,7 @@
 #include "runtime/sweep/schedule/order.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/statvfs.h>
 
 #include <algorithm>
@@ -25,9 +26,9 @@
 namespace cdb::schedule {
 namespace {
 
-/// Runs that differ only in the detector.
+/// Runs that differ only in the detector, or of rivals in a race.
 struct DetectorGroup {
-  std::string point;  ///< identifies the scene without its detector
+  std::string point;  ///< identifies the scene without its detector, or the race
   std::uint64_t rep = 0;
   double work = 0;
   std::vector<const plan::Run*> runs;
@@ -41,14 +42,26 @@ std::string PointKey(const plan::Run& run) {
   return plan::RunId(scene, 0);
 }
 
+/// The point of a run, with 0 on the axes whose values belong together.
+std::vector<std::size_t> PlaceOf(const plan::Plan& plan, const plan::Run& run) {
+  std::vector<std::size_t> place = run.at;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const plan::Axis& axis = plan.axes[i];
+    if (axis.search || axis.race || axis.parameter == "detector") place[i] = 0;
+  }
+  return place;
+}
+
 /// In grid order, with the repeats one after the other.
 std::vector<DetectorGroup> GroupByDetector(const plan::Plan& plan) {
   std::vector<DetectorGroup> groups;
   std::unordered_set<std::string_view> seen;
   std::unordered_map<std::string, std::size_t> places;
+  const bool has_race = !plan.RaceAxes().empty();
   for (const plan::Run& run : plan.runs) {
     if (!seen.insert(run.id).second) continue;
-    const std::string point = PointKey(run);
+    const std::string point =
+        has_race ? fmt::format("{}", fmt::join(PlaceOf(plan, run), " ")) : PointKey(run);
     const auto [place, is_new] =
         places.try_emplace(fmt::format("{} {}", point, run.rep), groups.size());
     if (is_new) groups.push_back({point, run.rep, 0, {}});
@@ -74,29 +87,23 @@ struct Bundle {
   std::vector<std::size_t> groups;
 };
 
-/// A number for each point of a plan that is the same for those of one search, for detectors at one
-/// point, and for searches that have a run in common.
+/// A number for each point of a plan that is the same for those of one search or race, for
+/// detectors at one point, and for searches or races that have a run in common.
 class SearchNumbers {
  public:
   explicit SearchNumbers(const plan::Plan& plan) : plan_(plan) {
     std::unordered_map<std::string_view, std::size_t> owners;
     for (const plan::Run& run : plan.runs) {
-      const auto [place, is_new] = places_.try_emplace(PlaceOf(run), same_as_.size());
+      const auto [place, is_new] = places_.try_emplace(PlaceOf(plan, run), same_as_.size());
       if (is_new) same_as_.push_back(place->second);
       const auto [owner, is_first] = owners.try_emplace(run.id, place->second);
       if (!is_first) same_as_[Root(place->second)] = Root(owner->second);
     }
   }
 
-  std::size_t Of(const plan::Run& run) const { return Root(places_.at(PlaceOf(run))); }
+  std::size_t Of(const plan::Run& run) const { return Root(places_.at(PlaceOf(plan_, run))); }
 
  private:
-  std::vector<std::size_t> PlaceOf(const plan::Run& run) const {
-    std::vector<std::size_t> place = run.at;
-    for (std::size_t i = 0; i < place.size(); ++i)
-      if (plan_.axes[i].search || plan_.axes[i].parameter == "detector") place[i] = 0;
-    return place;
-  }
   std::size_t Root(std::size_t number) const {
     while (same_as_[number] != number) number = same_as_[number];
     return number;
@@ -107,11 +114,11 @@ class SearchNumbers {
   std::vector<std::size_t> same_as_;
 };
 
-/// Each group by itself; those of one search together, since a search needs the results of its
+/// Each group by itself; those of one search or race together, which needs the results of its
 /// runs.
 std::vector<Bundle> BundlesOf(const plan::Plan& plan, const std::vector<DetectorGroup>& groups) {
   std::optional<SearchNumbers> numbers;
-  if (plan.SearchAxis()) numbers.emplace(plan);
+  if (plan.ChoosesRuns()) numbers.emplace(plan);
   std::vector<Bundle> bundles;
   std::map<std::size_t, std::size_t> indices;  // by number
   for (std::size_t i = 0; i < groups.size(); ++i) {

@@ -23,9 +23,10 @@ void CheckShard(ShardChoice shard);
 /// Each run that `shard` selects, once (a run at two points of the grid has one id). Repeats are
 /// outermost, then the points of the grid, then the detectors of a point, shuffled. Runs that
 /// differ only in the detector are therefore neighbours, no detector always goes first, and a drift
-/// of the machine affects all of them. Such runs are always in the same shard, as are those of one
-/// search; shards are balanced by estimated work. The order is the same on every machine for the
-/// same plan. Throws ScheduleError for a shard that does not exist.
+/// of the machine affects all of them; the same holds for all configurations of a race. Such runs
+/// are always in the same shard, as are those of one search; shards are balanced by estimated work.
+/// The order is the same on every machine for the same plan. Throws ScheduleError for a shard that
+/// does not exist.
 std::vector<const plan::Run*> OrderRuns(const plan::Plan& plan, ShardChoice shard = {});
 
 /// The runs of each shard of `count`, in no particular order; shards beyond the last are empty. At

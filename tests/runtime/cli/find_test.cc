@@ -146,7 +146,7 @@ TEST(Find, IsTheSameInShards) {
   EXPECT_EQ(program.Run({"plan", "flight.cdb", "-o", "plan.yaml"}).status, 0);
   const Finished merge = program.Run({"merge", "-o", "flight.h5", "--remove", "flight.runs"});
   EXPECT_EQ(merge.status, 0) << merge.err;
-  EXPECT_NE(merge.err.find("all that the search needs"), std::string::npos) << merge.err;
+  EXPECT_NE(merge.err.find("all that are needed"), std::string::npos) << merge.err;
   EXPECT_FALSE(program.Exists("flight.runs"));
   const FoundSearch whole = ReadFound(program.folder() / "whole.h5"),
                     merged = ReadFound(program.folder() / "flight.h5");
@@ -156,7 +156,7 @@ TEST(Find, IsTheSameInShards) {
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_EQ(whole.boundaries[i].value, merged.boundaries[i].value);
   for (const auto& entry : std::filesystem::directory_iterator(program.folder()))
-    EXPECT_EQ(entry.path().string().find("search-"), std::string::npos) << entry.path();
+    EXPECT_EQ(entry.path().string().find("found-"), std::string::npos) << entry.path();
 }
 
 TEST(Find, GoesOnFromPartOfItsRuns) {

@@ -12,6 +12,7 @@ import { short } from './format.js';
 import { describeOverAxes } from './over_axes.js';
 import { describeCycles } from './over_cycles.js';
 import { describePhases } from './phases.js';
+import { hasRaces, racesTitle, raceTable } from './races.js';
 import { describeRatios } from './ratios.js';
 import * as parts from './sections.js';
 import { describeStability } from './stability.js';
@@ -77,6 +78,7 @@ function sectionsOf(doc, figures, key) {
   const requirements = parts.requirements(doc);
   return [
     hasBoundaries(doc) && ['boundaries', boundariesTitle(doc), [...take('boundaries'), ...boundaryTable(doc)]],
+    hasRaces(doc) && ['races', racesTitle(doc), raceTable(doc)],
     requirements && ['requirements', parts.requirementsTitle(doc), requirements],
     ['machine', 'What ran, and where', parts.machine(doc)],
     has.times(doc) && [
@@ -90,7 +92,11 @@ function sectionsOf(doc, figures, key) {
     (has.cycles(doc) || doc.raw.distributions) && [
       'over-cycles',
       'Over the cycles',
-      [...(has.cycles(doc) ? take('cycles') : []), ...(doc.raw.distributions ? take('distribution', 'repeats') : [])],
+      [
+        ...(has.cycles(doc) ? take('cycles') : []),
+        ...(doc.raw.steady ? [h('p', { class: 'note' }, doc.raw.steady.text)] : []),
+        ...(doc.raw.distributions ? take('distribution', 'repeats') : []),
+      ],
     ],
     doc.count > 0 && ['soundness', 'Stability', take('stability')],
     parts.findings(doc) && ['findings', 'Pairs and contacts', parts.findings(doc)],

@@ -32,7 +32,7 @@ function outcomes(doc) {
     ['good', doc.phases.length > 0 ? 'timed' : 'finished'],
     ['void', 'void'],
     ['failed', 'failed'],
-    ['skipped', doc.raw.boundaries ? 'not needed' : 'skipped'],
+    ['skipped', doc.raw.boundaries || doc.raw.races ? 'not needed' : 'skipped'],
     ['missing', 'missing'],
   ]
     .filter(([key]) => runs[key])
@@ -112,15 +112,15 @@ function effects(doc, list) {
 }
 
 /**
- * The conclusions above and below the first figure. The budget of the scenario comes first, then the one that the figure
- * shows.
+ * The conclusions above and below the first figure. Those on the race and the budget of the scenario come first, then the
+ * one that the figure shows.
  */
 export function conclusions(doc, kind) {
   const given = doc.raw.conclusions ?? [];
   const shown = given.find((each) => each.kind === kind);
-  const isBudget = (each) => each.kind === 'budget';
-  const rest = given.filter((each) => each !== shown && !isBudget(each));
-  const list = [...given.filter(isBudget), ...(shown ? [shown] : []), ...rest];
+  const isFirst = (each) => ['race', 'budget'].includes(each.kind);
+  const rest = given.filter((each) => each !== shown && !isFirst(each));
+  const list = [...given.filter(isFirst), ...(shown ? [shown] : []), ...rest];
   if (list.length === 0)
     return [
       doc.count === 0
