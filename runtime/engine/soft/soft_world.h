@@ -12,7 +12,10 @@
 //              body with itself, which are in none of the others
 #pragma once
 
+// The header defines a global variable `seed`, which parameters of that name would hide.
+#define seed bt_soft_body_seed
 #include <BulletSoftBody/btSoftBody.h>
+#undef seed
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Core>
