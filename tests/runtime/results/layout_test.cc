@@ -61,6 +61,14 @@ plan::Plan PlanWithSoft() {
   return plan;
 }
 
+/// With objects that come and go, which have series of their own, too.
+plan::Plan PlanOfPopulation() {
+  plan::Plan plan = MakePlan({}, 1, {.record = {"timing", "counts"}});
+  for (plan::Run& run : plan.runs)
+    run.scene.groups[0].settings.Set("spawn.batch", schema::Number(std::uint64_t{5}));
+  return plan;
+}
+
 /// Names that share a group with the coordinates of axes: in the root, /run or /accuracy.
 std::set<std::string> NamesBesideAxes(const plan::Plan& plan) {
   const results::PlanFacts facts(plan);
@@ -90,6 +98,7 @@ TEST(ResultNames, AreThoseOfTheLayout) {
   used.merge(NamesBesideAxes(PlanOnBoxes()));
   used.merge(NamesBesideAxes(PlanOfConfigurations()));
   used.merge(NamesBesideAxes(PlanWithSoft()));
+  used.merge(NamesBesideAxes(PlanOfPopulation()));
   for (const std::string& name : used)
     EXPECT_TRUE(schema::FindNameClash(name, errors))
         << name << " is in the results and missing in compiler/schema/metrics.cc";

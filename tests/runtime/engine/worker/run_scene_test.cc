@@ -161,7 +161,7 @@ TEST(Series, EveryCycleHasEveryValue) {
               series.on_traces != schema::OnTraces::kNarrowOnly &&
                   series.on_traces != schema::OnTraces::kBroadOnly &&
                   series.on_configurations != schema::OnConfigurations::kOnly &&
-                  series.on_soft != schema::OnSoft::kOnly)
+                  series.on_soft != schema::OnSoft::kOnly && !series.of_changes)
         << series.name;
     if (!protocol::IsRecordedBy(series, scene)) continue;
     if (series.type == protocol::SeriesType::kInt32) {

@@ -119,6 +119,13 @@ std::vector<Variations> AllVariations() {
     scene.joints[0].settings.Set("joints.motor.effort", 1e3);
     return scene;
   }();
+  plan::Scene pouring = EngineScene(20, 40);
+  SetWorld(pouring, "world.walls", Word("none"));
+  SetWorld(pouring, "cycles", std::uint64_t{60});
+  SetGroup(pouring, "size", 2.0);
+  SetGroup(pouring, "spawn.batch", std::uint64_t{2});
+  SetGroup(pouring, "spawn.every", std::uint64_t{3});
+  SeedStreams(pouring);
   return {
       {arm,
        {
@@ -197,6 +204,17 @@ std::vector<Variations> AllVariations() {
       {With(crowd, Objects("contact_stiffness", 5000.0)),
        {{"objects.contact_damping", Objects("contact_damping", 30.0)}}},
       {BulletScene(), {{"objects.ccd", Objects("ccd", true)}}},
+      {pouring,
+       {
+           {"objects.spawn.batch", Objects("spawn.batch", std::uint64_t{3})},
+           {"objects.spawn.every", Objects("spawn.every", std::uint64_t{5})},
+           {"objects.spawn.start", Objects("spawn.start", std::uint64_t{9})},
+           {"objects.remove.below", Objects("remove.below", -5.0)},
+           {"objects.remove.outside",
+            Objects("remove.outside",
+                    schema::Call{"box", {Vector3d::Constant(-9), Vector3d::Constant(9)}})},
+           {"objects.remove.after", Objects("remove.after", std::uint64_t{20})},
+       }},
       {chain,
        {
            {"objects.links.type", Objects("links.type", Word("ball"))},

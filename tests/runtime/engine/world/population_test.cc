@@ -28,6 +28,7 @@ plan::Scene Rain(std::uint64_t quantity, const char* detector = "dbvt",
   SetWorld(scene, "cycles", std::uint64_t{400});
   SetWorld(scene, "detector", Word(detector));
   SetWorld(scene, "pair_order", Word("sorted"));
+  SetWorld(scene, "sleeping", false);  // the pairs that are listed decide what sleeps together
   SetWorld(scene, "record", std::move(record));
   SetGroup(scene, "size", schema::Call{"same", {Uniform(0.4, 0.8)}});
   SetGroup(scene, "region", Between(Vector3d(-2, 5, -2), Vector3d(2, 9, 2)));
