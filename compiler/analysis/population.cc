@@ -92,7 +92,7 @@ class PopulationCheck {
   PopulationCheck(const Scene& scene, const Group& changing)
       : scene_(scene), those_(fmt::format("the objects of {} come and go", changing.name)) {}
 
-  using Maybe = std::optional<PopulationFault>;
+  using Maybe = std::optional<SettingFault>;
 
   Maybe FindInWorld() const {
     if (HasConfigurations(scene_))
@@ -196,7 +196,7 @@ class PopulationCheck {
            {joint.settings.WordOr("joints.parent"), joint.settings.WordOr("joints.child")}) {
         const Group* group = scene_.FindGroup(side);
         if (scene_.HoldsObjects(joint) && group != nullptr && IsChanging(*group))
-          return PopulationFault{
+          return SettingFault{
               joint.name,
               GroupParameter("joints.child").get(),
               {},
@@ -205,7 +205,7 @@ class PopulationCheck {
       }
     for (const plan::Queries& queries : scene_.queries)
       if (queries.settings.Count("queries.count") > 0)
-        return PopulationFault{
+        return SettingFault{
             queries.name,
             GroupParameter("queries.type").get(),
             {},
@@ -217,8 +217,7 @@ class PopulationCheck {
  private:
   static Maybe OfWorld(WorldParameter parameter, std::string message, std::string help,
                        std::string word = {}) {
-    return PopulationFault{
-        {}, parameter.get(), std::move(word), std::move(message), std::move(help)};
+    return SettingFault{{}, parameter.get(), std::move(word), std::move(message), std::move(help)};
   }
 
   const Scene& scene_;
@@ -226,15 +225,15 @@ class PopulationCheck {
 };
 
 /// A setting of how objects spawn, in a group whose objects do not.
-std::optional<PopulationFault> FindIdleSpawning(const Group& group) {
+std::optional<SettingFault> FindIdleSpawning(const Group& group) {
   if (SpawningOf(group)) return std::nullopt;
   for (const auto parameter : {GroupParameter("spawn.every"), GroupParameter("spawn.start")})
     if (group.settings.Has(*parameter.get()))
-      return PopulationFault{group.name,
-                             parameter.get(),
-                             {},
-                             fmt::format("all objects of {} are there from the start", group.name),
-                             "write how many come at a time: spawn { batch 20 }, or remove it"};
+      return SettingFault{group.name,
+                          parameter.get(),
+                          {},
+                          fmt::format("all objects of {} are there from the start", group.name),
+                          "write how many come at a time: spawn { batch 20 }, or remove it"};
   return std::nullopt;
 }
 
@@ -247,18 +246,18 @@ const schema::Parameter* ChangingParameter(const Group& group) {
 
 }  // namespace
 
-std::optional<PopulationFault> FindPopulationFault(const Scene& scene) {
+std::optional<SettingFault> FindPopulationFault(const Scene& scene) {
   for (const Group& group : scene.groups)
     if (group.settings.Count("quantity") > 0)
       if (auto idle = FindIdleSpawning(group)) return idle;
   const Group* changing = FindChanging(scene);
   if (changing == nullptr) return std::nullopt;
   if (HasSoft(scene))
-    return PopulationFault{changing->name,
-                           ChangingParameter(*changing),
-                           {},
-                           "beside soft bodies, no objects come or go",
-                           "remove it, or the soft bodies"};
+    return SettingFault{changing->name,
+                        ChangingParameter(*changing),
+                        {},
+                        "beside soft bodies, no objects come or go",
+                        "remove it, or the soft bodies"};
   const PopulationCheck check(scene, *changing);
   if (auto fault = check.FindInWorld()) return fault;
   for (const Group& group : scene.groups) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "compiler/analysis/setting_fault.h"
 #include "compiler/plan/plan.h"
 
 namespace cdb::analysis {
@@ -39,14 +40,8 @@ bool ComesOrGoes(const plan::Scene& scene);
 /// Detectors of cdb and Bullet, which are told of each object that comes or goes.
 bool KnowsChanges(std::string_view detector);
 
-struct PopulationFault {
-  std::string group;                   ///< empty for a parameter of the world
-  const schema::Parameter* parameter;  ///< whose value is at fault
-  std::string word = {};               ///< of a list
-  std::string message, help;
-};
 /// What a scene with objects that come and go cannot have, or only they; nullopt if there is
 /// nothing.
-std::optional<PopulationFault> FindPopulationFault(const plan::Scene& scene);
+std::optional<SettingFault> FindPopulationFault(const plan::Scene& scene);
 
 }  // namespace cdb::analysis

@@ -119,7 +119,7 @@ std::vector<std::uint32_t> PinnedNodes(const Group& group) {
 
 namespace {
 
-using MaybeFault = std::optional<SoftFault>;
+using MaybeFault = std::optional<SettingFault>;
 
 /// Parameters of the world without a meaning beside soft bodies.
 constexpr schema::WorldParameter kUnusedOfWorld[] = {"contact",
@@ -161,14 +161,14 @@ constexpr std::uint64_t kMostNodes = 10'000'000;
 
 MaybeFault OfWorld(schema::WorldParameter parameter, std::string message, std::string help,
                    std::string word = {}) {
-  return SoftFault{{}, parameter.get(), std::move(word), std::move(message), std::move(help)};
+  return SettingFault{{}, parameter.get(), std::move(word), std::move(message), std::move(help)};
 }
 
 /// Settings of soft bodies in a group that has none.
 MaybeFault FindIdleInGroup(const Group& group) {
   for (const schema::Parameter& parameter : schema::Schema())
     if (parameter.name.starts_with("soft.") && group.settings.Has(parameter))
-      return SoftFault{
+      return SettingFault{
           group.name,
           &parameter,
           {},
@@ -262,7 +262,7 @@ MaybeFault FindWorldFault(const Scene& scene) {
 
 MaybeFault FindFixedFault(const Group& group) {
   const auto fault = [&](schema::GroupParameter parameter, std::string message, std::string help) {
-    return SoftFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
+    return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
   };
   if (group.settings.WordOr("mass") != "fixed")
     return fault("mass",
@@ -284,8 +284,8 @@ MaybeFault FindPinFault(const Group& group, const schema::Call& type) {
   for (const std::string& word : group.settings.Words("soft.pin")) {
     const bool is_of_cloth = word == "front" || word == "back" || word == "corners";
     if (type.name == kRopeCall && is_of_cloth)
-      return SoftFault{group.name, schema::GroupParameter("soft.pin").get(), word,
-                       fmt::format("a rope has no '{}'", word), "use left, right or ends"};
+      return SettingFault{group.name, schema::GroupParameter("soft.pin").get(), word,
+                          fmt::format("a rope has no '{}'", word), "use left, right or ends"};
   }
   return std::nullopt;
 }
@@ -294,18 +294,18 @@ MaybeFault FindPinFault(const Group& group, const schema::Call& type) {
 MaybeFault FindAspectFault(const Group& group, const schema::Call& type) {
   const Eigen::Vector3d& aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
   if (aspect.y() == 1 && (type.name == kClothCall || aspect.z() == 1)) return std::nullopt;
-  return SoftFault{group.name,
-                   schema::GroupParameter("aspect").get(),
-                   {},
-                   fmt::format("a {} is as thick as two margins", type.name),
-                   type.name == kClothCall ? "write aspect 1 : 1 : z, and the margin"
-                                           : "remove the aspect, and write the margin"};
+  return SettingFault{group.name,
+                      schema::GroupParameter("aspect").get(),
+                      {},
+                      fmt::format("a {} is as thick as two margins", type.name),
+                      type.name == kClothCall ? "write aspect 1 : 1 : z, and the margin"
+                                              : "remove the aspect, and write the margin"};
 }
 
 MaybeFault FindGroupFault(const Scene& scene, const Group& group) {
   const plan::GroupSettings& settings = group.settings;
   const auto fault = [&](schema::GroupParameter parameter, std::string message, std::string help) {
-    return SoftFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
+    return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
   };
   const schema::Value& type = settings.Get("type");
   if (!IsSoft(type))
@@ -351,7 +351,7 @@ MaybeFault FindGroupFault(const Scene& scene, const Group& group) {
 
 }  // namespace
 
-std::optional<SoftFault> FindSoftFault(const Scene& scene) {
+std::optional<SettingFault> FindSoftFault(const Scene& scene) {
   const bool has_soft = HasSoft(scene);
   if (!has_soft) {
     if (MaybeFault idle = FindIdle(scene)) return idle;
@@ -368,18 +368,19 @@ std::optional<SoftFault> FindSoftFault(const Scene& scene) {
   }
   for (const plan::Joint& joint : scene.joints)
     if (scene.HoldsObjects(joint))
-      return SoftFault{joint.name,
-                       schema::GroupParameter("joints.child").get(),
-                       {},
-                       "joints do not hold the nodes of soft bodies, nor fixed objects beside them",
-                       "remove it; pin nodes where they start: soft { pin ends }"};
+      return SettingFault{
+          joint.name,
+          schema::GroupParameter("joints.child").get(),
+          {},
+          "joints do not hold the nodes of soft bodies, nor fixed objects beside them",
+          "remove it; pin nodes where they start: soft { pin ends }"};
   for (const plan::Queries& queries : scene.queries)
     if (queries.settings.Count("queries.count") > 0)
-      return SoftFault{queries.name,
-                       schema::GroupParameter("queries.type").get(),
-                       {},
-                       "queries do not know soft bodies, and would miss them",
-                       "remove them, or the soft bodies"};
+      return SettingFault{queries.name,
+                          schema::GroupParameter("queries.type").get(),
+                          {},
+                          "queries do not know soft bodies, and would miss them",
+                          "remove them, or the soft bodies"};
   return std::nullopt;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "compiler/analysis/setting_fault.h"
 #include "compiler/plan/plan.h"
 
 namespace cdb::analysis {
@@ -45,13 +46,7 @@ SoftMesh MeshOf(const schema::Value& type);
 /// The pinned nodes of each object of the group, ascending.
 std::vector<std::uint32_t> PinnedNodes(const plan::Group& group);
 
-struct SoftFault {
-  std::string group;                   ///< empty for a parameter of the world
-  const schema::Parameter* parameter;  ///< whose value is at fault
-  std::string word = {};               ///< of a list
-  std::string message, help;
-};
 /// What in the scene soft bodies cannot have, or only they; nullopt if there is nothing.
-std::optional<SoftFault> FindSoftFault(const plan::Scene& scene);
+std::optional<SettingFault> FindSoftFault(const plan::Scene& scene);
 
 }  // namespace cdb::analysis

@@ -23,9 +23,8 @@
 namespace cdb::checks {
 
 bool SceneChecks::Pass(configure::Configuration& configuration, const plan::Scene& scene) {
-  return CheckCounts(configuration, scene) && CheckSoft(configuration, scene) &&
-         CheckPopulation(configuration, scene) && CheckOmit(configuration, scene) &&
-         CheckAccuracy(configuration, scene);
+  return CheckCounts(configuration, scene) && CheckKinds(configuration, scene) &&
+         CheckOmit(configuration, scene) && CheckAccuracy(configuration, scene);
 }
 
 bool SceneChecks::PassConfigurations(configure::Configuration& configuration, plan::Scene& scene) {
@@ -358,24 +357,10 @@ bool SceneChecks::CheckQueries(configure::Configuration& configuration, const pl
   return good;
 }
 
-// Soft bodies, and settings that only they have.
-bool SceneChecks::CheckSoft(configure::Configuration& configuration, const plan::Scene& scene) {
-  const auto fault = analysis::FindSoftFault(scene);
-  if (!fault) return true;
-  if (!misplaced_.emplace(fault->group, fault->message).second) return false;
-  const scenario::ParameterKey key{fault->group, fault->parameter};
-  diagnostics_.Report(scenario::kContradiction,
-                      fault->word.empty() || !configuration.IsSet(key)
-                          ? configuration.SpanOf(key, benchmark_)
-                          : configuration.SpanOfWord(key, fault->word),
-                      fault->message, fault->help);
-  return false;
-}
-
-// Objects that come and go, and settings that only they have.
-bool SceneChecks::CheckPopulation(configure::Configuration& configuration,
-                                  const plan::Scene& scene) {
-  const auto fault = analysis::FindPopulationFault(scene);
+// What soft bodies, or objects that come and go, cannot have, and settings that only they have.
+bool SceneChecks::CheckKinds(configure::Configuration& configuration, const plan::Scene& scene) {
+  auto fault = analysis::FindSoftFault(scene);
+  if (!fault) fault = analysis::FindPopulationFault(scene);
   if (!fault) return true;
   if (!misplaced_.emplace(fault->group, fault->message).second) return false;
   const scenario::ParameterKey key{fault->group, fault->parameter};

@@ -64,8 +64,7 @@ class SceneChecks {
   bool CheckJoints(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckTimeTables(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckQueries(configure::Configuration& configuration, const plan::Scene& scene);
-  bool CheckSoft(configure::Configuration& configuration, const plan::Scene& scene);
-  bool CheckPopulation(configure::Configuration& configuration, const plan::Scene& scene);
+  bool CheckKinds(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckOmit(configure::Configuration& configuration, const plan::Scene& scene);
   bool CheckAccuracy(configure::Configuration& configuration, const plan::Scene& scene);
 
