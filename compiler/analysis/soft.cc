@@ -95,6 +95,18 @@ SoftMesh MeshOf(const schema::Value& type) {
   return mesh;
 }
 
+std::vector<double> MassShares(const SoftMesh& mesh) {
+  std::vector<double> shares(mesh.NodeCount(), 0.0);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t node : triangle)
+      shares[node] += 1 / (3 * static_cast<double>(mesh.triangles.size()));
+  if (!mesh.triangles.empty()) return shares;
+  for (const auto& link : mesh.links)
+    for (const std::uint32_t node : link)
+      shares[node] += 1 / (2 * static_cast<double>(mesh.links.size()));
+  return shares;
+}
+
 std::vector<std::uint32_t> PinnedNodes(const Group& group) {
   const SoftMesh mesh = MeshOf(group.settings.Get("type"));
   const std::size_t width = mesh.columns + 1;

@@ -43,6 +43,9 @@ struct SoftMesh {
 };
 /// `type`: a soft one.
 SoftMesh MeshOf(const schema::Value& type);
+/// Of each node, in the mass of its body, which it has if it is not pinned: of a rope, that of the
+/// halves of its links; of a cloth, a third of each triangle.
+std::vector<double> MassShares(const SoftMesh& mesh);
 /// The pinned nodes of each object of the group, ascending.
 std::vector<std::uint32_t> PinnedNodes(const plan::Group& group);
 

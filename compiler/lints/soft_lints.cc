@@ -2,7 +2,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,27 +13,11 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// kg, by node: pinned ones have that of the others here. The rules are those of the engine
-/// (runtime/engine/soft/soft_world.h).
-std::vector<double> MassesOf(const analysis::SoftMesh& mesh, double mass) {
-  std::vector<double> masses(mesh.NodeCount(), 0);
-  if (mesh.triangles.empty()) {
-    const double half = mass / 2 / static_cast<double>(mesh.links.size());
-    for (const auto& link : mesh.links)
-      for (const std::uint32_t node : link) masses[node] += half;
-  } else {
-    const double third = mass / 3 / static_cast<double>(mesh.triangles.size());
-    for (const auto& triangle : mesh.triangles)
-      for (const std::uint32_t node : triangle) masses[node] += third;
-  }
-  return masses;
-}
-
-/// The highest angular frequency of the springs about the start, rad/s for a stiffness of 1 N/m, by
-/// the power iteration: a little too low.
-double HighestFrequency(const plan::Group& group, double mass) {
+/// The highest angular frequency of the springs about the start, rad/s for a stiffness of 1 N/m and
+/// a mass of 1 kg, by the power iteration: a little too low.
+double HighestFrequency(const plan::Group& group) {
   const analysis::SoftMesh mesh = analysis::MeshOf(group.settings.Get("type"));
-  const std::vector<double> masses = MassesOf(mesh, mass);
+  const std::vector<double> masses = analysis::MassShares(mesh);
   const double wide = std::get<schema::Ratio>(group.settings.Get("aspect")).parts.z();
   const auto place = [&](std::uint32_t node) {
     const auto [x, z] = mesh.PlaceOf(node);
@@ -89,7 +72,7 @@ std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene) {
     const schema::Number* stiffness = schema::AsNumber(group.settings.Get("soft.stiffness"));
     const schema::Number* damping = schema::AsNumber(group.settings.Get("soft.damping"));
     if (mass == nullptr || stiffness == nullptr || damping == nullptr) continue;
-    const double unit = HighestFrequency(group, mass->AsReal());
+    const double unit = HighestFrequency(group) / std::sqrt(mass->AsReal());
     const double k = stiffness->AsReal(), c = damping->AsReal();
     const auto value_at = [&](double step) {
       const double square = unit * unit * step;

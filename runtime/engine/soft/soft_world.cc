@@ -205,19 +205,6 @@ double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
              : std::min(half + flight, std::max(half, analysis::kLargestBox));
 }
 
-/// kg: of each node, for a body of mass 1.
-std::vector<double> MassShares(const analysis::SoftMesh& mesh) {
-  std::vector<double> shares(mesh.NodeCount(), 0.0);
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t node : triangle)
-      shares[node] += 1 / (3 * static_cast<double>(mesh.triangles.size()));
-  if (!mesh.triangles.empty()) return shares;
-  for (const auto& link : mesh.links)
-    for (const std::uint32_t node : link)
-      shares[node] += 1 / (2 * static_cast<double>(mesh.links.size()));
-  return shares;
-}
-
 }  // namespace
 
 void PhaseClock::Begin(Phase phase) {
@@ -346,7 +333,7 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   SoftObject one{index, nullptr, analysis::MeshOf(group.settings.Get("type")), {}, {}, 0};
   const std::size_t count = one.mesh.NodeCount();
   const double margin = object.numbers["margin"];
-  one.masses = MassShares(one.mesh);
+  one.masses = analysis::MassShares(one.mesh);
   for (double& mass : one.masses) mass *= object.mass;
   for (const std::uint32_t node : analysis::PinnedNodes(group)) one.masses[node] = 0;
   const std::vector<Vector3d> places = layouts::NodesAbout(scene_, object);
