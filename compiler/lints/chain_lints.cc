@@ -4,9 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "compiler/lints/lint_facts.h"
 #include "compiler/schema/parametrised_words.h"
@@ -43,63 +40,7 @@ bool Hangs(const SceneFacts& scene, const GroupFacts& objects) {
   return along.normalized().dot(scene.pull->normalized()) > kStraight;
 }
 
-bool Turns(std::string_view type) {
-  return type == "hinge" || type == "ball" || type == "universal";
-}
-
-/// Groups that joints hold together.
-struct Tree {
-  double mass = 0, momentum = 0;  ///< kg; kg rad/s
-  bool is_held = false, turns = false;
-};
-
 }  // namespace
-
-void FindTrees(const plan::Scene& scene, SceneFacts& facts) {
-  if (scene.world.WordOr("coordinates") != "reduced") return;
-  // The first group of the tree that each group is in, by index.
-  std::vector<std::size_t> roots(scene.groups.size());
-  for (std::size_t i = 0; i < roots.size(); ++i) roots[i] = i;
-  const auto index_of = [&](std::string_view name) -> std::optional<std::size_t> {
-    const auto found = std::ranges::find(scene.groups, name, &plan::Group::name);
-    if (found == scene.groups.end()) return std::nullopt;  // the world
-    if (found->settings.WordOr("mass") == "fixed") return std::nullopt;
-    return static_cast<std::size_t>(found - scene.groups.begin());
-  };
-  const auto ends_of = [&](const plan::Joint& joint) {
-    return std::pair(index_of(joint.settings.WordOr("joints.parent")),
-                     index_of(joint.settings.WordOr("joints.child")));
-  };
-  for (const plan::Joint& joint : scene.joints) {
-    const auto [parent, child] = ends_of(joint);
-    if (!scene.HoldsObjects(joint) || !parent || !child) continue;
-    const std::size_t from = roots[*child], to = roots[*parent];
-    std::ranges::replace(roots, from, to);
-  }
-  std::vector<Tree> trees(roots.size());
-  for (const plan::Joint& joint : scene.joints) {
-    if (!scene.HoldsObjects(joint)) continue;
-    const auto [parent, child] = ends_of(joint);
-    for (const auto& end : {parent, child}) {
-      if (!end) continue;
-      Tree& tree = trees[roots[*end]];
-      tree.is_held = tree.is_held || !parent || !child;
-      tree.turns = tree.turns || Turns(joint.settings.WordOr("joints.type"));
-    }
-  }
-  for (const GroupFacts& objects : facts.groups) {
-    Tree& tree = trees[roots[objects.index]];
-    tree.mass += objects.quantity * objects.mass.most;
-    tree.momentum += objects.quantity * objects.mass.most * objects.spin;
-    if (!objects.chained) continue;
-    tree.is_held = tree.is_held || objects.settings->On("links.anchor");
-    tree.turns = tree.turns || Turns(objects.settings->WordOr("links.type"));
-  }
-  for (GroupFacts& objects : facts.groups) {
-    const Tree& tree = trees[roots[objects.index]];
-    if (tree.turns && !tree.is_held && tree.mass > 0) objects.tumble = tree.momentum / tree.mass;
-  }
-}
 
 /// The distance that joints open in one step, divided by the distance corrected in one step. Of 500
 /// random chains and trees of joints that the world holds, with masses from 0.01 to 100 kg, all 117

@@ -1,5 +1,6 @@
 // Facts about joints between groups, for lints about the objects that they hold.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -25,13 +26,19 @@ std::optional<std::size_t> EndOf(const plan::Scene& scene, std::string_view name
   return static_cast<std::size_t>(found - scene.groups.begin());
 }
 
+/// The groups of its parent and its child.
+std::array<std::optional<std::size_t>, 2> EndsOf(const plan::Scene& scene,
+                                                 const plan::Joint& joint) {
+  return {EndOf(scene, joint.settings.WordOr("joints.parent")),
+          EndOf(scene, joint.settings.WordOr("joints.child"))};
+}
+
 Graph GraphOf(const plan::Scene& scene) {
   Graph graph{std::vector<std::vector<std::size_t>>(scene.groups.size()),
               std::vector<char>(scene.groups.size(), 0)};
   for (const plan::Joint& joint : scene.joints) {
     if (!scene.HoldsObjects(joint)) continue;
-    const auto parent = EndOf(scene, joint.settings.WordOr("joints.parent"));
-    const auto child = EndOf(scene, joint.settings.WordOr("joints.child"));
+    const auto [parent, child] = EndsOf(scene, joint);
     if (parent && child) {
       graph.neighbours[*parent].push_back(*child);
       graph.neighbours[*child].push_back(*parent);
@@ -42,8 +49,8 @@ Graph GraphOf(const plan::Scene& scene) {
   return graph;
 }
 
-/// kg, of the groups of a tree beyond each, as seen from those that `roots` names. `order`: the
-/// groups that were reached, each after the one that it hangs on.
+/// kg: of the groups beyond each one, as seen from the roots. `order`: the roots, to which those
+/// that are reached from them are added, each after the one that it hangs on.
 std::vector<double> BeyondOf(const Graph& graph, const std::vector<double>& masses,
                              std::vector<std::size_t> order) {
   std::vector<std::size_t> above(masses.size(), masses.size());
@@ -73,6 +80,16 @@ std::vector<std::size_t> TreeOf(const Graph& graph, std::size_t first, std::vect
   return tree;
 }
 
+bool Turns(std::string_view type) {
+  return type == "hinge" || type == "ball" || type == "universal";
+}
+
+/// Groups that joints hold together.
+struct Tree {
+  double mass = 0, momentum = 0;  ///< kg; kg rad/s
+  bool is_held = false, turns = false;
+};
+
 /// rad/s: the speed that a motor seeks, or that a torque may give in the course of the run.
 double SpinOf(const plan::Joint& joint, const GroupFacts& objects, double time) {
   if (joint.settings.WordOr("joints.type") != "hinge") return 0;
@@ -89,6 +106,39 @@ double SpinOf(const plan::Joint& joint, const GroupFacts& objects, double time) 
 
 }  // namespace
 
+void FindTrees(const plan::Scene& scene, SceneFacts& facts) {
+  if (scene.world.WordOr("coordinates") != "reduced") return;
+  const Graph graph = GraphOf(scene);
+  std::vector<std::size_t> tree_of(scene.groups.size());
+  std::vector<Tree> trees;
+  std::vector<char> is_seen(scene.groups.size(), 0);
+  for (std::size_t i = 0; i < tree_of.size(); ++i) {
+    if (is_seen[i] != 0) continue;
+    trees.emplace_back();
+    for (const std::size_t k : TreeOf(graph, i, is_seen)) {
+      tree_of[k] = trees.size() - 1;
+      trees.back().is_held = trees.back().is_held || graph.is_held[k] != 0;
+    }
+  }
+  for (const plan::Joint& joint : scene.joints) {
+    if (!scene.HoldsObjects(joint) || !Turns(joint.settings.WordOr("joints.type"))) continue;
+    for (const auto& end : EndsOf(scene, joint))
+      if (end) trees[tree_of[*end]].turns = true;
+  }
+  for (const GroupFacts& objects : facts.groups) {
+    Tree& tree = trees[tree_of[objects.index]];
+    tree.mass += objects.quantity * objects.mass.most;
+    tree.momentum += objects.quantity * objects.mass.most * objects.spin;
+    if (!objects.chained) continue;
+    tree.is_held = tree.is_held || objects.settings->On("links.anchor");
+    tree.turns = tree.turns || Turns(objects.settings->WordOr("links.type"));
+  }
+  for (GroupFacts& objects : facts.groups) {
+    const Tree& tree = trees[tree_of[objects.index]];
+    if (tree.turns && !tree.is_held && tree.mass > 0) objects.tumble = tree.momentum / tree.mass;
+  }
+}
+
 void FindLoads(const plan::Scene& scene, SceneFacts& facts) {
   if (scene.joints.empty()) return;
   std::vector<GroupFacts*> groups(scene.groups.size(), nullptr);
@@ -99,7 +149,7 @@ void FindLoads(const plan::Scene& scene, SceneFacts& facts) {
   }
   for (const plan::Joint& joint : scene.joints) {
     if (!scene.HoldsObjects(joint)) continue;
-    const auto child = EndOf(scene, joint.settings.WordOr("joints.child"));
+    const auto child = EndsOf(scene, joint)[1];
     if (child && groups[*child] != nullptr && groups[*child]->mass.least > 0)
       groups[*child]->driven_spin =
           std::max(groups[*child]->driven_spin, SpinOf(joint, *groups[*child], facts.Time()));

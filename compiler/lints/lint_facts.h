@@ -126,7 +126,7 @@ void FindAdjoining(SceneFacts& scene);
 
 /// Sets GroupFacts::tumble, in reduced coordinates: the mean spin, weighted by mass, of the groups
 /// that joints hold together, if neither the world nor anything fixed holds them and one of the
-/// joints turns. chain_lints.cc.
+/// joints turns. joint_lints.cc.
 void FindTrees(const plan::Scene& scene, SceneFacts& facts);
 
 /// Sets the facts of joints between groups: GroupFacts::driven_spin, and, in maximal coordinates,
