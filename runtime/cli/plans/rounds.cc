@@ -65,6 +65,15 @@ Asked AskRaces(const results::ResultFile& file) {
 
 }  // namespace
 
+void RunEachPointOnce(plan::Plan& plan) {
+  plan.repeats = 1;
+  std::erase_if(plan.runs, [](const plan::Run& run) { return run.rep > 0; });
+  for (plan::Axis& axis : plan.axes) {
+    axis.search.reset();
+    axis.race.reset();
+  }
+}
+
 Round FirstChosenRound(const plan::Plan& plan) {
   Round round{plan.repeats, std::set<std::string>(), {}};
   if (!plan.SearchAxis()) {

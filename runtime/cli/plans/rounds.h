@@ -26,6 +26,9 @@ struct Round {
   }
 };
 
+/// One run of each point, also of a plan that would choose among them by their results.
+void RunEachPointOnce(plan::Plan& plan);
+
 // Of a plan that chooses runs by results: with searches or races.
 
 /// The runs that every search or race of the plan begins with.

@@ -12,6 +12,7 @@
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/rounds.h"
 
 namespace cdb::plans {
 namespace {
@@ -38,12 +39,7 @@ std::string FileName(const plan::Plan& plan, const plan::Run& run) {
 }  // namespace
 
 plan::Plan MakeTracePlan(plan::Plan plan) {
-  std::erase_if(plan.runs, [](const plan::Run& run) { return run.rep > 0; });
-  plan.repeats = 1;
-  for (plan::Axis& axis : plan.axes) {  // every value: what chooses among them needs figures
-    axis.search.reset();
-    axis.race.reset();
-  }
+  RunEachPointOnce(plan);
   for (plan::Run& run : plan.runs) {
     if (analysis::TraceOf(run.scene))
       throw options::CommandError(

@@ -16,6 +16,7 @@
 #include "compiler/compile.h"
 #include "compiler/schema/catalogue.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/cli/plans/rounds.h"
 #include "runtime/results/trace_file.h"
 
 namespace cdb::plans {
@@ -116,11 +117,10 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
   const auto holds = [&](std::uint64_t limit, const plan::Run& run) {
     return limit == 0 || bodies.Of(run.scene) <= limit;
   };
+  const bool comes_or_goes = std::ranges::any_of(
+      plan.runs, [](const plan::Run& run) { return analysis::ComesOrGoes(run.scene); });
   for (const schema::DetectorInfo& info : Chosen(options, every.left_out)) {
-    const bool is_told_once = !analysis::KnowsChanges(info.name);
-    const bool comes_or_goes = std::ranges::any_of(
-        plan.runs, [](const plan::Run& run) { return analysis::ComesOrGoes(run.scene); });
-    if (is_told_once && comes_or_goes) {
+    if (comes_or_goes && !analysis::KnowsChanges(info.name)) {
       every.left_out.push_back(
           fmt::format("{}, which is told of its bodies once, and objects come and go", info.name));
       continue;
@@ -152,12 +152,7 @@ VerifyPlan WithChosen(const Plan& plan, const VerifyOptions& options) {
 
 VerifyPlan MakeVerifyPlan(const Plan& plan, const VerifyOptions& options) {
   Plan bare = plan;
-  bare.repeats = 1;
-  for (plan::Axis& axis : bare.axes) {  // every value: what chooses among them needs figures
-    axis.search.reset();
-    axis.race.reset();
-  }
-  std::erase_if(bare.runs, [](const plan::Run& run) { return run.rep > 0; });
+  RunEachPointOnce(bare);
   for (plan::Run& run : bare.runs) {
     if (analysis::HasSoft(run.scene))
       throw options::CommandError(fmt::format(
