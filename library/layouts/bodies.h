@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,16 @@ struct GroupRange {
 
 /// Tolerance for rounding where distances alone decide.
 inline constexpr double kRounding = 1e-9;
+
+/// Whether two solids touch whose centres have this squared distance, by the balls inside and
+/// around them; nullopt if these do not decide.
+inline std::optional<bool> TouchByBalls(double squared_distance, const Core& a, const Core& b) {
+  const double inner = a.inner + b.inner;
+  if (squared_distance < inner * inner * (1 - kRounding) && a.inner > 0 && b.inner > 0) return true;
+  const double outer = a.outer + b.outer;
+  if (squared_distance > outer * outer * (1 + kRounding)) return false;
+  return std::nullopt;
+}
 
 /// Lengths in m. Scene and state must outlive it. Not thread-safe.
 class Bodies {
@@ -62,15 +73,9 @@ class Bodies {
   bool TouchesAt(std::size_t index, const Eigen::Vector3d& place, const objects::Box& box,
                  std::size_t other) const {
     // Inline, as most calls return here.
-    const Core& core = cores_[index];
     const Core& theirs = cores_[other];
-    const double distance = (theirs.position - place).squaredNorm();
-    const double inner = core.inner + theirs.inner;
-    if (distance < inner * inner * (1 - kRounding) && core.inner > 0 && theirs.inner > 0)
-      return true;
-    const double outer = core.outer + theirs.outer;
-    if (distance > outer * outer * (1 + kRounding)) return false;
-    return SurfacesTouch(index, place, box, other);
+    const auto touch = TouchByBalls((theirs.position - place).squaredNorm(), cores_[index], theirs);
+    return touch ? *touch : SurfacesTouch(index, place, box, other);
   }
 
   const plan::Group& GroupOf(std::size_t index) const {

@@ -15,7 +15,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-double Along(const auto& neighbour) { return neighbour.centre.x(); }
+double Along(const auto& neighbour) { return neighbour.core.position.x(); }
+
+Core CoreAt(const objects::Solid& solid, const Vector3d& place) {
+  return {place, solid.InnerRadius(), solid.OuterRadius()};
+}
 
 }  // namespace
 
@@ -44,30 +48,27 @@ void Emitter::Meet(std::size_t index, const objects::Pose& pose) {
   const double reach = (outer + 2 * largest_) * (1 + kRounding);
   if ((pose.position - nearest).squaredNorm() > reach * reach) return;
   (outer > largest_ ? large_ : small_)
-      .push_back({pose.position, solid.InnerRadius(), outer, index, pose.orientation});
+      .push_back({CoreAt(solid, pose.position), index, pose.orientation});
   is_sorted_ = false;
 }
 
-bool Emitter::Touches(std::size_t index, const Vector3d& place, const Neighbour& other) const {
+bool Emitter::Touches(std::size_t index, const Core& core, const Neighbour& other) const {
   const ObjectState& object = objects_[index];
-  const double distance = (other.centre - place).squaredNorm();
-  const double outer = object.solid.OuterRadius() + other.outer;
-  if (distance > outer * outer * (1 + kRounding)) return false;
-  const double inner = object.solid.InnerRadius() + other.inner;
-  if (distance < inner * inner * (1 - kRounding) && object.solid.InnerRadius() > 0 &&
-      other.inner > 0)
-    return true;
-  return objects::Overlap(object.solid, {place, object.pose.orientation},
-                          objects_[other.index].solid, {other.centre, other.orientation});
+  const auto touch =
+      TouchByBalls((other.core.position - core.position).squaredNorm(), core, other.core);
+  if (touch) return *touch;
+  return objects::Overlap(object.solid, {core.position, object.pose.orientation},
+                          objects_[other.index].solid, {other.core.position, other.orientation});
 }
 
 bool Emitter::IsFree(std::size_t index, const Vector3d& place) const {
+  const Core core = CoreAt(objects_[index].solid, place);
   for (const Neighbour& other : large_)
-    if (Touches(index, place, other)) return false;
-  const double reach = (objects_[index].solid.OuterRadius() + largest_) * (1 + kRounding);
+    if (Touches(index, core, other)) return false;
+  const double reach = (core.outer + largest_) * (1 + kRounding);
   auto other = std::ranges::lower_bound(small_, place.x() - reach, {}, Along<Neighbour>);
-  for (; other != small_.end() && other->centre.x() <= place.x() + reach; ++other)
-    if (Touches(index, place, *other)) return false;
+  for (; other != small_.end() && Along(*other) <= place.x() + reach; ++other)
+    if (Touches(index, core, *other)) return false;
   return true;
 }
 
@@ -82,8 +83,7 @@ std::optional<Vector3d> Emitter::FindPlace(std::size_t index) {
     for (int axis = 0; axis < 3; ++axis)
       place[axis] = stream_.Uniform(domain.lower[axis], domain.upper[axis]);
     if (!IsFree(index, place)) continue;
-    const Neighbour own{place, object.solid.InnerRadius(), object.solid.OuterRadius(), index,
-                        object.pose.orientation};
+    const Neighbour own{CoreAt(object.solid, place), index, object.pose.orientation};
     small_.insert(std::ranges::upper_bound(small_, place.x(), {}, Along<Neighbour>), own);
     return place;
   }

@@ -39,14 +39,13 @@ class Emitter {
 
  private:
   struct Neighbour {
-    Eigen::Vector3d centre;
-    double inner, outer;  ///< radii of the balls inside and around it, m
+    Core core;
     std::size_t index;
     Eigen::Quaterniond orientation;
   };
 
   bool IsFree(std::size_t index, const Eigen::Vector3d& place) const;
-  bool Touches(std::size_t index, const Eigen::Vector3d& place, const Neighbour& other) const;
+  bool Touches(std::size_t index, const Core& core, const Neighbour& other) const;
 
   const std::vector<ObjectState>& objects_;
   double side_;

@@ -22,11 +22,6 @@ using Eigen::Vector3d;
       remedy, group.name, std::string(parameter));
 }
 
-objects::Box CubeOf(double side) {
-  const Vector3d half = Vector3d::Constant(side / 2);
-  return {-half, half};
-}
-
 class RegionFinder {
  public:
   RegionFinder(const Bodies& bodies, const GroupRange& range) : bodies_(bodies), range_(range) {}
@@ -122,6 +117,16 @@ Region RegionOf(const Bodies& bodies, const GroupRange& range) {
   return RegionFinder(bodies, range).Find();
 }
 
+objects::Box CubeOf(double side) {
+  const Vector3d half = Vector3d::Constant(side / 2);
+  return {-half, half};
+}
+
+objects::Box BoxOf(const schema::Call& box) {
+  return {std::get<Vector3d>(schema::ArgumentOf(box, "lower")),
+          std::get<Vector3d>(schema::ArgumentOf(box, "upper"))};
+}
+
 Region FixedRegionOf(const plan::Group& group, double side) {
   const schema::Call* call = schema::AsCall(group.settings.Get("region"));
   Region region{CubeOf(side)};
@@ -130,8 +135,7 @@ Region FixedRegionOf(const plan::Group& group, double side) {
     region.is_cube = true;
     return region;
   }
-  region.box = {std::get<Vector3d>(schema::ArgumentOf(*call, "lower")),
-                std::get<Vector3d>(schema::ArgumentOf(*call, "upper"))};
+  region.box = BoxOf(*call);
   if ((region.box.lower.array() < region.box.upper.array()).all()) return region;
   Refuse(group, "region", "its lower corner is not below its upper one",
          "exchange the coordinates");

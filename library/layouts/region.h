@@ -40,6 +40,11 @@ Region RegionOf(const Bodies& bodies, const GroupRange& range);
 const GroupRange& GroupBefore(const Bodies& bodies, const GroupRange& range, std::string_view name,
                               std::string_view parameter);
 
+/// Around the origin.
+objects::Box CubeOf(double side);
+/// Of a call `box(lower, upper)`.
+objects::Box BoxOf(const schema::Call& box);
+
 /// The region of a group that is at no other group.
 Region FixedRegionOf(const plan::Group& group, double side);
 

@@ -71,7 +71,7 @@ class Engine {
   const Population* population() const { return population_.get(); }
   bool IsPresent(std::size_t object) const { return is_present_[object] != 0; }
   std::size_t present() const { return present_; }
-  /// Puts an object that has not been in the world into it, at rest at its place or as it is drawn.
+  /// Puts an object that has not been in the world into it, with its velocities of the start.
   void Add(std::size_t object, const Eigen::Vector3d& place);
   /// Takes objects out of the world, for good, and wakes those that they touch.
   void Remove(std::span<const std::size_t> objects);

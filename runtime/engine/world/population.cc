@@ -1,9 +1,7 @@
 #include "runtime/engine/world/population.h"
 
 #include <algorithm>
-#include <variant>
 
-#include "compiler/schema/parametrised_words.h"
 #include "runtime/engine/world/conversions.h"
 #include "runtime/engine/world/engine.h"
 
@@ -20,11 +18,8 @@ Population::Population(const plan::Scene& scene, Engine& engine)
           {*spawning, layouts::Emitter(scene, engine.initial_state().objects, group), first});
     if (const auto removal = analysis::RemovalOf(own); removal && end > first) {
       Sink sink{first, end, *removal, {}, false};
-      const Eigen::Vector3d half = Eigen::Vector3d::Constant(engine.side() / 2);
-      if (removal->outside_cube) sink.box = {-half, half};
-      if (removal->outside_box != nullptr)
-        sink.box = {std::get<Eigen::Vector3d>(schema::ArgumentOf(*removal->outside_box, "lower")),
-                    std::get<Eigen::Vector3d>(schema::ArgumentOf(*removal->outside_box, "upper"))};
+      if (removal->outside_cube) sink.box = layouts::CubeOf(engine.side());
+      if (removal->outside_box != nullptr) sink.box = layouts::BoxOf(*removal->outside_box);
       sink.has_box = removal->outside_cube || removal->outside_box != nullptr;
       sinks_.push_back(sink);
     }
