@@ -187,13 +187,9 @@ class MjcfReader {
     if (world.link.shapes.empty() && !is_held && free.size() == 1) return;
     if (bodies_.size() == 1) file_.Fail(file_.root(), "there is no <body>", "write one");
     for (const Top& top : free) {
-      NamedJoint named;
-      named.joint.name = "world_to_" + bodies_[top.body].name;
-      named.joint.line = named.child_line = world.link.line;
+      NamedJoint named = JointTo(world.link, top.pose, kWorldBody, bodies_[top.body].name);
+      named.joint.name = "world_to_" + named.child;
       named.joint.type = JointType::kFree;
-      named.joint.origin = top.pose;
-      named.parent = kWorldBody;
-      named.child = bodies_[top.body].name;
       joints_.push_back(std::move(named));
     }
     builder_.AddLink(std::move(world.link));

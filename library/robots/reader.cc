@@ -84,12 +84,13 @@ bool IsRobotFile(std::string_view name) {
 
 std::optional<Robot> ParseRobot(const std::string& text, const std::string& path,
                                 const RobotOptions& options, std::vector<RobotFault>& faults) {
+  const std::size_t before = faults.size();
   try {
     auto robot = Parse(text, path, options, faults);
     if (robot) *robot = MergeFixed(*robot, !options.merges);
     // Links that are held together have the inertia of one body.
     if (robot && !options.takes_any_inertia) RefuseOddInertias(*robot, path, faults);
-    return faults.empty() ? robot : std::nullopt;
+    return faults.size() == before ? robot : std::nullopt;
   } catch (const library::SceneError& error) {
     faults.push_back({error.cause(), error.remedy()});
   } catch (const std::exception& error) {
