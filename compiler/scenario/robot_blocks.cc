@@ -288,7 +288,7 @@ class Expansion {
     }
     if (!renamed.empty())
       scenario_.NoteOnRobot(
-          fmt::format("  in the scene, {}: other names are taken, or are no names of the language",
+          fmt::format("  names that are taken in the scene, or are none of the language: {}",
                       fmt::join(renamed, ", ")));
   }
 
