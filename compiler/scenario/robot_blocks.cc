@@ -108,7 +108,7 @@ class Expansion {
     RefuseMassless();
     for (const RobotJoint& joint : robot_->joints) AddJoint(joint);
     if (!good_) return std::nullopt;
-    WarnOfIdleHold();
+    NameWithoutEffort();
     PlaceGiven();
     if (!good_) return std::nullopt;
     return std::move(result_);
@@ -528,6 +528,7 @@ class Expansion {
         if (joint.effort > 0) {
           set("motor.position", syntax_.Word(name + ".start"));
           set("motor.effort", syntax_.Number(joint.effort));
+          holds_any_ = true;
         } else {
           without_effort_.push_back(name);
         }
@@ -536,17 +537,17 @@ class Expansion {
     result_.block.statements.push_back(syntax_.Statement(std::move(group)));
   }
 
-  void WarnOfIdleHold() {
+  /// Joints that are meant to be passive have no effort either, so that only a `hold` that holds
+  /// nothing is a warning.
+  void NameWithoutEffort() {
     if (without_effort_.empty()) return;
-    constexpr std::size_t kNamed = 3;
-    const std::size_t count = without_effort_.size(), named = std::min(count, kNamed);
+    if (holds_any_)
+      return scenario_.NoteOnRobot(fmt::format("  not held, as the file has no effort for them: {}",
+                                               fmt::join(without_effort_, ", ")));
     diagnostics_.Report(
         kNoEffect, Find("hold")->span,
-        fmt::format("{} has no limit of effort for {}{}, so that 'hold' gives {} no motor", path_,
-                    fmt::join(without_effort_.begin(),
-                              without_effort_.begin() + static_cast<std::ptrdiff_t>(named), ", "),
-                    count > named ? fmt::format(" and {} more joints", count - named) : "",
-                    count == 1 ? "it" : "them"),
+        fmt::format("{} has no limit of effort for any joint, so that 'hold' gives it no motor",
+                    path_),
         fmt::format("write {}.motor {{ position 0; effort 100 }} outside of the block, for example",
                     without_effort_[0]));
   }
@@ -591,6 +592,7 @@ class Expansion {
   const std::function<bool(const std::string&)>& is_word_;
   dsl::Diagnostics& diagnostics_;
   std::vector<std::string> without_effort_;  ///< joints that `hold` cannot hold
+  bool holds_any_ = false;                   ///< `hold` holds another one
   const text::Span at_;
   const SyntaxMaker syntax_;
   bool good_ = true;

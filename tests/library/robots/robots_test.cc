@@ -1,5 +1,6 @@
 // Robots from URDF files: frames, masses and shapes against readings that know nothing of cdb, what
 // is refused, and damaged files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -379,6 +380,39 @@ TEST_F(Robots, RefuseByNameAndLine) {
   EXPECT_NE(FaultsOf("<robot>" + deep, "r.urdf").find("nested more than 64 deep"),
             std::string::npos);
   EXPECT_EQ(FaultsOf(RobotText({}), "r.urdf"), "");
+}
+
+/// A joint without effort has no motor; one link has the name of a word of the language.
+TEST_F(Robots, NamesThatChangeAndJointsThatAreNotHeldAreStated) {
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary.path();
+  const auto joint = [](const char* name, const char* child, const char* limit) {
+    return fmt::format(
+        "<joint name=\"{}\" type=\"continuous\"><parent link=\"a\"/><child link=\"{}\"/>{}</joint>",
+        name, child, limit);
+  };
+  const std::string second =
+      "<link name=\"sphere\">" +
+      Inertial("1", "ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"") + "</link>";
+  WriteFile(folder / "none.urdf", RobotText({}));
+  WriteFile(folder / "one.urdf",
+            RobotText({{"more",
+                        second + joint("k/1", "sphere", "<limit effort=\"5\" velocity=\"1\"/>")}}));
+  const auto said = [&](const std::string& file) {
+    const compiler::Compilation compiled =
+        Compiled("robot r { file \"" + file + "\"; base fixed; hold on }", folder);
+    std::string text = dsl::Render(compiled.diagnostics);
+    for (const std::string& robot : compiled.scenario->RobotTexts()) text += robot;
+    return text;
+  };
+  const std::string none = said("none.urdf"), one = said("one.urdf");
+  EXPECT_NE(none.find("has no limit of effort for any joint, so that 'hold' gives it no motor"),
+            std::string::npos)
+      << none;
+  EXPECT_EQ(one.find("warning"), std::string::npos) << one;
+  EXPECT_NE(one.find("not held, as the file has no effort for them: j\n"), std::string::npos)
+      << one;
+  EXPECT_NE(one.find("link sphere is sphere_link, joint k/1 is k_1\n"), std::string::npos) << one;
 }
 
 TEST_F(Robots, AreRefusedInScenarios) {
