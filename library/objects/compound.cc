@@ -88,9 +88,10 @@ Compound::Compound(std::shared_ptr<const ConvexDecomposition> form, const Vector
   inertia_ = axes.moments;
   from_mesh_ = axes.rotation.transpose();
   least_half_extent_ = std::numeric_limits<double>::infinity();
-  for (const ConvexPiece& piece : form_->pieces) {
+  for (std::size_t i = 0; i < form_->pieces.size(); ++i) {
+    const ConvexPiece& piece = form_->pieces[i];
     inner_radius_ = std::max(inner_radius_, InnerRadiusOf(piece));
-    least_half_extent_ = std::min(least_half_extent_, piece.half.cwiseProduct(sides).minCoeff());
+    least_half_extent_ = std::min(least_half_extent_, PieceHalfExtent(i));
     for (const Vector3d& vertex : piece.vertices)
       outer_radius_ = std::max(outer_radius_, ToBody(piece.centre + vertex).norm());
   }

@@ -148,7 +148,11 @@ class Compound {
   double inner_radius() const { return inner_radius_; }
   /// Radius of the smallest ball about the origin that contains the compound.
   double outer_radius() const { return outer_radius_; }
-  /// The smallest half extent of all pieces along the axes of the mesh; for a surface, which is
+  /// The smallest half extent of a piece along the axes of the mesh.
+  double PieceHalfExtent(std::size_t piece) const {
+    return form_->pieces[piece].half.cwiseProduct(sides_).minCoeff();
+  }
+  /// The smallest of all pieces; for a surface, which is
   /// thin everywhere, that of its longest side, so that the other object of a contact is the
   /// smaller one.
   double least_half_extent() const { return least_half_extent_; }

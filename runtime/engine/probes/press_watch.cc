@@ -23,9 +23,9 @@ constexpr double kUpright = 0.9, kSlow = 0.5;
 
 }  // namespace
 
-PressWatch::PressWatch(world::Engine& engine, std::span<const double> least_sides, bool is_driven)
+PressWatch::PressWatch(world::Engine& engine, const ContactSides& contact_sides, bool is_driven)
     : engine_(engine),
-      least_sides_(least_sides),
+      contact_sides_(contact_sides),
       is_driven_(is_driven),
       patience_(std::max(
           2 * kPressed,
@@ -63,14 +63,18 @@ PressWatch::Seen PressWatch::After() {
 void PressWatch::CollectContacts() {
   std::ranges::fill(loaded_, 0);
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
-    double depth = 0;
-    for (int j = 0; j < manifold.getNumContacts(); ++j)
-      depth = std::max(depth, -static_cast<double>(manifold.getContactPoint(j).getDistance()));
     const Bodies bodies =
         std::minmax(static_cast<std::uint32_t>(manifold.getBody0()->getUserIndex()),
                     static_cast<std::uint32_t>(manifold.getBody1()->getUserIndex()));
+    const double least = contact_sides_.Least(bodies.first, bodies.second);
+    double ratio = 0;
+    for (int j = 0; j < manifold.getNumContacts(); ++j) {
+      const btManifoldPoint& point = manifold.getContactPoint(j);
+      const double depth = -static_cast<double>(point.getDistance());
+      if (depth > kShallowStart * least)
+        ratio = std::max(ratio, depth / contact_sides_.At(manifold, point));
+    }
     if (IsObject(bodies.second)) loaded_[bodies.first] = loaded_[bodies.second] = 1;
-    const double ratio = depth / std::min(least_sides_[bodies.first], least_sides_[bodies.second]);
     if (ratio > kShallowStart && !IsSoft(bodies.first) && !IsSoft(bodies.second))
       pairs_.push_back({bodies, ratio});
   }
@@ -142,7 +146,7 @@ void PressWatch::FindLoads() {
                                         engine_.objects()[second]->getLinearVelocity())
                              .norm();
     if ((way - way.dot(up) * up).norm() > inner_[load.lower] ||
-        speed > kSlow * std::sqrt(pull * std::min(least_sides_[first], least_sides_[second])))
+        speed > kSlow * std::sqrt(pull * contact_sides_.Least(first, second)))
       continue;
     loads_.try_emplace(std::minmax(first, second), load);
   }

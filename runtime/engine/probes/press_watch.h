@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <map>
-#include <span>
 #include <utility>
 #include <vector>
 
 #include "library/objects/solid.h"
+#include "runtime/engine/probes/contact_sides.h"
 #include "runtime/engine/world/engine.h"
 
 namespace cdb::probes {
@@ -19,12 +19,12 @@ namespace cdb::probes {
 /// it. Not thread-safe.
 class PressWatch {
  public:
-  /// `least_sides`: by body, infinite for walls; must outlive it.
-  PressWatch(world::Engine& engine, std::span<const double> least_sides, bool is_driven);
+  /// `contact_sides` must outlive it.
+  PressWatch(world::Engine& engine, const ContactSides& contact_sides, bool is_driven);
 
   struct Seen {
     /// Pairs of objects, or of a wall and an object that touches another, whose contact does not
-    /// hold: they overlap by more than a quarter of the smaller one's least side for six cycles,
+    /// hold: they overlap by more than a quarter of the side of ContactSides for six cycles,
     /// after at least three shallower ones. If an impact went that deep at once, the contact has
     /// half a second to separate them.
     std::int32_t pressed = 0;
@@ -40,7 +40,7 @@ class PressWatch {
   using Bodies = std::pair<std::uint32_t, std::uint32_t>;  ///< by user index, the smaller first
   struct Pair {
     Bodies bodies;
-    double depth = 0;         ///< in least sides of the smaller one
+    double depth = 0;         ///< in the sides of ContactSides
     int cycles = 0;           ///< consecutive cycles in which it has been shallow or deep
     int deep = 0;             ///< consecutive cycles in which it has been deep
     bool by_impact = false;   ///< was deep before a contact could act
@@ -61,7 +61,7 @@ class PressWatch {
   bool IsSoft(std::uint32_t body) const;
 
   world::Engine& engine_;
-  const std::span<const double> least_sides_;
+  const ContactSides& contact_sides_;
   const bool is_driven_;
   const int patience_;  ///< cycles for which an impact may stay deep
   int cycle_ = 0;

@@ -82,18 +82,16 @@ Probes::Probes(const plan::Scene& scene, world::Engine& engine, protocol::Record
   if (recording_.Reals("max_speed").empty()) return;
   touches_.resize(engine.objects().size() + omissions::kWallCount);
   below_.resize(engine.objects().size(), Below::kNot);
-  least_sides_.resize(touches_.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t i = 0; i < engine.objects().size(); ++i)
-    least_sides_[i] = 2 * engine.initial_state().objects[i].solid.LeastHalfExtent();
+  contact_sides_.emplace(engine);
   if (recording_.Reals("motion_ratio").empty()) return;
   motion_watch_.emplace(engine, is_driven_);
-  soundness_.emplace(scene, engine, least_sides_);
+  soundness_.emplace(scene, engine, *contact_sides_);
   motor_watch_ = engine.links().WatchMotors();
 }
 
 void Probes::Begin() {
   if (!recording_.Reals("box_filters").empty()) RecordFilters();
-  if (least_sides_.empty()) return;
+  if (!contact_sides_) return;
   if (motion_watch_) motion_watch_->Begin();
   SetScales();
 }
@@ -119,21 +117,16 @@ void Probes::SetScales() {
     // worse.
     if (mass > 0)
       smallest = std::min(smallest, engine_.initial_state().objects[i].solid.sides.minCoeff());
+    const double side = contact_sides_->least()[i];
     // Without gravity, an object at rest has no energy as a scale: that of moving by a hundredth of
     // its side per second is used.
-    header_.scales.energy_scale +=
-        mass * (kFall * pull * least_sides_[i] + std::pow(0.01 * least_sides_[i], 2) / 2) +
-        kFall * engine_.pushes().Strength(i, least_sides_[i]) * least_sides_[i];
+    header_.scales.energy_scale += mass * (kFall * pull * side + std::pow(0.01 * side, 2) / 2) +
+                                   kFall * engine_.pushes().Strength(i, side) * side;
   }
   header_.scales.least_side = smallest;
   header_.scales.moving_objects = static_cast<double>(std::ranges::count_if(
       engine_.objects(), [](const auto& body) { return !body->isStaticOrKinematicObject(); }));
   header_.scales.speed_scale = std::isfinite(smallest) ? std::sqrt(pull * smallest) : 0;
-}
-
-double Probes::SmallerSide(int a, int b) const {
-  return std::min(least_sides_[static_cast<std::size_t>(a)],
-                  least_sides_[static_cast<std::size_t>(b)]);
 }
 
 void Probes::Record(std::uint64_t cycle) {
@@ -206,8 +199,8 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
   contact_records_.clear();
   for (const btPersistentManifold& manifold : world::TouchingManifolds(engine_.world())) {
     const int count = manifold.getNumContacts();
-    const int a = manifold.getBody0()->getUserIndex();
-    const int b = manifold.getBody1()->getUserIndex();
+    const auto a = static_cast<std::size_t>(manifold.getBody0()->getUserIndex());
+    const auto b = static_cast<std::size_t>(manifold.getBody1()->getUserIndex());
     ++manifolds;
     contacts += count;
     for (int j = 0; j < count; ++j) {
@@ -215,12 +208,12 @@ void Probes::RecordManifolds(std::uint64_t cycle) {
       const double distance = static_cast<double>(point.getDistance());
       deepest = std::max(deepest, -distance);
       if (!touches_.empty())
-        for (const int body : {a, b}) {
-          char& touch = touches_[static_cast<std::size_t>(body)];
+        for (const std::size_t body : {a, b}) {
+          char& touch = touches_[body];
           touch = std::max<char>(touch, distance < 0 ? MotionWatch::kPushed : MotionWatch::kHeld);
         }
-      if (distance < 0 && !least_sides_.empty())
-        deepest_ratio = std::max(deepest_ratio, -distance / SmallerSide(a, b));
+      if (contact_sides_ && -distance > deepest_ratio * contact_sides_->Least(a, b))
+        deepest_ratio = std::max(deepest_ratio, -distance / contact_sides_->At(manifold, point));
       if (!streams_contacts_) continue;
       const Vector3d at = world::ToEigen(point.getPositionWorldOnA());
       const Vector3d normal = world::ToEigen(point.m_normalWorldOnB);
@@ -540,10 +533,10 @@ bool SleepWatch::IsHeld(std::size_t object, const BodyState& before, const Suppo
 }
 
 Soundness::Soundness(const plan::Scene& scene, world::Engine& engine,
-                     std::span<const double> least_sides)
+                     const ContactSides& contact_sides)
     : engine_(engine),
       passes_(engine),
-      presses_(engine, least_sides,
+      presses_(engine, contact_sides,
                analysis::ExpectationOf(scene) == analysis::Expectation::kDriven ||
                    !engine.pushes().IsEmpty()),
       sleepers_(engine),

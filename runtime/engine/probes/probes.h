@@ -10,6 +10,7 @@
 
 #include "compiler/plan/plan.h"
 #include "runtime/engine/probes/body_states.h"
+#include "runtime/engine/probes/contact_sides.h"
 #include "runtime/engine/probes/energy_audit.h"
 #include "runtime/engine/probes/friction_watch.h"
 #include "runtime/engine/probes/impact_watch.h"
@@ -63,8 +64,8 @@ class SleepWatch {
 /// The engine must outlive it. Not thread-safe.
 class Soundness {
  public:
-  /// `least_sides`: m, by body, infinite for walls; must outlive it.
-  Soundness(const plan::Scene& scene, world::Engine& engine, std::span<const double> least_sides);
+  /// `contact_sides` must outlive it.
+  Soundness(const plan::Scene& scene, world::Engine& engine, const ContactSides& contact_sides);
 
   /// Call once before the first cycle, with its energies, J.
   void Begin(double kinetic, double energy);
@@ -124,7 +125,6 @@ class Probes {
   /// Call in every cycle, with the centre of mass.
   bool IsBeyondWall(std::size_t object, const Eigen::Vector3d& centre);
   bool IsTooLarge(const btRigidBody& body) const;
-  double SmallerSide(int a, int b) const;
 
   world::Engine& engine_;
   protocol::Recording& recording_;
@@ -140,7 +140,7 @@ class Probes {
   /// By object: how it came below the floor.
   enum class Below : char { kNot, kWentThrough, kFellOff };
   std::vector<Below> below_;
-  std::vector<double> least_sides_;  ///< by body; infinite for walls
+  std::optional<ContactSides> contact_sides_;  ///< for `record stability`
   std::vector<protocol::ContactRecord> contact_records_;
 };
 
