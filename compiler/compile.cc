@@ -333,12 +333,13 @@ class Expander {
   /// The value of a parameter that all points have in common; nullopt after an error.
   std::optional<schema::Value> CommonValue(schema::WorldParameter parameter,
                                            const char* why_not_swept) {
-    const schema::Parameter* row = parameter.get();
+    const scenario::ParameterKey key("", parameter.get());
+    const schema::Parameter* row = key.second;
     std::optional<schema::Value> common;
     for (const auto& configuration : configurations_) {
       configure::Configuration& here = *configuration;
       const text::Span span = here.SpanOf({"", row}, benchmark_.benchmark->name.span);
-      if (!configure::Dependencies({"", row}, here.layers(), here.axes(), here.evaluator())
+      if (!configure::Dependencies({&key, 1}, here.layers(), here.axes(), here.evaluator())[0]
                .empty()) {
         const text::Span whole = here.layers().settings.at({"", row}).node->values[0]->span;
         diagnostics_.Report(scenario::kMisplacedSweep, whole,

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <unordered_set>
+#include <utility>
 
 #include "compiler/evaluate/evaluate.h"
 #include "compiler/names/names.h"
@@ -386,16 +388,76 @@ std::vector<SweepAxis> FindAxes(const scenario::Layers& layers, evaluate::Evalua
 
 namespace {
 
-/// Collects sweeps; visits each let and each parameter once.
+/// Collects the sweeps that values depend on; visits each let and each parameter once.
 class Collector {
  public:
   Collector(const scenario::Layers& layers, const evaluate::Evaluator& evaluator)
       : layers_(layers), evaluator_(evaluator) {}
 
+  using Sweeps = std::set<const Expr*>;
+  const Sweeps& Of(const scenario::ParameterKey& key) { return Visit(key).found.sweeps; }
+  const Sweeps& Of(const Expr& expr, const scenario::Scope& scope) {
+    return Visit({"", &expr}, [&] { Add(expr, scope); }).found.sweeps;
+  }
+
+ private:
+  struct Found {
+    Sweeps sweeps;
+    bool is_relative = false;  ///< a layout has as many objects as another group
+    void Add(const Found& other) {
+      sweeps.insert(other.sweeps.begin(), other.sweeps.end());
+      is_relative = is_relative || other.is_relative;
+    }
+  };
+  /// A let or a parameter: the group, and what it is.
+  using Id = std::pair<std::string, const void*>;
+  /// Nodes that depend on each other are found together: R. Tarjan, Depth-first search and linear
+  /// graph algorithms, 1972.
+  struct Node {
+    Found found;
+    std::size_t index = 0;  ///< in the order of visits
+    std::size_t low = 0;    ///< the first open node that it is known to depend on
+    bool is_open = true;    ///< it may depend on more
+  };
+
+  template <typename AddAll>
+  const Node& Visit(const Id& id, AddAll add_all) {
+    const auto [at, is_new] = nodes_.try_emplace(id);
+    Node& node = at->second;
+    if (is_new) {
+      node.index = node.low = nodes_.size();
+      open_.push_back(&node);
+      Node* const above = std::exchange(here_, &node);
+      add_all();
+      here_ = above;
+      if (node.low == node.index) Close(node);
+    }
+    if (here_ == nullptr) return node;
+    here_->found.Add(node.found);
+    if (node.is_open) here_->low = std::min(here_->low, node.low);
+    return node;
+  }
+  const Node& Visit(const scenario::ParameterKey& key) {
+    return Visit({key.first, key.second}, [&] { AddParameter(key); });
+  }
+
+  /// The open nodes from this one on depend on each other.
+  void Close(const Node& first) {
+    const auto from = std::ranges::find(open_.rbegin(), open_.rend(), &first).base() - 1;
+    Found all;
+    for (auto node = from; node != open_.end(); ++node) all.Add((*node)->found);
+    for (auto node = from; node != open_.end(); ++node) {
+      (*node)->found = all;
+      (*node)->is_open = false;
+    }
+    open_.erase(from, open_.end());
+  }
+
   void Add(const Expr& expr, const scenario::Scope& scope) {
-    is_relative_ =
-        is_relative_ || (expr.kind == ExprKind::kCall && expr.text == schema::kRelativeCall);
-    if (evaluate::IsSweep(expr)) found_.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
+    Found& found = here_->found;
+    found.is_relative =
+        found.is_relative || (expr.kind == ExprKind::kCall && expr.text == schema::kRelativeCall);
+    if (evaluate::IsSweep(expr)) found.sweeps.insert(expr.zip ? expr.zip->sweeps[0] : &expr);
     for (const auto& item : expr.items) Add(*item, scope);
     for (std::size_t i = 0; i < expr.arguments.size(); ++i) {
       const dsl::Argument& argument = expr.arguments[i];
@@ -404,42 +466,39 @@ class Collector {
     }
     if (expr.kind != ExprKind::kPath) return;
     const names::Referent referent = evaluator_.names().Resolve(expr.text, scope);
-    if (referent.let && seen_.insert(referent.let->node).second)
-      Add(*referent.let->node->value, referent.let->scope);
-    if (referent.parameter) Add(*referent.parameter);
+    if (referent.let)
+      Visit({"", referent.let->node},
+            [&] { Add(*referent.let->node->value, referent.let->scope); });
+    if (referent.parameter) Visit(*referent.parameter);
     if (referent.measure)
       for (const schema::GroupParameter of : names::BoxMeasure::kOf)
-        Add(scenario::ParameterKey{referent.measure->group, of.get()});
-    if (!referent.is_object_count) return;
-    for (const std::string& group : layers_.groups)
-      Add(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()});
+        Visit(scenario::ParameterKey{referent.measure->group, of.get()});
+    if (referent.is_object_count) AddQuantities();
   }
 
-  void Add(const scenario::ParameterKey& key) {
-    if (!seen_parameters_.insert(key).second) return;
+  void AddParameter(const scenario::ParameterKey& key) {
     const auto setting = layers_.settings.find(key);
     if (setting != layers_.settings.end()) {
       for (const auto& value : setting->second.node->values) Add(*value, setting->second.scope);
-    } else {
-      for (const auto& value : names::DefaultSetting(*key.second).values) Add(*value, {});
-      // The layout may determine the quantity, and name another group with as many objects.
-      if (key.second != schema::GroupParameter("quantity").get()) return;
-      Add(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
-      if (!is_relative_) return;
-      for (const std::string& group : layers_.groups)
-        Add(scenario::ParameterKey{group, key.second});
+      return;
     }
+    for (const auto& value : names::DefaultSetting(*key.second).values) Add(*value, {});
+    // The layout may determine the quantity, and name another group with as many objects.
+    if (key.second != schema::GroupParameter("quantity").get()) return;
+    Visit(scenario::ParameterKey{key.first, schema::GroupParameter("location").get()});
+    if (here_->found.is_relative) AddQuantities();
   }
 
-  const std::set<const Expr*>& found() const { return found_; }
+  void AddQuantities() {
+    for (const std::string& group : layers_.groups)
+      Visit(scenario::ParameterKey{group, schema::GroupParameter("quantity").get()});
+  }
 
- private:
   const scenario::Layers& layers_;
   const evaluate::Evaluator& evaluator_;
-  std::set<const Expr*> found_;
-  bool is_relative_ = false;  ///< a layout has as many objects as another group
-  std::set<const void*> seen_;
-  std::set<scenario::ParameterKey> seen_parameters_;
+  std::map<Id, Node> nodes_;
+  std::vector<Node*> open_;  ///< in the order of visits
+  Node* here_ = nullptr;     ///< the one whose expressions are visited
 };
 
 }  // namespace
@@ -447,21 +506,22 @@ class Collector {
 std::set<const Expr*> SweepsIn(const Expr& expr, const scenario::Scope& scope,
                                const scenario::Layers& layers,
                                const evaluate::Evaluator& evaluator) {
-  Collector collector(layers, evaluator);
-  collector.Add(expr, scope);
-  return collector.found();
+  return Collector(layers, evaluator).Of(expr, scope);
 }
 
-std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
-                                      const scenario::Layers& layers,
-                                      const std::vector<SweepAxis>& axes,
-                                      const evaluate::Evaluator& evaluator) {
+std::vector<std::vector<std::size_t>> Dependencies(std::span<const scenario::ParameterKey> keys,
+                                                   const scenario::Layers& layers,
+                                                   const std::vector<SweepAxis>& axes,
+                                                   const evaluate::Evaluator& evaluator) {
   Collector collector(layers, evaluator);
-  collector.Add(key);
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    if (collector.found().contains(axes[i].call)) indices.push_back(i);
-  return indices;
+  std::vector<std::vector<std::size_t>> all;
+  for (const scenario::ParameterKey& key : keys) {
+    const auto& sweeps = collector.Of(key);
+    std::vector<std::size_t>& indices = all.emplace_back();
+    for (std::size_t i = 0; i < axes.size(); ++i)
+      if (sweeps.contains(axes[i].call)) indices.push_back(i);
+  }
+  return all;
 }
 
 }  // namespace cdb::configure

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,11 +52,11 @@ std::set<const dsl::Expr*> SweepsIn(const dsl::Expr& expr, const scenario::Scope
                                     const scenario::Layers& layers,
                                     const evaluate::Evaluator& evaluator);
 
-/// Indices into `axes` of those that the values of `key` depend on, also through lets and other
-/// parameters.
-std::vector<std::size_t> Dependencies(const scenario::ParameterKey& key,
-                                      const scenario::Layers& layers,
-                                      const std::vector<SweepAxis>& axes,
-                                      const evaluate::Evaluator& evaluator);
+/// Of each of `keys`, indices into `axes` of those that its values depend on, also through lets and
+/// other parameters.
+std::vector<std::vector<std::size_t>> Dependencies(std::span<const scenario::ParameterKey> keys,
+                                                   const scenario::Layers& layers,
+                                                   const std::vector<SweepAxis>& axes,
+                                                   const evaluate::Evaluator& evaluator);
 
 }  // namespace cdb::configure

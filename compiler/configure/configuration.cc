@@ -84,14 +84,18 @@ Configuration::Configuration(const scenario::Scenario& scenario, scenario::Layer
   const int before = diagnostics.error_count();
   faulty_ = evaluate::Dimensions(layers_, evaluator_).CheckAll();
   unit_errors_ = diagnostics.error_count() - before;
+  std::vector<scenario::ParameterKey> keys;
   for (const schema::Parameter& parameter : schema::Schema()) {
     if (!parameter.grouped) {
-      Add({"", &parameter});
+      keys.emplace_back("", &parameter);
       continue;
     }
     for (const std::string& group : layers_.NamesOf(parameter.NamedBlock()))
-      Add({group, &parameter});
+      keys.emplace_back(group, &parameter);
   }
+  std::vector<std::vector<std::size_t>> axes = Dependencies(keys, layers_, axes_, evaluator_);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    parameters_.push_back({std::move(keys[i]), std::move(axes[i])});
 }
 
 void Configuration::Choose(const Point& point) {
@@ -143,10 +147,6 @@ std::optional<Value> Configuration::ConstantFor(const SweepAxis& like) {
   if (const schema::Ratio* ratio = AsRatio(*value)) parts = &ratio->parts;
   if (parts == nullptr) return std::nullopt;
   return (*parts)[like.component];
-}
-
-void Configuration::Add(const scenario::ParameterKey& key) {
-  parameters_.push_back({key, Dependencies(key, layers_, axes_, evaluator_)});
 }
 
 /// Reports the invalid values of a parameter, up to the number that a person would read.

@@ -104,7 +104,6 @@ class Configuration {
   std::optional<schema::Value> ConstantFor(const SweepAxis& like);
 
  private:
-  void Add(const scenario::ParameterKey& key);
   void ReportAll(const DependentParameter& parameter);
 
   const scenario::Scenario& scenario_;
