@@ -1,9 +1,12 @@
 #include "compiler/checks/scene_faults.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 #include "compiler/lints/lint_facts.h"
@@ -19,6 +22,23 @@ using Kind = analysis::SceneFault::Kind;
 
 /// Warns of objects of the default size if all others are smaller than this fraction of it.
 constexpr double kSmall = 0.1;
+
+/// Limits of a hinge within these bounds, and multiples of the first, are probably in degrees.
+constexpr double kWholeDegrees = 5, kLeastDegrees = 30, kMostDegrees = 720;
+
+/// Beyond this ratio of sizes, an inertia is probably in other units than the parts. Between bodies
+/// of equal sizes it is at most 1.73, where all mass is in the corners.
+constexpr double kOddSpread = 10;
+
+/// m: the diagonal of a homogeneous box with the inertia that a compound states; nullopt if it
+/// states none.
+std::optional<double> SpreadOf(const schema::Value& type) {
+  const schema::Call* call = schema::AsCall(type);
+  if (call == nullptr || call->name != "compound") return std::nullopt;
+  const Eigen::Vector3d* moments = schema::AsVector(schema::ArgumentOf(*call, "inertia"));
+  if (moments == nullptr) return std::nullopt;
+  return std::sqrt(6 * moments->sum());
+}
 
 /// All settings that determine the placement of objects, and whether the engine can hold them.
 std::string PlacementKey(const plan::Scene& scene) {
@@ -74,6 +94,8 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
       const auto model = configuration.scenario().ModelAt(type, why);
       if (!why.cause.empty() && !why.is_missing)
         return analysis::SceneFault{Kind::kPlacement, group.name, why.cause, why.remedy, "type"};
+      if (model && group.settings.WordOr("size") == "native")
+        FindOddInertia(configuration, group.name, type, model->sides.norm());
       if (!model || model->iou.value_or(1) >= analysis::kGoodFit ||
           !poor_fits_.insert(model->text).second)
         continue;
@@ -89,6 +111,33 @@ std::optional<analysis::SceneFault> SceneFaults::FindInModels(
               analysis::HullsForGoodFit(model->hulls, *model->iou)));
     }
   return std::nullopt;
+}
+
+void SceneFaults::FindOddInertia(configure::Configuration& configuration, const std::string& group,
+                                 const schema::Value& type, double across) {
+  const auto spread = SpreadOf(type);
+  if (!spread || (*spread < kOddSpread * across && across < kOddSpread * *spread) ||
+      std::ranges::find(odd_inertias_, group, &OddInertia::group) != odd_inertias_.end())
+    return;
+  odd_inertias_.push_back(
+      {group, *spread, across,
+       configuration.SpanOf({group, GroupParameter("type").get()}, benchmark_)});
+}
+
+void SceneFaults::ReportOddInertias() const {
+  if (odd_inertias_.empty()) return;
+  const OddInertia& first = odd_inertias_.front();
+  std::string message = fmt::format(
+      "the inertia of `{}` is that of a body {:.2g} m across, but its parts are {:.2g} m",
+      first.group, first.spread, first.across);
+  if (odd_inertias_.size() > 1) {
+    std::vector<std::string> others;
+    for (const OddInertia& one : std::span(odd_inertias_).subspan(1)) others.push_back(one.group);
+    message += fmt::format("; so are those of {}", fmt::join(others, ", "));
+  }
+  diagnostics_.Report(scenario::kOddInertia, first.span, message,
+                      "look at the units: lengths are in m, also those of meshes, and moments of "
+                      "inertia in kg m^2");
 }
 
 void SceneFaults::Add(configure::Configuration& configuration, const plan::Scene& scene,
@@ -187,9 +236,30 @@ void SceneFaults::WarnOfDegrees(configure::Configuration& configuration, const p
         fmt::format("this turns by {:.4g} rad, more than a full turn", angles->norm()),
         fmt::format("for degrees, write ({}, {}, {}) deg", angles->x(), angles->y(), angles->z()));
   }
+  for (const plan::Joint& joint : scene.joints) {
+    if (joint.settings.WordOr("joints.type") != "hinge") continue;
+    const GroupParameter names[] = {"joints.limits.lower", "joints.limits.upper"};
+    const schema::Number* limits[] = {schema::AsNumber(joint.settings.Get(names[0])),
+                                      schema::AsNumber(joint.settings.Get(names[1]))};
+    const auto is_in_degrees = [](const schema::Number* limit) {
+      return limit != nullptr && std::fmod(limit->AsReal(), kWholeDegrees) == 0;
+    };
+    if (!std::ranges::all_of(limits, is_in_degrees)) continue;
+    const double lower = limits[0]->AsReal(), upper = limits[1]->AsReal();
+    const double largest = std::max(-lower, upper);
+    if (largest < kLeastDegrees || largest > kMostDegrees || !degrees_.insert(joint.name).second)
+      continue;
+    diagnostics_.Report(
+        scenario::kLargeAngle, configuration.SpanOf({joint.name, names[0].get()}, benchmark_),
+        fmt::format("joint `{}` has the limits {:.6g} and {:.6g} rad, more than {:.0f} turns",
+                    joint.name, lower, upper, std::floor(largest / kTurn)),
+        fmt::format("for degrees, write {:.6g} deg and {:.6g} deg; files of robots have radians",
+                    lower, upper));
+  }
 }
 
 void SceneFaults::Report(std::size_t runs) const {
+  ReportOddInertias();
   for (const auto& [key, finding] : findings_) {
     const bool is_form = key.first == Kind::kClosedForm;
     const bool fails_everywhere = unplaced_runs_ == runs;

@@ -54,13 +54,19 @@ class SceneFaults {
   /// Nullopt if the scene is not checked.
   std::optional<std::optional<analysis::SceneFault>> Find(configure::Configuration& configuration,
                                                           const plan::Scene& scene);
-  /// Finds types that are no solids, and warns of hulls that do not fit their mesh.
+  /// Finds types that are no solids, and those of odd inertias, and warns of hulls that do not fit
+  /// their mesh.
   std::optional<analysis::SceneFault> FindInModels(configure::Configuration& configuration,
                                                    const plan::Scene& scene);
+  /// `across`: m, the diagonal of the box around the parts.
+  void FindOddInertia(configure::Configuration& configuration, const std::string& group,
+                      const schema::Value& type, double across);
+  void ReportOddInertias() const;
   void WarnOfDefaultSizes(configure::Configuration& configuration, const plan::Scene& scene);
   /// Warns of spheres whose sides are drawn one by one.
   void WarnOfEllipsoids(configure::Configuration& configuration, const plan::Scene& scene);
-  /// Warns of orientations of more than a turn, which are probably in degrees.
+  /// Warns of orientations of more than a turn, and of limits of joints, which are probably in
+  /// degrees.
   void WarnOfDegrees(configure::Configuration& configuration, const plan::Scene& scene);
   text::Span SpanOf(configure::Configuration& configuration,
                     const analysis::SceneFault& fault) const;
@@ -77,6 +83,14 @@ class SceneFaults {
   std::map<FindingKey, Finding> findings_;
   std::set<std::string> default_sizes_;  ///< groups already warned of
   std::set<std::string> poor_fits_;      ///< types already warned of
+  /// Groups whose mass is spread as in a body of another size.
+  struct OddInertia {
+    std::string group;
+    double spread, across;  ///< m: the diagonals of a box of that inertia and of the parts
+    text::Span span;
+  };
+  std::vector<OddInertia> odd_inertias_;
+  std::set<std::string> degrees_;  ///< joints already warned of
 };
 
 }  // namespace cdb::checks

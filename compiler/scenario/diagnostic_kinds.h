@@ -39,6 +39,7 @@ inline constexpr dsl::DiagnosticKind kNoEffect{"W0205", "no-effect"};
 
 inline constexpr dsl::DiagnosticKind kPoorFit{"W0206", "poor-fit"};
 inline constexpr dsl::DiagnosticKind kLargeAngle{"W0207", "large-angle"};
+inline constexpr dsl::DiagnosticKind kOddInertia{"W0208", "odd-inertia"};
 
 inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kUnknownName,    &kWrongPlace, &kReservedName, &kSetTwice,      &kWrongKind,
@@ -47,6 +48,6 @@ inline constexpr const dsl::DiagnosticKind* kDiagnosticKinds[] = {
     &kNoRuns,         &kCapacity,   &kUnavailable,  &kBadComparison, &kContradiction,
     &kNeeded,         &kWrongForm,  &kCannotPlace,  &kRunsWillFail,  &kDefaultSize,
     &kUnreachable,    &kWrongUnit,  &kEllipsoids,   &kBadTable,      &kNoEffect,
-    &kPoorFit,        &kLargeAngle};
+    &kPoorFit,        &kLargeAngle, &kOddInertia};
 
 }  // namespace cdb::scenario

@@ -426,10 +426,18 @@ constexpr Explanation kScenarioRows[] = {
      "benchmark b { objects.type mesh(\"wheel.stl\") }\n",
      "benchmark b { objects.type mesh(\"wheel.stl\", hulls: 200) }\n"},
     {&scenario::kLargeAngle,
-     "An orientation, an axis times an angle in rad, turns by more than a full turn. Angles in "
-     "degrees need a unit.",
+     "An orientation, an axis times an angle in rad, turns by more than a full turn, or the limits "
+     "of a joint are multiples of 5 rad, and some turns apart. Angles in degrees need a unit.",
      "benchmark b { objects.orientation (0, 90, 0) }\n",
      "benchmark b { objects.orientation (0, 90, 0) deg }\n"},
+    {&scenario::kOddInertia,
+     "The stated inertia of a compound is that of a body ten times as large as its parts, or of a "
+     "tenth. Its parts may be in mm, its inertia in g cm^2, or 1 kg m^2 may stand for an unknown "
+     "one. Without `inertia`, it is that of the parts.",
+     "benchmark b {\n  objects {\n    size native\n"
+     "    type compound(part(cuboid, (0.1, 0.1, 0.1)), inertia: (1, 1, 1))\n  }\n}\n",
+     "benchmark b {\n  objects {\n    size native\n"
+     "    type compound(part(cuboid, (0.1, 0.1, 0.1)))\n  }\n}\n"},
     {&scenario::kDefaultSize,
      "A group has the default size, and all other groups are much smaller or larger. This may be "
      "an oversight: set the size.",

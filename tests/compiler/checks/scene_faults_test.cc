@@ -1,6 +1,7 @@
 // Faults of scenes are reported once each, with their runs.
 #include "compiler/checks/scene_faults.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -17,6 +18,7 @@ compiler::Compilation CompileWith(const std::string& text, analysis::FindSceneFa
   const auto read = [&](const std::string&, std::string&) { return std::optional(text); };
   compiler::CompileOptions options;
   options.find_fault = std::move(find);
+  options.read_model = MadeUpModels;
   return compiler::Compile("test.cdb", read, options);
 }
 
@@ -95,6 +97,59 @@ TEST(SceneFaults, OfADefaultSizeSaySo) {
   EXPECT_EQ(warnings("objects a { size 0.2 }\nobjects b { size 50 }"), 0);
   EXPECT_EQ(warnings("objects a { size 0.2 }\nobjects b { quantity 0 }"), 0);
   EXPECT_EQ(warnings("objects b { }"), 0);
+}
+
+/// The warnings of a kind.
+std::vector<std::string> WarningsOf(const dsl::DiagnosticKind& kind,
+                                    const std::string& statements) {
+  const auto result =
+      CompileWith("benchmark b { detector dbvt; world.side 500\n" + statements + " }",
+                  [](const plan::Scene&, std::uint64_t&) { return std::nullopt; });
+  EXPECT_FALSE(result.diagnostics.has_errors()) << dsl::Render(result.diagnostics);
+  std::vector<std::string> messages;
+  for (const dsl::Diagnostic& diagnostic : result.diagnostics.all())
+    if (diagnostic.kind == &kind) messages.push_back(diagnostic.message);
+  return messages;
+}
+
+TEST(SceneFaults, LimitsInDegreesAreWarnedOf) {
+  const auto warnings = [](const std::string& limits, const std::string& type = "hinge") {
+    return WarningsOf(scenario::kLargeAngle,
+                      "objects a { quantity 1 }\nobjects b { quantity 1; location at(300, 0, 0) }\n"
+                      "joints j { parent a; child b; type " +
+                          type + "; at (0, 0, 0); limits { " + limits + " } }")
+        .size();
+  };
+  EXPECT_EQ(warnings("lower -90; upper 90"), 1);
+  EXPECT_EQ(warnings("lower 0; upper 170"), 1);
+  EXPECT_EQ(warnings("lower -360; upper 360"), 1);
+  EXPECT_EQ(warnings("lower -90 deg; upper 90 deg"), 0);
+  EXPECT_EQ(warnings("lower -3; upper 3"), 0);
+  EXPECT_EQ(warnings("lower -20; upper 20"), 0) << "three turns";
+  EXPECT_EQ(warnings("lower -62.8; upper 62.8"), 0) << "ten turns";
+  EXPECT_EQ(warnings("lower -10000; upper 10000"), 0) << "no limits";
+  EXPECT_EQ(warnings("lower -90; upper 90", "slider"), 0);
+}
+
+TEST(SceneFaults, InertiasOfOtherUnitsAreWarnedOfOnce) {
+  // A diagonal of 2.29 m: the moments of the box add up to 0.875 m^2.
+  const auto group = [](const std::string& name, double moment) {
+    return fmt::format(
+        "objects {} {{ quantity 1; size native; location at(0, 0, 0); type compound(part(cuboid, "
+        "(2, 1, 0.5)), inertia: ({}, {}, {})) }}\n",
+        name, moment, moment, moment);
+  };
+  const auto warnings = [](const std::string& groups) {
+    return WarningsOf(scenario::kOddInertia, groups);
+  };
+  EXPECT_TRUE(warnings(group("a", 0.29)).empty());
+  EXPECT_TRUE(warnings(group("a", 20)).empty()) << "eight times as large: all mass far outside";
+  EXPECT_TRUE(warnings(group("a", 0.01)).empty()) << "all mass in the middle";
+  const auto large = warnings(group("a", 290) + group("b", 0.29) + group("c", 2e-4));
+  ASSERT_EQ(large.size(), 1);
+  EXPECT_EQ(large[0],
+            "the inertia of `a` is that of a body 72 m across, but its parts are 2.3 m; so are "
+            "those of c");
 }
 
 }  // namespace
