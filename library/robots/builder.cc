@@ -47,7 +47,9 @@ std::string MeshPath(std::string_view written, const std::string& robot_file,
   } else if (written.starts_with("file://")) {
     candidates.push_back(folder / written.substr(scheme + 3));
   } else {
-    const fs::path in_package(written.substr(scheme + 3));
+    // Some files write `package:///NAME/REST`.
+    const std::size_t name = std::min(written.find_first_not_of('/', scheme + 3), written.size());
+    const fs::path in_package(written.substr(name));
     const fs::path rest = in_package.lexically_relative(*in_package.begin());
     if (!packages.empty()) {
       candidates.push_back(fs::path(packages) / in_package);

@@ -469,9 +469,15 @@ TEST_F(Robots, CanBeManyAndHaveMeshesOfPackages) {
   fs::create_directories(folder / "p/urdf");
   fs::create_directories(folder / "p/meshes");
   WriteFile(folder / "p/meshes/b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
-  WriteFile(
-      folder / "p/urdf/r.urdf",
-      RobotText({{"geometry", "<mesh filename=\"package://p/meshes/b.obj\" scale=\"2 3 -4\"/>"}}));
+  const std::string text =
+      RobotText({{"geometry", "<mesh filename=\"package://p/meshes/b.obj\" scale=\"2 3 -4\"/>"}});
+  std::string slashes = text;
+  slashes.replace(slashes.find("//p"), 2, "///");
+  WriteFile(folder / "p/urdf/slashes.urdf", slashes);
+  EXPECT_FALSE(
+      Compiled("robot r { file \"p/urdf/slashes.urdf\"; base fixed; location at(0, 0, 0) }", folder)
+          .diagnostics.has_errors());
+  WriteFile(folder / "p/urdf/r.urdf", text);
   const compiler::Compilation compiled = Compiled(
       "robot r { file \"p/urdf/r.urdf\"; base fixed; quantity 3; location at((0, 0, 0), (4, 0, 0), "
       "(-4, 0, 0)) }",
