@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kEps = std::numeric_limits<btScalar>::epsilon();
-constexpr double kG = 9.8;
+constexpr double kRounding = std::numeric_limits<btScalar>::epsilon();
+constexpr double kGravity = 9.8;
 constexpr const char* kWorlds[] = {"positions", "springs"};
 
 /// A cloth of 1 m and 0.5 kg over x and z at y = 0, with `of_cloth`, and `others`.
@@ -44,10 +44,11 @@ TEST(RigidBesideSoft, FallsFreely) {
     constexpr int kSteps = 100;
     constexpr double dt = 1.0 / 128;
     for (int i = 0; i < kSteps; ++i) world.Step();
-    EXPECT_NEAR(PlaceOf(world).y(), 5 + 6 * dt * kSteps - kG * dt * dt * kSteps * (kSteps + 1) / 2,
-                kSteps * 100 * kEps)
+    EXPECT_NEAR(PlaceOf(world).y(),
+                5 + 6 * dt * kSteps - kGravity * dt * dt * kSteps * (kSteps + 1) / 2,
+                kSteps * 100 * kRounding)
         << kind;
-    EXPECT_NEAR(PlaceOf(world).z(), dt * kSteps, kSteps * 10 * kEps);
+    EXPECT_NEAR(PlaceOf(world).z(), dt * kSteps, kSteps * 10 * kRounding);
   }
 }
 
@@ -90,8 +91,8 @@ TEST(RigidBesideSoft, PinsHoldTheWeightOfABallAtRest) {
     const Vector3d along = NodeAt(world, static_cast<int>(b)) - NodeAt(world, static_cast<int>(a));
     on_pins += cloth.stiffness * (along.norm() - cloth.rest[i]) * along.normalized();
   }
-  double weight = kG;
-  for (const double mass : cloth.masses) weight += kG * mass;
+  double weight = kGravity;
+  for (const double mass : cloth.masses) weight += kGravity * mass;
   EXPECT_NEAR(-on_pins.y(), weight, 0.02 * weight);
   EXPECT_NEAR(on_pins.x(), 0, 0.02 * weight);
 }
@@ -134,13 +135,13 @@ TEST(RigidBesideSoft, DepthIsThatInTheMovedBody) {
   const protocol::Recording recording = RecordSoft(run);
   for (std::size_t cycle = 0; cycle < 100; ++cycle) {
     const double centre = -2 + 0.01 * static_cast<double>(cycle + 1);
-    EXPECT_NEAR(recording.Reals("poses")[cycle * 14], centre, 10 * kEps);
+    EXPECT_NEAR(recording.Reals("poses")[cycle * 14], centre, 10 * kRounding);
     const double depth = 0.2 + 0.01 - std::abs(-1 - centre);
     if (depth < 0.02) {
       EXPECT_EQ(recording.Ints("inside")[cycle], 0) << cycle;
     } else {
       EXPECT_GE(recording.Ints("inside")[cycle], depth > 0.021) << cycle;
-      EXPECT_GE(recording.Reals("max_penetration")[cycle], depth - 100 * kEps) << cycle;
+      EXPECT_GE(recording.Reals("max_penetration")[cycle], depth - 100 * kRounding) << cycle;
     }
   }
   EXPECT_GE(recording.Ints("inside").back(), 1);
