@@ -278,7 +278,7 @@ Reason WhyNotSleep(const Scene& scene) {
 
 bool MaySleep(const Scene& scene) { return scene.world.On("sleeping") && !HasSoft(scene); }
 
-/// In a scene with soft bodies, nothing else moves.
+/// Of soft bodies, and of rigid ones beside them.
 Reason WhyNotOfSoft(Question question, const Scene& scene) {
   switch (question) {
     case Question::kEnergy:
@@ -286,7 +286,8 @@ Reason WhyNotOfSoft(Question question, const Scene& scene) {
     case Question::kLosses:
       return "the solver of soft bodies takes energy";
     case Question::kPassing:
-      return "of soft bodies, only nodes inside a fixed one at the end of a cycle are found";
+      return "of soft bodies, only nodes in a rigid one at the end of a cycle, and faces of cloths "
+             "that move over its centre, are found; two rigid bodies beside them are not followed";
     case Question::kStretch:
       return scene.world.WordOr("soft_world") == "springs"
                  ? Reason(
@@ -294,7 +295,7 @@ Reason WhyNotOfSoft(Question question, const Scene& scene) {
                        "stiffness")
                  : Reason();
     default:
-      return "it is not examined of soft bodies";
+      return "it is not examined of soft bodies, nor of what moves beside them";
   }
 }
 

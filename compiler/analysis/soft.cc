@@ -60,6 +60,16 @@ std::uint64_t NodeCount(const Scene& scene) {
   return count;
 }
 
+std::uint64_t FreeRigidCount(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const Group& group : scene.groups) {
+    const std::string_view mass = group.settings.WordOr("mass");
+    if (!IsSoft(group) && mass != "fixed" && mass != "kinematic")
+      count += group.settings.Count("quantity");
+  }
+  return count;
+}
+
 std::pair<double, double> SoftMesh::PlaceOf(std::size_t node) const {
   const auto x = static_cast<double>(node % (columns + 1)) / static_cast<double>(columns);
   const auto z = static_cast<double>(node / (columns + 1));
@@ -156,6 +166,10 @@ constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
                                                      "links.type",
                                                      "force",
                                                      "torque"};
+/// Of a rigid group beside soft bodies.
+constexpr schema::GroupParameter kUnusedOfRigid[] = {
+    "collides_with", "contact_stiffness", "contact_damping", "ccd", "links.type", "force",
+    "torque"};
 /// Of one of the two worlds.
 struct OfOneWorld {
   schema::GroupParameter parameter;
@@ -166,7 +180,7 @@ constexpr OfOneWorld kOfOneWorld[] = {{"soft.correction", "positions"},
                                       {"soft.stiffness", "springs"},
                                       {"soft.damping", "springs"},
                                       {"soft.self_collision", "springs"}};
-constexpr std::string_view kFixedTypes[] = {"sphere", "cuboid",  "cylinder",
+constexpr std::string_view kRigidTypes[] = {"sphere", "cuboid",  "cylinder",
                                             "cone",   "capsule", "tetrahedron"};
 /// Nodes of a run, and of it alone: Bullet's arrays have int as their size.
 constexpr std::uint64_t kMostNodes = 10'000'000;
@@ -199,6 +213,19 @@ MaybeFault FindIdle(const Scene& scene) {
     if (scene.world.Has(*parameter.get()))
       return OfWorld(parameter, "the scene has no soft bodies",
                      "remove it, or add objects of type rope(…) or cloth(…)");
+  return std::nullopt;
+}
+
+/// `what`: those that schedules do not reach.
+MaybeFault FindScheduleFault(const Group& group, std::string_view what) {
+  for (const auto parameter :
+       {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
+    if (schema::AsCall(group.settings.Get(parameter)) != nullptr)
+      return SettingFault{group.name,
+                          parameter.get(),
+                          {},
+                          fmt::format("schedules do not reach {}", what),
+                          "write a velocity at the start"};
   return std::nullopt;
 }
 
@@ -272,23 +299,29 @@ MaybeFault FindWorldFault(const Scene& scene) {
   return std::nullopt;
 }
 
-MaybeFault FindFixedFault(const Group& group) {
+MaybeFault FindRigidFault(const Group& group) {
   const auto fault = [&](schema::GroupParameter parameter, std::string message, std::string help) {
     return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
   };
-  if (group.settings.WordOr("mass") != "fixed")
-    return fault("mass",
-                 fmt::format("beside soft bodies, other objects must be fixed, and those of {} are "
-                             "not: their pushes are not judged",
-                             group.name),
-                 "write mass fixed");
   const std::string_view type = group.settings.WordOr("type");
-  if (std::ranges::find(kFixedTypes, type) == std::end(kFixedTypes))
+  if (std::ranges::find(kRigidTypes, type) == std::end(kRigidTypes))
     return fault("type",
                  fmt::format("beside soft bodies, the type of {} must be convex: only there is "
                              "known whether a node is inside",
                              group.name),
-                 fmt::format("use {}", fmt::join(kFixedTypes, ", ")));
+                 fmt::format("use {}", fmt::join(kRigidTypes, ", ")));
+  for (const schema::GroupParameter parameter : kUnusedOfRigid)
+    if (group.settings.Has(*parameter.get()))
+      return fault(parameter,
+                   fmt::format("'{}' has no meaning for {} beside soft bodies", parameter.name(),
+                               group.name),
+                   "remove it, or the soft bodies");
+  const schema::Call* layout = schema::AsCall(group.settings.Get("location"));
+  if (layout != nullptr && layout->name == "pile")
+    return fault("location", "a pile is settled without soft bodies",
+                 "use at, line, grid, stack or uniform");
+  if (MaybeFault scheduled = FindScheduleFault(group, "rigid bodies beside soft ones"))
+    return scheduled;
   return FindIdleInGroup(group);
 }
 
@@ -347,11 +380,7 @@ MaybeFault FindGroupFault(const Scene& scene, const Group& group) {
                    fmt::format("remove it, or write soft_world {}", one.world));
   if (settings.On("soft.self_collision") && call.name == kRopeCall)
     return fault("soft.self_collision", "ropes have no faces that could collide", "remove it");
-  for (const auto parameter :
-       {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")})
-    if (schema::AsCall(settings.Get(parameter)) != nullptr)
-      return fault(parameter, "schedules do not reach the nodes of soft bodies",
-                   "write a velocity at the start");
+  if (MaybeFault scheduled = FindScheduleFault(group, "the nodes of soft bodies")) return scheduled;
   const schema::Call* layout = schema::AsCall(settings.Get("location"));
   if (layout != nullptr && (layout->name == "pile" || layout->name == "poses" ||
                             layout->name == "path" || layout->name == "relative_to"))
@@ -375,7 +404,7 @@ std::optional<SettingFault> FindSoftFault(const Scene& scene) {
   if (MaybeFault fault = FindWorldFault(scene)) return fault;
   for (const Group& group : scene.groups) {
     if (!HasObjects(group)) continue;
-    if (MaybeFault fault = IsSoft(group) ? FindGroupFault(scene, group) : FindFixedFault(group))
+    if (MaybeFault fault = IsSoft(group) ? FindGroupFault(scene, group) : FindRigidFault(group))
       return fault;
   }
   for (const plan::Joint& joint : scene.joints)
@@ -384,7 +413,7 @@ std::optional<SettingFault> FindSoftFault(const Scene& scene) {
           joint.name,
           schema::GroupParameter("joints.child").get(),
           {},
-          "joints do not hold the nodes of soft bodies, nor fixed objects beside them",
+          "joints do not hold the nodes of soft bodies, nor rigid objects beside them",
           "remove it; pin nodes where they start: soft { pin ends }"};
   for (const plan::Queries& queries : scene.queries)
     if (queries.settings.Count("queries.count") > 0)

@@ -1,7 +1,7 @@
 // Soft bodies: ropes and cloths, whose nodes move.
 //
-// A run with soft bodies has its own world (runtime/engine/soft): all that moves in it is soft, and
-// the other objects are fixed and convex.
+// A run with soft bodies has its own world (runtime/engine/soft), in which the other objects are
+// rigid and convex.
 #pragma once
 
 #include <array>
@@ -29,6 +29,8 @@ bool IsSoft(const plan::Group& group);
 bool HasSoft(const plan::Scene& scene);
 /// Of all soft bodies.
 std::uint64_t NodeCount(const plan::Scene& scene);
+/// Objects beside the soft ones that contacts move.
+std::uint64_t FreeRigidCount(const plan::Scene& scene);
 
 /// Nodes on a lattice over x and z, with links along its lines and, in a cloth, one diagonal of
 /// each rectangle, in alternating directions. Nodes are numbered along x, then z.

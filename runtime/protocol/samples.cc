@@ -34,8 +34,9 @@ std::string_view StateUnits() { return "m m m 1 1 1 1 m/s m/s m/s rad/s rad/s ra
 std::optional<SampleShape> SampleShapeOf(const plan::Scene& scene) {
   const auto sampling = analysis::SamplingOf(scene);
   if (!sampling) return std::nullopt;
-  return SampleShape{sampling->count,
-                     analysis::HasSoft(scene) ? analysis::NodeCount(scene) : scene.ObjectCount()};
+  return SampleShape{sampling->count, analysis::HasSoft(scene) ? analysis::NodeCount(scene) +
+                                                                     analysis::FreeRigidCount(scene)
+                                                               : scene.ObjectCount()};
 }
 
 Eigen::Vector3d Samples::Up() const {

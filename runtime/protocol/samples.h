@@ -1,6 +1,7 @@
 // Samples for the comparison with the ground truth: the state of every object at regular times,
 // taken in a pass without a clock, and the resulting errors. Of a scene with soft bodies, the
-// objects of samples are their nodes. Shared by worker, runner and store.
+// objects of samples are their nodes, then the rigid objects that contacts move. Shared by worker,
+// runner and store.
 #pragma once
 
 #include <Eigen/Core>

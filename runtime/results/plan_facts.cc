@@ -153,7 +153,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
       box_bodies(std::max<std::uint64_t>(1, analysis::MaxBodyCount(plan))),
       queries(std::max<std::uint64_t>(1, MaxQueries(plan))),
       nodes(std::max<std::uint64_t>(1, MaxNodes(plan))),
-      poses(plan.Records("poses")),
+      poses(plan.Records("poses") || plan.Records("vertices")),
       boxes(plan.Records("boxes")),
       contacts(plan.Records("contacts")),
       answers(plan.Records("queries")) {

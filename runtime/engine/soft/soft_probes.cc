@@ -1,10 +1,14 @@
 #include "runtime/engine/soft/soft_probes.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "compiler/analysis/reference.h"
+#include "compiler/schema/value.h"
+#include "library/exact/collision.h"
 #include "library/exact/signed_distance.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/soft/crossings.h"
@@ -72,6 +76,20 @@ double RoundingEnergyOf(const SoftObject& one, double timestep) {
          off * off / 2;
 }
 
+/// Without pins, fixed and kinematic bodies, walls and damping.
+bool IsClosed(const plan::Scene& scene, const SoftWorld& world) {
+  return world.walls().empty() &&
+         std::ranges::all_of(world.rigid(), [](const auto& body) { return IsFree(*body); }) &&
+         std::ranges::all_of(world.bodies(),
+                             [](const SoftObject& one) {
+                               return std::ranges::find(one.masses, 0) == one.masses.end();
+                             }) &&
+         std::ranges::all_of(scene.groups, [](const plan::Group& group) {
+           const schema::Number* damping = schema::AsNumber(group.settings.Get("linear_damping"));
+           return damping != nullptr && damping->AsReal() == 0;
+         });
+}
+
 }  // namespace
 
 SoftEnergy EnergyOf(const SoftWorld& world) {
@@ -88,7 +106,38 @@ SoftEnergy EnergyOf(const SoftWorld& world) {
     }
     if (one.stiffness > 0) AddSprings(one, half_timestep, energy.springs);
   }
+  for (const auto& body : world.rigid()) {
+    if (!IsFree(*body)) continue;
+    const layouts::ObjectState& object = world.ObjectOf(*body);
+    const Vector3d v = world::ToEigen(body->getLinearVelocity());
+    const double weight = -object.mass * g.dot(world::ExactPose(*body).position);
+    energy.kinetic += object.mass / 2 * v.squaredNorm() +
+                      SpinOf(*body, object).dot(world::ToEigen(body->getAngularVelocity())) / 2;
+    energy.weight += weight;
+    energy.weight_with_term += weight + object.mass * half_timestep * g.dot(v);
+  }
   return energy;
+}
+
+Vector3d SpinOf(const btRigidBody& body, const layouts::ObjectState& object) {
+  const Eigen::Quaterniond turn = world::ExactPose(body).orientation;
+  const Vector3d own = turn.conjugate() * world::ToEigen(body.getAngularVelocity());
+  return turn * (object.mass * object.solid.InertiaPerMass()).cwiseProduct(own);
+}
+
+SoftMomentum MomentumOf(const SoftWorld& world) {
+  SoftMomentum momentum;
+  const auto add = [&](double mass, const Vector3d& velocity) {
+    momentum.mass += mass;
+    momentum.sum += mass * velocity;
+    momentum.parts += mass * velocity.norm();
+  };
+  for (const SoftObject& one : world.bodies())
+    for (std::size_t node = 0; node < one.masses.size(); ++node)
+      add(one.masses[node], VelocityOf(*one.body, node));
+  for (const auto& body : world.rigid())
+    if (IsFree(*body)) add(world.ObjectOf(*body).mass, world::ToEigen(body->getLinearVelocity()));
+  return momentum;
 }
 
 double StretchOf(const SoftWorld& world) {
@@ -103,27 +152,33 @@ double StretchOf(const SoftWorld& world) {
   return largest;
 }
 
+SoftProbes::Obstacle::Obstacle(objects::Solid of, const btRigidBody& its_body)
+    : solid(std::move(of)), body(&its_body) {
+  ReadPose();
+}
+
+void SoftProbes::Obstacle::ReadPose() {
+  pose = world::ExactPose(*body);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d along = pose.orientation.conjugate() * Vector3d::Unit(axis);
+    upper[axis] = pose.position[axis] + along.dot(solid.Support(along));
+    lower[axis] = pose.position[axis] + along.dot(solid.Support(-along));
+  }
+}
+
 SoftProbes::SoftProbes(const plan::Scene& scene, SoftWorld& world, protocol::Recording& recording)
     : world_(world),
       recording_(recording),
       cycles_(scene.world.Count("cycles")),
       all_walls_(scene.world.WordOr("world.walls") == "all"),
       floor_(scene.world.WordOr("world.walls") == "floor"),
+      is_closed_(IsClosed(scene, world)),
       nodes_(world.bodies().size()),
       is_finite_(world.bodies().size(), 1),
-      fell_off_(world.bodies().size(), 0) {
-  const auto add = [&](const objects::Solid& solid, const btRigidBody& body) {
-    Obstacle one{solid, world::ExactPose(body), {}, {}};
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vector3d along = one.pose.orientation.conjugate() * Vector3d::Unit(axis);
-      one.upper[axis] = one.pose.position[axis] + along.dot(solid.Support(along));
-      one.lower[axis] = one.pose.position[axis] + along.dot(solid.Support(-along));
-    }
-    obstacles_.push_back(one);
-  };
-  for (const auto& body : world.fixed())
-    add(world.initial_state().objects[static_cast<std::size_t>(body->getUserIndex())].solid, *body);
-  for (const auto& wall : world.walls()) add(world::BoxWallSolid(*wall), *wall);
+      fell_off_(world.bodies().size() + world.rigid().size(), 0) {
+  for (const auto& body : world.rigid())
+    obstacles_.emplace_back(world.ObjectOf(*body).solid, *body);
+  for (const auto& wall : world.walls()) obstacles_.emplace_back(world::BoxWallSolid(*wall), *wall);
 }
 
 void SoftProbes::Begin() {
@@ -141,7 +196,18 @@ void SoftProbes::Begin() {
     scales.energy_scale += RoundingEnergyOf(one, world_.timestep());
   }
   scales.moving_objects = static_cast<double>(world_.bodies().size());
+  for (const auto& body : world_.rigid()) {
+    if (!IsFree(*body)) continue;
+    const layouts::ObjectState& object = world_.ObjectOf(*body);
+    const double side = object.solid.sides.minCoeff();
+    scales.least_side = std::min(scales.least_side, side);
+    scales.energy_scale += object.mass * (kFall * pull * side + std::pow(0.01 * side, 2) / 2);
+    ++scales.moving_objects;
+  }
   scales.speed_scale = std::sqrt(pull * scales.least_side);
+  ReadNodes();
+  first_ = MomentumOf(world_);
+  largest_momentum_ = first_.parts;
 }
 
 void SoftProbes::Record(std::uint64_t cycle) {
@@ -164,10 +230,13 @@ void SoftProbes::Record(std::uint64_t cycle) {
   ReadNodes();
   if (!recording_.Reals("stretch").empty()) RecordStability(cycle);
   if (!recording_.Reals("vertex_positions").empty()) RecordVertices(cycle);
+  if (!recording_.Reals("poses").empty()) RecordPoses(cycle);
 }
 
 void SoftProbes::ReadNodes() {
-  if (recording_.Reals("stretch").empty() && recording_.Reals("vertex_positions").empty()) return;
+  if (recording_.Reals("stretch").empty() && recording_.Reals("poses").empty()) return;
+  std::swap(nodes_, last_nodes_);
+  nodes_.resize(last_nodes_.size());
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     const SoftObject& one = world_.bodies()[body];
     nodes_[body].resize(one.masses.size());
@@ -181,8 +250,9 @@ void SoftProbes::ReadNodes() {
 }
 
 void SoftProbes::RecordStability(std::uint64_t cycle) {
-  double fastest = 0, deepest = 0;
-  std::int32_t escaped = 0, removed = 0, non_finite = 0, inside = 0, crossings = 0;
+  auto [fastest, escaped, removed, non_finite, passed] = RecordRigid();
+  double deepest = 0;
+  std::int32_t inside = 0, crossings = 0;
   bool has_cloth = false;
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     const SoftObject& one = world_.bodies()[body];
@@ -196,7 +266,7 @@ void SoftProbes::RecordStability(std::uint64_t cycle) {
     one.body->getAabb(lower, upper);
     removed += one.body->getActivationState() == DISABLE_SIMULATION ||
                !((upper - lower).length() < btScalar(analysis::kLargestBox));
-    escaped += IsBeyondWall(body, CentreOf(one, nodes_[body]));
+    escaped += IsBeyondWall(CentreOf(one, nodes_[body]), fell_off_[body]);
     const Depths depths = DepthsOf(body);
     deepest = std::max(deepest, depths.deepest);
     inside += depths.inside;
@@ -210,8 +280,63 @@ void SoftProbes::RecordStability(std::uint64_t cycle) {
   recording_.Put("removed", cycle, removed);
   recording_.Put("non_finite", cycle, non_finite);
   recording_.Put("inside", cycle, inside);
+  recording_.Put("passed", cycle, passed);
+  recording_.Put("momentum_error", cycle, is_closed_ ? MomentumError(cycle) : kNone);
   recording_.Put("stretch", cycle, std::isfinite(stretch) ? stretch : kNone);
   if (has_cloth) recording_.Put("self_crossings", cycle, crossings);
+}
+
+SoftProbes::RigidCounts SoftProbes::RecordRigid() {
+  RigidCounts counts;
+  for (std::size_t i = 0; i < world_.rigid().size(); ++i) {
+    Obstacle& one = obstacles_[i];
+    const btRigidBody& body = *one.body;
+    const Vector3d last = one.pose.position;
+    if (!world::IsFinite(body.getWorldTransform().getOrigin()) ||
+        !world::IsFinite(body.getLinearVelocity()) || !world::IsFinite(body.getAngularVelocity())) {
+      ++counts.non_finite;
+      continue;
+    }
+    one.ReadPose();
+    one.has_passed = one.has_passed || HasPassed(one, last);
+    counts.passed += one.has_passed;
+    if (!IsFree(body)) continue;
+    counts.fastest = std::max(counts.fastest, world::ToEigen(body.getLinearVelocity()).norm());
+    counts.removed += body.getActivationState() == DISABLE_SIMULATION ||
+                      !((one.upper - one.lower).norm() < analysis::kLargestBox);
+    counts.escaped += IsBeyondWall(one.pose.position, fell_off_[nodes_.size() + i]);
+  }
+  return counts;
+}
+
+/// `last`: the centre of mass before the cycle.
+bool SoftProbes::HasPassed(const Obstacle& one, const Vector3d& last) const {
+  const Vector3d lower = last.cwiseMin(one.pose.position), upper = last.cwiseMax(one.pose.position);
+  for (std::size_t body = 0; body < nodes_.size(); ++body) {
+    if (!is_finite_[body]) continue;
+    const std::vector<Vector3d>&from = last_nodes_[body], &to = nodes_[body];
+    for (const auto& [a, b, c] : world_.bodies()[body].mesh.triangles) {
+      const auto box = Eigen::AlignedBox3d(from[a])
+                           .extend(from[b])
+                           .extend(from[c])
+                           .extend(to[a])
+                           .extend(to[b])
+                           .extend(to[c]);
+      if (!box.intersects(Eigen::AlignedBox3d(lower, upper))) continue;
+      if (exact::VertexMeetsFace(
+              {{last, from[a], from[b], from[c]}, {one.pose.position, to[a], to[b], to[c]}}))
+        return true;
+    }
+  }
+  return false;
+}
+
+double SoftProbes::MomentumError(std::uint64_t cycle) {
+  const SoftMomentum now = MomentumOf(world_);
+  largest_momentum_ = std::max(largest_momentum_, now.parts);
+  const double time = static_cast<double>(cycle + 1) * world_.timestep();
+  const double off = (now.sum - first_.sum - first_.mass * time * world_.acceleration()).norm();
+  return largest_momentum_ > 0 ? off / largest_momentum_ : kNone;
 }
 
 SoftProbes::Depths SoftProbes::DepthsOf(std::size_t body) const {
@@ -235,17 +360,17 @@ SoftProbes::Depths SoftProbes::DepthsOf(std::size_t body) const {
   return depths;
 }
 
-bool SoftProbes::IsBeyondWall(std::size_t body, const Vector3d& centre) {
+bool SoftProbes::IsBeyondWall(const Vector3d& centre, char& fell_off) const {
   const double half = world_.side() / 2;
   if (all_walls_) return centre.cwiseAbs().maxCoeff() > half;
   if (!floor_ || !(centre.y() < -half)) {
-    fell_off_[body] = 0;
+    fell_off = 0;
     return false;
   }
   // The floor is a box with edges, over which a body may fall.
   const double edge = half + omissions::kWallThickness * world_.side();
-  if (std::max(std::fabs(centre.x()), std::fabs(centre.z())) > edge) fell_off_[body] = 1;
-  return fell_off_[body] == 0;
+  if (std::max(std::fabs(centre.x()), std::fabs(centre.z())) > edge) fell_off = 1;
+  return fell_off == 0;
 }
 
 void SoftProbes::RecordVertices(std::uint64_t cycle) {
@@ -254,6 +379,27 @@ void SoftProbes::RecordVertices(std::uint64_t cycle) {
   for (const std::vector<Vector3d>& nodes : nodes_)
     for (const Vector3d& node : nodes)
       for (const double x : node) *at++ = x;
+}
+
+/// Rigid objects are convex: their own axes are those of their sides.
+void SoftProbes::RecordPoses(std::uint64_t cycle) {
+  const auto all = recording_.Reals("poses");
+  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(all.size() / cycles_ * cycle);
+  const auto put = [&](std::size_t object, const Vector3d& place, const Eigen::Quaterniond& turn) {
+    auto at = begin + static_cast<std::ptrdiff_t>(object * protocol::kPoseSize);
+    for (const double x : place) *at++ = x;
+    for (const double part : turn.coeffs()) *at++ = part;
+  };
+  for (std::size_t body = 0; body < nodes_.size(); ++body) {
+    Vector3d middle = Vector3d::Zero();
+    for (const Vector3d& node : nodes_[body])
+      middle += node / static_cast<double>(nodes_[body].size());
+    put(world_.bodies()[body].object, middle, Eigen::Quaterniond::Identity());
+  }
+  for (const auto& body : world_.rigid()) {
+    const objects::Pose pose = world::ExactPose(*body);
+    put(static_cast<std::size_t>(body->getUserIndex()), pose.position, pose.orientation);
+  }
 }
 
 }  // namespace cdb::soft

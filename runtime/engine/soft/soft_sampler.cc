@@ -14,14 +14,39 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Calls `visit` with the mass, the place and the velocity of each node, in order.
+/// What a sample holds of a node, or of a rigid body that is free.
+struct Part {
+  double mass, size;
+  Vector3d place;
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  Vector3d velocity, angular_velocity = Vector3d::Zero(), spin = Vector3d::Zero();
+};
+
+/// Calls `visit` with each node, in order, then with each free rigid body.
 template <typename Visit>
-void ForEachNode(const SoftWorld& world, const Visit& visit) {
-  for (const SoftObject& one : world.bodies())
+void ForEachPart(const SoftWorld& world, const Visit& visit) {
+  for (const SoftObject& one : world.bodies()) {
+    const double size = world.initial_state().objects[one.object].solid.sides.maxCoeff();
     for (std::size_t i = 0; i < one.masses.size(); ++i) {
       const btSoftBody::Node& node = one.body->m_nodes[static_cast<int>(i)];
-      visit(one, one.masses[i], world::ToEigen(node.m_x), world::ToEigen(node.m_v));
+      visit(Part{.mass = one.masses[i],
+                 .size = size,
+                 .place = world::ToEigen(node.m_x),
+                 .velocity = world::ToEigen(node.m_v)});
     }
+  }
+  for (const auto& body : world.rigid()) {
+    if (!IsFree(*body)) continue;
+    const layouts::ObjectState& object = world.ObjectOf(*body);
+    const objects::Pose pose = world::ExactPose(*body);
+    visit(Part{.mass = object.mass,
+               .size = object.solid.sides.maxCoeff(),
+               .place = pose.position,
+               .turn = pose.orientation,
+               .velocity = world::ToEigen(body->getLinearVelocity()),
+               .angular_velocity = world::ToEigen(body->getAngularVelocity()),
+               .spin = SpinOf(*body, object)});
+  }
 }
 
 }  // namespace
@@ -33,10 +58,9 @@ SoftSampler::SoftSampler(const plan::Scene& scene, const SoftWorld& world,
       values_(recording.SampleValues()),
       cycles_per_sample_(analysis::SamplingOf(scene)->cycles) {
   std::size_t index = 0;
-  ForEachNode(world, [&](const SoftObject& one, double mass, const Vector3d&, const Vector3d&) {
-    values_[shape_.Body(index)] = mass;
-    values_[shape_.Body(index++) + 1] =
-        world.initial_state().objects[one.object].solid.sides.maxCoeff();
+  ForEachPart(world, [&](const Part& part) {
+    values_[shape_.Body(index)] = part.mass;
+    values_[shape_.Body(index++) + 1] = part.size;
   });
 }
 
@@ -46,10 +70,10 @@ void SoftSampler::AfterStep() {
 
 void SoftSampler::Take() {
   std::size_t index = 0;
-  ForEachNode(world_, [&](const SoftObject&, double, const Vector3d& x, const Vector3d& v) {
+  ForEachPart(world_, [&](const Part& part) {
     Eigen::Map<Eigen::Matrix<double, protocol::kStateSize, 1>> state(
         &values_[shape_.State(taken_, index++)]);
-    state << x, Eigen::Quaterniond::Identity().coeffs(), v, Vector3d::Zero();
+    state << part.place, part.turn.coeffs(), part.velocity, part.angular_velocity;
   });
   TakeMotion();
   ++taken_;
@@ -59,17 +83,13 @@ void SoftSampler::TakeMotion() {
   const std::span<double> seen = values_.subspan(
       shape_.Observables(taken_), static_cast<std::size_t>(protocol::kObservableCount));
   std::ranges::fill(seen, std::numeric_limits<double>::quiet_NaN());
-  Vector3d centre = Vector3d::Zero(), momentum = Vector3d::Zero(), angular = Vector3d::Zero();
-  double whole = 0, momentum_sum = 0, angular_sum = 0;
-  ForEachNode(world_, [&](const SoftObject&, double mass, const Vector3d& x, const Vector3d& v) {
-    whole += mass;
-    centre += mass * x;
-    momentum += mass * v;
-    momentum_sum += mass * v.norm();
-  });
-  if (whole > 0) centre /= whole;
-  ForEachNode(world_, [&](const SoftObject&, double mass, const Vector3d& x, const Vector3d& v) {
-    const Vector3d own = mass * (x - centre).cross(v);
+  Vector3d centre = Vector3d::Zero(), angular = Vector3d::Zero();
+  double angular_sum = 0;
+  const SoftMomentum momentum = MomentumOf(world_);
+  ForEachPart(world_, [&](const Part& part) { centre += part.mass * part.place; });
+  if (momentum.mass > 0) centre /= momentum.mass;
+  ForEachPart(world_, [&](const Part& part) {
+    const Vector3d own = part.mass * (part.place - centre).cross(part.velocity) + part.spin;
     angular += own;
     angular_sum += own.norm();
   });
@@ -81,9 +101,9 @@ void SoftSampler::TakeMotion() {
     std::ranges::copy(value, &seen[first]);
   };
   put(protocol::kAccelerationX, world_.acceleration());
-  put(protocol::kMomentumX, momentum);
+  put(protocol::kMomentumX, momentum.sum);
   put(protocol::kAngularX, angular);
-  seen[protocol::kMomentumSum] = momentum_sum;
+  seen[protocol::kMomentumSum] = momentum.parts;
   seen[protocol::kAngularSum] = angular_sum;
 }
 

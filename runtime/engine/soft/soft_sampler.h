@@ -1,4 +1,5 @@
-// Takes the samples of a run with soft bodies, in the pass without a clock: the state of each node.
+// Takes the samples of a run with soft bodies, in the pass without a clock: the state of each node,
+// then of each rigid body that contacts move.
 #pragma once
 
 #include <cstdint>

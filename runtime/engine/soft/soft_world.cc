@@ -64,6 +64,8 @@ class TimedBroad : public World {
     World::computeOverlappingPairs();
     clock_.End(Phase::kBroad);
   }
+  // A length of 0 makes Bullet keep the velocities of kinematic bodies.
+  void saveKinematicState(btScalar) override { World::saveKinematicState(btScalar(0)); }
 
  protected:
   PhaseClock& clock_;
@@ -229,6 +231,7 @@ SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
       timestep_(static_cast<btScalar>(scene.world.Real("timestep"))),
       side_(scene.world.Real("world.side")),
       has_springs_(scene.world.WordOr("soft_world") == "springs"),
+      kinematics_(scene_),
       configuration_(std::make_unique<btSoftBodyRigidBodyCollisionConfiguration>()),
       dispatcher_(std::make_unique<TimedDispatcher>(configuration_.get(), clock_)) {
   layouts::CheckRange(scene_, state_);
@@ -259,10 +262,10 @@ SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
   info.m_sparsesdf.Reset();
   for (std::size_t i = 0; i < state_.objects.size(); ++i) {
     const ObjectState& object = state_.objects[i];
-    if (object.IsFixed()) {
-      MakeFixed(object, i);
-    } else {
+    if (analysis::IsSoft(scene_.groups[object.group])) {
       MakeSoft(object, i);
+    } else {
+      MakeRigid(object, i);
     }
   }
   const std::uint8_t standing = omissions::StandingWalls(scene_);
@@ -273,16 +276,18 @@ SoftWorld::SoftWorld(const plan::Scene& scene, layouts::InitialState state)
 // Bullet searches all pairs for each body that it removes.
 SoftWorld::~SoftWorld() {
   for (const SoftObject& one : bodies_) world_->world().removeCollisionObject(one.body.get());
-  for (const auto& body : fixed_) world_->world().removeRigidBody(body.get());
+  for (const auto& body : rigid_) world_->world().removeRigidBody(body.get());
   for (const auto& body : walls_) world_->world().removeRigidBody(body.get());
 }
 
 void SoftWorld::Step() {
   btDiscreteDynamicsWorld& world = world_->world();
+  kinematics_.BeforeStep(steps_);
   clock_.Reset();
   clock_.Begin(Phase::kStep);
   world.stepSimulation(timestep_, 1, timestep_);
   clock_.End(Phase::kStep);
+  kinematics_.AfterStep(steps_);
   if (++steps_ % kCollectEvery == 0) world_->info().m_sparsesdf.GarbageCollect(1);
 }
 
@@ -297,19 +302,13 @@ std::size_t SoftWorld::ContactCount() const {
   return count;
 }
 
-void SoftWorld::MakeFixed(const ObjectState& object, std::size_t index) {
-  btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"]);
-  btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape);
-  const Eigen::Quaterniond& turn = object.pose.orientation;
-  info.m_startWorldTransform.setRotation(
-      {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
-       static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
-  info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
-  info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
-  auto body = std::make_unique<btRigidBody>(info);
+void SoftWorld::MakeRigid(const ObjectState& object, std::size_t index) {
+  auto body = world::MakeBody(object, shapes_.Get(object.solid, object.numbers["margin"]));
+  if (!object.IsFixed()) body->setActivationState(DISABLE_DEACTIVATION);
   body->setUserIndex(static_cast<int>(index));
+  if (object.is_kinematic) kinematics_.Add(state_.objects[index], *body);
   world_->world().addRigidBody(body.get());
-  fixed_.push_back(std::move(body));
+  rigid_.push_back(std::move(body));
 }
 
 void SoftWorld::MakeWall(int wall) {
@@ -383,6 +382,13 @@ std::string StateHash(const SoftWorld& world) {
       add(one.body->m_nodes[i].m_x);
       add(one.body->m_nodes[i].m_v);
     }
+  for (const auto& body : world.rigid()) {
+    if (body->isStaticObject()) continue;
+    add(body->getWorldTransform().getOrigin());
+    for (int row = 0; row < 3; ++row) add(body->getWorldTransform().getBasis()[row]);
+    add(body->getLinearVelocity());
+    add(body->getAngularVelocity());
+  }
   return fmt::format("{:016x}", hash);
 }
 

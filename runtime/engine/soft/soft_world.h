@@ -29,6 +29,7 @@
 #include "compiler/analysis/soft.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/protocol/series.h"
 
@@ -72,6 +73,7 @@ struct SoftObject {
   double stiffness = 0;        ///< N/m: of each link; 0 in the world of positions
 };
 
+/// Rigid objects are convex, and never sleep; kinematic ones follow their velocities or path.
 /// Nodes share the mass of their body: those of a rope, that of the halves of its links; those of a
 /// cloth, that of thirds of their triangles. Pinned nodes keep their place, and their mass is that
 /// of the pin. Not thread-safe.
@@ -88,8 +90,11 @@ class SoftWorld {
   const PhaseClock& clock() const { return clock_; }
 
   const std::vector<SoftObject>& bodies() const { return bodies_; }
-  /// The fixed objects and the walls; getUserIndex is the index of an object.
-  std::span<const std::unique_ptr<btRigidBody>> fixed() const { return fixed_; }
+  /// The rigid objects and the walls; getUserIndex is the index of an object.
+  std::span<const std::unique_ptr<btRigidBody>> rigid() const { return rigid_; }
+  const layouts::ObjectState& ObjectOf(const btRigidBody& body) const {
+    return state_.objects[static_cast<std::size_t>(body.getUserIndex())];
+  }
   const std::vector<std::unique_ptr<btRigidBody>>& walls() const { return walls_; }
   const layouts::InitialState& initial_state() const { return state_; }
   btDiscreteDynamicsWorld& world() { return world_->world(); }
@@ -100,7 +105,7 @@ class SoftWorld {
   bool has_springs() const { return has_springs_; }
 
  private:
-  void MakeFixed(const layouts::ObjectState& object, std::size_t index);
+  void MakeRigid(const layouts::ObjectState& object, std::size_t index);
   void MakeWall(int wall);
   void MakeSoft(const layouts::ObjectState& object, std::size_t index);
 
@@ -112,7 +117,8 @@ class SoftWorld {
   PhaseClock clock_;
   world::ShapePool shapes_;
   std::vector<std::unique_ptr<btCollisionShape>> wall_shapes_;
-  std::vector<std::unique_ptr<btRigidBody>> fixed_, walls_;
+  std::vector<std::unique_ptr<btRigidBody>> rigid_, walls_;
+  world::Kinematics kinematics_;
   std::unique_ptr<btCollisionConfiguration> configuration_;
   std::unique_ptr<btCollisionDispatcher> dispatcher_;
   std::unique_ptr<btBroadphaseInterface> broad_phase_;
@@ -121,8 +127,12 @@ class SoftWorld {
   std::uint64_t steps_ = 0;
 };
 
-/// 16 hex digits: FNV-1a (64 bits) over the position and velocity of every node, in order and in
-/// the bits of Bullet's own precision.
+/// True if contacts move the body.
+inline bool IsFree(const btRigidBody& body) { return !body.isStaticOrKinematicObject(); }
+
+/// 16 hex digits: FNV-1a (64 bits) over the position and velocity of every node, then over the pose
+/// and the velocities of every rigid body that moves, in order and in the bits of Bullet's own
+/// precision.
 std::string StateHash(const SoftWorld& world);
 
 }  // namespace cdb::soft

@@ -47,25 +47,6 @@ constexpr int ClassGroup(std::size_t collision_class, bool is_fixed) {
 }
 static_assert(ClassGroup(analysis::kMostCollisionClasses - 1, true) == 1 << 29);
 
-btRigidBody::btRigidBodyConstructionInfo BodyInfo(const ObjectState& object,
-                                                  btCollisionShape* shape) {
-  const auto mass = static_cast<btScalar>(object.mass);
-  const btVector3 inertia = mass * ToBullet(object.solid.InertiaPerMass());
-  const Eigen::Quaterniond& turn = object.pose.orientation;
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
-  info.m_startWorldTransform.setRotation(
-      {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
-       static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
-  info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
-  info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
-  info.m_rollingFriction = static_cast<btScalar>(object.numbers["rolling_friction"]);
-  info.m_spinningFriction = static_cast<btScalar>(object.numbers["spinning_friction"]);
-  info.m_restitution = static_cast<btScalar>(object.numbers["restitution"]);
-  info.m_linearDamping = static_cast<btScalar>(object.numbers["linear_damping"]);
-  info.m_angularDamping = static_cast<btScalar>(object.numbers["angular_damping"]);
-  return info;
-}
-
 /// N, by group: the largest force of its table; 0 if it has none.
 std::vector<double> LargestOfTables(const plan::Scene& scene) {
   const schema::GroupParameter force = "force";
@@ -284,19 +265,9 @@ void Engine::MakeObject(const ObjectState& object) {
   const bool smooth_edges =
       object.solid.IsSurface() && scene_.groups[object.group].settings.WordOr("edges") == "smooth";
   btCollisionShape* shape = shapes_.Get(object.solid, object.numbers["margin"], smooth_edges);
-  const auto info = BodyInfo(object, shape);
-  auto body = std::make_unique<btRigidBody>(info);
-  if (!object.IsFixed()) {
-    body->setLinearVelocity(ToBullet(object.linear_velocity));
-    body->setAngularVelocity(ToBullet(object.angular_velocity));
-    if (!sleeping_ || analysis::HasPush(scene_.groups[object.group]))
-      body->setActivationState(DISABLE_DEACTIVATION);
-  }
-  if (object.is_kinematic) {
-    body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
-                            btCollisionObject::CF_KINEMATIC_OBJECT);
+  auto body = MakeBody(object, shape);
+  if (!object.IsFixed() && (!sleeping_ || analysis::HasPush(scene_.groups[object.group])))
     body->setActivationState(DISABLE_DEACTIVATION);
-  }
   if (smooth_edges) {
     gContactAddedCallback = AdjustAtEdges;
     body->setCollisionFlags(body->getCollisionFlags() |
@@ -549,37 +520,34 @@ btQuaternion QuaternionOf(const Eigen::Quaterniond& turn) {
 
 }  // namespace
 
-Kinematics::Kinematics(const plan::Scene& scene, Engine& engine)
-    : engine_(engine), timestep_(scene.world.Real("timestep")) {
+Kinematics::Kinematics(const plan::Scene& scene) : timestep_(scene.world.Real("timestep")) {}
+
+Kinematics::Kinematics(const plan::Scene& scene, Engine& engine) : Kinematics(scene) {
   const auto& objects = engine.initial_state().objects;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    if (objects[i].is_kinematic) objects_.push_back(i);
+    if (objects[i].is_kinematic) Add(objects[i], *engine.objects()[i]);
 }
 
 void Kinematics::BeforeStep(std::uint64_t step) const {
-  for (const std::size_t i : objects_) {
-    const layouts::ObjectState& object = engine_.initial_state().objects[i];
-    const objects::Pose from = layouts::PoseAt(object, TimeOf(step));
-    const objects::Pose to = layouts::PoseAt(object, TimeOf(step + 1));
+  for (const auto& [object, body] : all_) {
+    const objects::Pose from = layouts::PoseAt(*object, TimeOf(step));
+    const objects::Pose to = layouts::PoseAt(*object, TimeOf(step + 1));
     // A constant spin is used directly: beyond half a turn per step, the poses would not determine
     // it.
-    const bool is_told = object.path != nullptr && object.path->has_orientation();
-    btRigidBody& body = *engine_.objects()[i];
-    body.setLinearVelocity(ToBullet((to.position - from.position) / timestep_));
-    body.setAngularVelocity(ToBullet(is_told
-                                         ? SpinBetween(from.orientation, to.orientation, timestep_)
-                                         : object.angular_velocity));
+    const bool is_told = object->path != nullptr && object->path->has_orientation();
+    body->setLinearVelocity(ToBullet((to.position - from.position) / timestep_));
+    body->setAngularVelocity(ToBullet(is_told
+                                          ? SpinBetween(from.orientation, to.orientation, timestep_)
+                                          : object->angular_velocity));
   }
 }
 
 void Kinematics::AfterStep(std::uint64_t step) const {
-  for (const std::size_t i : objects_) {
-    const objects::Pose pose =
-        layouts::PoseAt(engine_.initial_state().objects[i], TimeOf(step + 1));
-    btRigidBody& body = *engine_.objects()[i];
+  for (const auto& [object, body] : all_) {
+    const objects::Pose pose = layouts::PoseAt(*object, TimeOf(step + 1));
     const btTransform transform(QuaternionOf(pose.orientation), ToBullet(pose.position));
-    body.setWorldTransform(transform);
-    body.setInterpolationWorldTransform(transform);
+    body->setWorldTransform(transform);
+    body->setInterpolationWorldTransform(transform);
   }
 }
 

@@ -192,8 +192,14 @@ std::string PrecisionMismatch();
 
 class Kinematics {
  public:
+  /// Of no object.
+  explicit Kinematics(const plan::Scene& scene);
   /// The engine must outlive it.
   Kinematics(const plan::Scene& scene, Engine& engine);
+  /// A kinematic object and its body, which must outlive it.
+  void Add(const layouts::ObjectState& object, btRigidBody& body) {
+    all_.emplace_back(&object, &body);
+  }
 
   /// Call before and after each step. `step` counts from 0.
   void BeforeStep(std::uint64_t step) const;
@@ -202,9 +208,8 @@ class Kinematics {
  private:
   double TimeOf(std::uint64_t step) const { return static_cast<double>(step) * timestep_; }
 
-  Engine& engine_;
-  const double timestep_;             ///< s, as in the scene, not rounded
-  std::vector<std::size_t> objects_;  ///< the kinematic ones
+  const double timestep_;  ///< s, as in the scene, not rounded
+  std::vector<std::pair<const layouts::ObjectState*, btRigidBody*>> all_;
 };
 
 // Schedules: accelerations and velocities that change during a run.

@@ -298,4 +298,32 @@ btCollisionShape* ShapePool::Get(const Solid& solid, double margin, bool smooth_
   return shape.get();
 }
 
+std::unique_ptr<btRigidBody> MakeBody(const layouts::ObjectState& object, btCollisionShape* shape) {
+  const auto mass = static_cast<btScalar>(object.mass);
+  const btVector3 inertia = mass * ToBullet(object.solid.InertiaPerMass());
+  const Eigen::Quaterniond& turn = object.pose.orientation;
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
+  info.m_startWorldTransform.setRotation(
+      {static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+       static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())});
+  info.m_startWorldTransform.setOrigin(ToBullet(object.pose.position));
+  info.m_friction = static_cast<btScalar>(object.numbers["friction"]);
+  info.m_rollingFriction = static_cast<btScalar>(object.numbers["rolling_friction"]);
+  info.m_spinningFriction = static_cast<btScalar>(object.numbers["spinning_friction"]);
+  info.m_restitution = static_cast<btScalar>(object.numbers["restitution"]);
+  info.m_linearDamping = static_cast<btScalar>(object.numbers["linear_damping"]);
+  info.m_angularDamping = static_cast<btScalar>(object.numbers["angular_damping"]);
+  auto body = std::make_unique<btRigidBody>(info);
+  if (!object.IsFixed()) {
+    body->setLinearVelocity(ToBullet(object.linear_velocity));
+    body->setAngularVelocity(ToBullet(object.angular_velocity));
+  }
+  if (object.is_kinematic) {
+    body->setCollisionFlags((body->getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
+                            btCollisionObject::CF_KINEMATIC_OBJECT);
+    body->setActivationState(DISABLE_DEACTIVATION);
+  }
+  return body;
+}
+
 }  // namespace cdb::world

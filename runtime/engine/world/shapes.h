@@ -5,7 +5,7 @@
 #include <BulletCollision/CollisionShapes/btConvexPointCloudShape.h>
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
-#include <btBulletCollisionCommon.h>
+#include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Core>
 #include <map>
@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "library/exact/signed_distance.h"
+#include "library/layouts/initial_state.h"
 #include "library/objects/solid.h"
 
 namespace cdb::world {
@@ -99,5 +100,9 @@ class ShapePool {
   std::vector<std::unique_ptr<Triangles>> triangles_;      ///< of surfaces
   std::map<Key, std::unique_ptr<btCollisionShape>> shapes_;
 };
+
+/// The body of an object with its mass, coefficients, pose and velocities at the start. A kinematic
+/// one never sleeps. The shape must outlive it.
+std::unique_ptr<btRigidBody> MakeBody(const layouts::ObjectState& object, btCollisionShape* shape);
 
 }  // namespace cdb::world

@@ -268,12 +268,19 @@ void ReadFrames(const ResultFile& file, const ResultFile::Cell& cell, const Fram
 }
 
 /// Adds the pose of each object in a frame: of a soft body, the middle of its nodes, not turned.
-void AddSoftPoses(std::span<const double> nodes, SceneRecording& recording) {
+/// `poses`: those recorded, without values in a file in which only soft bodies moved.
+void AddSoftPoses(std::span<const double> nodes, std::span<const double> poses,
+                  SceneRecording& recording) {
   std::size_t at = 0;
-  for (const layouts::ObjectState& object : recording.state.objects) {
+  for (std::size_t i = 0; i < recording.state.objects.size(); ++i) {
+    const layouts::ObjectState& object = recording.state.objects[i];
     const plan::Group& group = recording.scene.groups[object.group];
     auto [p, q] = objects::OriginOf(object.solid, object.pose);
-    if (analysis::IsSoft(group)) {
+    if (poses.size() >= (i + 1) * kPose && std::isfinite(poses[i * kPose])) {
+      const double* pose = &poses[i * kPose];
+      p = {pose[0], pose[1], pose[2]};
+      q = {pose[6], pose[3], pose[4], pose[5]};
+    } else if (analysis::IsSoft(group)) {
       const std::size_t count = analysis::MeshOf(group.settings.Get("type")).NodeCount();
       p.setZero();
       for (std::size_t node = 0; node < count; ++node, at += 3)
@@ -300,7 +307,9 @@ void ReadSoftFrames(const ResultFile& file, const ResultFile::Cell& cell, const 
     const std::vector<double> nodes = file.ReadCycle("vertex_positions", cell, cycle);
     if (nodes.size() < count)
       throw StoreError("its vertices have fewer nodes than its plan: run it again");
-    AddSoftPoses(nodes, recording);
+    AddSoftPoses(nodes,
+                 file.Has("poses") ? file.ReadCycle("poses", cell, cycle) : std::vector<double>(),
+                 recording);
     recording.nodes.insert(recording.nodes.end(), nodes.begin(),
                            nodes.begin() + static_cast<std::ptrdiff_t>(count));
   }

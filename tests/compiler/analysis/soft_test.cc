@@ -89,6 +89,16 @@ TEST(Soft, NodesAreCounted) {
             3u * 5 + 2 * 12);
 }
 
+TEST(Soft, RigidObjectsBesideThemMayMove) {
+  const plan::Scene scene = SceneOf(
+      std::string(kWorld) +
+      "record vertices, poses; objects s { quantity 1; size 1; type rope(segments: 3) } objects "
+      "balls { quantity 3; mass density(500); linear_velocity uniform(-1, 1); restitution 0.5 } "
+      "objects ground { quantity 2; type cuboid; mass fixed } objects spins { quantity 4; mass "
+      "kinematic; angular_velocity (0, 1, 0) }");
+  EXPECT_EQ(analysis::FreeRigidCount(scene), 3u);
+}
+
 TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
   struct Case {
     const char *statements, *message;
@@ -108,16 +118,22 @@ TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
        "'grid' does not know soft bodies"},
       {"expect rest", "whether soft bodies rest is not judged"},
       {"expect energy", "whether soft bodies keep their energy is not judged"},
-      {"record poses", "'poses' cannot be recorded with soft bodies"},
       {"record boxes", "'boxes' cannot be recorded with soft bodies"},
       {"record contacts", "'contacts' cannot be recorded with soft bodies"},
       {"record pairs", "'pairs' cannot be recorded with soft bodies"},
       {"acceleration every(5, (0, -9, 0))", "schedules do not reach"},
       {"omit solver", "'solver' cannot be omitted"},
       {"queries { count 5 }", "queries do not know soft bodies"},
-      {"objects ball { quantity 1 }", "other objects must be fixed"},
-      {"objects ball { quantity 1; mass kinematic; linear_velocity (1, 0, 0) }",
-       "other objects must be fixed"},
+      {"objects ball { quantity 1; ccd on }", "'ccd' has no meaning for ball beside"},
+      {"objects ball { quantity 1; force (1, 0, 0) }", "'force' has no meaning for ball"},
+      {"objects ball { quantity 1; torque (1, 0, 0) }", "'torque' has no meaning for ball"},
+      {"objects ball { quantity 2; links { type ball } }", "'links.type' has no meaning for ball"},
+      {"objects ball { quantity 1; collides_with none }", "'collides_with' has no meaning for"},
+      {"objects ball { quantity 1; contact_stiffness 10 }", "'contact_stiffness' has no meaning"},
+      {"objects ball { quantity 1; location pile }", "a pile is settled without soft bodies"},
+      {"objects ball { quantity 1; linear_velocity every(5, (0, 1, 0)) }",
+       "schedules do not reach rigid bodies"},
+      {"objects ball { quantity 1; type bunny }", "must be convex"},
       {"objects torus { quantity 1; mass fixed; type torus }", "must be convex"},
       {"objects ball { quantity 1; mass fixed; soft { pin left } }", "ball has none"},
       {"objects s { restitution 0.5 }", "'restitution' has no meaning"},

@@ -49,13 +49,4 @@ inline Eigen::Vector3d NodeVelocity(const soft::SoftWorld& world, int node, std:
   return world::ToEigen(world.bodies()[body].body->m_nodes[node].m_v);
 }
 
-/// kg m/s.
-inline Eigen::Vector3d MomentumOf(const soft::SoftWorld& world) {
-  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
-  for (const soft::SoftObject& one : world.bodies())
-    for (std::size_t i = 0; i < one.masses.size(); ++i)
-      momentum += one.masses[i] * world::ToEigen(one.body->m_nodes[static_cast<int>(i)].m_v);
-  return momentum;
-}
-
 }  // namespace cdb::tests

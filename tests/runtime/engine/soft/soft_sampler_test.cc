@@ -82,6 +82,26 @@ TEST(SoftSampler, SamplesAreTheNodes) {
   EXPECT_EQ(recording.header().cycles_done.load(), 40u);
 }
 
+TEST(SoftSampler, RigidBodiesThatMoveFollowTheNodes) {
+  const plan::Run run = SoftRun(
+      "timestep 0.01; cycles 20; world { side 100; walls none } accuracy { metrics position, "
+      "momentum, angular_momentum; interval 0.1 } objects box { quantity 1; type cuboid; size 0.5; "
+      "mass 3; location at(0, 9, 0); linear_velocity (1, 0, 0); angular_velocity (0, 2, 0) } "
+      "objects stays { quantity 1; size 1; mass fixed; location at(0, -9, 0) } objects rope { "
+      "quantity 1; "
+      "size 2; mass 1; margin 0.01; type rope(segments: 2); location at(0, 0, 0) }");
+  const protocol::Recording recording = RecordSoft(run);
+  const protocol::Samples samples = SamplesOf(run, recording);
+  ASSERT_EQ(samples.shape.objects, 3u + 1);
+  EXPECT_EQ(samples.mass(3), 3);
+  EXPECT_NEAR(samples.size(3), 0.5, 1e-6);
+  EXPECT_NEAR(samples.position(2, 3).x(), 0.2, 1e-5);
+  EXPECT_NEAR(samples.momentum(2).x(), 3, 1e-4);
+  EXPECT_NEAR(samples.orientation(2, 3).angularDistance(samples.orientation(0, 3)), 0.4, 1e-4);
+  // The common centre of mass is at rest along z; the box turns about y.
+  EXPECT_NEAR(samples.angular_momentum(2).y(), 3 * 0.25 / 6 * 2, 1e-3);
+}
+
 /// Both of Bullet's worlds are of first order in the time step, against a finer run.
 TEST(SoftSampler, ErrorsFallWithTheTimeStep) {
   const char* positions =

@@ -180,14 +180,15 @@ TEST(SceneDocument, HasTheNodesOfSoftBodies) {
   objects rope { quantity 1; type rope(segments: 3); size 1; margin 0.01; location at(2, 1, 0) }
   objects cloth { quantity 1; type cloth(columns: 2, rows: 1); size 1; margin 0.01
     location at(1, 3, 0) }
+  objects moves { quantity 1; size 1; mass 1; location at(0, -3, 0); linear_velocity (0, 0, 6) }
 })");
   const Finished run = program.Run({"run", "-q", "soft.cdb"});
   ASSERT_EQ(run.status, 0) << run.err;
   const results::ResultFile file(program.folder() / "soft.h5");
   const view::SceneRecording recording = view::ReadRecording(file, {{}, 0}, {});
   const json shown = json::parse(view::SceneDocument("soft", {&recording, 1}))["runs"][0];
-  // Only the ball has a mesh.
-  EXPECT_EQ(Unpack<std::int32_t>(shown["parts"]["body"]), std::vector<std::int32_t>{0});
+  // Only the balls have a mesh.
+  EXPECT_EQ(Unpack<std::int32_t>(shown["parts"]["body"]), (std::vector<std::int32_t>{0, 3}));
   const json& soft = shown["soft"];
   EXPECT_EQ(soft["nodes"], 10);
   ASSERT_EQ(soft["bodies"].size(), 2u);
@@ -202,9 +203,10 @@ TEST(SceneDocument, HasTheNodesOfSoftBodies) {
     EXPECT_EQ(position[9 * 30 + i], static_cast<float>(nodes[i]));
   // A soft body is where the middle of its nodes is.
   const auto places = Unpack<float>(shown["frames"]["position"]);
-  EXPECT_NEAR(places[(9 * 3 + 1) * 3], 2, 1e-5);
-  EXPECT_NEAR(places[(9 * 3 + 1) * 3 + 1], nodes[1], 1e-5);
-  EXPECT_EQ(places[9 * 3 * 3], -3);  // the ball
+  EXPECT_NEAR(places[(9 * 4 + 1) * 3], 2, 1e-5);
+  EXPECT_NEAR(places[(9 * 4 + 1) * 3 + 1], nodes[1], 1e-5);
+  EXPECT_EQ(places[9 * 4 * 3], -3);                          // the ball
+  EXPECT_NEAR(places[(9 * 4 + 3) * 3 + 2], 10 * 0.1, 1e-4);  // the one that moves, at 60 Hz
 }
 
 TEST(SceneDocument, ShowsTheStartOfSoftBodies) {
