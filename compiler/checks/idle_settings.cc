@@ -12,6 +12,7 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
+#include "compiler/analysis/model.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/configure/configuration.h"
 #include "compiler/evaluate/sweeps.h"
@@ -51,6 +52,17 @@ void IdleSettings::Add(configure::Configuration& configuration, const plan::Scen
            "remove it, or write mass kinematic: such objects move with their velocity, whatever "
            "they meet");
     }
+    for (const auto exponent : {schema::GroupParameter("e1"), schema::GroupParameter("e2")})
+      Look(configuration, {group.name, exponent.get()},
+           std::ranges::none_of(analysis::TypesOf(group.settings),
+                                [](const schema::Value& type) {
+                                  const schema::Word* word = schema::AsWord(type);
+                                  return word != nullptr &&
+                                         word->text == schema::kSuperellipsoidType;
+                                }),
+           fmt::format("'{}' has no superellipsoids, and {} has no effect", group.name,
+                       exponent.name()),
+           "write type superellipsoid, or remove it");
     const std::string_view mass = group.settings.WordOr("mass");
     for (const auto push : {schema::GroupParameter("force"), schema::GroupParameter("torque")})
       if (!IsZero(group.settings.Get(push)))

@@ -80,24 +80,29 @@ void AddLinks(GroupFacts& objects) {
   objects.mass.least = std::min(objects.mass.least, end_mass->AsReal());
 }
 
-/// About the fraction of its bounding box that an object of the type fills.
-double FillOf(const schema::Value& type) {
+/// About the fractions of their bounding boxes that objects of the type fill.
+Bounds FillOf(const plan::GroupSettings& settings, const schema::Value& type) {
   constexpr double kOfAMesh = 0.5;
   const schema::Word* word = schema::AsWord(type);
-  if (word == nullptr) return kOfAMesh;
+  if (word == nullptr) return {kOfAMesh, kOfAMesh};
+  if (word->text == schema::kSuperellipsoidType) {
+    // It shrinks as its exponents grow.
+    const Bounds e1 = BoundsOf(settings, "e1"), e2 = BoundsOf(settings, "e2");
+    return {schema::SuperellipsoidFill(std::min(e1.most, 2.0), std::min(e2.most, 2.0)),
+            schema::SuperellipsoidFill(e1.least, e2.least)};
+  }
   const auto found =
       std::ranges::find(schema::ObjectTypes(), word->text, &schema::ObjectType::name);
   CDB_CHECK(found != schema::ObjectTypes().end());
-  return found->fill;
+  return {found->fill, found->fill};
 }
 
-Bounds FillBounds(const schema::Value& types) {
-  const schema::Distribution* drawn = schema::AsDistribution(types);
-  if (drawn == nullptr) return {FillOf(types), FillOf(types)};
+Bounds FillBounds(const plan::GroupSettings& settings) {
   Bounds fills{1, 0};
-  for (const schema::Value& type : drawn->arguments) {
-    fills.least = std::min(fills.least, FillOf(type));
-    fills.most = std::max(fills.most, FillOf(type));
+  for (const schema::Value& type : analysis::TypesOf(settings)) {
+    const Bounds fill = FillOf(settings, type);
+    fills.least = std::min(fills.least, fill.least);
+    fills.most = std::max(fills.most, fill.most);
   }
   return fills;
 }
@@ -174,7 +179,7 @@ Bounds BoundsOf(const plan::GroupSettings& settings, std::string_view name) {
       PositiveBounds(value, [&](std::string_view named) { return BoundsOf(settings, named); });
   if (name != "mass" || schema::AsCall(value) == nullptr) return bounds;
   // From a density: the masses of the smallest and of the largest object.
-  const Bounds fill = FillBounds(settings.Get("type")), size = BoundsOf(settings, "size");
+  const Bounds fill = FillBounds(settings), size = BoundsOf(settings, "size");
   const Vector3d& aspect = std::get<schema::Ratio>(settings.Get("aspect")).parts;
   bounds.least *= fill.least * Vector3d(size.least * aspect).prod();
   bounds.most *= fill.most * Vector3d(size.most * aspect).prod();

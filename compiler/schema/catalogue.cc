@@ -1,6 +1,7 @@
 #include "compiler/schema/catalogue.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "compiler/schema/catalogue_table.h"
 
@@ -60,6 +61,14 @@ constexpr LayoutInfo kLayouts[] = {
 }  // namespace
 
 std::span<const ObjectType> ObjectTypes() { return kObjectTypeTable; }
+
+// Jaklič, Leonardis, Solina, Segmentation and Recovery of Superquadrics, 2000, equation 2.60: Beta
+// functions, here with their poles at 0 taken out.
+double SuperellipsoidFill(double e1, double e2) {
+  const auto gamma = [](double x) { return std::tgamma(x + 1); };
+  return gamma(e2 / 2) * gamma(e2 / 2) / gamma(e2) * gamma(e1 / 2) * gamma(e1) / gamma(1.5 * e1);
+}
+
 std::span<const DetectorInfo> Detectors() { return kDetectorTable; }
 std::span<const DetectorPart> DetectorParts() { return kParts; }
 std::span<const FamilyInfo> Families() { return kFamilies; }
@@ -104,6 +113,7 @@ std::string_view WordFor(std::string_view word) {
       {"brick", "cuboid"},
       {"ball", "sphere"},
       {"ellipsoid", "sphere"},
+      {"superquadric", "superellipsoid"},
       {"pill", "capsule"},
       {"rod", "cylinder"},
       {"donut", "torus"},

@@ -83,6 +83,9 @@ struct ClosedFormInfo {
 };
 
 std::span<const ObjectType> ObjectTypes();
+/// The type with the exponents e1 and e2, and the fraction of its box that it fills.
+inline constexpr std::string_view kSuperellipsoidType = "superellipsoid";
+double SuperellipsoidFill(double e1, double e2);
 std::span<const DetectorInfo> Detectors();
 std::span<const DetectorPart> DetectorParts();
 std::span<const FamilyInfo> Families();

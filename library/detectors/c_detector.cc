@@ -17,7 +17,8 @@ static_assert(offsetof(cdb_filter, is_kinematic) == offsetof(Filter, is_kinemati
               offsetof(cdb_filter, is_fixed) == offsetof(Filter, is_fixed) && sizeof(bool) == 1);
 static_assert(offsetof(cdb_contact, distance) == offsetof(Contact, distance) &&
               offsetof(cdb_contact, normal) == offsetof(Contact, normal));
-static_assert(static_cast<int>(ShapeKind::kSurface) == CDB_SURFACE &&
+static_assert(static_cast<int>(ShapeKind::kSuperellipsoid) == CDB_SUPERELLIPSOID &&
+              static_cast<int>(ShapeKind::kSurface) == CDB_SURFACE &&
               static_cast<int>(ShapeKind::kCapsule) == CDB_CAPSULE);
 
 cdb_vec3 ToC(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -109,7 +110,8 @@ class CDetector final : public Detector {
                           As<std::uint32_t[3]>(hull.faces.data()), hull.faces.size()});
       shapes_.push_back({static_cast<std::uint32_t>(shape.kind), detectors::ToC(shape.half),
                          detectors::ToC(shape.centre), detectors::ToC(shape.normal),
-                         shape.hulls.empty() ? nullptr : first, shape.hulls.size()});
+                         shape.hulls.empty() ? nullptr : first, shape.hulls.size(), shape.e1,
+                         shape.e2});
     }
   }
 

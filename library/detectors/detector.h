@@ -50,6 +50,8 @@ enum class ShapeKind : std::uint32_t {
   kCompound,  ///< the union of convex pieces
   kPlane,     ///< the half space behind a plane through the body's position
   kSurface,   ///< triangles without an inside; their body is fixed
+  /// |y|^(2/e1) + (|x|^(2/e2) + |z|^(2/e2))^(e2/e1) <= 1 in half extents, with 0 < e <= 2.
+  kSuperellipsoid,
 };
 
 /// A face of a hull: three of its vertices, counter-clockwise from outside.
@@ -73,6 +75,7 @@ struct Shape {
   /// none of a height field; none
   /// otherwise.
   std::span<const Hull> hulls;
+  double e1 = 1, e2 = 1;  ///< exponents of a superellipsoid
 };
 
 /// Collision filter: two bodies may collide if the group of each is in the mask of the other, and
@@ -168,7 +171,7 @@ class Detector {
 // A shared library of detectors.
 
 /// Incremented with every change of the declarations in this file.
-inline constexpr std::uint32_t kDetectorAbi = 4;
+inline constexpr std::uint32_t kDetectorAbi = 5;
 
 enum class Phases : std::uint32_t {
   kBroad = 1,       ///< FindPairs

@@ -47,7 +47,9 @@ enum {
   CDB_HULL,     /* one convex piece */
   CDB_COMPOUND, /* the union of convex pieces */
   CDB_PLANE,    /* the half space behind a plane through the body's position */
-  CDB_SURFACE   /* triangles without an inside; their body is fixed */
+  CDB_SURFACE,  /* triangles without an inside; their body is fixed */
+  /* |y|^(2/e1) + (|x|^(2/e2) + |z|^(2/e2))^(e2/e1) <= 1 in half extents, with 0 < e <= 2 */
+  CDB_SUPERELLIPSOID
 };
 
 /* A convex piece, in the body's frame. */
@@ -68,6 +70,7 @@ typedef struct cdb_shape {
    * but none of a height field; none otherwise. */
   const cdb_hull* hulls;
   size_t hull_count;
+  double e1, e2; /* exponents of a superellipsoid */
 } cdb_shape;
 
 /* The bodies of the scene in the current cycle: `size` values each. A body is known by its index;
@@ -148,7 +151,7 @@ typedef struct cdb_detector_functions {
 /* A shared library of detectors. */
 
 /* Incremented with every change of the declarations in this file. */
-#define CDB_C_ABI 1
+#define CDB_C_ABI 2
 
 typedef struct cdb_detector {
   const char* name;    /* as written in a .cdb file: letters, digits, _ */

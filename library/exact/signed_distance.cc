@@ -202,7 +202,7 @@ namespace {
 
 double LeastRadiusOfCurvature(const objects::Solid& solid) {
   if (solid.shape == objects::Shape::kCompound) return 0;
-  return objects::Visit(solid.shape, [&](auto form) {
+  return objects::Visit(solid, [&](auto form) {
     if constexpr (requires { form.LeastRadiusOfCurvature(solid.sides); })
       return form.LeastRadiusOfCurvature(solid.sides);
     return 0.0;

@@ -73,9 +73,10 @@ void TakePath(const plan::Group& group, std::span<ObjectState> objects) {
 
 /// If it cannot be made, the error names the type of the group.
 objects::Solid MakeSolid(objects::SolidFactory& solids, const schema::Value& type,
-                         const Vector3d& sides, const Vector3d& aspect, const std::string& group) {
+                         const Vector3d& sides, const Vector3d& aspect,
+                         const Eigen::Vector2d& exponents, const std::string& group) {
   try {
-    return solids.Make(type, sides, aspect);
+    return solids.Make(type, sides, aspect, exponents);
   } catch (const library::SceneError& error) {
     if (!error.group().empty()) throw;
     throw library::SceneError(error.cause(), error.remedy(), group, "type");
@@ -116,7 +117,9 @@ void DrawGroup(const plan::Scene& scene, std::size_t index, objects::SolidFactor
     numbers.Next();
     object.group = index;
     const schema::Value& chosen = type.Choice();
-    object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, group.name);
+    const Eigen::Vector2d exponents(*numbers.Find(*schema::GroupParameter("e1")),
+                                    *numbers.Find(*schema::GroupParameter("e2")));
+    object.solid = MakeSolid(solids, chosen, numbers.Sides(), aspect, exponents, group.name);
     if (analysis::IsSoft(chosen))
       AddThickness(chosen, numbers.Find(*schema::GroupParameter("margin")).value_or(kBulletMargin),
                    object.solid);

@@ -14,7 +14,7 @@ Shape ShapeOf(std::string_view object_type) {
 
 double Solid::BoxCentre() const {
   if (compound) return 0;
-  return Visit(shape, [&](auto form) {
+  return Visit(*this, [&](auto form) {
     if constexpr (requires { form.BoxCentre(sides); }) return form.BoxCentre(sides);
     return 0.0;
   });
@@ -22,33 +22,33 @@ double Solid::BoxCentre() const {
 
 double Solid::Volume() const {
   if (compound) return compound->Volume();
-  return Visit(shape, [&](auto form) { return form.Volume(sides); });
+  return Visit(*this, [&](auto form) { return form.Volume(sides); });
 }
 
 Vector3d Solid::InertiaPerMass() const {
   if (compound) return compound->InertiaPerMass();
   // A moment of inertia is the sum of the second moments along the other two axes.
   const Vector3d moment =
-      Visit(shape, [&](auto form) -> Vector3d { return form.SecondMoments(sides); });
+      Visit(*this, [&](auto form) -> Vector3d { return form.SecondMoments(sides); });
   return {moment.y() + moment.z(), moment.x() + moment.z(), moment.x() + moment.y()};
 }
 
 Vector3d Solid::Support(const Vector3d& direction) const {
   if (compound) return compound->Support(direction);
   const double offset = OffsetOf(shape, sides);
-  return Visit(shape, [&](auto form) -> Vector3d {
+  return Visit(*this, [&](auto form) -> Vector3d {
     return form.Support(shapes::ExactPoints(), HalfExtents(), offset, direction);
   });
 }
 
 double Solid::InnerRadius() const {
   if (compound) return compound->inner_radius();
-  return Visit(shape, [&](auto form) { return form.InnerRadius(sides); });
+  return Visit(*this, [&](auto form) { return form.InnerRadius(sides); });
 }
 
 double Solid::OuterRadius() const {
   if (compound) return compound->outer_radius();
-  return Visit(shape, [&](auto form) { return form.OuterRadius(sides); });
+  return Visit(*this, [&](auto form) { return form.OuterRadius(sides); });
 }
 
 Box Bounds(const Solid& solid, const Eigen::Quaterniond& orientation) {

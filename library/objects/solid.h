@@ -19,12 +19,14 @@
 #include "library/objects/shapes/cuboid.h"
 #include "library/objects/shapes/cylinder.h"
 #include "library/objects/shapes/ellipsoid.h"
+#include "library/objects/shapes/superellipsoid.h"
 #include "library/objects/shapes/tetrahedron.h"
 
 namespace cdb::objects {
 
 // THE list of the shapes with a closed form. Each is a file in library/objects/shapes: a struct of
-// functions of the full extents (m) along its principal axes, with the centre of mass as origin.
+// functions of the full extents (m) along its principal axes, with the centre of mass as origin. A
+// superellipsoid also has exponents.
 //
 //   kType                     its row in the table of types
 //   Volume, SecondMoments     m^3; the mean of x^2, y^2, z^2 over the volume
@@ -50,12 +52,14 @@ enum class Shape {
   kCone,
   kCapsule,
   kTetrahedron,
+  kSuperellipsoid,
   kCompound,  ///< of a mesh (library/objects/solid_factory.h), without a closed form
 };
 
-/// Calls `visitor` with the struct of the shape.
+/// Calls `visitor` with the struct of the shape. `exponents`: e1 and e2 of a superellipsoid.
 template <typename Visitor>
-decltype(auto) Visit(Shape shape, const Visitor& visitor) {
+decltype(auto) Visit(Shape shape, const Visitor& visitor,
+                     const Eigen::Vector2d& exponents = Eigen::Vector2d::Ones()) {
   switch (shape) {
     case Shape::kEllipsoid:
       return visitor(shapes::Ellipsoid());
@@ -69,6 +73,8 @@ decltype(auto) Visit(Shape shape, const Visitor& visitor) {
       return visitor(shapes::Capsule());
     case Shape::kTetrahedron:
       return visitor(shapes::Tetrahedron());
+    case Shape::kSuperellipsoid:
+      return visitor(shapes::Superellipsoid{exponents.x(), exponents.y()});
     case Shape::kCompound:
       break;
   }
@@ -107,7 +113,8 @@ struct Solid {
   /// Full extents along x, y, z; for a compound along the axes of its mesh, which may differ from
   /// those of the body.
   Eigen::Vector3d sides = Eigen::Vector3d::Ones();
-  std::shared_ptr<const Compound> compound = nullptr;  ///< null except for kCompound
+  std::shared_ptr<const Compound> compound = nullptr;   ///< null except for kCompound
+  Eigen::Vector2d exponents = Eigen::Vector2d::Ones();  ///< e1, e2 of a superellipsoid
 
   /// Compares by value; compounds are equal only if one SolidFactory made both.
   bool operator==(const Solid&) const = default;
@@ -131,7 +138,8 @@ struct Solid {
   /// Whether a point, in the axes of the body, is in a piece.
   bool PieceContains(std::size_t piece, const Eigen::Vector3d& point) const {
     if (compound) return compound->PieceContains(piece, point);
-    return Visit(shape, [&](auto form) { return form.Contains(sides, point); });
+    return Visit(
+        shape, [&](auto form) { return form.Contains(sides, point); }, exponents);
   }
   /// Radius of the largest ball about the centre of mass inside the solid (for an elliptic cone, of
   /// the circular one in it; for a compound, inside one piece: 0 if the centre is in none).
@@ -153,6 +161,12 @@ struct Solid {
     return shape == Shape::kEllipsoid && sides.x() == sides.y() && sides.y() == sides.z();
   }
 };
+
+/// Calls `visitor` with the struct of its shape, with its exponents.
+template <typename Visitor>
+decltype(auto) Visit(const Solid& solid, const Visitor& visitor) {
+  return Visit(solid.shape, visitor, solid.exponents);
+}
 
 struct Pose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();               ///< of the centre of mass

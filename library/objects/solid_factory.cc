@@ -276,7 +276,8 @@ bool IsDecomposed(const schema::Value& type) {
   return word != nullptr && FindModel(word->text) != nullptr;
 }
 
-Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const Vector3d& aspect) {
+Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const Vector3d& aspect,
+                         const Eigen::Vector2d& exponents) {
   const auto* word = std::get_if<schema::Word>(&type);
   const std::string name = word != nullptr ? word->text : schema::ToText(type);
   auto found = forms_.find(name);
@@ -294,6 +295,7 @@ Solid SolidFactory::Make(const schema::Value& type, const Vector3d& size, const 
   if (form == nullptr) {
     // A soft body has the box of its nodes; its margin adds to it.
     solid.shape = analysis::IsSoft(type) ? Shape::kCuboid : ShapeOf(name);
+    if (solid.shape == Shape::kSuperellipsoid) solid.exponents = exponents;
     return solid;
   }
   // Another aspect sets all sides.

@@ -28,7 +28,9 @@ class SolidFactory {
   /// `type`: a constant value of `objects.type`, a word or a call. `size`: drawn for each side, m;
   /// `aspect` as in the scenario. The sides of a solid are size times aspect. At 1 : 1 : 1 a mesh
   /// keeps its own proportions, with its longest side equal to the size. A size of 0 is native.
-  Solid Make(const schema::Value& type, const Eigen::Vector3d& size, const Eigen::Vector3d& aspect);
+  /// `exponents`: e1 and e2, which only superellipsoids have.
+  Solid Make(const schema::Value& type, const Eigen::Vector3d& size, const Eigen::Vector3d& aspect,
+             const Eigen::Vector2d& exponents = Eigen::Vector2d::Ones());
   /// The forms of all compounds made, in the order of their names.
   std::vector<std::shared_ptr<const ConvexDecomposition>> Forms() const;
 

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <limits>
 
+#include "library/objects/shapes/super_norm.h"
+
 namespace cdb::queries {
 
 template <typename Real>
@@ -172,6 +174,49 @@ Chord<Real> TetrahedronChord(const Vec<Real>& half, const Vec<Real>& from, const
   for (const Vec<Real>& normal :
        {Vec<Real>(1, 1, -1), Vec<Real>(1, -1, 1), Vec<Real>(-1, 1, 1), Vec<Real>(-1, -1, -1)})
     chord.Cut(from, along, normal.cwiseQuotient(half), Real(1));
+  return chord;
+}
+
+/// By Newton's method from both sides: the norm of a superellipsoid is convex along the line, so
+/// that the steps never pass an end of the chord.
+template <typename Real>
+Chord<Real> SuperellipsoidChord(const Vec<Real>& half, Real e1, Real e2, const Vec<Real>& from,
+                                const Vec<Real>& along) {
+  const Vec<Real> start = from.cwiseQuotient(half), step = along.cwiseQuotient(half);
+  const auto norm = [&](const Vec<Real>& at) {
+    return shapes::SuperNorm(at.x(), at.y(), at.z(), e1, e2);
+  };
+  // Of the box around it.
+  Chord<Real> chord = CuboidChord(Vec<Real>(Vec<Real>::Ones()), start, step);
+  if (chord.IsNone() || !std::isfinite(chord.enter)) {
+    if (chord.IsNone() || !(norm(start) <= 1)) return Chord<Real>::None();
+    return chord;
+  }
+  // The gradient of the norm is the point of the dual ball, whose exponents are 2 - e.
+  const auto gradient = [&](const Vec<Real>& at) {
+    const auto [x, y, z] = shapes::FarthestOfSuperNorm(at.x(), at.y(), at.z(), 2 - e1, 2 - e2);
+    return Vec<Real>(x, y, z);
+  };
+  const auto approach = [&](Real t, Real sign) {
+    constexpr int kMostSteps = 200;
+    for (int i = 0; i < kMostSteps; ++i) {
+      const Vec<Real> at = start + t * step;
+      const Real over = norm(at) - 1;
+      if (!(over > 0)) break;
+      const Real slope = gradient(at).dot(step) * sign;
+      if (!(slope < 0)) return Chord<Real>::kInfinity;
+      const Real next = t - sign * over / slope;
+      if (next == t) break;
+      t = next;
+    }
+    return t;
+  };
+  const Real enter = approach(chord.enter, 1), leave = approach(chord.leave, -1);
+  if (!std::isfinite(enter) || !std::isfinite(leave) || !(enter <= leave))
+    return Chord<Real>::None();
+  chord.enter = enter;
+  chord.leave = leave;
+  chord.normal = gradient(Vec<Real>(start + enter * step)).cwiseQuotient(half);
   return chord;
 }
 

@@ -24,7 +24,10 @@ bool AreSame(const Vector3d& normal, double offset, const Vector3d& other, doubl
 
 template <typename Real>
 LineShape<Real>::LineShape(const objects::Solid& solid)
-    : half_(solid.HalfExtents().cast<Real>()), sides_half_(half_) {
+    : half_(solid.HalfExtents().cast<Real>()),
+      sides_half_(half_),
+      e1_(static_cast<Real>(solid.exponents.x())),
+      e2_(static_cast<Real>(solid.exponents.y())) {
   switch (solid.shape) {
     case Shape::kEllipsoid:
       kind_ = Kind::kEllipsoid;
@@ -45,6 +48,9 @@ LineShape<Real>::LineShape(const objects::Solid& solid)
       break;
     case Shape::kTetrahedron:
       kind_ = Kind::kTetrahedron;
+      break;
+    case Shape::kSuperellipsoid:
+      kind_ = Kind::kSuperellipsoid;
       break;
     case Shape::kCompound:
       kind_ = solid.IsSurface() ? Kind::kTriangles : Kind::kPieces;
@@ -71,6 +77,8 @@ Chord<Real> LineShape<Real>::ClosedForm(const Vec<Real>& from, const Vec<Real>& 
       return CapsuleChord(sides_half_, straight_, from, along);
     case Kind::kTetrahedron:
       return TetrahedronChord(sides_half_, from, along);
+    case Kind::kSuperellipsoid:
+      return SuperellipsoidChord(sides_half_, e1_, e2_, from, along);
     case Kind::kPieces:
     case Kind::kTriangles:
       break;

@@ -62,6 +62,7 @@ class LineShape {
     kCone,
     kCapsule,
     kTetrahedron,
+    kSuperellipsoid,
     kPieces,
     kTriangles
   };
@@ -95,6 +96,7 @@ class LineShape {
   Vec<Real> half_, middle_ = Vec<Real>::Zero();
   Vec<Real> sides_half_;  ///< of the closed form
   Real straight_ = 0;     ///< of a capsule
+  Real e1_, e2_;          ///< of a superellipsoid
   std::vector<Plane> planes_;
   std::vector<std::uint32_t> first_plane_;  ///< of each piece, and one more
   std::vector<Vec<Real>> corners_;          ///< three for each triangle
@@ -110,14 +112,15 @@ class LineShapes {
  public:
   const LineShape<Real>& Get(const objects::Solid& solid) {
     auto& shape = shapes_[{solid.shape, solid.compound.get(), solid.sides.x(), solid.sides.y(),
-                           solid.sides.z()}];
+                           solid.sides.z(), solid.exponents.x(), solid.exponents.y()}];
     if (shape == nullptr) shape = std::make_unique<LineShape<Real>>(solid);
     return *shape;
   }
 
  private:
-  std::map<std::tuple<objects::Shape, const objects::Compound*, double, double, double>,
-           std::unique_ptr<LineShape<Real>>>
+  std::map<
+      std::tuple<objects::Shape, const objects::Compound*, double, double, double, double, double>,
+      std::unique_ptr<LineShape<Real>>>
       shapes_;
 };
 

@@ -32,7 +32,7 @@ constexpr const char* kName = "lonely";
 extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char kOther[] =
     "1000000\tlibstdc++\nlonely\tbroad\t0\n";
 #elif defined(OTHER_BUILD)
-static_assert(cdb::kDetectorAbi == 4, "the number in the list below");
+static_assert(cdb::kDetectorAbi == 5, "the number in the list below");
 extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char kOther[] =
     "4\tanother library\nlonely\tbroad\t0\n";
 #elif !defined(NO_SYMBOL)

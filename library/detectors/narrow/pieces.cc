@@ -264,6 +264,7 @@ std::vector<Piece> PiecesOf(const Shape& shape) {
       pieces.push_back(MakeCone(shape.half, shape.centre.y));
       break;
     case ShapeKind::kSurface:
+    case ShapeKind::kSuperellipsoid:  // its nearly flat sides would need features to clip
       break;
   }
   return pieces;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "library/objects/shapes/super_norm.h"
+
 namespace cdb::third_party {
 namespace {
 
@@ -124,6 +126,12 @@ Vector3d PieceSupport(const Shape& shape, std::size_t piece, const Vector3d& dir
         }
       }
       return best;
+    }
+    case ShapeKind::kSuperellipsoid: {
+      const auto [x, y, z] =
+          shapes::FarthestOfSuperNorm(half.x * direction.x(), half.y * direction.y(),
+                                      half.z * direction.z(), shape.e1, shape.e2);
+      return {half.x * x, half.y * y, half.z * z};
     }
     case ShapeKind::kPlane:
     case ShapeKind::kSurface:

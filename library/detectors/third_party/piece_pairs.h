@@ -33,8 +33,10 @@ class PiecePairs : public Detector {
     std::size_t piece;
   };
 
+  /// Of superellipsoids, only the support point is known here.
   virtual bool Takes(const Shape& shape) const {
-    return shape.kind != ShapeKind::kPlane && shape.kind != ShapeKind::kSurface;
+    return shape.kind != ShapeKind::kPlane && shape.kind != ShapeKind::kSurface &&
+           shape.kind != ShapeKind::kSuperellipsoid;
   }
   /// Called once for each form, numbered from 0.
   virtual void AddForm(const Shape& /*shape*/) {}

@@ -13,7 +13,7 @@ Vec3 ToVec3(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 ShapeKind KindOf(const Solid& solid) {
   if (!solid.compound)
-    return objects::Visit(solid.shape, [&](auto form) { return form.KindOf(solid.sides); });
+    return objects::Visit(solid, [&](auto form) { return form.KindOf(solid.sides); });
   if (solid.IsSurface()) return ShapeKind::kSurface;
   return solid.PieceCount() == 1 ? ShapeKind::kHull : ShapeKind::kCompound;
 }
@@ -53,7 +53,7 @@ const DetectorShapes::Pieces& DetectorShapes::PiecesOf(const Solid& solid) {
   Pieces& pieces = place->second;
   if (!is_new) return pieces;
   if (solid.compound == nullptr) {
-    objects::Visit(solid.shape, [&](auto form) {
+    objects::Visit(solid, [&](auto form) {
       if constexpr (requires { form.Faces(); }) {
         auto [vertices, faces] = HullOf(form.Faces(), sides);
         pieces.Add(std::move(vertices), std::move(faces));
@@ -85,7 +85,9 @@ Shape DetectorShapes::Of(const Solid& solid) {
                  .half = ToVec3(solid.HalfExtents()),
                  .centre = {0, solid.BoxCentre(), 0},
                  .normal = {0, 0, 0},
-                 .hulls = {}};
+                 .hulls = {},
+                 .e1 = solid.exponents.x(),
+                 .e2 = solid.exponents.y()};
   if (kind != ShapeKind::kHull && kind != ShapeKind::kCompound && kind != ShapeKind::kSurface)
     return shape;
   shape.hulls = PiecesOf(solid).hulls;

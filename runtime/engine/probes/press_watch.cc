@@ -177,8 +177,7 @@ constexpr double kThin = 1e-6;
 
 bool Contains(const Solid& solid, const Vector3d& point) {
   if (!solid.compound)
-    return objects::Visit(solid.shape,
-                          [&](auto form) { return form.Contains(solid.sides, point); });
+    return objects::Visit(solid, [&](auto form) { return form.Contains(solid.sides, point); });
   if (point.norm() > solid.OuterRadius()) return false;
   const Solid dot{Shape::kEllipsoid, Vector3d::Constant(kThin * 2 * solid.LeastHalfExtent())};
   return objects::Overlap(solid, {}, dot, {point, Eigen::Quaterniond::Identity()});

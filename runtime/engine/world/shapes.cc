@@ -89,9 +89,8 @@ SolidShape::SolidShape(const Solid& solid, btScalar margin)
 }
 
 btVector3 SolidShape::localGetSupportingVertexWithoutMargin(const btVector3& direction) const {
-  return objects::Visit(solid_.shape, [&](auto form) {
-    return form.Support(BulletPoints(), core_, offset_, direction);
-  });
+  return objects::Visit(
+      solid_, [&](auto form) { return form.Support(BulletPoints(), core_, offset_, direction); });
 }
 
 btVector3 SolidShape::localGetSupportingVertex(const btVector3& direction) const {
@@ -110,7 +109,7 @@ void SolidShape::batchedUnitVectorGetSupportingVertexWithoutMargin(const btVecto
 // The extents along an axis are the scalar products with the farthest points along it and against
 // it, to the bit.
 std::pair<btScalar, btScalar> SolidShape::ExtentAlong(const btVector3& direction) const {
-  return objects::Visit(solid_.shape, [&](auto form) -> std::pair<btScalar, btScalar> {
+  return objects::Visit(solid_, [&](auto form) -> std::pair<btScalar, btScalar> {
     if constexpr (requires { form.Extent(BulletPoints(), core_, offset_, direction); }) {
       return form.Extent(BulletPoints(), core_, offset_, direction);
     } else {
@@ -270,8 +269,9 @@ std::unique_ptr<btCollisionShape> ShapePool::MakeHeights(const objects::Compound
 
 btCollisionShape* ShapePool::Get(const Solid& solid, double margin, bool smooth_edges) {
   const double effective = EffectiveMargin(solid, margin);
-  auto& shape = shapes_[{solid.shape, solid.compound.get(), solid.sides.x(), solid.sides.y(),
-                         solid.sides.z(), effective, smooth_edges}];
+  auto& shape =
+      shapes_[{solid.shape, solid.compound.get(), solid.sides.x(), solid.sides.y(), solid.sides.z(),
+               solid.exponents.x(), solid.exponents.y(), effective, smooth_edges}];
   if (shape != nullptr) return shape.get();
   const btVector3 half = ToBullet(solid.HalfExtents());
   const auto bullet_margin = static_cast<btScalar>(effective);

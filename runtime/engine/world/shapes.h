@@ -23,9 +23,9 @@ namespace cdb::world {
 
 /// Any solid by its support function, for Bullet's general convex algorithm (GJK and EPA). Used for
 /// solids for which Bullet has no shape: ellipsoids, cylinders, cones and capsules on an ellipse,
-/// tetrahedra. Also used for every cone, as Bullet's has its origin at half the height and adds its
-/// margin outside. The core is the solid with `margin` taken off each half extent, so that core and
-/// margin together have the solid's extents.
+/// tetrahedra, superellipsoids. Also used for every cone, as Bullet's has its origin at half the
+/// height and adds its margin outside. The core is the solid with `margin` taken off each half
+/// extent, so that core and margin together have the solid's extents.
 class SolidShape : public btConvexInternalShape {
  public:
   BT_DECLARE_ALIGNED_ALLOCATOR();
@@ -74,8 +74,8 @@ class ShapePool {
   std::size_t size() const { return shapes_.size(); }
 
  private:
-  using Key =
-      std::tuple<objects::Shape, const objects::Compound*, double, double, double, double, bool>;
+  using Key = std::tuple<objects::Shape, const objects::Compound*, double, double, double, double,
+                         double, double, bool>;
   using Points = std::vector<btVector3>;  ///< of one piece
   /// The data to which the shape of a surface refers.
   struct Triangles {

@@ -335,6 +335,41 @@ TriangleMesh CompoundMesh(const objects::ConvexDecomposition& form) {
   return mesh;
 }
 
+/// With sides of 1: in each octant the product of two curves.
+TriangleMesh SuperellipsoidMesh(double e1, double e2, int steps) {
+  using shapes::Superellipsoid;
+  TriangleMesh mesh{std::string(Superellipsoid::kType.name()), {}, {}, {}};
+  const Profile along = Superellipsoid::Quadrant(e1, steps),
+                around = Superellipsoid::Quadrant(e2, steps);
+  const auto columns = static_cast<std::uint32_t>(around.size());
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    const Vector3d sign((octant & 1) != 0 ? -1 : 1, (octant & 2) != 0 ? -1 : 1,
+                        (octant & 4) != 0 ? -1 : 1);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (const ProfilePoint& row : along)
+      for (const ProfilePoint& column : around) {
+        const Vector3d at(row.x * column.x, row.y, row.x * column.y);
+        const Vector3d out(row.normal_x * column.normal_x, row.normal_y,
+                           row.normal_x * column.normal_y);
+        mesh.positions.push_back((0.5 * sign.cwiseProduct(at)).cast<float>());
+        mesh.normals.push_back(sign.cwiseProduct(out).normalized().cast<float>());
+      }
+    const bool is_mirrored = sign.prod() < 0;
+    for (std::uint32_t row = 0; row + 1 < along.size(); ++row)
+      for (std::uint32_t column = 0; column + 1 < columns; ++column) {
+        const std::uint32_t a = first + row * columns + column, b = a + columns;
+        for (std::array<std::uint32_t, 3> face :
+             {std::array{a, b, a + 1}, std::array{a + 1, b, b + 1}}) {
+          if (is_mirrored) std::swap(face[1], face[2]);
+          mesh.indices.insert(mesh.indices.end(), face.begin(), face.end());
+        }
+      }
+  }
+  return mesh;
+}
+
+constexpr int kFineSegments = 36;
+
 /// Their addresses are the keys of meshes that do not belong to a form.
 constexpr char kShapeKeys[objects::kClosedShapes.size()] = {}, kTubeKey[1] = {}, kTopKey[1] = {},
                kBottomKey[1] = {};
@@ -344,7 +379,7 @@ constexpr char kShapeKeys[objects::kClosedShapes.size()] = {}, kTubeKey[1] = {},
 Tessellation::Tessellation(std::size_t bodies)
     : segments_(bodies > 2000  ? 12
                 : bodies > 300 ? 20
-                               : 36) {}
+                               : kFineSegments) {}
 
 template <typename Make>
 std::size_t Tessellation::MeshOf(const void* key, Make make) {
@@ -376,8 +411,19 @@ Part Tessellation::CompoundPart(const objects::Solid& solid) {
           Eigen::Quaterniond::Identity(), 0};
 }
 
+Part Tessellation::SuperellipsoidPart(const objects::Solid& solid) {
+  // Each pair of exponents has a mesh, which many bodies would make a page too large.
+  const bool rounds = segments_ < kFineSegments;
+  const auto drawn = [&](double e) { return rounds ? std::max(0.1, std::round(10 * e) / 10) : e; };
+  const double e1 = drawn(solid.exponents.x()), e2 = drawn(solid.exponents.y());
+  const auto [found, is_new] = superellipsoids_.emplace(std::pair(e1, e2), meshes_.size());
+  if (is_new) meshes_.push_back(SuperellipsoidMesh(e1, e2, segments_ / 4));
+  return {found->second, solid.sides, Eigen::Quaterniond::Identity(), 0};
+}
+
 std::vector<Part> Tessellation::PartsOf(const objects::Solid& solid) {
   if (solid.compound) return {CompoundPart(solid)};
+  if (solid.shape == Shape::kSuperellipsoid) return {SuperellipsoidPart(solid)};
   if (solid.shape == Shape::kCapsule && shapes::Capsule::StraightHalf(solid.sides) > 0)
     return CapsuleParts(solid);
   // A capsule that is not higher than wide is an ellipsoid.

@@ -66,7 +66,8 @@ inline std::size_t HeightStep(std::size_t lines) { return (lines - 2) / 160 + 1;
 class Tessellation {
  public:
   /// `bodies`: their expected number; with more bodies, round meshes are coarser. The vertices lie
-  /// on the solid and reach at least 0.93 of its extent in every direction.
+  /// on the solid and reach at least 0.93 of its extent in every direction. If there are many, the
+  /// exponents of superellipsoids are drawn to a tenth.
   explicit Tessellation(std::size_t bodies);
 
   /// A capsule has three parts, any other solid has one. The vertices of all parts are points of
@@ -79,9 +80,11 @@ class Tessellation {
   std::size_t MeshOf(const void* key, Make make);
   std::vector<Part> CapsuleParts(const objects::Solid& solid);
   Part CompoundPart(const objects::Solid& solid);
+  Part SuperellipsoidPart(const objects::Solid& solid);
 
   const int segments_;  ///< per full turn
   std::map<const void*, std::size_t> found_;
+  std::map<std::pair<double, double>, std::size_t> superellipsoids_;  ///< by their exponents
   std::vector<TriangleMesh> meshes_;
 };
 

@@ -21,8 +21,9 @@ using objects::Pose;
 using objects::Shape;
 using objects::Solid;
 
-/// The six closed forms, then a ball, a round capsule and cylinder, a compound, a triangle.
-constexpr std::size_t kKinds = 11;
+/// The six closed forms, then a ball, a round capsule and cylinder, a compound, a triangle, a
+/// superellipsoid.
+constexpr std::size_t kKinds = 12;
 
 Solid Triangle(distributions::Stream& stream, double most) {
   meshes::Mesh mesh;
@@ -40,6 +41,7 @@ Solid Draw(distributions::Stream& stream, std::size_t kind, double most) {
   if (kind < 6) return RandomSolid(stream, kOracleShapes[kind], most);
   if (kind == 9) return Torus();
   if (kind == 10) return Triangle(stream, most);
+  if (kind == 11) return RandomSolid(stream, Shape::kSuperellipsoid, most);
   Solid solid{kind == 6 ? Shape::kEllipsoid : kind == 7 ? Shape::kCapsule : Shape::kCylinder};
   solid.sides.setConstant(stream.LogUniform(1, std::sqrt(most)));
   if (kind > 6) solid.sides.y() *= stream.LogUniform(1, std::sqrt(most));
@@ -280,8 +282,8 @@ TEST_P(Certificate, TellsThatBodiesAreOutOfReach) {
 
 std::string KindName(const testing::TestParamInfo<std::size_t>& info) {
   static constexpr const char* kNames[kKinds] = {
-      "ellipsoid", "cuboid",        "cylinder",       "cone",  "capsule", "tetrahedron",
-      "ball",      "round_capsule", "round_cylinder", "torus", "triangle"};
+      "ellipsoid", "cuboid",        "cylinder",       "cone",  "capsule",  "tetrahedron",
+      "ball",      "round_capsule", "round_cylinder", "torus", "triangle", "superellipsoid"};
   return kNames[info.param];
 }
 

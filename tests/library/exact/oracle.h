@@ -18,8 +18,9 @@ namespace cdb::tests {
 
 /// The shapes that have equations here.
 inline constexpr objects::Shape kOracleShapes[] = {
-    objects::Shape::kEllipsoid, objects::Shape::kCuboid,  objects::Shape::kCylinder,
-    objects::Shape::kCone,      objects::Shape::kCapsule, objects::Shape::kTetrahedron};
+    objects::Shape::kEllipsoid,     objects::Shape::kCuboid,  objects::Shape::kCylinder,
+    objects::Shape::kCone,          objects::Shape::kCapsule, objects::Shape::kTetrahedron,
+    objects::Shape::kSuperellipsoid};
 
 /// The height of the solid, or of a convex piece of it, along a unit vector, from its position.
 inline double HeightOf(const objects::Solid& solid, std::size_t piece,
@@ -43,6 +44,16 @@ inline double HeightOf(const objects::Solid& solid, std::size_t piece,
       const Eigen::Vector3d s = half.cwiseProduct(u);
       return std::max({s.x() + s.y() + s.z(), s.x() - s.y() - s.z(), s.y() - s.x() - s.z(),
                        s.z() - s.x() - s.y()});
+    }
+    case objects::Shape::kSuperellipsoid: {
+      // The dual norm of that of its equation; with an exponent of 2, the greatest of both.
+      const auto norm = [](double a, double b, double e) {
+        const double p = 2 / (2 - e), most = std::max(a, b);
+        if (std::isinf(p) || most == 0) return most;
+        return most * std::pow(std::pow(a / most, p) + std::pow(b / most, p), 1 / p);
+      };
+      const Eigen::Vector3d s = half.cwiseProduct(u).cwiseAbs();
+      return norm(norm(s.x(), s.z(), solid.exponents.y()), s.y(), solid.exponents.x());
     }
     default:  // a compound
       break;
@@ -88,6 +99,16 @@ inline double OutsideOf(const objects::Solid& solid, std::size_t piece, const ob
                     scaled.x() - scaled.y() + scaled.z(), scaled.x() + scaled.y() - scaled.z()});
       outside = (outside - 1) * least;
       break;
+    case objects::Shape::kSuperellipsoid: {
+      const Eigen::Vector3d s = scaled.cwiseAbs();
+      const double most = s.maxCoeff(), e1 = solid.exponents.x(), e2 = solid.exponents.y();
+      if (most == 0) break;
+      const double around =
+          std::pow(std::pow(s.x() / most, 2 / e2) + std::pow(s.z() / most, 2 / e2), e2 / 2);
+      outside = most * std::pow(std::pow(around, 2 / e1) + std::pow(s.y() / most, 2 / e1), e1 / 2);
+      outside = (outside - 1) * least;
+      break;
+    }
     case objects::Shape::kCompound: {
       const auto corner = [&](std::size_t i) { return solid.compound->Corner(piece, i); };
       const std::vector<meshes::Triangle> faces = solid.IsSurface()

@@ -30,11 +30,13 @@ inline Eigen::Vector3d RandomDirection(distributions::Stream& stream) {
   return Eigen::Vector3d(x, y, stream.Normal()).normalized();
 }
 
-/// A solid with sides between 1 and `most`.
+/// A solid with sides between 1 and `most`, and exponents between 0.1 and 2.
 inline objects::Solid RandomSolid(distributions::Stream& stream, objects::Shape shape,
                                   double most) {
   objects::Solid solid{shape};
   for (double& side : solid.sides) side = stream.LogUniform(1, most);
+  if (shape == objects::Shape::kSuperellipsoid)
+    for (double& exponent : solid.exponents) exponent = stream.LogUniform(0.1, 2);
   return solid;
 }
 

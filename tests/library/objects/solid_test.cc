@@ -17,15 +17,31 @@ using Eigen::Vector3d;
 const Vector3d kSides(3, 5, 2);
 
 bool Inside(const objects::Solid& solid, const Vector3d& p) {
-  return objects::Visit(solid.shape, [&](auto form) { return form.Contains(solid.sides, p); });
+  return objects::Visit(solid, [&](auto form) { return form.Contains(solid.sides, p); });
 }
 
-class EverySolid : public testing::TestWithParam<objects::Shape> {
- protected:
-  objects::Solid solid() const { return {GetParam(), kSides}; }
+struct Form {
+  objects::Shape shape;
+  Eigen::Vector2d exponents = Eigen::Vector2d::Ones();
 };
 
-INSTANTIATE_TEST_SUITE_P(Shapes, EverySolid, testing::ValuesIn(objects::kClosedShapes));
+class EverySolid : public testing::TestWithParam<Form> {
+ protected:
+  objects::Solid solid(const Vector3d& sides = kSides) const {
+    return {GetParam().shape, sides, nullptr, GetParam().exponents};
+  }
+};
+
+std::vector<Form> AllForms() {
+  std::vector<Form> forms;
+  for (const objects::Shape shape : objects::kClosedShapes) forms.push_back({shape});
+  for (const auto& [e1, e2] : {std::pair(0.3, 0.5), std::pair(1.5, 0.4), std::pair(0.2, 2.0),
+                               std::pair(2.0, 2.0), std::pair(1.0, 1.7)})
+    forms.push_back({objects::Shape::kSuperellipsoid, {e1, e2}});
+  return forms;
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EverySolid, testing::ValuesIn(AllForms()));
 
 TEST_P(EverySolid, VolumeCentreAndInertiaAreThoseOfItsPoints) {
   const objects::Solid s = solid();
@@ -104,7 +120,7 @@ TEST_P(EverySolid, BoundsAreTheSidesUnturnedAndHoldTheSolidTurned) {
 }
 
 TEST_P(EverySolid, InnerBallTouchesTheSurfaceFromInside) {
-  const objects::Solid s{GetParam(), {4, 5, 4}};
+  const objects::Solid s = solid({4, 5, 4});
   distributions::Stream stream(4);
   const auto random = [&] { return Vector3d(stream.Normal(), stream.Normal(), stream.Normal()); };
   double nearest = 1e9;
@@ -134,10 +150,12 @@ TEST_P(EverySolid, OuterBallHoldsItClosely) {
   EXPECT_GT(farthest, s.OuterRadius() * 0.99);
 }
 
-TEST_P(EverySolid, FillsAboutTheFractionOfItsBoxThatTheTableSays) {
-  const auto type = std::ranges::find(schema::kObjectTypeTable, objects::TypeOf(GetParam()),
-                                      &schema::ObjectType::name);
-  EXPECT_NEAR((objects::Solid{GetParam(), Vector3d::Ones()}).Volume(), type->fill, 0.005);
+TEST(Solid, FillsAboutTheFractionOfItsBoxThatTheTableSays) {
+  for (const objects::Shape shape : objects::kClosedShapes) {
+    const auto type = std::ranges::find(schema::kObjectTypeTable, objects::TypeOf(shape),
+                                        &schema::ObjectType::name);
+    EXPECT_NEAR((objects::Solid{shape, Vector3d::Ones()}).Volume(), type->fill, 0.005);
+  }
 }
 
 TEST(Solid, KnownVolumes) {
@@ -152,6 +170,46 @@ TEST(Solid, KnownVolumes) {
   // 2/5 r^2 for a ball.
   EXPECT_DOUBLE_EQ((objects::Solid{objects::Shape::kEllipsoid, {2, 2, 2}}.InertiaPerMass().x()),
                    0.4);
+}
+
+objects::Solid Superellipsoid(double e1, double e2) {
+  return {objects::Shape::kSuperellipsoid, kSides, nullptr, {e1, e2}};
+}
+
+void ExpectLike(const objects::Solid& one, const objects::Solid& other, double tolerance) {
+  EXPECT_NEAR(one.Volume() / other.Volume(), 1, tolerance);
+  EXPECT_NEAR(one.InnerRadius() / other.InnerRadius(), 1, tolerance);
+  EXPECT_NEAR(one.OuterRadius() / other.OuterRadius(), 1, tolerance);
+  EXPECT_TRUE(one.InertiaPerMass().isApprox(other.InertiaPerMass(), tolerance));
+  distributions::Stream stream(6);
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
+    const double height = d.dot(other.Support(d));
+    EXPECT_NEAR(d.dot(one.Support(d)), height, tolerance * height);
+  }
+}
+
+TEST(Superellipsoid, HasTheOtherShapesAsItsLimits) {
+  ExpectLike(Superellipsoid(1, 1), {objects::Shape::kEllipsoid, kSides}, 1e-14);
+  ExpectLike(Superellipsoid(1e-9, 1e-9), {objects::Shape::kCuboid, kSides}, 1e-8);
+  ExpectLike(Superellipsoid(1e-9, 1), {objects::Shape::kCylinder, kSides}, 1e-8);
+  // The smallest exponent that there is gives no NaN.
+  ExpectLike(Superellipsoid(5e-324, 5e-324), {objects::Shape::kCuboid, kSides}, 1e-14);
+}
+
+TEST(Superellipsoid, WithExponentsOf2IsAnOctahedron) {
+  const objects::Solid solid = Superellipsoid(2, 2);
+  const Vector3d half = kSides / 2;
+  EXPECT_NEAR(solid.Volume(), kSides.prod() / 6, 1e-13);
+  const Vector3d squares = half.cwiseAbs2() / 10;
+  EXPECT_NEAR(solid.InertiaPerMass().x(), squares.y() + squares.z(), 1e-14);
+  EXPECT_NEAR(solid.InertiaPerMass().y(), squares.x() + squares.z(), 1e-14);
+  EXPECT_NEAR(solid.InnerRadius(), 1 / half.cwiseInverse().norm(), 1e-14);
+  distributions::Stream stream(7);
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d d(stream.Normal(), stream.Normal(), stream.Normal());
+    EXPECT_EQ(d.dot(solid.Support(d)), d.cwiseProduct(half).cwiseAbs().maxCoeff());
+  }
 }
 
 }  // namespace

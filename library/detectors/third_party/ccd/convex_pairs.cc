@@ -70,6 +70,11 @@ class ConvexPairs final : public PiecePairs {
   }
 
  private:
+  /// The support point suffices.
+  bool Takes(const Shape& shape) const override {
+    return shape.kind == ShapeKind::kSuperellipsoid || PiecePairs::Takes(shape);
+  }
+
   void Touch(const Scene& scene, const Place& a, const Place& b,
              std::vector<Contact>& contacts) override {
     const bool is_a_less = BallOf(a).radius < BallOf(b).radius;

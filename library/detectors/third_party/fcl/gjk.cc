@@ -80,6 +80,7 @@ class Gjk final : public PiecePairs {
     switch (shape.kind) {
       case ShapeKind::kPlane:
       case ShapeKind::kSurface:
+      case ShapeKind::kSuperellipsoid:
         return false;
       case ShapeKind::kCylinder:
       case ShapeKind::kCone:

@@ -170,6 +170,8 @@ TEST(Batch, LeavesOtherShapesToBullet) {
   distributions::Stream stream(2);
   const Solid torus = RandomBody(stream, Type::kCompound, 1, false);
   EXPECT_TRUE(ContactsOf({torus, torus, {}, {}}).empty());
+  const Solid super{Shape::kSuperellipsoid, Vector3d(1, 2, 1), nullptr, {0.5, 0.5}};
+  EXPECT_TRUE(ContactsOf({kBox, super, {}, {}}).empty());
   EXPECT_FALSE(ContactsOf({torus, kBox, {}, {}}).empty());
   const PairScene bodies({PairCase{kBox, kBox, {}, {}}});
   Scene without_shapes = bodies.View();

@@ -26,6 +26,11 @@ TEST(DetectorShapes, NameEachSolid) {
   EXPECT_EQ(kind(objects::Shape::kCylinder, sides), ShapeKind::kCylinder);
   EXPECT_EQ(kind(objects::Shape::kCapsule, sides), ShapeKind::kCapsule);
   EXPECT_EQ(kind(objects::Shape::kCapsule, {3, 2, 3}), ShapeKind::kEllipsoid);
+  const cdb::Shape super =
+      shapes.Of(Solid{objects::Shape::kSuperellipsoid, sides, nullptr, {0.5, 1.5}});
+  EXPECT_EQ(super.kind, ShapeKind::kSuperellipsoid);
+  EXPECT_EQ(super.e1, 0.5);
+  EXPECT_EQ(super.e2, 1.5);
   EXPECT_EQ(kind(objects::Shape::kTetrahedron, sides), ShapeKind::kHull);
   const cdb::Shape cone = shapes.Of(Solid{objects::Shape::kCone, sides, nullptr});
   EXPECT_EQ(cone.kind, ShapeKind::kCone);

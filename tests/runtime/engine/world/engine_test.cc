@@ -119,6 +119,7 @@ std::vector<Variations> AllVariations() {
     scene.joints[0].settings.Set("joints.motor.effort", 1e3);
     return scene;
   }();
+  const plan::Scene rounded = With(crowd, Objects("type", Word("superellipsoid")));
   plan::Scene pouring = EngineScene(20, 40);
   SetWorld(pouring, "world.walls", Word("none"));
   SetWorld(pouring, "cycles", std::uint64_t{60});
@@ -127,6 +128,7 @@ std::vector<Variations> AllVariations() {
   SetGroup(pouring, "spawn.every", std::uint64_t{3});
   SeedStreams(pouring);
   return {
+      {rounded, {{"objects.e1", Objects("e1", 0.4)}, {"objects.e2", Objects("e2", 1.6)}}},
       {arm,
        {
            {"joints.parent", Joints("joints.parent", Word("world"))},
