@@ -53,7 +53,8 @@ bool MayBeSurface(const schema::Value& type) {
 }  // namespace
 
 bool IsSurface(const schema::Call& type) {
-  return type.name == kSurfaceWord || type.name == schema::kHeightsCall;
+  return type.name == kSurfaceWord || type.name == schema::kHeightsCall ||
+         type.name == schema::kHeightCall || type.name == schema::kImplicitCall;
 }
 
 bool HasSurface(const plan::GroupSettings& settings) {

@@ -193,7 +193,9 @@ class Converter {
   }
 
   std::optional<Value> FromFormula(const Value& value) const {
-    if (parameter_.type == schema::ParameterType::kReal && parameter_.distribution) return value;
+    if (parameter_.type == schema::ParameterType::kReal &&
+        (parameter_.distribution || parameter_.is_formula))
+      return value;
     RefuseFormula(*AsFormula(value), diagnostics_);
     return std::nullopt;
   }
@@ -433,6 +435,13 @@ std::optional<Value> NamedSetting(const dsl::Expr& path, const scenario::Paramet
   return formula;
 }
 
+Value Variable(const dsl::Expr& path) {
+  Formula formula;
+  formula.setting = path.text;
+  formula.written = path.span;
+  return formula;
+}
+
 std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
                                  const text::Span& span, Evaluator& evaluator) {
   Formula formula;
@@ -445,7 +454,8 @@ std::optional<Value> MakeFormula(std::string op, std::vector<Value> arguments,
   if (schema::FormulaParts(value) <= schema::kMostFormulaParts) return value;
   return evaluator.Error(
       scenario::kWrongKind, span,
-      fmt::format("an expression of drawn values has at most {} numbers, names and operators",
+      fmt::format("an expression of drawn values or variables has at most {} numbers, names and "
+                  "operators",
                   schema::kMostFormulaParts));
 }
 
@@ -461,7 +471,7 @@ std::optional<Value> OfOwnGroup(Value value, const scenario::ParameterKey& key,
                                 Evaluator& evaluator) {
   if (key.first.empty()) return value;  // any formula is an error in the world
   for (const Formula* name : NamesIn(value)) {
-    if (name->group == key.first) continue;
+    if (name->group == key.first || name->group.empty()) continue;  // without one: a variable
     const schema::Parameter* parameter = schema::FindParameter(name->setting, true);
     // `size pebbles.size` is a same( ) like that of the other group, but with separate draws.
     if (AsFormula(value) && AsFormula(value)->op.empty())

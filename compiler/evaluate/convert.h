@@ -41,6 +41,9 @@ class Evaluator;
 /// True if the value is known only for a given object.
 bool IsDrawnForEachObject(const schema::Value& value);
 
+/// A variable of the formula that a parameter takes (Parameter::is_formula).
+schema::Value Variable(const dsl::Expr& path);
+
 /// The setting `key`, drawn for each object and named by `path`, as a formula. Nullopt after a
 /// diagnostic if it is not a single number.
 std::optional<schema::Value> NamedSetting(const dsl::Expr& path, const scenario::ParameterKey& key,

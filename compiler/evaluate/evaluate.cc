@@ -173,6 +173,9 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
   if (referent.IsWord()) {
     // It may be the name of a let with a syntax error.
     if (layers_.is_incomplete && !IsWordHere(expr.text, scope)) return std::nullopt;
+    if (scope.parameter != nullptr && scope.parameter->is_formula &&
+        scope.parameter->HasWord(expr.text))
+      return Variable(expr);
     if (expr.text == kPiName) return Number(kPi);
     if (expr.text.find('.') != std::string::npos) {
       const bool is_text =
@@ -187,8 +190,14 @@ std::optional<Value> Evaluator::EvaluatePath(const Expr& expr, const scenario::S
   const Node node = referent.let ? Node{referent.let->node}
                                  : Node{referent.parameter->second, referent.parameter->first};
   if (!CheckCircle(node, expr)) return std::nullopt;
-  return referent.let ? EvaluateLet(*referent.let)
-                      : EvaluateNamedParameter(expr, *referent.parameter);
+  auto value =
+      referent.let ? EvaluateLet(*referent.let) : EvaluateNamedParameter(expr, *referent.parameter);
+  // Of the values in a formula of places, none is one of each object.
+  if (value && AsFormula(*value) && scope.parameter != nullptr && scope.parameter->is_formula) {
+    RefuseFormula(*AsFormula(*value), diagnostics_);
+    return std::nullopt;
+  }
+  return value;
 }
 
 bool Evaluator::CheckCircle(const Node& node, const Expr& expr) {

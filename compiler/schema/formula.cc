@@ -49,19 +49,6 @@ std::string OperatorText(const Formula& formula) {
                      formula.op, Bracketed(right, BindingOf(right) < binding + (is_power ? 0 : 1)));
 }
 
-Number EvaluateValue(const Value& value, const std::function<double(std::string_view)>& value_of) {
-  if (const Number* number = AsNumber(value)) return number->AsReal();
-  const Formula* formula = AsFormula(value);
-  CDB_CHECK(formula != nullptr);
-  if (formula->op.empty()) return value_of(formula->setting);
-  std::vector<Number> numbers;
-  for (const Value& argument : formula->arguments)
-    numbers.push_back(EvaluateValue(argument, value_of));
-  if (const Function* function = FindFunction(formula->op)) return function->apply(numbers);
-  if (numbers.size() == 1) return -numbers[0];
-  return Calculate(formula->op[0], numbers[0], numbers[1]);
-}
-
 void AddSettings(const Value& value, std::vector<const Formula*>& settings) {
   const Formula* formula = AsFormula(value);
   if (formula == nullptr) return;
@@ -103,8 +90,70 @@ std::string FormulaText(const Formula& formula) {
   return "-" + Bracketed(negated, BindingOf(negated) < kPrimary);
 }
 
+FormulaProgram::FormulaProgram(const Value& value, std::span<const std::string_view> names) {
+  Add(value, names);
+}
+
+void FormulaProgram::Add(const Value& value, std::span<const std::string_view> names) {
+  using enum Step::Kind;
+  if (const Number* number = AsNumber(value))
+    return steps_.push_back({.kind = kNumber, .number = number->AsReal()});
+  const Formula* formula = AsFormula(value);
+  CDB_CHECK(formula != nullptr);
+  if (formula->op.empty()) {
+    const auto name = std::ranges::find(names, formula->setting);
+    CDB_CHECK(name != names.end());
+    return steps_.push_back(
+        {.kind = kName, .count = static_cast<std::size_t>(name - names.begin())});
+  }
+  for (const Value& argument : formula->arguments) Add(argument, names);
+  Step step{.kind = kOperator, .count = formula->arguments.size(), .op = formula->op[0]};
+  if (const Function* function = FindFunction(formula->op)) {
+    step.kind = kFunction;
+    step.apply = function->apply;
+  } else if (step.count == 1) {
+    step.kind = kNegation;
+  }
+  steps_.push_back(step);
+}
+
+double FormulaProgram::operator()(std::span<const double> values) {
+  stack_.clear();
+  for (const Step& step : steps_) {
+    const std::size_t below = stack_.size() - (step.kind > Step::Kind::kName ? step.count : 0);
+    Number result = step.number;
+    switch (step.kind) {
+      case Step::Kind::kNumber:
+        break;
+      case Step::Kind::kName:
+        result = values[step.count];
+        break;
+      case Step::Kind::kFunction:
+        result = step.apply(std::span<const Number>(stack_).subspan(below));
+        break;
+      case Step::Kind::kOperator:
+        result = Calculate(step.op, stack_[below], stack_[below + 1]);
+        break;
+      case Step::Kind::kNegation:
+        result = -stack_[below];
+        break;
+    }
+    stack_.erase(stack_.begin() + static_cast<std::ptrdiff_t>(below), stack_.end());
+    stack_.push_back(result);
+  }
+  return stack_.back().AsReal();
+}
+
 double Evaluate(const Formula& formula, const std::function<double(std::string_view)>& value_of) {
-  return EvaluateValue(formula, value_of).AsReal();
+  std::vector<std::string_view> names;
+  std::vector<double> values;
+  const Value value = formula;
+  for (const Formula* name : SettingsIn(value)) {
+    if (std::ranges::find(names, name->setting) != names.end()) continue;
+    names.push_back(name->setting);
+    values.push_back(value_of(name->setting));
+  }
+  return FormulaProgram(value, names)(values);
 }
 
 namespace {

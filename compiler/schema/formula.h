@@ -31,6 +31,30 @@ std::vector<const Formula*> SettingsIn(Value&& value) = delete;
 /// As written in `.cdb`, with the minimum of brackets: `2 * size ^ 3`.
 std::string FormulaText(const Formula& formula);
 
+/// A formula to be evaluated many times. Not thread-safe.
+class FormulaProgram {
+ public:
+  /// `value`: a number or a formula; `names`: of its settings or variables, all of them.
+  FormulaProgram(const Value& value, std::span<const std::string_view> names);
+  /// For the values of the names, in their order. NaN or infinity if it is not a finite number.
+  double operator()(std::span<const double> values);
+
+ private:
+  /// Takes its operands from the top of the stack, and puts its result there.
+  struct Step {
+    enum class Kind { kNumber, kName, kFunction, kOperator, kNegation } kind;
+    double number = 0;      ///< of a kNumber
+    std::size_t count = 0;  ///< the place of a name, or the number of operands
+    Number (*apply)(std::span<const Number>) = nullptr;
+    char op = 0;
+  };
+
+  void Add(const Value& value, std::span<const std::string_view> names);
+
+  std::vector<Step> steps_;
+  std::vector<Number> stack_;
+};
+
 /// The value for an object, whose settings `value_of` gives by name. NaN or infinity if it is not a
 /// finite number.
 double Evaluate(const Formula& formula, const std::function<double(std::string_view)>& value_of);

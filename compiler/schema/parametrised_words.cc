@@ -28,6 +28,7 @@ struct ArgumentOptions {
   WordSource word_source = WordSource::kOwn;
   bool omitted_at_default = false;
   std::string_view calls = {};
+  bool is_formula = false;
 };
 
 constexpr Parameter Argument(std::string_view name, ParameterType type, Domain domain,
@@ -45,6 +46,7 @@ constexpr Parameter Argument(std::string_view name, ParameterType type, Domain d
   parameter.doc = doc;
   parameter.omitted_at_default = options.omitted_at_default;
   parameter.calls = options.calls;
+  parameter.is_formula = options.is_formula;
   return parameter;
 }
 
@@ -137,6 +139,17 @@ constexpr Parameter kHeights[] = {
     Argument("cell", kReal, kPositive, "", "distance between neighbouring heights, in the unit of the heights; unit is that of the file, or 1", {.first_default = "unit", .words = "unit"}),
     Argument("scale", kVector, kNotZero, "m", "of a cell along x, of one unit of height, and of a cell along z; instead of cell", {.first_default = "file", .words = "file", .omitted_at_default = true}),
     Argument("no_data", kReal, kAny, "", "the height where the file has none, in its unit; lowest is that of the file, refuse is an error", {.first_default = "refuse", .words = "refuse lowest", .omitted_at_default = true})};
+constexpr Parameter kCellOfGround = Argument("cell", kReal, kPositive, "m", "the largest distance between points at which the formula is evaluated, along each axis");
+constexpr Parameter kHeight[] = {
+    Argument("formula", kReal, kAny, "", "the height in m over the place x, z in m: 0.2 * sin(3 * x) * cos(2 * z)", {.words = "x z", .is_formula = true}),
+    Argument("width", kReal, kPositive, "m", "along x, with the origin of the formula in the middle"),
+    kCellOfGround,
+    Argument("depth", kReal, kPositive, "m", "along z; the default is the width", {.first_default = "width", .words = "width", .omitted_at_default = true})};
+constexpr Parameter kImplicit[] = {
+    Argument("formula", kReal, kAny, "", "negative inside, of the place x, y, z in m: sqrt(x^2 + y^2) - 1", {.words = "x y z", .is_formula = true}),
+    Argument("lower", kVector, kAny, "m", "the corner of the box with the least coordinates"),
+    Argument("upper", kVector, kAny, "m", "the corner of the box with the largest coordinates"),
+    kCellOfGround};
 constexpr Parameter kPart[] = {
     Argument("type", kWord, kAny, "", "a closed form, or a mesh or its hull", {.words = "sphere cuboid cylinder cone capsule tetrahedron", .calls = "mesh hull"}),
     Argument("sides", kVector, kPositive, "m", "full extents along its own x, y and z; native are those of the mesh", {.first_default = "native", .words = "native", .omitted_at_default = true}),
@@ -197,6 +210,8 @@ constexpr ParametrisedWord kCalls[] = {
     {"hull", "the convex hull of your own mesh", kModel},
     {"surface", "the triangles of your own mesh, open or closed, as ground for fixed objects", kSurface},
     {"heights", "a height field, as ground for fixed objects", kHeights},
+    {kHeightCall, "the heights that a formula gives, as ground for fixed objects", kHeight},
+    {kImplicitCall, "the surface where a formula changes its sign, as ground for fixed objects", kImplicit},
     {"compound", "one body of several parts, compound(part(…), part(…)), each at its own place; the origin of its frame is the point that layouts place", kCompound, false, true},
     {"rope", "a soft body: a chain of nodes along x, as long as its size, and as thick as two margins", kRope},
     {"cloth", "a soft body: a sheet of triangles over x and z, as thick as two margins", kCloth},

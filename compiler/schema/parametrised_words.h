@@ -52,6 +52,9 @@ inline constexpr std::string_view kTraceCall = "file";
 inline constexpr std::string_view kPosesCall = "poses";
 /// The type of a grid of heights.
 inline constexpr std::string_view kHeightsCall = "heights";
+/// The types of ground that formulae give: heights over x and z, and where a function of x, y and z
+/// changes its sign.
+inline constexpr std::string_view kHeightCall = "height", kImplicitCall = "implicit";
 /// The layout that reads the path of a kinematic object.
 inline constexpr std::string_view kPathCall = "path";
 /// The positions of joints that a file lists.

@@ -107,6 +107,8 @@ struct Parameter {
   bool closed_forms_need_default = false;  ///< other values: the scene has no closed form
   /// Of an argument that was added later: plans omit it at its default, so that they do not change.
   bool omitted_at_default = false;
+  /// Of an argument that is a number: it takes a formula, whose variables are its words.
+  bool is_formula = false;
   /// The parameter of the world whose value in the reference run this is, unless it is `same`.
   std::string_view of_reference = {};
 

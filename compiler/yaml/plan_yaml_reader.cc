@@ -103,7 +103,7 @@ class ValueReader : public Nodes {
       return ReadDistribution(node, parameter);
     }
     if (node.IsScalar() && parameter.type != schema::ParameterType::kWords &&
-        parameter.HasWord(node.Scalar(), plugins))
+        !parameter.is_formula && parameter.HasWord(node.Scalar(), plugins))
       return schema::Word{node.Scalar()};
     return ReadConstant(node, parameter);
   }
@@ -193,19 +193,28 @@ class ValueReader : public Nodes {
 
   schema::Value ReadFormula(const YAML::Node& node, const schema::Parameter& parameter) const {
     if (node.size() > 1) Fail(node.Mark(), "expected a distribution or a word");
-    if (parameter.type != schema::ParameterType::kReal || !parameter.distribution)
+    if (parameter.type != schema::ParameterType::kReal ||
+        (!parameter.distribution && !parameter.is_formula))
       Fail(node.Mark(), fmt::format("`{}` takes {}", parameter.name, parameter.Takes()));
     std::size_t parts = 0;
-    schema::Value value = ReadPart(node.begin()->second, parts);
-    if (schema::SettingsIn(value).empty()) Fail(node.Mark(), "a formula must name a drawn setting");
+    schema::Value value = ReadPart(node.begin()->second, parameter, parts);
+    if (schema::SettingsIn(value).empty())
+      Fail(node.Mark(), parameter.is_formula ? "a formula must name a variable"
+                                             : "a formula must name a drawn setting");
     return value;
   }
 
-  schema::Value ReadPart(const YAML::Node& node, std::size_t& parts) const {
+  schema::Value ReadPart(const YAML::Node& node, const schema::Parameter& parameter,
+                         std::size_t& parts) const {
     if (++parts > schema::kMostFormulaParts)
       Fail(node.Mark(),
            fmt::format("a formula can have at most {} parts", schema::kMostFormulaParts));
     schema::Formula formula;
+    if (!node.IsSequence() && parameter.is_formula) {
+      if (!parameter.HasWord(Text(node))) return Real(node);
+      formula.setting = Text(node);
+      return formula;
+    }
     if (!node.IsSequence()) {
       const schema::Parameter* named = schema::FindParameter(Text(node), true);
       if (named == nullptr) return Real(node);
@@ -218,7 +227,7 @@ class ValueReader : public Nodes {
       Fail(node.Mark(), "expected an operator or a function, and its arguments");
     formula.op = Text(node[0]);
     for (std::size_t i = 1; i < node.size(); ++i)
-      formula.arguments.push_back(ReadPart(node[i], parts));
+      formula.arguments.push_back(ReadPart(node[i], parameter, parts));
     return formula;
   }
 

@@ -85,8 +85,11 @@ struct ConvexDecomposition {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();          ///< of mass, of the mesh
   Eigen::Matrix3d second_moments = Eigen::Matrix3d::Zero();  ///< mean of x x^T about the centre
   double volume_error = 0, iou = 0, overlap = 0,
-         hull_overlap = 0;    ///< of the pieces: library/meshes/decompose.h
-  double unit = 1;            ///< m, of the file
+         hull_overlap = 0;  ///< of the pieces: library/meshes/decompose.h
+  double unit = 1;          ///< m, of the file
+  /// Of ground that a formula gives: m, how far its triangles are from it, at so many points.
+  double deviation = 0;
+  std::size_t points_compared = 0;
   std::string left_out = {};  ///< parts of the file: library/meshes/mesh.h
   /// The point that a user places; in the cube.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();

@@ -21,6 +21,7 @@
 #include "dsl/text/check.h"
 #include "library/meshes/primitives.h"
 #include "library/meshes/topology.h"
+#include "library/objects/formula_ground.h"
 #include "library/objects/models.h"
 #include "library/objects/parts.h"
 #include "library/objects/surface.h"
@@ -249,6 +250,7 @@ Form FormOf(const schema::Value& type, const Reading& reading = {}) {
   if (call != nullptr && call->name == kCompoundWord)
     return std::make_shared<const ConvexDecomposition>(MakeCompoundOfParts(
         *call, [&](const schema::Value& part) { return FormOf(part, reading); }));
+  if (call != nullptr && IsFormulaGround(*call)) return FormulaGround(*call);
   if (call != nullptr)
     return KeptForms().Of(std::get<schema::Text>(ArgumentOf(*call, "file")).text, key, [&] {
       return std::make_shared<const ConvexDecomposition>(FormOfFile(*call, reading));
@@ -335,6 +337,9 @@ std::string TextOf(const ConvexDecomposition& form) {
   };
   const std::string left_out =
       form.left_out.empty() ? "" : fmt::format(", left out: {}", form.left_out);
+  if (form.points_compared > 0)
+    return fmt::format("{}, up to {:.3g} m from the formula at {} points",
+                       count(form.PieceCount(), "triangle"), form.deviation, form.points_compared);
   if (form.IsSurface()) return count(form.PieceCount(), "triangle") + left_out;
   std::string text =
       fmt::format("{}, volume error {:.3g} %, IoU {:.3f}", count(form.pieces.size(), "hull"),

@@ -175,6 +175,7 @@ class Maker {
              call == schema::kPosesCall || call == schema::kPathCall ||  // there is no file for it
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kTableCall || call == schema::kHeightsCall ||
+             call == schema::kHeightCall || call == schema::kImplicitCall ||
              call == analysis::kSurfaceWord ||                             // for fixed objects only
              call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
     });

@@ -13,6 +13,7 @@
 #include "compiler/plan/input_file.h"
 #include "compiler/schema/parametrised_words.h"
 #include "library/layouts/pose_columns.h"
+#include "library/objects/formula_ground.h"
 #include "library/objects/solid.h"
 #include "library/objects/solid_factory.h"
 #include "library/scene_error.h"
@@ -61,7 +62,7 @@ inline std::optional<analysis::ModelFacts> MadeUpModels(const schema::Value& typ
                    0
                ? objects::ReadModel(type, {}, why)
                : std::nullopt;
-  if (!schema::PartsOf(*call).empty() || analysis::IsSoft(type))
+  if (!schema::PartsOf(*call).empty() || analysis::IsSoft(type) || objects::IsFormulaGround(*call))
     return objects::ReadModel(type, {}, why);
   const std::string& file = std::get<schema::Text>(schema::ArgumentOf(*call, "file")).text;
   if (file.ends_with("plate.obj"))
