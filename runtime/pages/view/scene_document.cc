@@ -417,7 +417,7 @@ Part Tessellation::SuperellipsoidPart(const objects::Solid& solid) {
   const auto drawn = [&](double e) { return rounds ? std::max(0.1, std::round(10 * e) / 10) : e; };
   const double e1 = drawn(solid.exponents.x()), e2 = drawn(solid.exponents.y());
   const auto [found, is_new] = superellipsoids_.emplace(std::pair(e1, e2), meshes_.size());
-  if (is_new) meshes_.push_back(SuperellipsoidMesh(e1, e2, segments_ / 4));
+  if (is_new) meshes_.push_back(SuperellipsoidMesh(e1, e2, std::max(3, segments_ * 2 / 9)));
   return {found->second, solid.sides, Eigen::Quaterniond::Identity(), 0};
 }
 

@@ -91,7 +91,7 @@ TEST(DrawnSettings, AreNotTooLong) {
     lets += "; let a" + std::to_string(i) + " = " + before + " + " + before;
   }
   EXPECT_NE(Setting("mass", kSize + lets + "; mass a40")
-                .find("an expression of drawn values has at most 200"),
+                .find("an expression of drawn values or variables has at most 200"),
             std::string::npos);
 }
 
