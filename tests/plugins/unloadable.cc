@@ -34,7 +34,7 @@ extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char k
 #elif defined(OTHER_BUILD)
 static_assert(cdb::kDetectorAbi == 5, "the number in the list below");
 extern "C" __attribute__((used, section(CDB_MANIFEST_SECTION))) constexpr char kOther[] =
-    "4\tanother library\nlonely\tbroad\t0\n";
+    "5\tanother library\nlonely\tbroad\t0\n";
 #elif !defined(NO_SYMBOL)
 CDB_DETECTORS(kEntries)
 #endif
