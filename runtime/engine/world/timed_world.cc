@@ -1,16 +1,8 @@
 #include "runtime/engine/world/timed_world.h"
 
-#include <time.h>
-
 #include <cstring>
 
 namespace cdb::world {
-
-std::int64_t Now() {
-  timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1000000000} * now.tv_sec + now.tv_nsec;
-}
 
 void TimedWorld::TimedStep(btScalar timestep) {
   stamps_.step_begin = Now();
