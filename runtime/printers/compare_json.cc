@@ -197,22 +197,6 @@ Json AllJson(const figures::Comparisons& comparisons, const figures::CompareOpti
           {"benchmarks", std::move(list)}};
 }
 
-/// The sections as a terminal shows them.
-Json SectionsJson(const Document& document) {
-  Json sections = Json::array();
-  for (const Section& section : document) {
-    Json columns = Json::array();
-    for (const Table::Column& column : section.table.columns)
-      columns.push_back({{"label", column.head}, {"is_number", column.is_number}});
-    sections.push_back({{"title", section.title},
-                        {"lines", section.lines},
-                        {"columns", std::move(columns)},
-                        {"rows", section.table.rows},
-                        {"notes", section.notes}});
-  }
-  return sections;
-}
-
 }  // namespace
 
 std::string CompareJson(const figures::Comparisons& comparisons,
