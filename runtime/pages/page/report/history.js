@@ -13,8 +13,11 @@ const isMemory = (series) => series.figure === 'peak_rss';
 const isCount = (series) => series.figure.endsWith('_instructions');
 const figureText = (series) => (isMemory(series) ? 'peak memory' : series.figure.replace('_instructions', ''));
 const pointText = (series) => series.point || 'the only point';
-const countUnit = (most) =>
-  most >= 1e6 ? { unit: 'million instructions', factor: 1e6 } : { unit: 'instructions', factor: 1 };
+/** @param {number} most  @returns {import('./format.js').Unit} */
+const countUnit = (most) => {
+  if (most >= 1e6) return { unit: 'million instructions', factor: 1e6 };
+  return most >= 1e4 ? { unit: 'thousand instructions', factor: 1e3 } : { unit: 'instructions', factor: 1 };
+};
 const unitFor = (series, most) => (isMemory(series) ? byteUnit : isCount(series) ? countUnit : timeUnit)(most);
 
 /** The mean of the values between two changes; a level is a line there. */
