@@ -12,8 +12,8 @@
 #include <numeric>
 #include <set>
 
-#include "compiler/analysis/clock.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/points.h"
 #include "runtime/figures/times.h"
@@ -231,9 +231,7 @@ bool ComparedFile::IsOnTraces() const {
          });
 }
 
-bool ComparedFile::CountsInstructions() const {
-  return plan && analysis::CountsInstructions(*plan);
-}
+bool ComparedFile::CountsInstructions() const { return plan && plan::CountsInstructions(*plan); }
 
 bool FileComparison::HasExactPairs() const {
   return std::ranges::any_of(facts,

@@ -16,8 +16,8 @@
 #include <tuple>
 #include <utility>
 
-#include "compiler/analysis/clock.h"
 #include "compiler/analysis/pruning.h"
+#include "compiler/plan/clock.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
@@ -285,7 +285,7 @@ CellGroups GroupCells(const results::ResultFile& file) {
 
 bool CountsInstructions(const results::ResultFile& file) {
   const std::optional<plan::Plan> plan = ReadPlan(file);
-  return plan && analysis::CountsInstructions(*plan);
+  return plan && plan::CountsInstructions(*plan);
 }
 
 void RequireTimes(const results::ResultFile& file, const std::string& name) {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "compiler/analysis/clock.h"
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
+#include "compiler/plan/clock.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/protocol/samples.h"
 #include "runtime/protocol/series.h"
@@ -173,7 +173,7 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
   for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
   series = protocol::RecordedSeries(plan);
   numbers = RunNumbers();
-  counts_instructions = analysis::CountsInstructions(plan);
+  counts_instructions = plan::CountsInstructions(plan);
   if (counts_instructions) CountInstructions(numbers);
   texts = RunTexts();
   for (const plan::Run& run : plan.Bounds()) {

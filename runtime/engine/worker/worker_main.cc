@@ -18,10 +18,10 @@
 #include <system_error>
 #include <vector>
 
-#include "compiler/analysis/clock.h"
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
@@ -108,7 +108,7 @@ void RunWorker(Streams streams, const Kept& kept) {
                               run.scene.world.WordOr("precision"), world::EnginePrecision()));
   } else {
     try {
-      if (analysis::CountsInstructions(run.scene)) CountInstructions(run.scene);
+      if (plan::CountsInstructions(run.scene)) CountInstructions(run.scene);
       if (analysis::HasConfigurations(run.scene)) {
         RunConfigurations(run, recording, streams);
       } else if (analysis::HasSoft(run.scene)) {

@@ -1,4 +1,4 @@
-// The clock of all times that a run records.
+// The clock of all times that a run records; timed_world.cc has it.
 #pragma once
 
 #include <cstdint>

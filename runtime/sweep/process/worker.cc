@@ -20,8 +20,8 @@
 #include <system_error>
 #include <utility>
 
-#include "compiler/analysis/clock.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "dsl/text/check.h"
 #include "dsl/text/utf8.h"
 #include "library/layouts/pose_table.h"
@@ -154,7 +154,7 @@ constexpr bool kAddressSanitizer = false;
 /// Bytes; 0: no limit.
 std::uint64_t MemoryLimitOf(const plan::Scene& scene) {
   if (!scene.world.WordOr("memory").empty()) return 0;
-  if (analysis::CountsInstructions(scene))
+  if (plan::CountsInstructions(scene))
     throw ScheduleError(
         "`memory` cannot limit runs with `clock instructions`, as Valgrind needs memory, too; "
         "remove "
@@ -177,7 +177,7 @@ std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_
 
 machine::NoiseJudgement NoiseOf(const plan::Run& run, const results::RunResult& result,
                                 const protocol::Recording& recording) {
-  if (result.status != results::Status::kDone || analysis::CountsInstructions(run.scene)) return {};
+  if (result.status != results::Status::kDone || plan::CountsInstructions(run.scene)) return {};
   const auto duration = recording.Reals("duration");
   const std::size_t cycles = result.n_cycles;
   const auto steps =
@@ -205,7 +205,7 @@ WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
   };
   if (uses("single")) programs.single = FindWorker(folder, kSingleWorker);
   if (uses("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
-  if (analysis::CountsInstructions(plan)) programs.valgrind = FindValgrind();
+  if (plan::CountsInstructions(plan)) programs.valgrind = FindValgrind();
   return programs;
 }
 
@@ -413,8 +413,8 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, std::vector<std::string> argum
   std::optional<FixedAddresses> fixed;
   if (is_fixed) fixed.emplace();
   if (is_shuffled) spawn.SetVariable(ShuffledVariable());
-  worker.pid = analysis::CountsInstructions(scene) ? StartCounted(program, spawn, std::move(how))
-               : is_shuffled                       ? StartDirectly(program, spawn, std::move(how))
+  worker.pid = plan::CountsInstructions(scene) ? StartCounted(program, spawn, std::move(how))
+               : is_shuffled                   ? StartDirectly(program, spawn, std::move(how))
                              : StartProcess(program, is_fixed, spawn, std::move(how));
   if (worker.pid < 0) return false;
   worker.pidfd = WatchProcess(worker.pid);
@@ -518,7 +518,7 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
     throw ScheduleError(error.what());
   }
   double& peak = ending.result.scalars.peak_rss_bytes;
-  if (analysis::CountsInstructions(worker.run->scene)) {
+  if (plan::CountsInstructions(worker.run->scene)) {
     peak = schema::RunScalars::kNone;  // it is Valgrind's
   } else if (std::isnan(peak)) {
     // The worker ended before it reported the value: as counted by the system.
