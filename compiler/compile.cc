@@ -327,7 +327,7 @@ class Expander {
         if (axes_[a].case_axis == i) grid_.case_axes.push_back(a);
     const double points = grid::CountOf(grid_.extents());
     return FindRepeats() && FindBudget() && FindRequirements() && FindSearch() && FindRace() &&
-           (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
+           ObeysClock() && (points <= kMostPoints || TooMany(points, kMostPoints, "points"));
   }
 
   /// The value of a parameter that all points have in common; nullopt after an error.
@@ -373,6 +373,40 @@ class Expander {
         fmt::format("a point has {} repeats, but the limit is {}", grid_.head.repeats, kMostListed),
         "use fewer repeats, or sweep the seed");
     return false;
+  }
+
+  /// One file has one unit of time. Nothing is judged by times if none are measured.
+  bool ObeysClock() {
+    const auto clock = CommonValue("clock", "a results file has one clock");
+    if (!clock) return false;
+    if (*clock != schema::Value(schema::Word{"instructions"})) return true;
+    const auto is_time = [](const plan::Figure& figure) { return figure.Unit() == "ns"; };
+    if (race_ || (search_ && is_time(search_->what.figure))) {
+      diagnostics_.Report(scenario::kContradiction, race_ ? race_->span : search_->span,
+                          fmt::format("this {} needs times, and `clock instructions` measures none",
+                                      race_ ? "race" : "search"),
+                          "use `clock time`");
+      return false;
+    }
+    const auto drop = [&](const text::Span& span, const std::string& what) {
+      diagnostics_.Report(
+          scenario::kNoEffect, span,
+          fmt::format("{} is not checked: `clock instructions` measures no times", what),
+          "remove one of them, or use `clock time`");
+    };
+    if (grid_.head.budget_s)
+      drop(configurations_[0]->SpanOf({"", schema::WorldParameter("budget").get()},
+                                      benchmark_.benchmark->name.span),
+           "'budget'");
+    grid_.head.budget_s = grid_.head.frame_s = std::nullopt;
+    std::erase_if(requirements_, [&](const checks::WrittenRequirement& one) {
+      if (!is_time(one.what.figure)) return false;
+      drop(one.span, fmt::format("'{}'", one.what.text));
+      return true;
+    });
+    std::erase_if(grid_.head.requirements,
+                  [&](const plan::Requirement& one) { return is_time(one.figure); });
+    return true;
   }
 
   bool FindBudget() {

@@ -352,14 +352,15 @@ struct RunScalarInfo {
   std::string_view doc;  ///< the array's long_name
   double RunScalars::*value;
   bool is_count = false;  ///< stored as int32 in the results
+  bool by_clock = false;  ///< in the unit of the scene's `clock`
 };
 
 // clang-format off
 inline constexpr RunScalarInfo kRunScalars[] = {
     {.name = "peak_rss", .unit = "bytes", .doc = "peak memory of the run's process, once the objects are made", .value = &RunScalars::peak_rss_bytes},
-    {.name = "place_time", .unit = "ns", .doc = "time to place the objects", .value = &RunScalars::place_ns},
-    {.name = "build_time", .unit = "ns", .doc = "time to decide the omissions and build the world", .value = &RunScalars::build_ns},
-    {.name = "harness", .unit = "ns", .doc = "measurement overhead of a cycle: time stamps, and calling a detector that does nothing", .value = &RunScalars::harness_ns},
+    {.name = "place_time", .unit = "ns", .doc = "time to place the objects", .value = &RunScalars::place_ns, .by_clock = true},
+    {.name = "build_time", .unit = "ns", .doc = "time to decide the omissions and build the world", .value = &RunScalars::build_ns, .by_clock = true},
+    {.name = "harness", .unit = "ns", .doc = "measurement overhead of a cycle: time stamps, and calling a detector that does nothing", .value = &RunScalars::harness_ns, .by_clock = true},
     {.name = "fill_fraction", .doc = "volume of the objects over that of the world", .value = &RunScalars::fill_fraction},
     {.name = "cycles_time", .unit = "ns", .doc = "wall-clock time of the recorded cycles, with what is measured between them", .value = &RunScalars::cycles_wall_ns},
     {.name = "cpu_time", .unit = "ns", .doc = "of cycles_time, the time that the thread spent on a processor", .value = &RunScalars::cycles_cpu_ns},

@@ -191,7 +191,13 @@ void ReadAll(const std::vector<std::vector<std::string>>& files,
 void WriteComparison(const CompareArguments& arguments, const figures::Comparisons& comparisons,
                      const std::vector<std::vector<std::string>>& files,
                      const figures::CompareOptions& options) {
-  const PageDocuments reports = files.size() == 1 ? ReadPageDocuments(files[0]) : PageDocuments();
+  const bool has_times =
+      std::ranges::none_of(comparisons.benchmarks, [](const figures::BenchmarkHistory& benchmark) {
+        return std::ranges::any_of(benchmark.files,
+                                   [](const auto& file) { return file->CountsInstructions(); });
+      });
+  const PageDocuments reports =
+      files.size() == 1 && has_times ? ReadPageDocuments(files[0]) : PageDocuments();
   std::vector<std::string> shown = comparisons.unmatched;
   for (const std::vector<std::string>& paths : files)
     shown.insert(shown.end(), paths.begin(), paths.end());

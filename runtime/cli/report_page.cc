@@ -6,6 +6,7 @@
 
 #include "runtime/cli/options/browser.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/figures/points.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/printers/results_document.h"
 #include "runtime/protocol/bytes_text.h"
@@ -20,6 +21,7 @@ PageDocuments ReadPageDocuments(const std::vector<std::string>& files, const std
   PageDocuments pages;
   for (const std::string& name : files) {
     const results::ResultFile file(name);
+    figures::RequireTimes(file, name);
     const printers::Printed document =
         printers::ResultsDocument(file, {.file = std::filesystem::path(name).filename().string(),
                                          .baseline = baseline,

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "compiler/analysis/reference.h"
+#include "compiler/plan/clock.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "runtime/cli/options/inputs.h"
 #include "runtime/cli/options/provenance.h"
@@ -258,7 +259,7 @@ options::ExitStatus Require(protocol::Verdict required, const fs::path& out) {
 void CheckJobs(const RunArguments& arguments, const std::vector<plans::SizedPlan>& plans) {
   if (arguments.jobs == 1 || arguments.shares_timings) return;
   for (const plans::SizedPlan& sized : plans)
-    if (sized.plan.Records("timing"))
+    if (sized.plan.Records("timing") && !plan::CountsInstructions(sized.plan))
       throw options::CommandError(
           fmt::format("--jobs {}: '{}' records times, which parallel runs disturb; remove --jobs, "
                       "remove timing from `record`, or add --shared-timings if these times do not "

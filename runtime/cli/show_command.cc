@@ -229,6 +229,7 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
 options::ExitStatus Show(const ShowArguments& arguments) {
   CheckOptions(arguments);
   results::ResultFile file(arguments.file);
+  figures::RequireTimes(file, arguments.file);
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);

@@ -222,12 +222,18 @@ Change RatioOf(const Change& above, const Change& below) {
 }
 
 bool ChangeTest::HasIntervals() const {
-  return a_.kind() == IntervalKind::kInterval && b_.kind() == IntervalKind::kInterval;
+  return noise_ || (a_.kind() == IntervalKind::kInterval && b_.kind() == IntervalKind::kInterval);
 }
 
 TestedChange ChangeTest::Of(const Change& change) const {
   TestedChange tested = {.ratio = change.ratio()};
   if (!HasIntervals()) return tested;
+  if (noise_) {
+    if (!(tested.ratio > 0) || !std::isfinite(tested.ratio)) return tested;
+    tested.interval = {tested.ratio / (1 + *noise_), tested.ratio * (1 + *noise_)};
+    tested.p = tested.interval.low > 1 || tested.interval.high < 1 ? 0 : 1;
+    return tested;
+  }
   const double of_a = a_.LogVariance(change.over_a), of_b = b_.LogVariance(change.over_b);
   const double error = std::sqrt(of_a + of_b), log = std::log(change.ratio());
   if (!std::isfinite(error) || !std::isfinite(log)) return tested;

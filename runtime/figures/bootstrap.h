@@ -36,6 +36,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -171,16 +172,24 @@ struct TestedChange {
   double Bound() const { return std::fmax(interval.high - 1, 1 - interval.low); }
 };
 
+/// The number of instructions of a run, counted again by the same build, differs by less than this
+/// fraction (cdb doc compare). A larger change is one of the code.
+inline constexpr double kCountNoise = 0.0005;
+
 /// Tests changes between two files.
 class ChangeTest {
  public:
-  ChangeTest(const Bootstrap& a, const Bootstrap& b) : a_(a), b_(b) {}
-  /// True if both files have enough repeats for an interval.
+  /// `noise`: of figures that are counted, and not measured: the interval is the ratio within it,
+  /// whatever the number of repeats.
+  ChangeTest(const Bootstrap& a, const Bootstrap& b, std::optional<double> noise = {})
+      : a_(a), b_(b), noise_(noise) {}
+  /// True if the figures are counted, or both files have enough repeats for an interval.
   bool HasIntervals() const;
   TestedChange Of(const Change& change) const;
 
  private:
   const Bootstrap &a_, &b_;
+  const std::optional<double> noise_;
 };
 
 /// Adjusted p-values: an effect is significant if its value is at most kSignificance. NaN stays

@@ -340,6 +340,12 @@ std::vector<double> StartsOf(const ComparedFile& of) {
 /// Adds a note if the machine may have changed between the files. No note for two machines, or if
 /// the times are unknown.
 void CompareOccasions(const ComparedFile& a, const ComparedFile& b, SetupComparison& setup) {
+  if (a.CountsInstructions() && b.CountsInstructions()) {
+    // Another model of processor has other instructions, and the C library chooses among them.
+    if (a.file.ReadProvenance("cpu") != b.file.ReadProvenance("cpu"))
+      setup.doubt = "the processors differ";
+    return;
+  }
   if (a.file.ReadProvenance("host") != b.file.ReadProvenance("host")) {
     setup.doubt = "the machines differ";
     return;
@@ -408,9 +414,10 @@ SetupComparison CompareSetups(const ComparedFile& a, const ComparedFile& b,
   }
   for (const ComparedFile* of : {&a, &b})
     if (const std::string build = of->file.ReadProvenance("build_type"); build != "Release")
-      setup.notes.push_back(
-          fmt::format("{} was timed with a {} build of cdb: do not quote its timings", of->name,
-                      build.empty() ? "unknown" : build));
+      setup.notes.push_back(fmt::format("{} was {} with a {} build of cdb: do not quote its {}",
+                                        of->name, of->CountsInstructions() ? "counted" : "timed",
+                                        build.empty() ? "unknown" : build,
+                                        of->CountsInstructions() ? "counts" : "timings"));
   CompareOccasions(a, b, setup);
   return setup;
 }

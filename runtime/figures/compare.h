@@ -82,6 +82,8 @@ struct ComparedFile {
 
   /// Whether every run is on a trace.
   bool IsOnTraces() const;
+  /// Whether its times are numbers of instructions.
+  bool CountsInstructions() const;
 
   const std::string name;
   const results::ResultFile file;
@@ -199,7 +201,7 @@ struct JudgedChange {
 /// The times of one phase, at a point or of a group.
 struct TimeChange {
   protocol::Phase phase;
-  double a_ns, b_ns;  ///< for a group, geometric means over its points
+  double a_ns, b_ns;  ///< or instructions; for a group, geometric means over its points
   Change change;
   JudgedChange absolute;
   /// Relative to the median of all groups in this phase, which follows changes of the machine or of
@@ -223,7 +225,8 @@ struct TimeComparison {
   /// The median of fewer groups would follow a single group that changed.
   static constexpr std::size_t kLeastGroups = 3;
 
-  bool has_intervals = false;  ///< both files have enough repeats
+  bool has_intervals = false;        ///< both files have enough repeats, or count instructions
+  bool counts_instructions = false;  ///< the times are numbers of instructions
   std::vector<TimedPoint> points;
   std::vector<TimedGroup> groups;
   /// The median of all groups in `common_phase`.

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/figures/points.h"
 #include "runtime/figures/times.h"
@@ -230,6 +231,8 @@ bool ComparedFile::IsOnTraces() const {
          });
 }
 
+bool ComparedFile::CountsInstructions() const { return plan && plan::CountsInstructions(*plan); }
+
 bool FileComparison::HasExactPairs() const {
   return std::ranges::any_of(facts,
                              [](const FactComparison& fact) { return fact.kind == Kind::kPairs; });
@@ -314,9 +317,10 @@ class TimeComparer {
         match_(match),
         times_a_(TimesOf(a, b)),
         times_b_(TimesOf(b, a)),
-        test_(times_a_.bootstrap(), times_b_.bootstrap()),
+        test_(times_a_.bootstrap(), times_b_.bootstrap(), NoiseOf(a)),
         phases_(phase ? std::vector{*phase} : PhasesOf(a)) {
     made_.has_intervals = test_.HasIntervals();
+    made_.counts_instructions = a.CountsInstructions();
     made_.common_phase = phase.value_or(Phase::kStep);
   }
 
@@ -339,8 +343,16 @@ class TimeComparer {
   const MeasuredPoint* MeasuredA(std::size_t i) const { return a_.model.Find(match_.points[i].a); }
   const MeasuredPoint* MeasuredB(std::size_t i) const { return b_.model.Find(match_.points[i].b); }
 
+  static std::optional<double> NoiseOf(const ComparedFile& of) {
+    return of.CountsInstructions() ? std::optional(kCountNoise) : std::nullopt;
+  }
+
   /// The reason why the times of a point cannot be compared; empty if they can.
   std::string WhyNot(std::size_t i) const {
+    if (a_.CountsInstructions() != b_.CountsInstructions())
+      return "one of the files counts instructions, the other measures time: run both with the "
+             "same "
+             "clock";
     const MeasuredPoint *a = MeasuredA(i), *b = MeasuredB(i);
     for (const auto& [point, file] : {std::pair{a, &a_}, std::pair{b, &b_}}) {
       if (point == nullptr) return fmt::format("no timed cycle in {}", file->name);

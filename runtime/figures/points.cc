@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "compiler/analysis/pruning.h"
+#include "compiler/plan/clock.h"
 #include "compiler/plan/plan.h"
 #include "compiler/schema/schema.h"
 #include "compiler/yaml/plan_yaml.h"
@@ -280,6 +281,19 @@ CellGroups GroupCells(const results::ResultFile& file) {
     }
   }
   return groups;
+}
+
+bool CountsInstructions(const results::ResultFile& file) {
+  const std::optional<plan::Plan> plan = ReadPlan(file);
+  return plan && plan::CountsInstructions(*plan);
+}
+
+void RequireTimes(const results::ResultFile& file, const std::string& name) {
+  if (CountsInstructions(file))
+    throw files::StoreError(
+        fmt::format("{0} has numbers of instructions, not times (`clock instructions`): compare it "
+                    "with that of another build, cdb compare OTHER.h5 {0}",
+                    name));
 }
 
 std::optional<plan::Plan> ReadPlan(const results::ResultFile& file) {

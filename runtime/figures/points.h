@@ -120,6 +120,11 @@ CellGroups GroupCells(const results::ResultFile& file);
 /// to read, so each thread keeps the last one. Throws StoreError.
 std::optional<plan::Plan> ReadPlan(const results::ResultFile& file);
 
+/// True if the times in the file are numbers of instructions.
+bool CountsInstructions(const results::ResultFile& file);
+/// Throws StoreError if they are: for what states times. `name`: of the file.
+void RequireTimes(const results::ResultFile& file, const std::string& name);
+
 /// The detector of each cell. Without an axis of detectors it is taken from the plan, which is read
 /// once; if the plan cannot be read, there are no names. Throws StoreError.
 class CellDetectors {

@@ -61,11 +61,13 @@ std::vector<std::string> FactLines(const figures::FileComparison& comparison);
 /// NaN.
 std::string FourDigits(double value);
 /// `+5.2 %` of a ratio of 1.052.
-std::string PercentText(double ratio);
+std::string PercentText(double ratio, int digits = 1);
 /// `+4.6 .. +5.8 %`.
-std::string PercentRange(double low, double high);
+std::string PercentRange(double low, double high, int digits = 1);
 /// `25.12 us`, in the unit that suits `like_ns`.
 std::string TimeText(double ns, double like_ns);
+/// `12.34 M`, of instructions.
+std::string CountText(double count);
 /// The limit of times: `5 %`.
 std::string LimitText(const figures::CompareOptions& options);
 /// `8 points`.

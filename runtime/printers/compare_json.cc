@@ -56,11 +56,13 @@ Json JudgedJson(const figures::JudgedChange& change) {
   return json;
 }
 
-Json PhasesJson(const std::vector<figures::TimeChange>& phases, bool has_relative) {
+/// `is_count`: of instructions.
+Json PhasesJson(const std::vector<figures::TimeChange>& phases, bool has_relative, bool is_count) {
   Json json = Json::array();
   for (const figures::TimeChange& change : phases) {
-    Json of = {
-        {"phase", figures::PhaseName(change.phase)}, {"a_ns", change.a_ns}, {"b_ns", change.b_ns}};
+    Json of = {{"phase", figures::PhaseName(change.phase)},
+               {is_count ? "a_instructions" : "a_ns", change.a_ns},
+               {is_count ? "b_instructions" : "b_ns", change.b_ns}};
     of.update(JudgedJson(change.absolute));
     if (has_relative) of["relative"] = JudgedJson(change.relative);
     json.push_back(std::move(of));
@@ -73,13 +75,15 @@ Json TimesJson(const figures::PointMatch& match, const figures::TimeComparison& 
   for (const figures::TimedGroup& group : times.groups)
     groups.push_back({{"name", group.name},
                       {"points", group.points},
-                      {"phases", PhasesJson(group.phases, times.common.has_value())}});
+                      {"phases", PhasesJson(group.phases, times.common.has_value(),
+                                            times.counts_instructions)}});
   for (const figures::TimedPoint& point : times.points)
-    points.push_back(
-        {{"point", PlaceOnMatch(match, point.point)}, {"phases", PhasesJson(point.phases, false)}});
+    points.push_back({{"point", PlaceOnMatch(match, point.point)},
+                      {"phases", PhasesJson(point.phases, false, times.counts_instructions)}});
   for (const auto& [point, why] : times.left_out)
     left_out.push_back({{"point", PlaceOnMatch(match, point)}, {"why", why}});
-  return {{"has_intervals", times.has_intervals},
+  return {{"clock", times.counts_instructions ? "instructions" : "time"},
+          {"has_intervals", times.has_intervals},
           {"group", match.group ? Json(match.axes[*match.group]) : Json()},
           {"common", times.common ? TestedJson(*times.common) : Json()},
           {"harness", times.harness ? TestedJson(*times.harness) : Json()},
@@ -191,22 +195,6 @@ Json AllJson(const figures::Comparisons& comparisons, const figures::CompareOpti
           {"missing", comparisons.missing},
           {"other_scenes", std::move(unlike)},
           {"benchmarks", std::move(list)}};
-}
-
-/// The sections as a terminal shows them.
-Json SectionsJson(const Document& document) {
-  Json sections = Json::array();
-  for (const Section& section : document) {
-    Json columns = Json::array();
-    for (const Table::Column& column : section.table.columns)
-      columns.push_back({{"label", column.head}, {"is_number", column.is_number}});
-    sections.push_back({{"title", section.title},
-                        {"lines", section.lines},
-                        {"columns", std::move(columns)},
-                        {"rows", section.table.rows},
-                        {"notes", section.notes}});
-  }
-  return sections;
 }
 
 }  // namespace

@@ -48,6 +48,8 @@ class ResultText {
 
  private:
   double Limit() const { return options_.gate.LimitOf(figures::Finding::kSlower); }
+  /// Of percentages, after the point.
+  int Digits() const { return of_.times.counts_instructions ? 2 : 1; }
 
   void AddTimes(std::vector<std::string>& lines) const {
     const figures::TimeComparison& times = of_.times;
@@ -55,8 +57,9 @@ class ResultText {
       lines.push_back("Times: nothing to compare");
     } else {
       AddCommonShift(lines);
-      AddVerdict(lines, figures::ChangeVerdict::kSlower, "SLOWER");
-      AddVerdict(lines, figures::ChangeVerdict::kFaster, "FASTER");
+      const bool counts = times.counts_instructions;
+      AddVerdict(lines, figures::ChangeVerdict::kSlower, counts ? "MORE INSTRUCTIONS" : "SLOWER");
+      AddVerdict(lines, figures::ChangeVerdict::kFaster, counts ? "FEWER INSTRUCTIONS" : "FASTER");
       AddSame(lines);
       AddUnknown(lines);
       AddPointCounts(lines);
@@ -94,7 +97,8 @@ class ResultText {
     double bound = 0;
     const std::vector<std::string> groups = GroupsJudged(figures::ChangeVerdict::kSame, bound);
     if (!groups.empty())
-      lines.push_back(fmt::format("Same within {:.1f} %: {}", 100 * bound, PlacesText(groups)));
+      lines.push_back(
+          fmt::format("Same within {:.{}f} %: {}", 100 * bound, Digits(), PlacesText(groups)));
   }
 
   /// The number of repeats that would do: intervals shrink as 1 / sqrt(repeats), until they are
@@ -144,8 +148,9 @@ class ResultText {
     std::string line = fmt::format(
         "EVERYTHING is {}: the median {} over all groups is {} ({}). The cause is the machine, or "
         "shared code",
-        common.ratio > 1 ? "slower" : "faster", phase, PercentText(common.ratio),
-        PercentRange(common.interval.low, common.interval.high));
+        times.counts_instructions ? (common.ratio > 1 ? "more work" : "less work")
+                                  : (common.ratio > 1 ? "slower" : "faster"),
+        phase, PercentText(common.ratio), PercentRange(common.interval.low, common.interval.high));
     if (times.harness && times.harness->IsTested())
       line += fmt::format("; cdb's own overhead, which no detector changes, is {} ({})",
                           PercentText(times.harness->ratio),
@@ -165,10 +170,10 @@ class ResultText {
       for (const figures::TimeChange& change : group.phases) {
         const figures::JudgedChange& judged = figures::JudgementOf(change, options_);
         if (judged.verdict == verdict)
-          phases +=
-              fmt::format("{}{} {} ({})", phases.empty() ? "" : ", ",
-                          figures::PhaseName(change.phase), PercentText(judged.tested.ratio),
-                          PercentRange(judged.tested.interval.low, judged.tested.interval.high));
+          phases += fmt::format(
+              "{}{} {} ({})", phases.empty() ? "" : ", ", figures::PhaseName(change.phase),
+              PercentText(judged.tested.ratio, Digits()),
+              PercentRange(judged.tested.interval.low, judged.tested.interval.high, Digits()));
       }
       const std::string but = verdict == figures::ChangeVerdict::kSlower && !of_.setup.doubt.empty()
                                   ? ", but " + of_.setup.doubt
@@ -357,22 +362,44 @@ class ComparisonText {
     return facts;
   }
 
-  static void AddTimeColumns(Table& table, const std::string& a, const std::string& b) {
-    for (const std::string& head : {std::string("phase"), a, b, std::string("ratio"),
-                                    std::string("95 % interval"), std::string("verdict")})
+  void AddTimeColumns(Table& table, const std::string& a, const std::string& b) const {
+    for (const std::string& head :
+         {std::string("phase"), a, b, std::string("ratio"),
+          std::string(of_.times.counts_instructions ? "within noise" : "95 % interval"),
+          std::string("verdict")})
       table.AddColumn(head, head != "phase" && head != "verdict");
   }
 
-  static std::vector<std::string> TimeCells(const figures::TimeChange& change) {
+  /// The verdict in the words of the clock.
+  std::string VerdictOf(const figures::JudgedChange& change) const {
+    if (!of_.times.counts_instructions) return VerdictText(change);
+    switch (change.verdict) {
+      case figures::ChangeVerdict::kSlower:
+        return "MORE";
+      case figures::ChangeVerdict::kFaster:
+        return "fewer";
+      default:
+        return change.verdict == figures::ChangeVerdict::kSame ? "same" : VerdictText(change);
+    }
+  }
+
+  std::vector<std::string> TimeCells(const figures::TimeChange& change) const {
     const figures::TestedChange& tested = change.absolute.tested;
+    const bool counts = of_.times.counts_instructions;
+    const auto text = [&](double value) {
+      return counts ? CountText(value) : TimeText(value, change.a_ns);
+    };
+    const auto ratio = [&](double value) {
+      return counts ? fmt::format("{:.5f}", value) : FourDigits(value);
+    };
     return {figures::PhaseName(change.phase),
-            TimeText(change.a_ns, change.a_ns),
-            TimeText(change.b_ns, change.a_ns),
-            FourDigits(tested.ratio),
-            tested.IsTested() ? fmt::format("{} .. {}", FourDigits(tested.interval.low),
-                                            FourDigits(tested.interval.high))
-                              : "-",
-            VerdictText(change.absolute)};
+            text(change.a_ns),
+            text(change.b_ns),
+            ratio(tested.ratio),
+            tested.IsTested()
+                ? fmt::format("{} .. {}", ratio(tested.interval.low), ratio(tested.interval.high))
+                : "-",
+            VerdictOf(change.absolute)};
   }
 
   bool ShowsRelative() const { return options_.is_relative || of_.times.HasCommonShift(); }
@@ -380,9 +407,11 @@ class ComparisonText {
   Section Groups() const {
     const bool pools = of_.times.points.size() > of_.times.groups.size();
     const std::string by = of_.match.group ? of_.match.axes[*of_.match.group] : "";
-    Section groups = {fmt::format("Mean of a cycle{}{}{}",
-                                  pools ? ", geometric mean over the points" : "",
-                                  by.empty() || !pools ? "" : " of each ", pools ? by : "")};
+    Section groups = {
+        fmt::format("{} of a cycle{}{}{}",
+                    of_.times.counts_instructions ? "Mean number of instructions" : "Mean",
+                    pools ? ", geometric mean over the points" : "",
+                    by.empty() || !pools ? "" : " of each ", pools ? by : "")};
     groups.table.columns = {{by, false}};
     if (pools) groups.table.AddColumn("points", true);
     AddTimeColumns(groups.table, a_, b_);
@@ -397,7 +426,7 @@ class ComparisonText {
         for (std::string& cell : TimeCells(change)) row.push_back(std::move(cell));
         if (ShowsRelative()) {
           row.push_back(FourDigits(change.relative.tested.ratio));
-          row.push_back(VerdictText(change.relative));
+          row.push_back(VerdictOf(change.relative));
         }
         groups.table.rows.push_back(std::move(row));
       }
@@ -406,6 +435,12 @@ class ComparisonText {
   }
 
   std::vector<std::string> StatisticNotes() const {
+    if (of_.times.counts_instructions)
+      return {fmt::format(
+          "Instructions counted by Valgrind, the mean over cycles. Below 1: {} executes "
+          "fewer. More, fewer: by more than {:g} %, the noise of a count. Fewer "
+          "instructions need not be faster: cdb doc compare.",
+          b_, 100 * figures::kCountNoise)};
     const std::size_t n_a = of_.a->file.begun_repeats(), n_b = of_.b->file.begun_repeats();
     std::string statistic = "Mean";
     if (const std::size_t m = figures::FastestOf(std::min(n_a, n_b)); n_a > 1 || n_b > 1)
@@ -449,7 +484,7 @@ class ComparisonText {
     if (count > rows.size())
       points.notes.push_back(fmt::format("The {} largest of {} changes; --all lists every point.",
                                          rows.size(), count));
-    if (of_.times.has_intervals)
+    if (of_.times.has_intervals && !of_.times.counts_instructions)
       points.notes.push_back(
           "By Benjamini and Hochberg's correction for all points and phases: at most 5 % of the "
           "changes found are expected to be false.");
@@ -483,18 +518,24 @@ std::string FourDigits(double value) {
   return fmt::format("{:#.4g}", value);
 }
 
-std::string PercentText(double ratio) {
-  return std::isfinite(ratio) ? fmt::format("{:+.1f} %", 100 * (ratio - 1)) : "-";
+std::string PercentText(double ratio, int digits) {
+  return std::isfinite(ratio) ? fmt::format("{:+.{}f} %", 100 * (ratio - 1), digits) : "-";
 }
 
-std::string PercentRange(double low, double high) {
+std::string PercentRange(double low, double high, int digits) {
   if (!std::isfinite(low) || !std::isfinite(high)) return "-";
-  return fmt::format("{:+.1f} .. {:+.1f} %", 100 * (low - 1), 100 * (high - 1));
+  return fmt::format("{0:+.{2}f} .. {1:+.{2}f} %", 100 * (low - 1), 100 * (high - 1), digits);
 }
 
 std::string TimeText(double ns, double like_ns) {
   const terminal::TimeUnit unit = terminal::TimeUnit::For(like_ns);
   return fmt::format("{} {}", FourDigits(ns / unit.ns), unit.name);
+}
+
+std::string CountText(double count) {
+  if (count < 1e4) return FourDigits(count);
+  if (count < 1e6) return FourDigits(count / 1e3) + " k";
+  return count < 1e9 ? FourDigits(count / 1e6) + " M" : FourDigits(count / 1e9) + " G";
 }
 
 std::string Counted(std::size_t count, const char* noun) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include "runtime/printers/compare.h"
@@ -39,6 +40,11 @@ std::string FileText(const History& of, std::size_t file) {
   return day.empty() ? of.labels[file] : fmt::format("{} ({})", of.labels[file], day);
 }
 
+std::string CommitText(const history::Commit& commit) {
+  constexpr std::size_t kShort = 9;
+  return commit.hash.substr(0, kShort) + " " + commit.subject;
+}
+
 std::string PointText(const std::string& place) { return place.empty() ? "the only point" : place; }
 
 /// `step +5.1 % (+4.8 .. +5.4 %)`; with the number of its points, if it is not `points`.
@@ -56,8 +62,10 @@ std::size_t CountPoints(const History& of) {
 }
 
 const char* WordOf(const GroupedChange& change) {
-  const bool is_memory = change.figures[0].figure->kind == FigureKind::kMemory;
-  if (is_memory) return change.is_worse ? "MORE MEMORY" : "less memory";
+  const FigureKind kind = change.figures[0].figure->kind;
+  if (kind == FigureKind::kInstructions)
+    return change.is_worse ? "MORE INSTRUCTIONS" : "fewer instructions";
+  if (kind == FigureKind::kMemory) return change.is_worse ? "MORE MEMORY" : "less memory";
   return change.is_worse ? "SLOWER" : "faster";
 }
 
@@ -72,7 +80,25 @@ std::vector<std::string> PlacesOf(const History& of, const GroupedChange& change
   return places;
 }
 
-void AddChange(const History& of, const GroupedChange& change, std::vector<std::string>& lines) {
+/// The commits after that of the file `from`, up to that of the file `to`.
+std::span<const history::Commit> CommitsBetween(const PrintedHistories& printed, const History& of,
+                                                std::size_t from, std::size_t to) {
+  if (printed.commits.empty()) return {};
+  const auto first = static_cast<std::size_t>(of.files[from]->place) + 1,
+             last = static_cast<std::size_t>(of.files[to]->place);
+  return std::span(printed.commits).subspan(first, last + 1 - std::min(first, last + 1));
+}
+
+/// `  in 3 commits: 1a2b3c4 Subject; …`.
+void AddCommits(std::span<const history::Commit> commits, std::vector<std::string>& lines) {
+  if (commits.empty()) return;
+  std::vector<std::string> texts;
+  for (const history::Commit& commit : commits) texts.push_back(CommitText(commit));
+  lines.push_back(fmt::format("  in {}: {}", Counted(commits.size(), "commit"), PlacesText(texts)));
+}
+
+void AddChange(const PrintedHistories& printed, const History& of, const GroupedChange& change,
+               std::vector<std::string>& lines) {
   std::vector<std::string> figures;
   const std::vector<std::string> places = PlacesOf(of, change);
   for (const FigureChange& figure : change.figures)
@@ -86,11 +112,13 @@ void AddChange(const History& of, const GroupedChange& change, std::vector<std::
                         FileText(of, change.to), fmt::join(figures, "; ")));
   lines.push_back(fmt::format("  at {} of {}: {}", places.size(), Counted(CountPoints(of), "point"),
                               PlacesText(places)));
+  AddCommits(CommitsBetween(printed, of, change.from, change.to), lines);
   if (!change.facts.empty())
     lines.push_back(fmt::format("  changed meanwhile: {}", fmt::join(change.facts, "; ")));
 }
 
-void AddMotion(const History& of, const MotionChange& change, std::vector<std::string>& lines) {
+void AddMotion(const PrintedHistories& printed, const History& of, const MotionChange& change,
+               std::vector<std::string>& lines) {
   std::vector<std::string> parts;
   if (!change.states.empty())
     parts.push_back(
@@ -103,10 +131,12 @@ void AddMotion(const History& of, const MotionChange& change, std::vector<std::s
   std::vector<std::string> places = change.states.empty() ? change.counts : change.states;
   for (std::string& place : places) place = PointText(place);
   lines.push_back("  at " + PlacesText(places));
+  AddCommits(CommitsBetween(printed, of, change.from, change.to), lines);
 }
 
 /// Changes and motions, the newest first.
-std::vector<std::string> ChangeLines(const History& of, std::size_t since) {
+std::vector<std::string> ChangeLines(const PrintedHistories& printed, const History& of,
+                                     std::size_t since) {
   std::vector<std::string> lines;
   std::set<std::size_t, std::greater<>> places;
   for (const GroupedChange& change : of.changes) places.insert(change.to);
@@ -114,16 +144,22 @@ std::vector<std::string> ChangeLines(const History& of, std::size_t since) {
   for (const std::size_t place : places) {
     if (place <= since) continue;
     for (const GroupedChange& change : of.changes)
-      if (change.to == place) AddChange(of, change, lines);
+      if (change.to == place) AddChange(printed, of, change, lines);
     for (const MotionChange& change : of.motions)
-      if (change.to == place) AddMotion(of, change, lines);
+      if (change.to == place) AddMotion(printed, of, change, lines);
   }
   return lines;
 }
 
 std::string ValueText(const Series& of, double value) {
-  return of.figure->kind == FigureKind::kMemory ? terminal::ShortNumber(value / 1e6) + " MB"
-                                                : figures::TimeText(value);
+  switch (of.figure->kind) {
+    case FigureKind::kMemory:
+      return terminal::ShortNumber(value / 1e6) + " MB";
+    case FigureKind::kInstructions:
+      return CountText(value);
+    default:
+      return figures::TimeText(value);
+  }
 }
 
 /// The values at all files, NaN where there is none.
@@ -179,7 +215,7 @@ Section SectionOf(const PrintedHistories& printed, const History& of) {
                                       Counted(of.files.size(), "file"), span,
                                       Counted(CountPoints(of), "point"), of.series.size()));
   if (since > 0) section.lines.push_back("Changes after " + FileText(of, since));
-  std::vector<std::string> changes = ChangeLines(of, since);
+  std::vector<std::string> changes = ChangeLines(printed, of, since);
   if (changes.empty())
     changes.push_back(of.short_series == of.series.size()
                           ? fmt::format("Too few files for changes: {} of a series are needed",
@@ -224,7 +260,14 @@ Json FigureJson(const History& of, const FigureChange& figure) {
           {"points", std::move(points)}};
 }
 
-Json ChangesJson(const History& of, std::size_t since) {
+Json CommitsJson(std::span<const history::Commit> commits) {
+  Json json = Json::array();
+  for (const history::Commit& commit : commits)
+    json.push_back({{"commit", commit.hash}, {"subject", commit.subject}});
+  return json;
+}
+
+Json ChangesJson(const PrintedHistories& printed, const History& of, std::size_t since) {
   Json changes = Json::array();
   for (const GroupedChange& change : of.changes) {
     if (change.to <= since) continue;
@@ -236,6 +279,8 @@ Json ChangesJson(const History& of, std::size_t since) {
                        {"to", of.labels[change.to]},
                        {"figures", std::move(figures)},
                        {"facts", change.facts}});
+    if (!printed.commits.empty())
+      changes.back()["commits"] = CommitsJson(CommitsBetween(printed, of, change.from, change.to));
   }
   return changes;
 }
@@ -254,14 +299,23 @@ Json HistoryJson(const PrintedHistories& printed, const History& of) {
                          {"to", of.labels[change.to]},
                          {"states", change.states},
                          {"counts", change.counts}});
-  for (const Series& one : of.series)
+  for (const Series& one : of.series) {
+    Json own = Json::array();
+    for (const history::Change& change : one.changes)
+      own.push_back({{"kind", change.is_drift ? "drift" : "step"},
+                     {"from", one.files[change.from]},
+                     {"to", one.files[change.to]},
+                     {"ratio", JsonNumber(std::exp(change.log_ratio))},
+                     {"interval", IntervalJson(std::exp(change.low), std::exp(change.high))}});
     series.push_back({{"figure", one.figure->name},
                       {"point", one.place},
                       {"ratio_since", JsonNumber(of.RatioSince(one, since))},
-                      {"values", JsonNumbers(ValuesOf(of, one))}});
+                      {"values", JsonNumbers(ValuesOf(of, one))},
+                      {"changes", std::move(own)}});
+  }
   return {{"benchmark", of.benchmark},     {"title", of.title},
           {"machine", of.machine},         {"is_worse", !printed.WorseSeries(of).empty()},
-          {"files", std::move(files)},     {"changes", ChangesJson(of, since)},
+          {"files", std::move(files)},     {"changes", ChangesJson(printed, of, since)},
           {"motions", std::move(motions)}, {"series", std::move(series)}};
 }
 
@@ -270,7 +324,7 @@ Json HistoryJson(const PrintedHistories& printed, const History& of) {
 std::size_t PrintedHistories::SinceOf(const History& of) const {
   std::size_t at = 0;
   for (std::size_t i = 0; since && i < of.files.size(); ++i)
-    if (of.files[i]->started <= *since) at = i;
+    if (of.files[i]->place <= *since) at = i;
   return at;
 }
 
@@ -298,7 +352,9 @@ Document HistoriesDocument(const PrintedHistories& printed) {
   return document;
 }
 
-std::string HistoriesJson(const PrintedHistories& printed) {
+namespace {
+
+Json AllJson(const PrintedHistories& printed) {
   Json histories = Json::array(), left_out = Json::array();
   for (const History& of : printed.histories) histories.push_back(HistoryJson(printed, of));
   for (const auto& [file, why] : printed.left_out)
@@ -307,8 +363,31 @@ std::string HistoriesJson(const PrintedHistories& printed) {
               {"is_worse", printed.IsFailed()},
               {"read", printed.read},
               {"left_out", std::move(left_out)},
-              {"histories", std::move(histories)}}
-      .dump(1);
+              {"histories", std::move(histories)}};
+}
+
+}  // namespace
+
+std::string HistoriesJson(const PrintedHistories& printed) { return AllJson(printed).dump(1); }
+
+std::string HistoriesPageJson(const PrintedHistories& printed) {
+  Json all = AllJson(printed);
+  all["folder"] = printed.folder;
+  const Json sections = SectionsJson(HistoriesDocument(printed));
+  for (std::size_t i = 0; i < printed.histories.size(); ++i) {
+    const History& of = printed.histories[i];
+    Json& history = all["histories"][i];
+    history["section"] = sections[i];
+    history["since"] = printed.SinceOf(of);
+    for (std::size_t k = 0; k < of.files.size(); ++k) {
+      history["files"][k]["day"] = DayOf(*of.files[k]);
+      if (!printed.commits.empty())
+        history["files"][k]["subject"] =
+            printed.commits[static_cast<std::size_t>(of.files[k]->place)].subject;
+    }
+  }
+  all["section"] = sections.back();
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace cdb::printers

@@ -18,8 +18,10 @@ struct PrintedHistories {
   std::vector<history::History> histories;
   std::vector<std::pair<std::string, std::string>> left_out;  ///< a file, and why
   std::size_t files = 0, read = 0;   ///< number of files, and of those that were not in the cache
-  std::optional<double> since = {};  ///< changes up to this time (s since 1970) are not reported
+  std::optional<double> since = {};  ///< changes up to this place of a file are not reported
   std::optional<double> fail_above = {};
+  /// If the files are in order of commits: the oldest first. Places of files are their indices.
+  std::vector<history::Commit> commits = {};
 
   /// The index of the last file up to `since`; 0 if there is none, and without `since`.
   std::size_t SinceOf(const history::History& of) const;
@@ -34,5 +36,8 @@ Document HistoriesDocument(const PrintedHistories& printed);
 
 /// `cdb doc history` describes the members.
 std::string HistoriesJson(const PrintedHistories& printed);
+
+/// The same for a page, with the sections that a terminal shows.
+std::string HistoriesPageJson(const PrintedHistories& printed);
 
 }  // namespace cdb::printers

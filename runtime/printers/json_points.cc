@@ -278,6 +278,21 @@ std::vector<std::string> Those(const results::ResultFile& file,
 
 bool IsLarge(const figures::Model& model) { return model.grid().size() > kMaxWholePoints; }
 
+Json SectionsJson(const Document& document) {
+  Json sections = Json::array();
+  for (const Section& section : document) {
+    Json columns = Json::array();
+    for (const Table::Column& column : section.table.columns)
+      columns.push_back({{"label", column.head}, {"is_number", column.is_number}});
+    sections.push_back({{"title", section.title},
+                        {"lines", section.lines},
+                        {"columns", std::move(columns)},
+                        {"rows", section.table.rows},
+                        {"notes", section.notes}});
+  }
+  return sections;
+}
+
 Json ModelNumber(const figures::Model& model, double value) {
   return JsonNumber(value, IsLarge(model) ? 4 : 6);
 }

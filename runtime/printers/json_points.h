@@ -9,6 +9,7 @@
 
 #include "runtime/figures/model.h"
 #include "runtime/figures/ratios.h"
+#include "runtime/printers/document.h"
 
 namespace cdb::printers {
 
@@ -31,6 +32,9 @@ Json JsonColumn(std::size_t count, Of of) {
 
 /// Replaces every array below `columns` whose values are all equal by `{"constant": value}`.
 Json FoldColumns(Json columns);
+
+/// The sections as a terminal shows them.
+Json SectionsJson(const Document& document);
 
 /// The largest number of points for which a document has all statistics of all phases.
 inline constexpr std::size_t kMaxWholePoints = 5000;

@@ -100,6 +100,17 @@ bool TakeDescriptors(const Received& request) {
   return syscall(SYS_close_range, static_cast<unsigned>(last) + 1, ~0U, 0) == 0;
 }
 
+/// Moves later allocations of the heap within their page, to any place that malloc aligns to.
+void ShuffleHeap() {
+  constexpr std::size_t kPage = 4096, kStep = 16;
+  std::uint32_t random = 0;
+  if (getrandom(&random, sizeof random, 0) != sizeof random) return;
+  // Kept, so that its place is not used again.
+  static void* kept = nullptr;
+  kept = malloc(kStep + random % (kPage / kStep) * kStep);
+  static_cast<void>(kept);
+}
+
 /// The number of bytes by which addresses are moved.
 struct Shift {
   std::size_t heap = 0, stack = 0;
@@ -169,6 +180,8 @@ void BindToRunner() {
   const char* memory = getenv(kMemoryVariable);
   if (memory != nullptr && !LimitMemory(std::strtoull(memory, nullptr, 10))) _exit(0);
   unsetenv(kMemoryVariable);
+  if (getenv(kShuffledVariable) != nullptr) ShuffleHeap();
+  unsetenv(kShuffledVariable);
 }
 
 ForkAnswer AskForWorker(int server, const ForkRequest& request) {

@@ -24,8 +24,11 @@ inline constexpr const char* kBindNow = "LD_BIND_NOW";
 inline constexpr const char* kRunnerVariable = "CDB_RUNNER";
 /// The same for the worker's memory limit, in bytes.
 inline constexpr const char* kMemoryVariable = "CDB_MEMORY_LIMIT";
+/// The same for a worker of a run with `addresses shuffled`: a text of any length, which moves the
+/// stack even if the system does not randomise addresses.
+inline constexpr const char* kShuffledVariable = "CDB_SHUFFLED";
 /// Worker: makes this process die with its runner, at once if the runner is already dead, and sets
-/// the memory limit from the environment. Unsets both variables.
+/// the memory limit and moves the heap as the environment says. Unsets the variables.
 void BindToRunner();
 
 struct ForkRequest {

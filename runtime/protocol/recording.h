@@ -208,6 +208,9 @@ inline constexpr int kTraceFd = 6;
 inline constexpr int kPosesFd = kTraceFd;
 /// With kNarrowInputOption: a file for the input of the narrow phase (AppendNarrowInput).
 inline constexpr int kNarrowInputFd = 7;
+/// With `clock instructions`: the log of Valgrind, once for Valgrind to write and once for the
+/// worker to read.
+inline constexpr int kCountLogFd = 8, kCountsFd = 9;
 /// The first argument of a worker that records the input of its narrow phase.
 inline constexpr const char* kNarrowInputOption = "--narrow-input";
 /// Option of the worker for a run that must keep components that it could omit: followed by their

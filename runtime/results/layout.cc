@@ -167,8 +167,13 @@ class Maker {
     array.has_fill_value = true;
     array.series = &series;
     const bool is_sampled = series.shape == protocol::SeriesShape::kSample;
-    Describe(array, series.unit,
-             fmt::format("{}{}", is_sampled ? "at each sample: " : "", series.doc));
+    const bool is_count = facts_.counts_instructions && series.unit == "ns";
+    Describe(array, is_count ? "" : series.unit,
+             fmt::format("{}{}",
+                         is_sampled ? "at each sample: "
+                         : is_count ? fmt::format("{} ", kInstructions)
+                                    : "",
+                         series.doc));
     if (series.name == "poses") array.attributes["frame"] = kPoseFrame;
     if (facts_.contacts && series.name == "contacts") {
       array.attributes.emplace("sample_dimension", "contact_row");

@@ -31,6 +31,9 @@ inline const std::string kRequirementsGroup = "requirements/";
 inline const std::string kBoundaryGroup = "boundary/";
 inline const std::string kRaceGroup = "race/";
 
+/// In place of `time`, in the documentation of a number from a clock that counts instructions.
+inline constexpr std::string_view kInstructions = "number of instructions in the";
+
 /// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -72,6 +75,7 @@ struct PlanFacts {
   std::uint64_t nodes;                          ///< extent of `vertex`
   std::vector<const protocol::Series*> series;  ///< recorded by some run
   bool poses, boxes, contacts, answers;         ///< some run records them
+  bool counts_instructions;                     ///< the clock of all runs counts instructions
   std::vector<RunNumber> numbers;               ///< RunNumbers(), and those of /accuracy
   std::vector<RunText> texts;                   ///< RunTexts(), and those of /accuracy
   std::vector<protocol::Series> error_series;   ///< of /accuracy, over `sample`

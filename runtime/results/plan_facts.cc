@@ -12,6 +12,7 @@
 #include "compiler/analysis/coverage.h"
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/soft.h"
+#include "compiler/plan/clock.h"
 #include "compiler/schema/metrics.h"
 #include "runtime/protocol/samples.h"
 #include "runtime/protocol/series.h"
@@ -47,6 +48,17 @@ std::vector<RunNumber> WithScalars(std::vector<RunNumber> numbers) {
                          return info.is_count ? CountOrNone(value) : value;
                        }});
   return numbers;
+}
+
+/// Gives the scalars that are read from the clock its unit.
+void CountInstructions(std::vector<RunNumber>& numbers) {
+  for (const schema::RunScalarInfo& info : schema::kRunScalars) {
+    if (!info.by_clock) continue;
+    const std::string name = std::string(kRunGroup) + std::string(info.name);
+    RunNumber& number = *std::ranges::find(numbers, name, &RunNumber::name);
+    number.unit.clear();
+    number.doc = fmt::format("{} {}", kInstructions, info.doc);
+  }
 }
 
 /// The values of a series of counts that are not the fill value; empty if it was not recorded.
@@ -161,6 +173,8 @@ PlanFacts::PlanFacts(const plan::Plan& plan)
   for (const plan::Axis& axis : plan.axes) integer_axes.push_back(axis.IsInteger());
   series = protocol::RecordedSeries(plan);
   numbers = RunNumbers();
+  counts_instructions = plan::CountsInstructions(plan);
+  if (counts_instructions) CountInstructions(numbers);
   texts = RunTexts();
   for (const plan::Run& run : plan.Bounds()) {
     if (const auto sampling = analysis::SamplingOf(run.scene)) {

@@ -156,6 +156,7 @@ class Maker {
   /// leave hardly anything else to set.
   bool MayBeSet(std::string_view parameter) const {
     if (parameter == "trace" || parameter == "coordinates" ||
+        parameter == "clock" ||  // is not swept
         parameter.starts_with("configurations.") || parameter.starts_with("soft") ||
         parameter.starts_with("spawn.") || parameter.starts_with("remove."))
       return false;

@@ -59,16 +59,16 @@ nlohmann::json ToJson(const CachedFile& of) {
 
 /// Throws nlohmann::json::exception.
 CachedFile FromJson(const std::string& name, const nlohmann::json& of) {
-  CachedFile file = {{of.at("size"), of.at("changed")},
-                     {name,
-                      of.at("benchmark"),
-                      of.at("title"),
-                      of.at("started"),
-                      of.at("facts"),
-                      {},
-                      of.at("unsound")}};
+  CachedFile file = {{of.at("size"), of.at("changed")}, {}};
+  FileFigures& figures = file.figures;
+  figures.file = name;
+  figures.benchmark = of.at("benchmark");
+  figures.title = of.at("title");
+  figures.started = figures.place = of.at("started");
+  figures.facts = of.at("facts");
+  figures.unsound = of.at("unsound");
   for (const nlohmann::json& point : of.at("points"))
-    file.figures.points.push_back(
+    figures.points.push_back(
         {point.at("place"), point.at("scene"), point.at("figures"), point.at("state")});
   return file;
 }

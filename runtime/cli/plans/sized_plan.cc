@@ -13,6 +13,7 @@
 #include "compiler/yaml/plan_yaml.h"
 #include "compiler/yaml/short_plan.h"
 #include "runtime/cli/options/subcommand.h"
+#include "runtime/figures/points.h"
 #include "runtime/printers/show.h"
 #include "runtime/results/store.h"
 #include "runtime/sweep/schedule/folder.h"
@@ -154,7 +155,12 @@ options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   options.is_brief = true;
   const results::ResultFile file(out, results::ProofOf::kStructure);
   const printers::Printed shown = printers::Show(file, options);
-  if (!is_quiet) {
+  if (!is_quiet && figures::CountsInstructions(file)) {
+    const std::string name = terminal::ShellWord(out.string());
+    terminal::Print(fmt::format(
+        "instructions are counted; with those of another build: cdb compare OTHER.h5 {}\n{}\n",
+        name, out.string()));
+  } else if (!is_quiet) {
     terminal::Print(fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(file, out.string()),
                                 out.string()));
   } else {

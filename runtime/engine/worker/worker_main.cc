@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -20,6 +21,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/layouts/pose_table.h"
 #include "runtime/engine/detection/plugin_detectors.h"
@@ -76,6 +78,22 @@ void RunScenario(const plan::Run& run, protocol::Recording& recording, Streams s
   static_cast<void>(engine.release());  // the system frees it
 }
 
+struct CannotCount : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Makes instructions the clock of this process. Throws CannotCount.
+void CountInstructions(const plan::Scene& scene) {
+  if (scene.world.Count("threads") > 1)
+    throw CannotCount(
+        "clock instructions: only runs with one thread can be counted; set `threads 1`");
+  try {
+    world::CountInstructions(protocol::kCountsFd);
+  } catch (const std::runtime_error& error) {
+    throw CannotCount(error.what());
+  }
+}
+
 void RunWorker(Streams streams, const Kept& kept) {
   const plan::Run run = yaml::RunFromYaml(protocol::ReadAll(protocol::kRunFd), "run");
   protocol::Recording recording = protocol::Recording::Open(protocol::kRecordingFd, run.scene);
@@ -90,6 +108,7 @@ void RunWorker(Streams streams, const Kept& kept) {
                               run.scene.world.WordOr("precision"), world::EnginePrecision()));
   } else {
     try {
+      if (plan::CountsInstructions(run.scene)) CountInstructions(run.scene);
       if (analysis::HasConfigurations(run.scene)) {
         RunConfigurations(run, recording, streams);
       } else if (analysis::HasSoft(run.scene)) {
@@ -101,6 +120,8 @@ void RunWorker(Streams streams, const Kept& kept) {
       }
     } catch (const world::OmissionGuardTripped& tripped) {
       AskToStartAgain(recording, tripped);
+    } catch (const CannotCount& cannot) {
+      ReportFailure(recording, cannot.what());
     }
   }
   // For a run that did not get that far.

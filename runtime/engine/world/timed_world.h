@@ -23,6 +23,7 @@
 #include <utility>
 
 #include "runtime/engine/detection/scene_view.h"
+#include "runtime/engine/world/clock.h"
 #include "runtime/engine/world/multibodies.h"
 #include "runtime/omissions/omissions.h"
 #include "runtime/protocol/series.h"
@@ -97,9 +98,6 @@ class LeanWorld : public btDiscreteDynamicsWorld {
 /// and Bullet's conversion from matrix to quaternion and back reproduces the matrix.
 bool MayOmitRotation(btRigidBody& body, btScalar timestep);
 
-/// Monotonic time in ns.
-std::int64_t Now();
-
 /// Takes a fixed number of time stamps per step; stores nothing else. Not thread-safe.
 class TimedWorld final : public LeanWorld {
  public:
@@ -110,7 +108,7 @@ class TimedWorld final : public LeanWorld {
   void TimedStep(btScalar timestep);
   /// Broad and narrow phase alone, with time stamps; `step` is the time of both.
   void TimedDetection();
-  /// Nanoseconds of each phase of the last TimedStep, each the difference of its two stamps.
+  /// The time of each phase of the last TimedStep, each the difference of its two stamps.
   std::array<double, protocol::kPhaseCount> Durations() const;
 
   void performDiscreteCollisionDetection() override;

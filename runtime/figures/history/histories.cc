@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "runtime/figures/bootstrap.h"
@@ -332,8 +333,9 @@ std::vector<History> MakeHistories(const std::vector<FileFigures>& files,
   }
   std::vector<History> histories;
   for (auto& [key, history] : found) {
-    std::ranges::sort(history.files, {},
-                      [](const FileFigures* file) { return std::pair(file->started, file->file); });
+    std::ranges::sort(history.files, {}, [](const FileFigures* file) {
+      return std::tuple(file->place, file->started, file->file);
+    });
     history.title = history.files.back()->title;
     Label(history);
     const std::vector<Points> points = PointsOf(history);

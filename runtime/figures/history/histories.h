@@ -30,18 +30,26 @@ struct PointFigures {
 struct FileFigures {
   std::string file;  ///< its path in the folder
   std::string benchmark, title;
-  double started = 0;                        ///< the first run, s since 1970; 0 if unknown
+  double started = 0;  ///< the first run, s since 1970; 0 if unknown
+  /// In its history: the time at which it was measured, or the index of its commit.
+  double place = 0;
   std::map<std::string, std::string> facts;  ///< of provenance (kFacts), those that it has
   std::vector<PointFigures> points;          ///< those that are sound
   std::size_t unsound = 0;                   ///< number of points whose figures are not used
   bool operator==(const FileFigures&) const = default;
 };
 
+/// A commit of the project.
+struct Commit {
+  std::string hash, subject;
+};
+
 /// The names of PointFigures::figures.
 enum class FigureKind {
-  kTime,    ///< ns
-  kMemory,  ///< bytes
-  kCount,   ///< without noise: any other value is a change of the motion
+  kTime,          ///< ns
+  kInstructions,  ///< of a file that counts them
+  kMemory,        ///< bytes
+  kCount,         ///< without noise: any other value is a change of the motion
 };
 struct FigureInfo {
   const char* name;  ///< in files
@@ -53,6 +61,10 @@ inline constexpr FigureInfo kFigures[] = {
     {"detect", "detect", FigureKind::kTime},
     {"broad", "broad", FigureKind::kTime},
     {"narrow", "narrow", FigureKind::kTime},
+    {"step_instructions", "instructions of step", FigureKind::kInstructions},
+    {"detect_instructions", "instructions of detect", FigureKind::kInstructions},
+    {"broad_instructions", "instructions of broad", FigureKind::kInstructions},
+    {"narrow_instructions", "instructions of narrow", FigureKind::kInstructions},
     {"peak_rss", "peak memory", FigureKind::kMemory},
     {"pairs", "pairs", FigureKind::kCount},
     {"contacts", "contacts", FigureKind::kCount},
@@ -99,7 +111,7 @@ struct MotionChange {
 
 struct History {
   std::string machine, benchmark, title;
-  std::vector<const FileFigures*> files;  ///< in order of time
+  std::vector<const FileFigures*> files;  ///< in order of their places, then of time
   std::vector<std::string> labels;        ///< of the files, all different
   std::vector<Series> series;
   std::vector<GroupedChange> changes;  ///< in order of `to`

@@ -27,13 +27,16 @@ std::map<figures::Point, std::string> ScenesOf(const results::ResultFile& file) 
   return scenes;
 }
 
+/// `counts_instructions`: the times of the file are numbers of instructions.
 double FigureOf(const figures::Model& model, const figures::MeasuredPoint& point,
-                const FigureInfo& info) {
-  const std::string name = info.name;
+                const FigureInfo& info, bool counts_instructions) {
+  std::string name = info.name;
   if (info.kind == FigureKind::kMemory) return model.MemoryOf(point, name);
   if (info.kind == FigureKind::kCount)
     return model.file().Has(name) ? model.CountOf(point, name) : figures::kNone;
-  if (!model.HasTimes()) return figures::kNone;
+  const bool is_count = info.kind == FigureKind::kInstructions;
+  if (!model.HasTimes() || is_count != counts_instructions) return figures::kNone;
+  name = name.substr(0, name.find('_'));
   for (const protocol::Phase phase : figures::AllPhases())
     if (figures::PhaseName(phase) == name) return model.TimeOf(point, phase).value;
   return figures::kNone;
@@ -66,10 +69,15 @@ double StartOf(const results::ResultFile& file) {
 FileFigures ReadFigures(const std::filesystem::path& path, const std::string& name) {
   const results::ResultFile file(path);
   const figures::Model model(file);
-  FileFigures read = {name, file.benchmark(), file.title(), StartOf(file), {}, {}, 0};
+  FileFigures read;
+  read.file = name;
+  read.benchmark = file.benchmark();
+  read.title = file.title();
+  read.started = read.place = StartOf(file);
   for (const char* fact : kReadFacts)
     if (std::string text = file.ReadProvenance(fact); !text.empty())
       read.facts.emplace(fact, std::move(text));
+  const bool counts_instructions = figures::CountsInstructions(file);
   const std::map<figures::Point, std::string> scenes = ScenesOf(file);
   const std::vector<std::size_t> axes = figures::AllAxes(file);
   for (const figures::MeasuredPoint& point : model.points()) {
@@ -83,7 +91,7 @@ FileFigures ReadFigures(const std::filesystem::path& path, const std::string& na
                        {},
                        StateOf(file, point)};
     for (const FigureInfo& info : kFigures)
-      if (const double value = FigureOf(model, point, info);
+      if (const double value = FigureOf(model, point, info, counts_instructions);
           std::isfinite(value) && (value > 0 || info.kind == FigureKind::kCount))
         of.figures.emplace(info.name, value);
     read.points.push_back(std::move(of));

@@ -5,6 +5,7 @@
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/personality.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -14,11 +15,13 @@
 #include <cerrno>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "dsl/text/check.h"
 #include "dsl/text/utf8.h"
 #include "library/layouts/pose_table.h"
@@ -57,6 +60,30 @@ class OnCpu {
   bool is_set_ = false;
 };
 
+/// While it lives, new processes have the same addresses in each run. A child inherits the setting.
+class FixedAddresses {
+ public:
+  FixedAddresses() : before_(personality(kRead)) {
+    if (before_ != -1) personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE);
+  }
+  ~FixedAddresses() {
+    if (before_ != -1) personality(static_cast<unsigned long>(before_));
+  }
+  FixedAddresses(const FixedAddresses&) = delete;
+  FixedAddresses& operator=(const FixedAddresses&) = delete;
+
+ private:
+  static constexpr unsigned long kRead = 0xffffffff;
+  const int before_;
+};
+
+/// A variable whose length differs from process to process, and so moves the stack.
+std::string ShuffledVariable() {
+  constexpr std::size_t kMost = 4096;
+  std::random_device random;
+  return fmt::format("{}={}", protocol::kShuffledVariable, std::string(random() % kMost, '.'));
+}
+
 constexpr const char* kSingleWorker = "cdb-worker-f32";
 
 fs::path OwnFolder() {
@@ -76,6 +103,27 @@ fs::path FindWorker(const fs::path& folder, const char* name) {
       fmt::format("cannot find the worker program {0}: neither {1} nor {2} exists. Build or "
                   "install it beside cdb (target {0})",
                   name, places[0].string(), places[1].string()));
+}
+
+/// Throws ScheduleError.
+fs::path FindValgrind() {
+  const char* path = getenv("PATH");
+  std::string_view rest = path == nullptr ? "/usr/bin" : path;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    const fs::path program = fs::path(rest.substr(0, end)) / "valgrind";
+    if (access(program.c_str(), X_OK) == 0) return program;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  throw ScheduleError(
+      "`clock instructions` needs the program valgrind, which is in no folder of PATH; install the "
+      "package valgrind, or use `clock time`");
+}
+
+/// Options for a program whose clock is the count of its instructions (engine/world/clock.h).
+std::vector<std::string> CountingOptions() {
+  return {"--tool=callgrind", "--callgrind-out-file=/dev/null", "--vgdb=no",
+          fmt::format("--log-fd={}", protocol::kCountLogFd)};
 }
 
 double SecondsSinceEpoch() {
@@ -106,6 +154,11 @@ constexpr bool kAddressSanitizer = false;
 /// Bytes; 0: no limit.
 std::uint64_t MemoryLimitOf(const plan::Scene& scene) {
   if (!scene.world.WordOr("memory").empty()) return 0;
+  if (plan::CountsInstructions(scene))
+    throw ScheduleError(
+        "`memory` cannot limit runs with `clock instructions`, as Valgrind needs memory, too; "
+        "remove "
+        "one of them");
   if (kAddressSanitizer)
     throw ScheduleError(
         "`memory` cannot limit runs of a build with AddressSanitizer, whose shadow memory exceeds "
@@ -124,7 +177,7 @@ std::optional<Clock::time_point> Deadline(const plan::Scene& scene, Clock::time_
 
 machine::NoiseJudgement NoiseOf(const plan::Run& run, const results::RunResult& result,
                                 const protocol::Recording& recording) {
-  if (result.status != results::Status::kDone) return {};
+  if (result.status != results::Status::kDone || plan::CountsInstructions(run.scene)) return {};
   const auto duration = recording.Reals("duration");
   const std::size_t cycles = result.n_cycles;
   const auto steps =
@@ -152,6 +205,7 @@ WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
   };
   if (uses("single")) programs.single = FindWorker(folder, kSingleWorker);
   if (uses("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
+  if (plan::CountsInstructions(plan)) programs.valgrind = FindValgrind();
   return programs;
 }
 
@@ -245,14 +299,24 @@ std::vector<pid_t> ProcessLauncher::Processes() const {
   std::vector<pid_t> all;
   for (const auto& worker : workers_)
     if (worker) all.push_back(worker->pid);
-  for (const auto& [program, server] : servers_)
+  for (const auto& [key, server] : servers_)
     if (server) all.push_back(server->pid());
   return all;
 }
 
-pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn,
-                                    protocol::ForkRequest how) {
-  const auto [server, is_new] = servers_.try_emplace(program);
+pid_t ProcessLauncher::StartDirectly(const fs::path& program, SpawnPlan& spawn,
+                                     protocol::ForkRequest how) {
+  std::optional<OnCpu> pinned;
+  if (how.cpu >= 0) pinned.emplace(how.cpu);
+  spawn.SetVariable(fmt::format("{}={}", protocol::kRunnerVariable, getpid()));
+  if (how.memory > 0)
+    spawn.SetVariable(fmt::format("{}={}", protocol::kMemoryVariable, how.memory));
+  return spawn.Start(program, std::move(how.arguments));
+}
+
+pid_t ProcessLauncher::StartProcess(const fs::path& program, bool has_fixed_addresses,
+                                    SpawnPlan& spawn, protocol::ForkRequest how) {
+  const auto [server, is_new] = servers_.try_emplace({program, has_fixed_addresses});
   try {
     if (is_new) server->second = std::make_unique<ForkServer>(program);
   } catch (const ScheduleError&) {
@@ -268,12 +332,18 @@ pid_t ProcessLauncher::StartProcess(const fs::path& program, SpawnPlan& spawn,
       return -1;
     }
   }
-  std::optional<OnCpu> pinned;
-  if (how.cpu >= 0) pinned.emplace(how.cpu);
-  spawn.SetVariable(fmt::format("{}={}", protocol::kRunnerVariable, getpid()));
-  if (how.memory > 0)
-    spawn.SetVariable(fmt::format("{}={}", protocol::kMemoryVariable, how.memory));
-  return spawn.Start(program, std::move(how.arguments));
+  return StartDirectly(program, spawn, std::move(how));
+}
+
+pid_t ProcessLauncher::StartCounted(const fs::path& program, SpawnPlan& spawn,
+                                    protocol::ForkRequest how) const {
+  const Descriptor log = MemoryFile("cdb-counts");
+  spawn.Give(log.get(), protocol::kCountLogFd);
+  spawn.Give(log.get(), protocol::kCountsFd);
+  std::vector<std::string> arguments = CountingOptions();
+  arguments.push_back(program.string());
+  how.arguments.insert(how.arguments.begin(), arguments.begin(), arguments.end());
+  return StartDirectly(programs_.valgrind, spawn, std::move(how));
 }
 
 void ProcessLauncher::Start(std::size_t slot, const plan::Run& run, const std::string& kept) {
@@ -336,8 +406,16 @@ bool ProcessLauncher::TryToLaunch(Worker& worker, std::vector<std::string> argum
   }
   const bool is_single = scene.world.WordOr("precision") == "single";
   const int cpu = scene.world.Count("threads") > 1 ? -1 : processors_.Of(worker.slot);
-  worker.pid = StartProcess(is_single ? programs_.single : programs_.double_, spawn,
-                            {{}, std::move(arguments), cpu, MemoryLimitOf(scene)});
+  const fs::path& program = is_single ? programs_.single : programs_.double_;
+  protocol::ForkRequest how = {{}, std::move(arguments), cpu, MemoryLimitOf(scene)};
+  const std::string_view addresses = scene.world.WordOr("addresses");
+  const bool is_fixed = addresses == "fixed", is_shuffled = addresses == "shuffled";
+  std::optional<FixedAddresses> fixed;
+  if (is_fixed) fixed.emplace();
+  if (is_shuffled) spawn.SetVariable(ShuffledVariable());
+  worker.pid = plan::CountsInstructions(scene) ? StartCounted(program, spawn, std::move(how))
+               : is_shuffled                   ? StartDirectly(program, spawn, std::move(how))
+                             : StartProcess(program, is_fixed, spawn, std::move(how));
   if (worker.pid < 0) return false;
   worker.pidfd = WatchProcess(worker.pid);
   return true;
@@ -439,9 +517,13 @@ std::optional<Ending> ProcessLauncher::Reap(Worker& worker) {
   } catch (const std::system_error& error) {
     throw ScheduleError(error.what());
   }
-  // For a worker that ended before it reported the value, as counted by the system.
   double& peak = ending.result.scalars.peak_rss_bytes;
-  if (std::isnan(peak)) peak = static_cast<double>(usage.ru_maxrss) * 1024;
+  if (plan::CountsInstructions(worker.run->scene)) {
+    peak = schema::RunScalars::kNone;  // it is Valgrind's
+  } else if (std::isnan(peak)) {
+    // The worker ended before it reported the value: as counted by the system.
+    peak = static_cast<double>(usage.ru_maxrss) * 1024;
+  }
   ending.result.started_s = worker.started_s;
   ending.result.load = worker.load;
   ending.result.noise = NoiseOf(*worker.run, ending.result, *worker.recording);

@@ -65,10 +65,11 @@ class TraceCache {
       traces_;  ///< the most recently requested first
 };
 
-/// The worker programs; a path is empty if no run of the plan needs it.
+/// The worker programs, and Valgrind; a path is empty if no run of the plan needs it.
 struct WorkerPrograms {
   std::filesystem::path single;   ///< cdb-worker-f32
   std::filesystem::path double_;  ///< cdb-worker-f64
+  std::filesystem::path valgrind = {};
 };
 
 /// Finds the programs that the plan needs: beside this program, then in ../libexec/cdb of its
@@ -113,9 +114,15 @@ class ProcessLauncher : public Launcher {
 
  private:
   struct Worker;
+  /// Starts a worker that no server forks.
+  static pid_t StartDirectly(const std::filesystem::path& program, SpawnPlan& spawn,
+                             protocol::ForkRequest how);
   /// -1 if the recording must be made anew, because a process that has ended may have used it.
-  pid_t StartProcess(const std::filesystem::path& program, SpawnPlan& spawn,
-                     protocol::ForkRequest how);
+  pid_t StartProcess(const std::filesystem::path& program, bool has_fixed_addresses,
+                     SpawnPlan& spawn, protocol::ForkRequest how);
+  /// Starts a worker whose clock is Valgrind's count of its instructions.
+  pid_t StartCounted(const std::filesystem::path& program, SpawnPlan& spawn,
+                     protocol::ForkRequest how) const;
   std::vector<pid_t> Processes() const;
   void DrainErrors(Worker& worker);
   /// Creates new descriptors and starts the process. Throws ScheduleError.
@@ -132,8 +139,9 @@ class ProcessLauncher : public Launcher {
   bool records_narrow_input_ = false;
   TraceCache traces_;
   const ClaimedProcessors processors_;
-  /// For each program that was started; null if it cannot fork workers
-  std::map<std::filesystem::path, std::unique_ptr<ForkServer>> servers_;
+  /// For each program that was started, and whether its addresses are fixed; null if it cannot fork
+  /// workers.
+  std::map<std::pair<std::filesystem::path, bool>, std::unique_ptr<ForkServer>> servers_;
   std::vector<std::unique_ptr<Worker>> workers_;
 };
 

@@ -69,6 +69,44 @@ Mean of a cycle
 )");
 }
 
+TEST(CompareCommand, ComparesCountsOfInstructions) {
+  const Program program;
+  const auto write = [&](const char* name, double factor) {
+    WriteCompared({.plan = ComparedPlan(1, {"10"}, {"simple", "sap"}, "clock instructions"),
+                   .change = Slower(1, factor),
+                   .noise = 0},
+                  program.folder() / name);
+  };
+  write("a.h5", 1);
+  write("same.h5", 1.0003);
+  write("more.h5", 1.01);
+  const auto compare = [&](std::vector<std::string> files) {
+    files.insert(files.begin(), {"compare", "--phase", "step", "--fail-above", "0.5%"});
+    return program.Run(files);
+  };
+  const Finished same = compare({"a.h5", "same.h5"}), more = compare({"a.h5", "more.h5"});
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_NE(same.out.find("Same within 0.08 %: simple; sap\n"), std::string::npos) << same.out;
+  EXPECT_EQ(more.status, 4) << more.err;
+  EXPECT_NE(more.out.find("MORE INSTRUCTIONS: sap: step +1.00 % (+0.95 .. +1.05 %)\n"),
+            std::string::npos)
+      << more.out;
+  EXPECT_EQ(more.out.find("interleaved"), std::string::npos) << more.out;
+  EXPECT_EQ(more.out.find(" ns"), std::string::npos) << more.out;
+  const auto times = nlohmann::json::parse(
+      compare({"a.h5", "more.h5", "--json"}).out)["benchmarks"][0]["comparisons"][0]["times"];
+  EXPECT_EQ(times["clock"], "instructions");
+  EXPECT_NEAR(times["groups"][1]["phases"][0]["a_instructions"], 1000, 1e-9);
+  EXPECT_EQ(compare({"a.h5", "more.h5", "--page"}).status, 4);
+  // Times and counts have nothing in common.
+  WriteCompared({.plan = ComparedPlan(1, {"10"}, {"simple", "sap"}), .noise = 0},
+                program.folder() / "time.h5");
+  const Finished unlike = compare({"a.h5", "time.h5"});
+  EXPECT_NE(unlike.out.find("one of the files counts instructions"), std::string::npos)
+      << unlike.out;
+  EXPECT_EQ(program.Run({"report", "a.h5"}).status, 2);
+}
+
 TEST(CompareCommand, ComparesFoldersFileByFile) {
   const Program program;
   for (const char* name : {"one.h5", "two.h5"}) {

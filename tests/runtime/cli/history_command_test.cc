@@ -77,6 +77,82 @@ TEST(HistoryCommand, FindsAStep) {
   }
 }
 
+/// A repository with `commits` commits; their hashes, the oldest first.
+std::vector<std::string> MakeRepository(const Program& program, int commits) {
+  const Finished made = program.Shell(fmt::format(
+      "git init -q repo && cd repo && git config user.name a && git config user.email a@b &&"
+      " for i in $(seq {}); do git commit -q --allow-empty -m \"Change $i\"; done;"
+      " git log --reverse --format=%h --abbrev=9",
+      commits));
+  EXPECT_EQ(made.status, 0) << made.err;
+  std::vector<std::string> hashes;
+  for (std::size_t at = 0, end; (end = made.out.find('\n', at)) != made.out.npos; at = end + 1)
+    hashes.push_back(made.out.substr(at, end - at));
+  return hashes;
+}
+
+TEST(HistoryCommand, OrdersFilesByCommits) {
+  const Program program;
+  const std::vector<std::string> hashes = MakeRepository(program, 24);
+  ASSERT_EQ(hashes.size(), 24u);
+  std::filesystem::create_directories(program.folder() / "history");
+  // Measured in another order, and every other commit only.
+  for (std::size_t i = 0; i < hashes.size(); i += 2)
+    WriteCompared({.plan = ComparedPlan(1, {"10"}, {"simple", "sap"}),
+                   .change = Slower(1, i >= 12 ? 1.08 : 1),
+                   .noise = 0.004,
+                   .seed = i + 1,
+                   .started = kDay * static_cast<double>((i * 7) % 24)},
+                  program.folder() / fmt::format("history/fixture-{}.h5", hashes[i]));
+  WriteCompared({.plan = ComparedPlan(1, {"10"}, {"simple", "sap"})},
+                program.folder() / "history/fixture-other.h5");
+  const json all = JsonOf(program, {"--git", "repo"});
+  const json found = all["histories"][0];
+  ASSERT_EQ(found["files"].size(), 12u);
+  EXPECT_EQ(found["files"][0]["label"], hashes[0]);
+  EXPECT_EQ(found["files"][11]["label"], hashes[22]);
+  ASSERT_EQ(found["changes"].size(), 1u) << found["changes"].dump(1);
+  EXPECT_EQ(found["changes"][0]["from"], hashes[10]);
+  EXPECT_EQ(found["changes"][0]["to"], hashes[12]);
+  ASSERT_EQ(found["changes"][0]["commits"].size(), 2u);
+  EXPECT_EQ(found["changes"][0]["commits"][1]["subject"], "Change 13");
+  ASSERT_EQ(all["left_out"].size(), 1u);
+  EXPECT_THAT(all["left_out"][0]["why"].get<std::string>(), HasSubstr("no commit"));
+  EXPECT_THAT(program.Run({"history", "history", "--git", "repo"}).out,
+              HasSubstr(fmt::format("  in 2 commits: {} Change 12; {} Change 13\n", hashes[11],
+                                    hashes[12])));
+  // Without the repository, the order is another one.
+  EXPECT_EQ(JsonOf(program)["histories"][0]["changes"].size(), 0u);
+  EXPECT_EQ(program.Run({"history", "history", "--git", "history"}).status, 2);
+}
+
+TEST(HistoryCommand, WritesAPage) {
+  const Program program;
+  WriteCommits(program, 24, SlowerFrom(14));
+  const Finished done = program.Run({"history", "history", "--page"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, testing::StartsWith("history.html: "));
+  const std::string page = program.Read("history.html");
+  EXPECT_THAT(page, HasSubstr("<title>History of history</title>"));
+  EXPECT_THAT(page, HasSubstr("\"changes\":[{\"kind\":\"step\",\"from\":13,\"to\":14,"));
+  EXPECT_EQ(program.Run({"history", "history", "-o", "x.html"}).status, 2);
+  EXPECT_EQ(program.Run({"history", "history", "--page", "--json"}).status, 2);
+}
+
+TEST(HistoryCommand, KeepsCountsOfInstructionsApart) {
+  const Program program;
+  WriteCommits(program, 16, [](int commit, ComparedResult& result) {
+    result.plan = ComparedPlan(1, {"10"}, {"simple", "sap"}, "clock instructions");
+    result.noise = 0.0001;
+    if (commit >= 9) result.change = Slower(1, 1.02);
+  });
+  const json changes = JsonOf(program)["histories"][0]["changes"];
+  ASSERT_EQ(changes.size(), 1u) << changes.dump(1);
+  EXPECT_EQ(changes[0]["to"], "c09");
+  EXPECT_EQ(changes[0]["figures"][0]["figure"], "step_instructions");
+  EXPECT_THAT(program.Run({"history", "history"}).out, HasSubstr("MORE INSTRUCTIONS between c08"));
+}
+
 TEST(HistoryCommand, JoinsPointsThatChangeTogether) {
   const Program program;
   WriteCommits(program, 18, [](int commit, ComparedResult& result) {

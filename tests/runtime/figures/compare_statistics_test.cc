@@ -46,6 +46,22 @@ TEST(CompareStatistics, CallsAChangeOfOnePercentNone) {
   EXPECT_LT(p(1 / 1.011), 1e-6);
 }
 
+TEST(CompareStatistics, JudgesACountByItsNoise) {
+  const Bootstrap one(1);
+  const auto tested = [&](double factor) {
+    return ChangeTest(one, one, 0.001)
+        .Of(figures::ChangeOf(one.MeanEstimate({1e6}), one.MeanEstimate({1e6 * factor})));
+  };
+  EXPECT_TRUE(ChangeTest(one, one, 0.001).HasIntervals());
+  EXPECT_EQ(figures::JudgeChange(tested(1.0009), 1, 0.05), ChangeVerdict::kSame);
+  EXPECT_EQ(tested(1.0009).p, 1);
+  EXPECT_EQ(tested(1.0011).p, 0);
+  EXPECT_EQ(tested(1 / 1.0011).p, 0);
+  EXPECT_NEAR(tested(1.01).interval.low, 1.01 / 1.001, 1e-12);
+  EXPECT_NEAR(tested(1.01).interval.high, 1.01 * 1.001, 1e-12);
+  EXPECT_FALSE(tested(NAN).IsTested());
+}
+
 TEST(CompareStatistics, DoesNotPairTheRepeatsOfTwoFiles) {
   // The third repeat is slow in both files, but at different times: a coincidence.
   const Bootstrap five(5);

@@ -33,8 +33,8 @@ const legendOf = (rows, theme) =>
 const columns = [
   { key: 'phase', label: 'phase' },
   { key: 'name', label: 'of' },
-  { key: 'a', label: 'before, ns', isNumber: true },
-  { key: 'b', label: 'after, ns', isNumber: true },
+  { key: 'a', label: 'before, ns or instructions', isNumber: true },
+  { key: 'b', label: 'after, ns or instructions', isNumber: true },
   { key: 'value', label: 'ratio', isNumber: true },
   { key: 'low', label: 'low', isNumber: true },
   { key: 'high', label: 'high', isNumber: true },
@@ -44,8 +44,8 @@ const columns = [
 const rowOf = (name, change) => ({
   name,
   phase: change.phase,
-  a: change.a_ns,
-  b: change.b_ns,
+  a: change.a_ns ?? change.a_instructions,
+  b: change.b_ns ?? change.b_instructions,
   value: change.ratio,
   low: change.interval[0],
   high: change.interval[1],
@@ -137,9 +137,16 @@ function describeRows(given, { title, a, b, worse, notes, ratios }, { theme, wid
   };
 }
 
+const isCounted = (comparison) => comparison.times.clock === 'instructions';
+const what = (comparison) => (isCounted(comparison) ? 'Instructions' : 'Time');
+
 const noteOf = (comparison, worse) => [
-  comparison.times.has_intervals ? 'Bars: 95 % intervals, by bootstrap over the repeats.' : 'No intervals: too few repeats.',
-  `Dashed: ${number(100 * worse)} % slower.`,
+  isCounted(comparison)
+    ? 'Bars: the noise of a count.'
+    : comparison.times.has_intervals
+      ? 'Bars: 95 % intervals, by bootstrap over the repeats.'
+      : 'No intervals: too few repeats.',
+  `Dashed: ${number(100 * worse)} % ${isCounted(comparison) ? 'more' : 'slower'}.`,
 ];
 
 /** The groups of a comparison. `ratios`: that its axis shows. */
@@ -150,7 +157,7 @@ const groupFigure = (comparison, { worse, ratios }, id) =>
       describeRows(
         comparison.times.groups.flatMap(({ name, phases }) => phases.map((change) => rowOf(name, change))),
         {
-          title: `Time of a cycle: ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
+          title: `${what(comparison)} of a cycle: ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
           ...comparison,
           worse,
           ratios,
@@ -222,7 +229,7 @@ const historyFigure = (benchmark, { worse, historyRatios }, id) =>
     id,
     describe: (_, __, { theme }) => {
       const found = historyRows(benchmark);
-      const title = `Time of a cycle over that of ${short(benchmark.files[0], 40)}`;
+      const title = `${what(benchmark.comparisons[0])} of a cycle over that of ${short(benchmark.files[0], 40)}`;
       if (found.length === 0) return { title, empty: '' };
       const names = [...new Set(found.map((row) => row.name))];
       // Intervals of one file must not hide each other.
@@ -299,7 +306,7 @@ const linesOf = (list) => {
 };
 
 /** A section of the terminal. */
-function sectionItems({ lines: list, columns: heads, rows, notes }) {
+export function sectionItems({ lines: list, columns: heads, rows, notes }) {
   const items = linesOf(list).map((line) => h('li', {}, bdi(line)));
   return [
     items.length ? h('ul', { class: 'findings' }, ...items) : null,

@@ -9,6 +9,7 @@ import { describeErrors } from './errors.js';
 import { sizeOf } from './export.js';
 import { createFigure, replaceControls } from './figure.js';
 import { short } from './format.js';
+import { historyParts } from './history.js';
 import { describeOverAxes } from './over_axes.js';
 import { describeCycles } from './over_cycles.js';
 import { describePhases } from './phases.js';
@@ -115,9 +116,11 @@ let documents = [];
 let suite = null;
 /** The results of `cdb compare`, if any, which are the first tab. */
 let comparison = null;
+/** The results of `cdb history`, if any, which are the only tab. */
+let history = null;
 
-/** The tab that the address need not name: that of the suite or of the comparison, or the first document's. */
-const firstTab = () => (suite || comparison ? -1 : 0);
+/** The tab that the address need not name: that of the suite, the comparison or the history, or the first document's. */
+const firstTab = () => (suite || comparison || history ? -1 : 0);
 const tabAddress = (index) => (index === firstTab() ? '' : `doc=${index}`);
 const addressOf = (index, doc, view) => [tabAddress(index), encode(doc, view)].filter(Boolean).join('&');
 const indexIn = (address) => {
@@ -186,15 +189,18 @@ const sectionOf = (id, title, items) =>
     ...items.map(element),
   );
 
-/** Builds the tab of the suite or of the comparison, which has no controls. */
+/** The parts of the first tab, and the command that wrote it. */
+function firstParts() {
+  if (history) return { ...historyParts(history), by: 'history' };
+  if (comparison) return { ...compareParts(comparison), by: 'compare' };
+  return { ...suiteParts(suite, (scene) => `#${tabAddress(scene)}`), by: 'suite' };
+}
+
+/** Builds the tab of the suite, the comparison or the history, which has no controls. */
 function showFirst() {
-  const {
-    head,
-    sections,
-    figures = [],
-  } = suite ? suiteParts(suite, (scene) => `#${tabAddress(scene)}`) : compareParts(comparison);
+  const { head, sections, by, figures = [] } = firstParts();
   const links = sections.map(([id, title]) => ({ id, link: h('a', { href: `#section=${id}` }, title) }));
-  const footer = h('footer', {}, `Written by cdb ${suite ? 'suite' : 'compare'}.`);
+  const footer = h('footer', {}, `Written by cdb ${by}.`);
   const items = [...head.filter(Boolean), ...sections.map((each) => sectionOf(...each)), footer];
   const body = h('div', { class: 'body wide' }, ...items);
   const layout = h('div', { class: 'layout' }, asideOf(links, null), body);
@@ -287,7 +293,8 @@ function start() {
   documents = (data.documents ?? []).map(openDocument);
   suite = data.suite ?? null;
   comparison = data.comparison ?? null;
-  if (documents.length === 0 && !comparison) {
+  history = data.history ?? null;
+  if (documents.length === 0 && !comparison && !history) {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
     return;
   }

@@ -256,6 +256,8 @@ const std::map<std::string, std::string> kNotTheEngines = {
     {"frame", "is the report's"},
     {"timeout", "is the schedule's"},
     {"memory", "is the schedule's"},
+    {"clock", "is that of the measurement"},
+    {"addresses", "is the launcher's: worker_test.cc"},
     {"record", "is what is stored; a test of its own says that it changes nothing"},
     {"omit", "leaves out only what changes nothing"},
 };

@@ -343,8 +343,10 @@ TEST(WorkerTest, AWorkerIsLeftOnlyWhatItNeeds) {
 }
 
 /// The environment that a worker reports, for runs by one launcher.
-std::vector<std::vector<std::int32_t>> Places(const fs::path& program, std::size_t runs) {
-  const auto plan = MakeBehaviourPlan({kTellsPlace});
+std::vector<std::vector<std::int32_t>> Places(const fs::path& program, std::size_t runs,
+                                              const char* addresses = "shifted") {
+  auto plan = MakeBehaviourPlan({kTellsPlace});
+  plan.runs[0].scene.world.Set("addresses", schema::Word{addresses});
   process::ProcessLauncher launcher({program, program}, 1, nullptr);
   std::vector<std::vector<std::int32_t>> places;
   for (std::size_t i = 0; i < runs; ++i) {
@@ -382,6 +384,27 @@ TEST(WorkerTest, ForkedWorkersHaveAddressesOfTheirOwn) {
     for (const auto& told : places) addresses.insert(told.at(what));
     EXPECT_GT(addresses.size(), 4u) << what;
   }
+}
+
+TEST(WorkerTest, FixedAddressesAreTheSameInEachRun) {
+  if (kAddressSanitizer) GTEST_SKIP() << "the sanitizer has a heap of its own";
+  const auto places = Places(TestWorker().single, 4, "fixed");
+  for (const std::size_t what : {6, 7, 8}) {
+    std::set<std::int32_t> addresses;
+    for (const auto& told : places) addresses.insert(told.at(what));
+    EXPECT_EQ(addresses.size(), 1u) << what;
+  }
+  EXPECT_EQ(personality(0xffffffff) & ADDR_NO_RANDOMIZE, 0) << "is the worker's alone";
+}
+
+TEST(WorkerTest, ShuffledAddressesAreOfAWorkerThatIsStarted) {
+  if (kAddressSanitizer) GTEST_SKIP() << "the sanitizer has a heap of its own";
+  std::set<std::int32_t> mappings;
+  for (const auto& told : Places(TestWorker().single, 8, "shuffled")) {
+    EXPECT_EQ(told.at(5), 0) << "no server forked it";
+    mappings.insert(told.at(8));
+  }
+  EXPECT_GT(mappings.size(), 4u);
 }
 
 /// The fork server after its worker has ended: the only child.
