@@ -17,13 +17,13 @@
 #include "library/layouts/placement.h"
 #include "library/objects/solid_factory.h"
 #include "runtime/engine/detection/detectors.h"
-#include "runtime/engine/probes/narrow_input.h"
 #include "runtime/engine/probes/pair_referee.h"
 #include "runtime/engine/probes/probes.h"
 #include "runtime/engine/probes/processor_time.h"
 #include "runtime/engine/probes/sampler.h"
 #include "runtime/engine/probes/state_hash.h"
 #include "runtime/engine/scene_queries/queries.h"
+#include "runtime/engine/worker/narrow_input.h"
 #include "runtime/engine/worker/settle.h"
 #include "runtime/engine/world/engine.h"
 
@@ -69,7 +69,7 @@ bool WantsSecondPass(const plan::Scene& scene) {
 void RunCycles(const plan::Scene& scene, world::Engine& engine, protocol::Recording& recording,
                Streams streams) {
   probes::Probes probes(scene, engine, recording, streams.contacts_fd);
-  std::optional<probes::NarrowInput> narrow_input;
+  std::optional<NarrowInput> narrow_input;
   if (streams.narrow_input_fd >= 0) narrow_input.emplace(engine, streams.narrow_input_fd);
   std::optional<probes::PairReferee> referee;
   if (RecordsPairs(scene) && !WantsSecondPass(scene)) referee.emplace(engine, recording);

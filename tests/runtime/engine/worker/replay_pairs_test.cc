@@ -15,7 +15,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "compiler/yaml/plan_yaml.h"
-#include "runtime/engine/probes/narrow_input.h"
+#include "runtime/engine/worker/narrow_input.h"
 #include "runtime/engine/worker/replay.h"
 #include "runtime/protocol/trace_memory.h"
 #include "tests/runtime/engine/engine_fixture.h"
@@ -132,7 +132,7 @@ TEST_F(PairTraces, HoldToTheBitWhatANarrowPhaseGets) {
   world::Engine engine(scene, layouts::MakeInitialState(scene), omissions::KeepEverything(scene),
                        detectors);
   const int fd = memfd_create("input", 0);
-  probes::NarrowInput input(engine, fd);
+  worker::NarrowInput input(engine, fd);
   input.Begin();
   constexpr std::uint64_t kSteps = 40;
   Steps(engine, kSteps);

@@ -6,7 +6,7 @@
 #include "runtime/engine/world/engine.h"
 #include "runtime/protocol/trace_memory.h"
 
-namespace cdb::probes {
+namespace cdb::worker {
 
 /// Appends to a file (protocol::AppendNarrowInput), between broad and narrow phase, the pose of
 /// every body and the pairs that the narrow phase gets: those of the pair cache that may touch and
@@ -30,4 +30,4 @@ class NarrowInput {
   std::vector<protocol::TracePair> pairs_;
 };
 
-}  // namespace cdb::probes
+}  // namespace cdb::worker

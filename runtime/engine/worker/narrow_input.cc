@@ -1,4 +1,4 @@
-#include "runtime/engine/probes/narrow_input.h"
+#include "runtime/engine/worker/narrow_input.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include "dsl/text/check.h"
 
-namespace cdb::probes {
+namespace cdb::worker {
 
 NarrowInput::NarrowInput(world::Engine& engine, int fd)
     : engine_(engine), fd_(fd), wall_places_(omissions::kWallCount) {
@@ -58,4 +58,4 @@ void NarrowInput::Record() {
   protocol::AppendNarrowInput(fd_, std::as_bytes(std::span(frames_)), pairs_);
 }
 
-}  // namespace cdb::probes
+}  // namespace cdb::worker
