@@ -50,9 +50,14 @@ std::optional<std::string> ExampleFile(std::string_view path) {
 
 std::optional<analysis::ModelFacts> ExampleModel(const schema::Value& type, analysis::ModelFault&) {
   const schema::Call* call = schema::AsCall(type);
-  if (call == nullptr || call->name != "mesh") return std::nullopt;
-  const bool is_fine = schema::AsNumber(schema::ArgumentOf(*call, "hulls")) != nullptr;
+  if (call == nullptr) return std::nullopt;
   analysis::ModelFacts facts;
+  if (call->name == "compound") {
+    facts.sides = {10, 20, 10};
+    return facts;
+  }
+  if (call->name != "mesh") return std::nullopt;
+  const bool is_fine = schema::AsNumber(schema::ArgumentOf(*call, "hulls")) != nullptr;
   facts.iou = is_fine ? 0.93 : 0.65;
   facts.hulls = 40;
   facts.text = "mesh(\"wheel.stl\"): 40 hulls, volume error 52 %, IoU 0.650";
@@ -435,9 +440,9 @@ constexpr Explanation kScenarioRows[] = {
      "tenth. Its parts may be in mm, its inertia in g cm^2, or 1 kg m^2 may stand for an unknown "
      "one. Without `inertia`, it is that of the parts.",
      "benchmark b {\n  objects {\n    size native\n"
-     "    type compound(part(cuboid, (0.1, 0.1, 0.1)), inertia: (1, 1, 1))\n  }\n}\n",
+     "    type compound(part(cuboid, (10, 20, 10)), inertia: (9000, 9000, 9000))\n  }\n}\n",
      "benchmark b {\n  objects {\n    size native\n"
-     "    type compound(part(cuboid, (0.1, 0.1, 0.1)))\n  }\n}\n"},
+     "    type compound(part(cuboid, (10, 20, 10)))\n  }\n}\n"},
     {&scenario::kDefaultSize,
      "A group has the default size, and all other groups are much smaller or larger. This may be "
      "an oversight: set the size.",

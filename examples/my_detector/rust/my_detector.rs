@@ -166,10 +166,10 @@ static DETECTORS: [Detector; 1] = [Detector {
     functions: &FUNCTIONS,
 }];
 
-static PLUGIN: Plugin = Plugin { abi: 1, count: 1, detectors: DETECTORS.as_ptr() };
+static PLUGIN: Plugin = Plugin { abi: 2, count: 1, detectors: DETECTORS.as_ptr() };
 
 // The interface, and a line for each detector: name, phases, limit of bodies.
-const MANIFEST: [u8; 28] = *b"1\tC\nsorted_in_rust\tbroad\t0\n\0";
+const MANIFEST: [u8; 28] = *b"2\tC\nsorted_in_rust\tbroad\t0\n\0";
 
 #[no_mangle]
 #[link_section = ".cdb_detectors"]
