@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -61,14 +62,17 @@ class OnCpu {
 };
 
 /// While it lives, new processes have the same addresses in each run. A child inherits the setting.
+/// Throws ScheduleError where the system forbids it.
 class FixedAddresses {
  public:
   FixedAddresses() : before_(personality(kRead)) {
-    if (before_ != -1) personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE);
+    if (before_ == -1 || personality(static_cast<unsigned long>(before_) | ADDR_NO_RANDOMIZE) == -1)
+      throw ScheduleError(
+          fmt::format("`addresses fixed` is forbidden here ({}), as in many containers; use "
+                      "`addresses shifted` or `shuffled`",
+                      std::strerror(errno)));
   }
-  ~FixedAddresses() {
-    if (before_ != -1) personality(static_cast<unsigned long>(before_));
-  }
+  ~FixedAddresses() { personality(static_cast<unsigned long>(before_)); }
   FixedAddresses(const FixedAddresses&) = delete;
   FixedAddresses& operator=(const FixedAddresses&) = delete;
 
@@ -206,6 +210,10 @@ WorkerPrograms FindWorkers(const plan::Plan& plan, const fs::path& folder) {
   if (uses("single")) programs.single = FindWorker(folder, kSingleWorker);
   if (uses("double")) programs.double_ = FindWorker(folder, "cdb-worker-f64");
   if (plan::CountsInstructions(plan)) programs.valgrind = FindValgrind();
+  if (std::ranges::any_of(plan.Bounds(), [](const plan::Run& run) {
+        return run.scene.world.WordOr("addresses") == "fixed";
+      }))
+    FixedAddresses();  // before any run
   return programs;
 }
 
