@@ -76,6 +76,11 @@ double RoundingEnergyOf(const SoftObject& one, double timestep) {
          off * off / 2;
 }
 
+bool IsFinite(const btRigidBody& body) {
+  return world::IsFinite(body.getWorldTransform().getOrigin()) &&
+         world::IsFinite(body.getLinearVelocity()) && world::IsFinite(body.getAngularVelocity());
+}
+
 /// Without pins, fixed and kinematic bodies, walls and damping.
 bool IsClosed(const plan::Scene& scene, const SoftWorld& world) {
   return world.walls().empty() &&
@@ -205,7 +210,10 @@ void SoftProbes::Begin() {
     ++scales.moving_objects;
   }
   scales.speed_scale = std::sqrt(pull * scales.least_side);
+  // After a warm-up, they are elsewhere.
   ReadNodes();
+  for (Obstacle& one : obstacles_)
+    if (IsFinite(*one.body)) one.ReadPose();
   first_ = MomentumOf(world_);
   largest_momentum_ = first_.parts;
 }
@@ -292,8 +300,7 @@ SoftProbes::RigidCounts SoftProbes::RecordRigid() {
     Obstacle& one = obstacles_[i];
     const btRigidBody& body = *one.body;
     const Vector3d last = one.pose.position;
-    if (!world::IsFinite(body.getWorldTransform().getOrigin()) ||
-        !world::IsFinite(body.getLinearVelocity()) || !world::IsFinite(body.getAngularVelocity())) {
+    if (!IsFinite(body)) {
       ++counts.non_finite;
       continue;
     }

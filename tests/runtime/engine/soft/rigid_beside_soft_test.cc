@@ -52,6 +52,17 @@ TEST(RigidBesideSoft, FallsFreely) {
   }
 }
 
+/// Both have fallen together before the first cycle, past where the ball was at the start.
+TEST(RigidBesideSoft, PassesNothingInAWarmUp) {
+  for (const char* kind : kWorlds) {
+    const protocol::Recording recording = RecordSoft(
+        SoftRun(Cloth(kind, "",
+                      "cycles 5; warmup 800; timestep 1/2000; objects ball { quantity 1; size 0.2; "
+                      "mass 2; location at(0, -0.5, 0) }")));
+    for (const std::int32_t passed : recording.Ints("passed")) EXPECT_EQ(passed, 0) << kind;
+  }
+}
+
 /// A ball, or a box that turns, flies into a free cloth: what it loses, the cloth gains.
 TEST(RigidBesideSoft, MomentumIsKept) {
   for (const char* kind : kWorlds)
