@@ -10,6 +10,7 @@
 #include "compiler/analysis/population.h"
 #include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/schema/catalogue.h"
 #include "compiler/schema/parametrised_words.h"
 
 namespace cdb::analysis {
@@ -180,6 +181,10 @@ Reason WhyNotFriction(const Scene& scene) {
   if (const std::string held = scene.PulledGroup(); !held.empty())
     return fmt::format("sliding of objects with links or joints, as of group {}, is not examined",
                        held);
+  if (const Group* group = FindGroup(scene, [](const Group& one) {
+        return !IsFixed(one) && MayBe(one.settings.Get("type"), schema::kSuperellipsoidType);
+      }))
+    return fmt::format("rolling of superellipsoids, as of group {}, is not examined", group->name);
   const auto rolls = [](const Group& group) {
     return !IsFixed(group) && MayRoll(group.settings.Get("type"));
   };

@@ -101,6 +101,9 @@ TEST(Coverage, NamesWhatTheVerdictAnswersAndWhatItLeavesOpen) {
        "energy, passing, impacts, sleep",
        "losses: group a has damping; friction: rolling with damping, as of group a, is not "
        "examined"},
+      {"objects a { quantity 3; type superellipsoid; e1 1 }",
+       "energy, losses, passing, impacts, sleep",
+       "friction: rolling of superellipsoids, as of group a, is not examined"},
       {"objects a { quantity 3; type capsule; rolling_friction 0.1 }", "energy, passing, sleep",
        "losses: group a has rolling friction; friction: rolling with rolling friction, as of group "
        "a, is not examined; impacts: only the direction is examined with rolling or spinning "
