@@ -20,6 +20,7 @@
 
 #include "compiler/plan/input_file.h"
 #include "runtime/protocol/file_descriptor_io.h"
+#include "runtime/sweep/process/find_program.h"
 
 namespace cdb::cluster {
 namespace {
@@ -202,13 +203,7 @@ int Spawn(const std::vector<std::string>& words, const Pipe& in, const Pipe& out
 
 }  // namespace
 
-bool IsInPath(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path != nullptr ? path : "/bin:/usr/bin");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (access((folder + "/" + program).c_str(), X_OK) == 0) return true;
-  return false;
-}
+bool IsInPath(const std::string& program) { return process::FindProgram(program).has_value(); }
 
 std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
                                      std::string_view input) {

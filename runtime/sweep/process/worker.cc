@@ -30,6 +30,7 @@
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/recording.h"
 #include "runtime/results/trace_file.h"
+#include "runtime/sweep/process/find_program.h"
 #include "runtime/sweep/process/launcher.h"
 #include "runtime/sweep/process/process.h"
 
@@ -111,14 +112,7 @@ fs::path FindWorker(const fs::path& folder, const char* name) {
 
 /// Throws ScheduleError.
 fs::path FindValgrind() {
-  const char* path = getenv("PATH");
-  std::string_view rest = path == nullptr ? "/usr/bin" : path;
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(':'), rest.size());
-    const fs::path program = fs::path(rest.substr(0, end)) / "valgrind";
-    if (access(program.c_str(), X_OK) == 0) return program;
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  if (const auto program = FindProgram("valgrind")) return *program;
   throw ScheduleError(
       "`clock instructions` needs the program valgrind, which is in no folder of PATH; install the "
       "package valgrind, or use `clock time`");
