@@ -52,8 +52,8 @@ std::optional<std::size_t> CommitIn(const Places& places, std::string_view name)
 }  // namespace
 
 std::vector<history::Commit> ReadCommits(const std::string& repository) {
-  const auto end = cluster::RunProgram(
-      {"git", "-C", repository, "log", "--topo-order", "--reverse", "--format=%H %s"});
+  const auto end = cluster::RunProgram({"git", "-C", repository, "log", "--no-show-signature",
+                                        "--topo-order", "--reverse", "--format=%H %s"});
   if (!end)
     throw options::CommandError(
         "--git needs the program git, which is in no folder of PATH; install it, or leave out "
