@@ -377,7 +377,10 @@ class Expander {
 
   /// One file has one unit of time. Nothing is judged by times if none are measured.
   bool ObeysClock() {
-    const auto clock = CommonValue("clock", "a results file has one clock");
+    const auto clock =
+        CommonValue("clock",
+                    "a results file has one clock: run it twice, with --set clock=time and "
+                    "--set clock=instructions");
     if (!clock) return false;
     if (*clock != schema::Value(schema::Word{"instructions"})) return true;
     const auto is_time = [](const plan::Figure& figure) { return figure.Unit() == "ns"; };

@@ -72,8 +72,7 @@ struct Shape {
   Vec3 centre;  ///< the middle of those extents; not the origin for cones and hulls
   Vec3 normal;  ///< of a plane: out of the half space, unit
   /// One for kHull, several for kCompound; of kSurface its triangles, each with one face, but
-  /// none of a height field; none
-  /// otherwise.
+  /// none of a height field; none otherwise.
   std::span<const Hull> hulls;
   double e1 = 1, e2 = 1;  ///< exponents of a superellipsoid
 };

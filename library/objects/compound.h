@@ -155,9 +155,8 @@ class Compound {
   double PieceHalfExtent(std::size_t piece) const {
     return form_->pieces[piece].half.cwiseProduct(sides_).minCoeff();
   }
-  /// The smallest of all pieces; for a surface, which is
-  /// thin everywhere, that of its longest side, so that the other object of a contact is the
-  /// smaller one.
+  /// The smallest of all pieces; for a surface, which is thin everywhere, that of its longest side,
+  /// so that the other object of a contact is the smaller one.
   double least_half_extent() const { return least_half_extent_; }
 
  private:

@@ -14,8 +14,8 @@
 
 namespace cdb::probes {
 
-/// The least side of a piece, which is no triangle, that contains a point near its surface, in the
-/// axes of the body; that of the thinnest piece if none does.
+/// The least side of the pieces that contain a point near their surface, in the axes of the body;
+/// that of the thinnest piece if none does. Not for the triangles of a surface.
 double TouchedSide(const objects::Compound& compound, const Eigen::Vector3d& point);
 
 class ContactSides {

@@ -24,7 +24,7 @@ class PressWatch {
 
   struct Seen {
     /// Pairs of objects, or of a wall and an object that touches another, whose contact does not
-    /// hold: they overlap by more than a quarter of the side of ContactSides for six cycles,
+    /// hold: they overlap by more than a quarter of their side in ContactSides for six cycles,
     /// after at least three shallower ones. If an impact went that deep at once, the contact has
     /// half a second to separate them.
     std::int32_t pressed = 0;
@@ -40,7 +40,7 @@ class PressWatch {
   using Bodies = std::pair<std::uint32_t, std::uint32_t>;  ///< by user index, the smaller first
   struct Pair {
     Bodies bodies;
-    double depth = 0;         ///< in the sides of ContactSides
+    double depth = 0;         ///< in sides of ContactSides
     int cycles = 0;           ///< consecutive cycles in which it has been shallow or deep
     int deep = 0;             ///< consecutive cycles in which it has been deep
     bool by_impact = false;   ///< was deep before a contact could act
