@@ -33,7 +33,7 @@ using HintLists = std::vector<std::vector<PairHint>>;
 class Hints {
  public:
   /// `place`: of the first pair among all, from 0 to 1. `memory`: for the hints of this cycle.
-  void Begin(const HintLists& last, double place, std::vector<PairHint> memory) {
+  void Begin(HintLists& last, double place, std::vector<PairHint> memory) {
     last_ = &last;
     current_ = std::move(memory);
     place_ = place;
@@ -48,9 +48,9 @@ class Hints {
     constexpr int kSoon = 16;
     std::size_t list = list_, index = index_;
     for (int i = 0; i < kSoon && SkipEnds(list, index); ++i, ++index) {
-      const PairHint& old = (*last_)[list][index];
+      PairHint& old = (*last_)[list][index];
       if (!old.IsOf(entry)) continue;
-      entry.hint = old.hint;
+      entry.hint = std::move(old.hint);
       list_ = list;
       index_ = index + 1;
       break;
@@ -84,7 +84,7 @@ class Hints {
       index_ -= (*last_)[list_++].size();
   }
 
-  const HintLists* last_ = nullptr;
+  HintLists* last_ = nullptr;
   std::vector<PairHint> current_;
   double place_ = 0;
   bool is_first_ = true;

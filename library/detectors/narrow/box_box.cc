@@ -149,7 +149,7 @@ void AddInGeneral(const Placed& a, const Placed& b, const Vec3& normal, double g
   Separation separation{Inverse(AxesOf(a.pose), normal), gap, {}, {}};
   if (!AddFacingPoints(couple, separation, manifold)) {
     manifold.Clear();
-    separation = Separate(couple, separation.normal, kNear);
+    separation = Separate(couple, separation.normal, kNear, nullptr);
     hint.Set(separation.normal);
     if (separation.gap > kNear) return;
     if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
@@ -164,7 +164,8 @@ void BoxBox(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   if (AreApartAlong(a, b, hint, kNear)) return;
   const BoxAxes axes(a, b);
   const Best best = axes.FindBest();
-  hint = {.box_axis = best.gap > kNear ? best.axis : -1};
+  hint.box_axis = best.gap > kNear ? best.axis : -1;
+  hint.Set({0, 0, 0});
   if (best.gap > kNear || best.axis < 0) return;  // none of a pose that is not finite
   const double tolerance = kSameGap * std::min(a.piece.bound, b.piece.bound);
   if (best.axis < 6) {

@@ -96,10 +96,15 @@ inline double Extent(const Piece& piece, const Vec3& direction) {
 /// a.
 struct DifferenceVertex {
   Vec3 at, on_a, on_b;
+  std::uint32_t vertex_a = 0, vertex_b = 0;  ///< by number; 0 of a curved surface
 };
 
 /// In radii of the smaller piece. Polish finds what is below it.
 inline constexpr double kSkin = 2e-7;
+
+/// In rounding errors: cores that are no farther apart touch. Of a shorter distance the direction
+/// is not known, and an expanding polytope finds the normal better.
+inline constexpr double kTouching = 2e6;
 
 /// A pair of pieces, neither a plane, in the frame of the first's body.
 struct Couple {
@@ -126,15 +131,31 @@ struct Couple {
   }
 
   Vec3 ToA(const Vec3& of_b) const { return turn * of_b + place; }
+  /// The frame of a in that of b.
+  Rotation TurnOfA() const {
+    return {{turn.x.x, turn.y.x, turn.z.x},
+            {turn.x.y, turn.y.y, turn.z.y},
+            {turn.x.z, turn.y.z, turn.z.z}};
+  }
+  Vec3 PlaceOfA() const { return -Inverse(turn, place); }
   /// The farthest vertex along `direction`.
   DifferenceVertex Support(const Vec3& direction) const {
-    const Vec3 on_a = FarthestPoint(a, direction);
-    const Vec3 on_b = ToA(FarthestPoint(b, Inverse(turn, -direction)));
-    return {on_a - on_b, on_a, on_b};
+    DifferenceVertex vertex;
+    vertex.on_a = Farthest(a, direction, vertex.vertex_a);
+    vertex.on_b = ToA(Farthest(b, Inverse(turn, -direction), vertex.vertex_b));
+    vertex.at = vertex.on_a - vertex.on_b;
+    return vertex;
   }
   /// m: of the cores along `normal`, unit, from b to a; negative if they overlap along it.
   double Gap(const Vec3& normal) const {
     return Dot(normal, -place) - Extent(a, -normal) - Extent(b, Inverse(turn, normal));
+  }
+
+ private:
+  static Vec3 Farthest(const Piece& piece, const Vec3& direction, std::uint32_t& number) {
+    if (IsCurved(piece.kind)) return FarthestOnCurved(piece, direction);
+    number = FarthestVertex(piece, direction);
+    return piece.Vertex(number);
   }
 };
 
@@ -148,8 +169,9 @@ struct Separation {
 /// The distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), or their
 /// depth by an expanding polytope (van den Bergen 2001). If they are farther apart than `reach`,
 /// the normal and gap are those of an axis along which they are. `axis`: a direction from b to a to
-/// begin with, not zero.
-Separation Separate(const Couple& couple, const Vec3& axis, double reach);
+/// begin with, not zero. `memory`: null, or of two polytopes, for the next cycle.
+struct Memory;
+Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory* memory);
 
 /// A straight edge or line on a surface, in the frame of a: of a if `piece` is 1, of b if it is -1;
 /// 0: none.
@@ -188,7 +210,7 @@ struct Guess {
 /// The same where the cores are known to overlap or to touch, from a simplex of `count` vertices of
 /// their difference. `guess`: what is known already.
 Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count,
-                  const Guess& guess);
+                  const Guess& guess, Memory* memory);
 
 /// What Polish finds.
 struct Polished {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "library/detectors/narrow/couple.h"
+#include "library/detectors/narrow/memory.h"
 
 namespace cdb::narrow {
 namespace {
@@ -19,6 +19,9 @@ constexpr double kSamePlane = 1 - 1e-10;
 /// are on the way to it, if they are on the same smooth part.
 constexpr double kNearby = 0.99, kDeep = 0.99;
 constexpr int kMostVertices = 256, kMostFaces = 1024;
+/// How much farther than the nearest face the other faces of a kept polytope are, in depths and in
+/// radii of the smaller piece, so that they stay so while the pieces move a little.
+constexpr double kRoom = 1.2, kMoreRoom = 0.01;
 
 struct Face3 {
   int vertex[3];
@@ -130,6 +133,49 @@ class Polytope {
       std::copy_n(of_face, 3, weight);
     }
     Mix(faces_[best], weight, on_a, on_b);
+  }
+
+  const DifferenceVertex& CornerOf(int face, int k) const {
+    return vertices_[faces_[face].vertex[k]];
+  }
+
+  /// Grows until the faces that are not on the surface are farther from the origin than `enough`,
+  /// as far as there is room, and keeps the surface. To be called last.
+  void Keep(double enough, Hull3& hull) {
+    hull.vertex_count = 0;
+    for (;;) {
+      const int nearest = NearestFace();
+      if (nearest < 0 || distances_[nearest] >= enough) break;
+      const DifferenceVertex vertex = couple_.Support(NormalOf(nearest));
+      if (Dot(vertex.at, NormalOf(nearest)) - distances_[nearest] <= couple_.skin) {
+        PassOver(nearest);
+      } else if (vertex_count_ >= static_cast<int>(Hull3::kMostVertices)) {
+        break;
+      } else if (!Grow(nearest, vertex)) {
+        return;
+      }
+    }
+    std::array<std::uint8_t, kMostVertices> number;
+    number.fill(Hull3::kMostVertices);
+    std::uint32_t vertices = 0, faces = 0;
+    for (int i = 0; i < face_count_; ++i) {
+      if (!faces_[i].is_alive) continue;
+      if (!faces_[i].has_area || faces == Hull3::kMostFaces) return;
+      for (int k = 0; k < 3; ++k) {
+        const int vertex = faces_[i].vertex[k];
+        std::uint8_t& at = number[static_cast<std::size_t>(vertex)];
+        if (at == Hull3::kMostVertices) {
+          if (vertices == Hull3::kMostVertices) return;
+          hull.of_a[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_a);
+          hull.of_b[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_b);
+          at = static_cast<std::uint8_t>(vertices++);
+        }
+        hull.corners[faces][k] = at;
+      }
+      ++faces;
+    }
+    hull.vertex_count = static_cast<std::uint8_t>(vertices);
+    hull.face_count = static_cast<std::uint8_t>(faces);
   }
 
   /// Of the corners of the face.
@@ -268,7 +314,7 @@ class Polytope {
 }  // namespace
 
 Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int count,
-                  const Guess& guess) {
+                  const Guess& guess, Memory* memory) {
   Polytope polytope(couple);
   if (!polytope.Begin(simplex, count)) {
     const Vec3 normal = Normalized(polytope.Across());
@@ -309,6 +355,14 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
         const DifferenceVertex& other = found.vertex;
         if (Dot(other.at, normal) > polytope.DistanceOf(nearest) + couple.skin) vertex = other;
       }
+    }
+    if (is_surface && memory != nullptr) {
+      const DifferenceVertex corners[] = {polytope.CornerOf(nearest, 0),
+                                          polytope.CornerOf(nearest, 1),
+                                          polytope.CornerOf(nearest, 2)};
+      if (SetFeatures(couple, corners, 3, memory->features, best))
+        polytope.Keep(kRoom * -best.gap + kMoreRoom * std::min(couple.a.bound, couple.b.bound),
+                      memory->hull);
     }
     if (is_surface) return best;
     if (!polytope.Grow(nearest, vertex)) break;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "library/detectors/narrow/manifold.h"
+#include "library/detectors/narrow/memory.h"
 
 namespace cdb::narrow {
 namespace {
@@ -115,7 +116,8 @@ bool Holds(const Simplex& simplex, const Vec3& at) {
 }
 
 /// Of cores whose difference is nearest to the origin in a point of the simplex.
-Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& nearest) {
+Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& nearest,
+                 Memory* memory) {
   Separation found{.normal = Normalized(nearest), .gap = Norm(nearest), .on_a = {}, .on_b = {}};
   // Of a face, the normal does not suffer from a short distance.
   if (simplex.count == 3) {
@@ -129,25 +131,13 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
     found.on_a = found.on_a + simplex.weight[i] * simplex.vertex[i].on_a;
     found.on_b = found.on_b + simplex.weight[i] * simplex.vertex[i].on_b;
   }
+  if (memory != nullptr)
+    SetFeatures(couple, simplex.vertex, simplex.count, memory->features, found);
   if (!couple.is_curved) return found;
   Polish(couple, {}, 6, found);
   // Within a skin, whose normals differ: those of a polytope do not.
-  if (!(found.gap > 0)) return Expand(couple, simplex.vertex, simplex.count, {});
+  if (!(found.gap > 0)) return Expand(couple, simplex.vertex, simplex.count, {}, nullptr);
   return found;
-}
-
-/// Whether a point is over the flat face of the piece, in its frame.
-bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point) {
-  if (IsCurved(piece.kind)) {
-    const double x = point.x / piece.half.x, z = point.z / piece.half.z;
-    return x * x + z * z <= 1;
-  }
-  for (std::uint32_t i = 0; i < face.count; ++i) {
-    const Vec3 from = piece.Vertex(piece.corners[face.first + i]),
-               to = piece.Vertex(piece.corners[face.first + (i + 1 == face.count ? 0 : i + 1)]);
-    if (Dot(face.normal, Cross(to - from, point - from)) < 0) return false;
-  }
-  return true;
 }
 
 /// The point of the other piece that is deepest behind the face of one that faces along about
@@ -182,11 +172,9 @@ bool TryFace(const Couple& couple, const Vec3& direction, double facing, Separat
     found = {-of_a.normal, of_a.gap, of_a.point - of_a.gap * of_a.normal, of_a.point};
     return true;
   }
-  const Rotation &turn = couple.turn, back = {{turn.x.x, turn.y.x, turn.z.x},
-                                              {turn.x.y, turn.y.y, turn.z.y},
-                                              {turn.x.z, turn.y.z, turn.z.z}};
-  const OverFace of_b(couple.b, Inverse(turn, -direction), facing, couple.a, back,
-                      -Inverse(turn, couple.place));
+  const Rotation& turn = couple.turn;
+  const OverFace of_b(couple.b, Inverse(turn, -direction), facing, couple.a, couple.TurnOfA(),
+                      couple.PlaceOfA());
   if (!of_b.is_found) return false;
   const Vec3 on_a = couple.ToA(of_b.point), normal = turn * of_b.normal;
   found = {normal, of_b.gap, on_a, on_a - of_b.gap * normal};
@@ -261,14 +249,11 @@ bool IsSolved(const Couple& couple, const Separation& greatest) {
   return greatest.gap > 0 || IsProven(couple, greatest);
 }
 
-/// In rounding errors: cores that are no farther apart touch. Of a shorter distance the direction
-/// is not known, and an expanding polytope finds the normal better.
-constexpr double kTouching = 2e6;
 constexpr int kMostSteps = 100;
 
 }  // namespace
 
-Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
+Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory* memory) {
   Simplex simplex;
   Guess guess;
   Vec3 nearest = axis;
@@ -285,18 +270,18 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
       return {.normal = 1 / length * nearest, .gap = along, .on_a = {}, .on_b = {}};
     // No vertex is closer to the origin along the way: the nearest point is the nearest of all.
     if (simplex.count > 0 && (length - along <= couple.skin / 4 || Holds(simplex, vertex.at)))
-      return Apart(couple, simplex, nearest);
+      return Apart(couple, simplex, nearest, memory);
     simplex.vertex[simplex.count++] = vertex;
     const Part part = NearestOf(simplex);
     const Vec3 next = simplex.PointOf(part);
     const double next_square = SquaredNorm(next);
     if (part.count == 0 || next_square <= kTouching * kTouching * couple.rounding * couple.rounding)
-      return Expand(couple, simplex.vertex, simplex.count, guess);
+      return Expand(couple, simplex.vertex, simplex.count, guess, memory);
     if (!(next_square < square)) {  // by rounding
       --simplex.count;
       if (couple.is_curved && length - along > couple.skin)
-        return Expand(couple, simplex.vertex, simplex.count, guess);
-      return Apart(couple, simplex, nearest);
+        return Expand(couple, simplex.vertex, simplex.count, guess, memory);
+      return Apart(couple, simplex, nearest, memory);
     }
     simplex.Keep(part);
     square = next_square;
@@ -308,7 +293,7 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach) {
     guess = other;
     if (IsSolved(couple, guess.separation)) return guess.separation;
   }
-  return Apart(couple, simplex, nearest);
+  return Apart(couple, simplex, nearest, memory);
 }
 
 }  // namespace cdb::narrow

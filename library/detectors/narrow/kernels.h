@@ -2,17 +2,20 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "library/detectors/narrow/manifold.h"
+#include "library/detectors/narrow/memory.h"
 
 namespace cdb::narrow {
 
 /// What a kernel keeps of a pair of pieces from one cycle to the next: an axis along which they
-/// were apart. It saves time and changes no result.
+/// were apart, or the features that touched. It saves time and changes no result.
 struct Hint {
   /// Of two boxes, its number in box_axes.h; -1: none.
   std::int32_t box_axis = -1;
-  float axis[3] = {0, 0, 0};  ///< otherwise, in the frame of a, from b to a; zero: none
+  float axis[3] = {0, 0, 0};       ///< otherwise, in the frame of a, from b to a; zero: none
+  std::unique_ptr<Memory> memory;  ///< of two polytopes that are near or overlap; null: none
 
   void Set(const Vec3& of) {
     axis[0] = static_cast<float>(of.x);

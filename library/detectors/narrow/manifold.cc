@@ -202,6 +202,19 @@ const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
   return piece.faces[FarthestOf(piece.face_columns.data(), piece.padded_faces, direction)];
 }
 
+bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point) {
+  if (IsCurved(piece.kind)) {
+    const double x = point.x / piece.half.x, z = point.z / piece.half.z;
+    return x * x + z * z <= 1;
+  }
+  for (std::uint32_t i = 0; i < face.count; ++i) {
+    const Vec3 from = piece.Vertex(piece.corners[face.first + i]),
+               to = piece.Vertex(piece.corners[face.first + (i + 1 == face.count ? 0 : i + 1)]);
+    if (Dot(face.normal, Cross(to - from, point - from)) < 0) return false;
+  }
+  return true;
+}
+
 Facing FacingOf(const Piece& piece, const Vec3& direction) {
   if (piece.kind == Kind::kBox || piece.kind == Kind::kHull)
     return {.face = &FacingFace(piece, direction)};

@@ -52,6 +52,9 @@ class Manifold {
 /// The face whose normal is nearest to `direction`. Boxes and hulls have one.
 const FlatFace& FacingFace(const Piece& piece, const Vec3& direction);
 
+/// Whether a point is over a flat face of the piece, in its frame.
+bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point);
+
 /// The flat feature of a piece that faces along a unit vector: a face, a line or neither.
 struct Facing {
   const FlatFace* face = nullptr;

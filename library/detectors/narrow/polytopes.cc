@@ -23,16 +23,37 @@ void TurnIntoWorld(const Pose& pose_a, Manifold& manifold) {
   }
 }
 
+namespace {
+
+Separation Search(const Couple& couple, double reach, Hint& hint) {
+  Vec3 axis = couple.a.centre - couple.ToA(couple.b.centre);
+  if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
+  if (couple.is_curved) return Separate(couple, axis, reach, nullptr);
+  Memory memory;
+  const Separation separation = Separate(couple, axis, reach, &memory);
+  const bool is_kept = memory.features.kind != Features::Kind::kNone;
+  hint.memory = is_kept ? std::make_unique<Memory>(memory) : nullptr;
+  return separation;
+}
+
+}  // namespace
+
 void Polytopes(const Placed& a, const Placed& b, Hint& hint, Manifold& manifold) {
   const double reach = kNear + a.piece.radius + b.piece.radius;
-  if (AreApartAlong(a, b, hint, reach)) return;
+  if (hint.memory == nullptr && AreApartAlong(a, b, hint, reach)) return;
   const Couple couple(a.piece, a.pose, b.piece, b.pose);
-  Vec3 axis = a.piece.centre - couple.ToA(b.piece.centre);
-  if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
-  const Separation separation = Separate(couple, axis, reach);
-  hint.Set(separation.normal);
-  if (separation.gap > reach) return;
-  if (!AddFacingPoints(couple, separation, manifold)) AddNearest(couple, separation, manifold);
+  Recalled found;
+  if (hint.memory != nullptr) found = Recall(couple, *hint.memory, reach);
+  if (!found.is_proven) found = {Search(couple, reach, hint), true, true};
+  hint.Set(found.separation.normal);
+  if (found.separation.gap > reach) {
+    hint.memory = nullptr;
+    return;
+  }
+  if (!AddFacingPoints(couple, found.separation, manifold)) {
+    if (!found.has_points) found.separation = Search(couple, reach, hint);
+    AddNearest(couple, found.separation, manifold);
+  }
   manifold.Reduce(1e-3 * std::min(a.piece.bound, b.piece.bound));
   TurnIntoWorld(a.pose, manifold);
 }

@@ -10,6 +10,7 @@
 
 #include "library/detectors/narrow/batch.h"
 #include "tests/library/detectors/narrow/pair_cases.h"
+#include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
@@ -223,6 +224,46 @@ TEST(Batch, GivesTheSameBitsWhateverTheOrderOfPairsAndEarlierCycles) {
   EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts));
   other->Prepare(scene);
   EXPECT_TRUE(AreSame(SortedContacts(*other, scene, reversed), contacts)) << "another run";
+}
+
+TEST(Batch, RemembersNothingThatChangesAContact) {
+  // Bodies that slide, roll, and come apart and together again: each cycle as if it were the first.
+  distributions::Stream stream(17);
+  constexpr Type kTypes[] = {Type::kHull, Type::kBox, Type::kTetrahedron, Type::kCapsule,
+                             Type::kBall};
+  std::vector<PairCase> pairs;
+  for (int i = 0; i < 400; ++i)
+    pairs.push_back(RandomPair(stream, kTypes[i % 3], kTypes[i / 3 % 5]));
+  for (int i = 0; i < 20; ++i)  // that lie on each other
+    pairs.push_back(OnTop(RandomBody(stream, Type::kBox, 1, false), 0.5, Turned(0.1 * i, {0, 1, 0}),
+                          RoundHull(16, 1), 0.4));
+  const PairScene bodies(pairs);
+  Scene scene = bodies.View();
+  std::vector<Pose> poses(scene.poses.begin(), scene.poses.end());
+  scene.poses = poses;
+  const auto batch = MakeBatch();
+  batch->Prepare(scene);
+  std::size_t found = 0;
+  for (int cycle = 0; cycle < Cases(100); ++cycle) {
+    const auto fresh = MakeBatch();
+    fresh->Prepare(scene);
+    const auto expected = SortedContacts(*fresh, scene, bodies.pairs());
+    ASSERT_TRUE(AreSame(SortedContacts(*batch, scene, bodies.pairs()), expected)) << cycle;
+    found += expected.size();
+    for (std::size_t i = 0; i < poses.size(); i += 2) {
+      Pose& pose = poses[i];
+      const double size = pairs[i / 2].a.sides.minCoeff(), angle = stream.Uniform(-0.004, 0.004);
+      const Vec3 x = pose.x, y = pose.y;
+      const double c = std::cos(angle), s = std::sin(angle);
+      if (i % 4 == 0) {
+        pose.x = {c * x.x + s * y.x, c * x.y + s * y.y, c * x.z + s * y.z};
+        pose.y = {c * y.x - s * x.x, c * y.y - s * x.y, c * y.z - s * x.z};
+      }
+      pose.position.x += size * stream.Uniform(-0.01, 0.01);
+      pose.position.y += size * stream.Uniform(-0.01, 0.01);
+    }
+  }
+  EXPECT_GT(found, 200u * static_cast<std::size_t>(Cases(100)));
 }
 
 TEST(Batch, GivesTheSameContactsInTheSameOrderWithAnyNumberOfThreads) {
