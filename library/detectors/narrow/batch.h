@@ -9,8 +9,9 @@ namespace cdb::narrow {
 /// Contacts of bodies up to kNear (pieces.h) apart, for planes and two balls as round.cc says:
 /// exact depths, of pieces with curved surfaces to a hundredth, and up to four points for each pair
 /// of convex pieces. They depend on the poses
-/// alone, not on earlier cycles, the order of pairs or the number of threads. Threads: called by
-/// one; uses Options::threads for the pairs of a cycle.
+/// alone, not on the order of pairs or the number of threads, nor on earlier cycles, but for the
+/// last digits of less than one pair in a million, of which a search ends within its rounding
+/// errors. Threads: called by one; uses Options::threads for the pairs of a cycle.
 Detector* MakeBatch(const Options& options);
 
 }  // namespace cdb::narrow

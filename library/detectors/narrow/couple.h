@@ -181,6 +181,7 @@ struct Edge {
   /// that of the axis.
   Vec3 along = {0, 0, 0}, middle = {0, 0, 0};
   bool is_axis = false;
+  std::uint32_t low = 0, high = 0;  ///< the vertices, if it is not
 
   /// Whether it ends in this point, or a line parallel to it does.
   bool EndsIn(const Vec3& point) const {
@@ -188,6 +189,11 @@ struct Edge {
     return is_axis || SquaredNorm(from - half) <= 1e-20 * SquaredNorm(along);
   }
 };
+
+/// The line on the surface of a piece that is parallel to its axis, wherever it is, or the edge
+/// between two vertices. `which`: as Edge::piece.
+Edge AxisOf(const Couple& couple, int which);
+Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to);
 
 /// The edges along which the corners of a triangle of the difference lie. Of none or one, the
 /// triangle is on a smooth part, or on one that is smooth across the edge; otherwise it is on a
@@ -199,6 +205,17 @@ struct Edges {
   Edges(const Couple& couple, const DifferenceVertex& a, const DifferenceVertex& b,
         const DifferenceVertex& c);
 };
+
+/// The separation of an edge of each piece, if they are nearest, or overlap least of all nearby,
+/// where they cross; then returns how far, m, the origin's foot is from the boundary of the face of
+/// the difference that they make, else -1. A line on a curved surface is where that touches a plane
+/// along the other edge. `direction`: about that from a to b.
+double CrossEdges(const Couple& couple, const Edge& one, const Edge& other, const Vec3& direction,
+                  Separation& found);
+
+/// Whether the greatest gap of all normals nearby is that of all. The gap of pieces that are apart
+/// is concave.
+bool IsSolved(const Couple& couple, const Separation& greatest);
 
 /// An overlap along a normal, which may be the least.
 struct Guess {

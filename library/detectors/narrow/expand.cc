@@ -141,41 +141,41 @@ class Polytope {
 
   /// Grows until the faces that are not on the surface are farther from the origin than `enough`,
   /// as far as there is room, and keeps the surface. To be called last.
-  void Keep(double enough, Hull3& hull) {
-    hull.vertex_count = 0;
+  void Keep(double enough, Shell& shell) {
+    shell.vertex_count = 0;
     for (;;) {
       const int nearest = NearestFace();
       if (nearest < 0 || distances_[nearest] >= enough) break;
       const DifferenceVertex vertex = couple_.Support(NormalOf(nearest));
       if (Dot(vertex.at, NormalOf(nearest)) - distances_[nearest] <= couple_.skin) {
         PassOver(nearest);
-      } else if (vertex_count_ >= static_cast<int>(Hull3::kMostVertices)) {
+      } else if (vertex_count_ >= static_cast<int>(Shell::kMostVertices)) {
         break;
       } else if (!Grow(nearest, vertex)) {
         return;
       }
     }
     std::array<std::uint8_t, kMostVertices> number;
-    number.fill(Hull3::kMostVertices);
+    number.fill(Shell::kMostVertices);
     std::uint32_t vertices = 0, faces = 0;
     for (int i = 0; i < face_count_; ++i) {
       if (!faces_[i].is_alive) continue;
-      if (!faces_[i].has_area || faces == Hull3::kMostFaces) return;
+      if (!faces_[i].has_area || faces == Shell::kMostFaces) return;
       for (int k = 0; k < 3; ++k) {
         const int vertex = faces_[i].vertex[k];
         std::uint8_t& at = number[static_cast<std::size_t>(vertex)];
-        if (at == Hull3::kMostVertices) {
-          if (vertices == Hull3::kMostVertices) return;
-          hull.of_a[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_a);
-          hull.of_b[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_b);
+        if (at == Shell::kMostVertices) {
+          if (vertices == Shell::kMostVertices) return;
+          shell.of_a[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_a);
+          shell.of_b[vertices] = static_cast<std::uint16_t>(vertices_[vertex].vertex_b);
           at = static_cast<std::uint8_t>(vertices++);
         }
-        hull.corners[faces][k] = at;
+        shell.corners[faces][k] = at;
       }
       ++faces;
     }
-    hull.vertex_count = static_cast<std::uint8_t>(vertices);
-    hull.face_count = static_cast<std::uint8_t>(faces);
+    shell.vertex_count = static_cast<std::uint8_t>(vertices);
+    shell.face_count = static_cast<std::uint8_t>(faces);
   }
 
   /// Of the corners of the face.
@@ -326,8 +326,18 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
   // Whether the best is the least extent of a smooth part of the difference, and which part.
   bool is_least = guess.is_least;
   Edge patch = guess.edge;
+  int nearest = -1;
+  const auto remember = [&] {
+    if (memory == nullptr) return;
+    DifferenceVertex corners[3];
+    const int known = nearest < 0 ? 0 : 3;
+    for (int k = 0; k < known; ++k) corners[k] = polytope.CornerOf(nearest, k);
+    if (SetFeatures(couple, corners, known, memory->features, best) && !couple.is_curved)
+      polytope.Keep(kRoom * -best.gap + kMoreRoom * std::min(couple.a.bound, couple.b.bound),
+                    memory->shell);
+  };
   for (;;) {
-    const int nearest = polytope.NearestFace();
+    nearest = polytope.NearestFace();
     if (nearest < 0) break;
     const Vec3 normal = polytope.NormalOf(nearest);
     // No face is nearer than the best point of a curved surface, nor is any other point of it.
@@ -356,20 +366,16 @@ Separation Expand(const Couple& couple, const DifferenceVertex* simplex, int cou
         if (Dot(other.at, normal) > polytope.DistanceOf(nearest) + couple.skin) vertex = other;
       }
     }
-    if (is_surface && memory != nullptr) {
-      const DifferenceVertex corners[] = {polytope.CornerOf(nearest, 0),
-                                          polytope.CornerOf(nearest, 1),
-                                          polytope.CornerOf(nearest, 2)};
-      if (SetFeatures(couple, corners, 3, memory->features, best))
-        polytope.Keep(kRoom * -best.gap + kMoreRoom * std::min(couple.a.bound, couple.b.bound),
-                      memory->hull);
+    if (is_surface) {
+      remember();
+      return best;
     }
-    if (is_surface) return best;
     if (!polytope.Grow(nearest, vertex)) break;
   }
   // The farthest vertex of a curved surface is not the point below the origin.
   if (couple.is_curved && !is_least && !Polish(couple, {}, 8, best).is_least)
     polytope.PointsAlong(-best.normal, best.on_a, best.on_b);
+  if (couple.is_curved) remember();
   return best;
 }
 

@@ -115,6 +115,14 @@ bool Holds(const Simplex& simplex, const Vec3& at) {
   return false;
 }
 
+/// The separation as its features give it, which are kept.
+Separation Kept(const Couple& couple, const Simplex& simplex, Memory* memory,
+                Separation separation) {
+  if (memory != nullptr)
+    SetFeatures(couple, simplex.vertex, simplex.count, memory->features, separation);
+  return separation;
+}
+
 /// Of cores whose difference is nearest to the origin in a point of the simplex.
 Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& nearest,
                  Memory* memory) {
@@ -131,13 +139,11 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
     found.on_a = found.on_a + simplex.weight[i] * simplex.vertex[i].on_a;
     found.on_b = found.on_b + simplex.weight[i] * simplex.vertex[i].on_b;
   }
-  if (memory != nullptr)
-    SetFeatures(couple, simplex.vertex, simplex.count, memory->features, found);
-  if (!couple.is_curved) return found;
-  Polish(couple, {}, 6, found);
+  if (couple.is_curved) Polish(couple, {}, 6, found);
   // Within a skin, whose normals differ: those of a polytope do not.
-  if (!(found.gap > 0)) return Expand(couple, simplex.vertex, simplex.count, {}, nullptr);
-  return found;
+  if (couple.is_curved && !(found.gap > 0))
+    return Expand(couple, simplex.vertex, simplex.count, {}, memory);
+  return Kept(couple, simplex, memory, found);
 }
 
 /// The point of the other piece that is deepest behind the face of one that faces along about
@@ -150,17 +156,12 @@ struct OverFace {
   OverFace(const Piece& piece, const Vec3& way, double facing, const Piece& other,
            const Rotation& turn, const Vec3& place) {
     if (piece.faces.empty()) return;
-    const FlatFace* face = &piece.faces[0];
-    if (!IsCurved(piece.kind)) {
-      face = &FacingFace(piece, way);
-    } else if (piece.faces.size() > 1 && way.y > 0) {
-      face = &piece.faces[1];
-    }
+    const FlatFace* const face = &FacingFace(piece, way);
     if (!(Dot(face->normal, way) > facing)) return;
     normal = face->normal;
     point = turn * FarthestPoint(other, Inverse(turn, -normal)) + place;
     gap = Dot(normal, point) - face->offset;
-    is_found = IsOver(piece, *face, point);
+    is_found = InsetOf(piece, *face, point) >= 0;
   }
 };
 
@@ -181,31 +182,6 @@ bool TryFace(const Couple& couple, const Vec3& direction, double facing, Separat
   return true;
 }
 
-/// The gap of an edge of each, if they are nearest where they cross. A line on a curved surface is
-/// where that touches a plane along the other edge.
-bool TryEdges(const Couple& couple, const Edges& edges, const Vec3& direction, Separation& found) {
-  const Edge &first = edges.of[0], &second = edges.of[1];
-  if (first.piece == second.piece) return false;
-  const Vec3 across = Cross(first.along, second.along);
-  const double square = SquaredNorm(across);
-  if (!(square > 1e-6 * SquaredNorm(first.along) * SquaredNorm(second.along))) return false;
-  Vec3 way = 1 / std::sqrt(square) * across;
-  if (Dot(way, direction) < 0) way = -way;
-  const DifferenceVertex vertex = couple.Support(way);
-  if (!first.EndsIn(vertex.on_a) || !second.EndsIn(vertex.on_b)) return false;
-  // From the middle of each edge to where they cross, in edges.
-  const auto middle = [&](const Edge& edge, const Vec3& end) {
-    return end - Dot(end - edge.middle, edge.along) / SquaredNorm(edge.along) * edge.along;
-  };
-  const Vec3 on_a = middle(first, vertex.on_a), on_b = middle(second, vertex.on_b),
-             between = on_b - on_a;
-  const double s = Dot(Cross(between, second.along), across) / square,
-               t = Dot(Cross(between, first.along), across) / square;
-  if (!(std::abs(s) <= 0.5 && std::abs(t) <= 0.5)) return false;
-  found = {-way, -Dot(vertex.at, way), on_a + s * first.along, on_b + t * second.along};
-  return true;
-}
-
 /// Of pieces with curved surfaces: guesses from a simplex about the nearest where their gap is
 /// greatest.
 void MakeGuess(const Couple& couple, const Simplex& simplex, const Vec3& nearest, Guess& guess) {
@@ -217,41 +193,91 @@ void MakeGuess(const Couple& couple, const Simplex& simplex, const Vec3& nearest
   const DifferenceVertex* corners = simplex.vertex;
   const Edges edges(couple, corners[0], corners[simplex.count > 1 ? 1 : 0],
                     corners[simplex.count > 2 ? 2 : 0]);
-  if (edges.count == 2) guess.is_least = TryEdges(couple, edges, direction, guess.separation);
+  if (edges.count == 2)
+    guess.is_least = CrossEdges(couple, edges.of[0], edges.of[1], direction, guess.separation) >= 0;
   if (edges.count >= 2) return;
   guess.edge = edges.of[0];
   guess.separation.normal = -direction;
   guess.is_least = Polish(couple, guess.edge, 8, guess.separation).is_least;
 }
 
-/// Whether an overlap that is the least of all normals nearby is the least of all: a polytope in
-/// the difference, between its point nearest to the origin, four around that and one far below, has
-/// no other face that is as near.
-bool IsProven(const Couple& couple, const Separation& least) {
-  constexpr double kTilt = 0.14, kNearby = 0.99;
-  const Vec3 up = -least.normal, u = UnitAcross(up), v = Cross(up, u);
-  const double depth = -least.gap;
-  const Vec3 top = depth * up, below = couple.Support(-up).at;
-  const Vec3 around[4] = {couple.Support(up + kTilt * u).at, couple.Support(up + kTilt * v).at,
-                          couple.Support(up - kTilt * u).at, couple.Support(up - kTilt * v).at};
-  for (int k = 0; k < 4; ++k) {
-    const Vec3 &a = around[k], &b = around[(k + 1) % 4];
-    if (a.x == b.x && a.y == b.y && a.z == b.z) continue;
-    const Vec3 side = Cross(below - a, b - a), lid = Cross(a - top, b - top);
-    if (!(Dot(side, a) >= depth * Norm(side) && Dot(lid, up) >= kNearby * Norm(lid))) return false;
-  }
-  return true;
-}
+/// A polytope in the difference of two pieces: between the point of its surface at the least
+/// overlap nearby, some around that, and one far below.
+class Crown {
+ public:
+  Crown(const Couple& couple, const Separation& least)
+      : couple_(couple), up_(-least.normal), depth_(-least.gap), below_(couple.Support(-up_).at) {}
 
-/// Whether the greatest gap of all normals nearby is that of all. The gap of pieces that are apart
-/// is concave.
-bool IsSolved(const Couple& couple, const Separation& greatest) {
-  return greatest.gap > 0 || IsProven(couple, greatest);
-}
+  /// Whether no face is nearer to the origin than the point at its top, but for those around that.
+  bool IsFar() const {
+    constexpr int kMostSplits = 3;
+    const Vec3 u = UnitAcross(up_), v = Cross(up_, u);
+    const Vec3 around[4] = {Beside(u), Beside(v), Beside(-u), Beside(-v)};
+    for (int k = 0; k < 4; ++k)
+      if (!IsFar(around[k], around[(k + 1) % 4], kMostSplits)) return false;
+    return true;
+  }
+
+ private:
+  Vec3 Beside(const Vec3& way) const {
+    constexpr double kTilt = 0.14;
+    return couple_.Support(up_ + kTilt * way).at;
+  }
+  /// From one point around to the next. More between them where the polytope is too small.
+  bool IsFar(const Vec3& a, const Vec3& b, int splits) const {
+    constexpr double kNearby = 0.99, kFarther = 1 + 1e-6;
+    const Vec3 along = b - a;
+    if (along.x == 0 && along.y == 0 && along.z == 0) return true;
+    const Vec3 side = Cross(below_ - a, along), lid = Cross(a - depth_ * up_, b - depth_ * up_);
+    if (Dot(side, a) >= kFarther * depth_ * Norm(side) && Dot(lid, up_) >= kNearby * Norm(lid))
+      return true;
+    const Vec3 out = Cross(along, up_);
+    const double square = SquaredNorm(out);
+    if (splits == 0 || !(square > 0)) return false;
+    const Vec3 between = Beside(1 / std::sqrt(square) * out);
+    if (!(Dot(out, between) > std::max(Dot(out, a), Dot(out, b)))) return false;
+    return IsFar(a, between, splits - 1) && IsFar(between, b, splits - 1);
+  }
+
+  const Couple& couple_;
+  const Vec3 up_;
+  const double depth_;
+  const Vec3 below_;
+};
 
 constexpr int kMostSteps = 100;
 
 }  // namespace
+
+double CrossEdges(const Couple& couple, const Edge& first, const Edge& second,
+                  const Vec3& direction, Separation& found) {
+  if (first.piece == second.piece) return -1;
+  const Vec3 across = Cross(first.along, second.along);
+  const double square = SquaredNorm(across);
+  if (!(square > 1e-6 * SquaredNorm(first.along) * SquaredNorm(second.along))) return -1;
+  Vec3 way = 1 / std::sqrt(square) * across;
+  if (Dot(way, direction) < 0) way = -way;
+  const DifferenceVertex vertex = couple.Support(way);
+  if (!first.EndsIn(vertex.on_a) || !second.EndsIn(vertex.on_b)) return -1;
+  // From the middle of each edge to where they cross, in edges.
+  const auto middle = [&](const Edge& edge, const Vec3& end) {
+    return end - Dot(end - edge.middle, edge.along) / SquaredNorm(edge.along) * edge.along;
+  };
+  const Vec3 on_a = middle(first, vertex.on_a), on_b = middle(second, vertex.on_b),
+             between = on_b - on_a;
+  const double s = Dot(Cross(between, second.along), across) / square,
+               t = Dot(Cross(between, first.along), across) / square;
+  const double length_a = Norm(first.along), length_b = Norm(second.along);
+  const double inset =
+      std::sqrt(square) * std::min((0.5 - std::abs(s)) / length_b, (0.5 - std::abs(t)) / length_a);
+  if (!(inset >= 0)) return -1;
+  found = {-way, -Dot(vertex.at, way), on_a + s * first.along, on_b + t * second.along};
+  return inset;
+}
+
+bool IsSolved(const Couple& couple, const Separation& greatest) {
+  return greatest.gap > 0 || Crown(couple, greatest).IsFar();
+}
 
 Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory* memory) {
   Simplex simplex;
@@ -261,6 +287,12 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory
   if (couple.is_curved) {
     constexpr double kFacing = 0.4;
     guess.is_least = TryFace(couple, -Normalized(axis), kFacing, guess.separation);
+    if (guess.is_least && IsSolved(couple, guess.separation))
+      return Kept(couple, simplex, memory, guess.separation);
+  }
+  if (couple.a.kind == Kind::kRound && couple.b.kind == Kind::kRound) {
+    guess.separation.normal = Normalized(axis);
+    guess.is_least = Polish(couple, {}, 8, guess.separation).is_least;
     if (guess.is_least && IsSolved(couple, guess.separation)) return guess.separation;
   }
   for (int step = 0; step < kMostSteps; ++step) {
@@ -291,7 +323,7 @@ Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory
     MakeGuess(couple, simplex, nearest, other);
     if (!other.is_least || !(other.separation.gap > guess.separation.gap)) continue;
     guess = other;
-    if (IsSolved(couple, guess.separation)) return guess.separation;
+    if (IsSolved(couple, guess.separation)) return Kept(couple, simplex, memory, guess.separation);
   }
   return Apart(couple, simplex, nearest, memory);
 }

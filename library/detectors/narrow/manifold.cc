@@ -199,20 +199,23 @@ const FlatFace& FacingFace(const Piece& piece, const Vec3& direction) {
     if (std::abs(along[2]) > std::abs(along[axis])) axis = 2;
     return piece.faces[2 * axis + (along[axis] > 0 ? 1 : 0)];
   }
+  if (IsCurved(piece.kind)) return piece.faces[piece.faces.size() > 1 && direction.y > 0 ? 1 : 0];
   return piece.faces[FarthestOf(piece.face_columns.data(), piece.padded_faces, direction)];
 }
 
-bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point) {
+double InsetOf(const Piece& piece, const FlatFace& face, const Vec3& point) {
   if (IsCurved(piece.kind)) {
     const double x = point.x / piece.half.x, z = point.z / piece.half.z;
-    return x * x + z * z <= 1;
+    return (1 - std::sqrt(x * x + z * z)) * std::min(piece.half.x, piece.half.z);
   }
+  double inset = kernels::kInfinity;
   for (std::uint32_t i = 0; i < face.count; ++i) {
     const Vec3 from = piece.Vertex(piece.corners[face.first + i]),
                to = piece.Vertex(piece.corners[face.first + (i + 1 == face.count ? 0 : i + 1)]);
-    if (Dot(face.normal, Cross(to - from, point - from)) < 0) return false;
+    const double area = Dot(face.normal, Cross(to - from, point - from));
+    inset = std::min(inset, area / Norm(to - from));
   }
-  return true;
+  return inset;
 }
 
 Facing FacingOf(const Piece& piece, const Vec3& direction) {
@@ -229,7 +232,7 @@ Facing FacingOf(const Piece& piece, const Vec3& direction) {
   const Vec3 along = line.to - line.from;
   const double tilt = Dot(along, direction);
   if (rim.length > 0 && tilt * tilt <= kLying * kLying * SquaredNorm(along)) return line;
-  if (piece.kind == Kind::kCylinder) return {.face = &piece.faces[direction.y > 0 ? 1 : 0]};
+  if (piece.kind == Kind::kCylinder) return {.face = &FacingFace(piece, direction)};
   return {.face = direction.y < 0 ? &piece.faces[0] : nullptr};
 }
 

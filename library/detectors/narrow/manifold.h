@@ -49,11 +49,12 @@ class Manifold {
   std::size_t size_ = 0;
 };
 
-/// The face whose normal is nearest to `direction`. Boxes and hulls have one.
+/// The face whose normal is nearest to `direction`, of a piece that has faces.
 const FlatFace& FacingFace(const Piece& piece, const Vec3& direction);
 
-/// Whether a point is over a flat face of the piece, in its frame.
-bool IsOver(const Piece& piece, const FlatFace& face, const Vec3& point);
+/// m: how far a point, in the frame of the piece, is from the boundary of one of its flat faces,
+/// seen along the normal, or somewhat less; negative if it is not over the face.
+double InsetOf(const Piece& piece, const FlatFace& face, const Vec3& point);
 
 /// The flat feature of a piece that faces along a unit vector: a face, a line or neither.
 struct Facing {

@@ -9,7 +9,8 @@ namespace cdb::narrow {
 namespace {
 
 /// Squares of the sines of angles within which a face is across the normal, and edges are parallel.
-constexpr double kAcross = 1e-14, kParallel = 1e-12;
+/// A search knows the normal of pieces with curved surfaces less well.
+constexpr double kAcross = 1e-12, kAcrossCurved = 1e-6, kParallel = 1e-6;
 /// In radii of the smaller piece: of two ways out whose lengths differ by less, rounding decides.
 constexpr double kTie = 1e-9;
 
@@ -17,18 +18,22 @@ constexpr double kTie = 1e-9;
 struct Given {
   Separation separation;
   bool is_valid;  ///< along the normal, no vertex is farther than they are
-  /// The points nearest to each other are in the features: a gap is the distance of the pieces.
-  bool is_inside;
+  /// m: how far the origin's foot is from the boundary of the face of the difference that the
+  /// features make. Not negative: the points nearest to each other are in the features, and a gap
+  /// is the distance of the pieces.
+  double inset;
+
+  bool IsInside() const { return inset >= 0; }
 };
 
 Given OfFace(const Piece& piece, const Piece& other, std::uint16_t index, const Rotation& turn,
              const Vec3& place) {
   const FlatFace& face = piece.faces[index];
-  const Vec3 deepest =
-      turn * other.Vertex(FarthestVertex(other, Inverse(turn, -face.normal))) + place;
+  const Vec3 deepest = turn * FarthestPoint(other, Inverse(turn, -face.normal)) + place;
   const double gap = Dot(face.normal, deepest) - face.offset;
-  return {
-      {face.normal, gap, deepest - gap * face.normal, deepest}, true, IsOver(piece, face, deepest)};
+  return {{face.normal, gap, deepest - gap * face.normal, deepest},
+          true,
+          InsetOf(piece, face, deepest)};
 }
 
 Given OfFace(const Couple& couple, const Features& features) {
@@ -49,34 +54,27 @@ Given OfEdges(const Couple& couple, const Features& features) {
              along_b = couple.ToA(couple.b.Vertex(features.of_b[1])) - b;
   const Vec3 across = Cross(along_a, along_b), between = b - a;
   const double square = SquaredNorm(across);
-  if (!(square > kParallel * SquaredNorm(along_a) * SquaredNorm(along_b)))
-    return {{}, false, false};
+  if (!(square > kParallel * SquaredNorm(along_a) * SquaredNorm(along_b))) return {{}, false, -1};
   const Vec3 normal = (features.is_opposite ? -1 : 1) / std::sqrt(square) * across;
   const double gap = couple.Gap(normal), of_edges = -Dot(normal, between);
   const double s = Dot(Cross(between, along_b), across) / square,
                t = Dot(Cross(between, along_a), across) / square;
   return {{normal, gap, a + s * along_a, b + t * along_b},
           of_edges - gap <= couple.skin,
-          s >= 0 && s <= 1 && t >= 0 && t <= 1};
+          std::min({s, 1 - s, t, 1 - t})};
 }
 
-Given OfPoints(const Couple& couple, const Features& features) {
-  Vec3 on_a = couple.a.Vertex(features.of_a[0]),
-       on_b = couple.ToA(couple.b.Vertex(features.of_b[0]));
-  double part = 0.5;
-  const auto slide = [&](Vec3& from, const Vec3& to, const Vec3& point) {
-    const Vec3 along = to - from;
-    part = Dot(point - from, along) / SquaredNorm(along);
-    from = from + part * along;
-  };
-  if (features.of_a[0] != features.of_a[1]) slide(on_a, couple.a.Vertex(features.of_a[1]), on_b);
-  if (features.of_b[0] != features.of_b[1])
-    slide(on_b, couple.ToA(couple.b.Vertex(features.of_b[1])), on_a);
-  const Vec3 between = on_a - on_b;
-  const double distance = Norm(between);
-  const Vec3 normal = Normalized(between);
-  const double gap = couple.Gap(normal);
-  return {{normal, gap, on_a, on_b}, distance - gap <= couple.skin, part > 0 && part < 1};
+Edge LineOf(const Couple& couple, int which, const std::uint16_t (&of)[2]) {
+  return of[0] == Features::kAxis ? AxisOf(couple, which) : EdgeOf(couple, which, of[0], of[1]);
+}
+
+Given OfLines(const Couple& couple, const Features& features) {
+  const Edge a = LineOf(couple, 1, features.of_a), b = LineOf(couple, -1, features.of_b);
+  const Vec3 across = Cross(a.along, b.along);
+  Given given{};
+  given.inset = CrossEdges(couple, a, b, features.is_opposite ? across : -across, given.separation);
+  given.is_valid = given.IsInside();
+  return given;
 }
 
 Given Of(const Couple& couple, const Features& features) {
@@ -86,43 +84,77 @@ Given Of(const Couple& couple, const Features& features) {
       return OfFace(couple, features);
     case Features::Kind::kEdges:
       return OfEdges(couple, features);
-    case Features::Kind::kPoints:
-      return OfPoints(couple, features);
+    case Features::Kind::kLines:
+      return OfLines(couple, features);
     case Features::Kind::kNone:
       break;
   }
-  return {{}, false, false};
+  return {{}, false, -1};
 }
 
 /// The face across a direction, if there is one.
-bool FindFace(const Piece& piece, const Vec3& direction, std::uint16_t& index) {
+bool FindFace(const Piece& piece, const Vec3& direction, double square_sine, std::uint16_t& index) {
   if (piece.faces.empty()) return false;
   const FlatFace& face = FacingFace(piece, direction);
   index = static_cast<std::uint16_t>(&face - piece.faces.data());
-  return SquaredNorm(Cross(face.normal, direction)) <= kAcross && Dot(face.normal, direction) > 0;
+  return SquaredNorm(Cross(face.normal, direction)) <= square_sine &&
+         Dot(face.normal, direction) > 0;
 }
 
-/// The different numbers of at most three, ascending, if they are at most two.
+/// Of pieces of which at least one has a curved surface: the lines or edges that cross.
+bool SetLines(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
+              Features& found) {
+  if (count < 2) return false;
+  const Edges edges(couple, simplex[0], simplex[1], simplex[std::min(2, count - 1)]);
+  const Edge &a = edges.of[0], &b = edges.of[1];
+  if (edges.count != 2 || a.piece == b.piece) return false;
+  const auto set = [](const Edge& edge, std::uint16_t(&of)[2]) {
+    of[0] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.low);
+    of[1] = edge.is_axis ? Features::kAxis : static_cast<std::uint16_t>(edge.high);
+  };
+  set(a, found.of_a);
+  set(b, found.of_b);
+  found.is_opposite = Dot(Cross(a.along, b.along), normal) < 0;
+  return true;
+}
+
+/// The different numbers of three, ascending, if they are two.
 bool SetPair(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint16_t (&pair)[2]) {
   const auto [least, most] = std::minmax({a, b, c});
   pair[0] = static_cast<std::uint16_t>(least);
   pair[1] = static_cast<std::uint16_t>(most);
-  return (a == least || a == most) && (b == least || b == most) && (c == least || c == most);
+  return least != most && (a == least || a == most) && (b == least || b == most) &&
+         (c == least || c == most);
+}
+
+/// Of polytopes: the edges that cross.
+bool SetEdges(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
+              Features& found) {
+  // Two vertices may be opposite corners of the face that the edges make.
+  const DifferenceVertex &one = simplex[0], &two = simplex[count > 1 ? 1 : 0],
+                         &three = simplex[count - 1];
+  if (!SetPair(one.vertex_a, two.vertex_a, three.vertex_a, found.of_a) ||
+      !SetPair(one.vertex_b, two.vertex_b, three.vertex_b, found.of_b))
+    return false;
+  const Vec3 along_a = couple.a.Vertex(found.of_a[1]) - couple.a.Vertex(found.of_a[0]),
+             along_b = couple.b.Vertex(found.of_b[1]) - couple.b.Vertex(found.of_b[0]);
+  found.is_opposite = Dot(Cross(along_a, couple.turn * along_b), normal) < 0;
+  return true;
 }
 
 /// Whether the least overlap of the pieces is `depth`, along `up` in the difference, and no other
 /// way out is as short: all triangles of the surface are farther from the origin, except those in
 /// the face that is nearest to it.
-bool IsProven(const Couple& couple, const Hull3& hull, const Vec3& up, double depth) {
+bool IsProven(const Couple& couple, const Shell& shell, const Vec3& up, double depth) {
   constexpr double kSamePlane = 1 - 1e-10;
   const double near = depth - 4 * couple.skin,
                far = depth + kTie * std::min(couple.a.bound, couple.b.bound);
-  if (hull.vertex_count == 0 || !(near > 0)) return false;
-  Vec3 at[Hull3::kMostVertices];
-  for (std::uint32_t i = 0; i < hull.vertex_count; ++i)
-    at[i] = couple.a.Vertex(hull.of_a[i]) - couple.ToA(couple.b.Vertex(hull.of_b[i]));
-  for (std::uint32_t i = 0; i < hull.face_count; ++i) {
-    const auto [a, b, c] = hull.corners[i];
+  if (shell.vertex_count == 0 || !(near > 0)) return false;
+  Vec3 at[Shell::kMostVertices];
+  for (std::uint32_t i = 0; i < shell.vertex_count; ++i)
+    at[i] = couple.a.Vertex(shell.of_a[i]) - couple.ToA(couple.b.Vertex(shell.of_b[i]));
+  for (std::uint32_t i = 0; i < shell.face_count; ++i) {
+    const auto [a, b, c] = shell.corners[i];
     const Vec3 across = Cross(at[b] - at[a], at[c] - at[a]);
     const double along = Dot(across, at[a]), square = SquaredNorm(across);
     if (!(along > 0)) return false;
@@ -134,56 +166,76 @@ bool IsProven(const Couple& couple, const Hull3& hull, const Vec3& up, double de
   return true;
 }
 
+/// Whether a face that is not one of the features is across the normal.
+bool IsParallel(const Couple& couple, Features::Kind kind, const Vec3& normal) {
+  const double across = couple.is_curved ? kAcrossCurved : kAcross;
+  std::uint16_t face;
+  return (kind != Features::Kind::kFaceOfA && FindFace(couple.a, -normal, across, face)) ||
+         (kind != Features::Kind::kFaceOfB &&
+          FindFace(couple.b, Inverse(couple.turn, normal), across, face));
+}
+
 }  // namespace
 
 bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int count,
                  Features& features, Separation& separation) {
-  if (std::max(couple.a.count, couple.b.count) > 0xffff) return false;
-  const auto is_given = [&](const Features& found) {
-    const Given given = Of(couple, found);
-    if (!given.is_valid || !(given.separation.gap >= separation.gap - couple.skin)) return false;
-    features = found;
-    separation.normal = given.separation.normal;
-    separation.gap = given.separation.gap;
-    if (given.is_inside) separation = given.separation;
-    return true;
-  };
+  features.kind = Features::Kind::kNone;
+  if (std::max(couple.a.count, couple.b.count) >= Features::kAxis) return false;
+  const double slop = couple.is_curved ? 1e3 * couple.rounding : couple.skin;
   const Vec3 normal = separation.normal;
   Features found;
-  if (FindFace(couple.a, -normal, found.face)) {
-    found.kind = Features::Kind::kFaceOfA;
-    if (is_given(found)) return true;
-  }
-  if (FindFace(couple.b, Inverse(couple.turn, normal), found.face)) {
-    found.kind = Features::Kind::kFaceOfB;
-    if (is_given(found)) return true;
-  }
-  const DifferenceVertex &one = simplex[0], &two = simplex[std::min(1, count - 1)],
-                         &three = simplex[count - 1];
-  if (!SetPair(one.vertex_a, two.vertex_a, three.vertex_a, found.of_a) ||
-      !SetPair(one.vertex_b, two.vertex_b, three.vertex_b, found.of_b))
+  const auto is_given = [&](Features::Kind kind) {
+    found.kind = kind;
+    const Given given = Of(couple, found);
+    if (!given.is_valid || !(given.separation.gap >= separation.gap - slop)) return false;
+    if (couple.is_curved && !given.IsInside()) return false;
+    separation.normal = given.separation.normal;
+    separation.gap = given.separation.gap;
+    if (given.IsInside()) separation = given.separation;
+    return true;
+  };
+  const double across = couple.is_curved ? kAcrossCurved : kAcross;
+  std::uint16_t face_of_b = 0;
+  const bool is_across_a = FindFace(couple.a, -normal, across, found.face),
+             is_across_b = FindFace(couple.b, Inverse(couple.turn, normal), across, face_of_b);
+  if (is_across_a || is_across_b) {
+    const bool is_of_a = is_across_a && is_given(Features::Kind::kFaceOfA);
+    if (!is_of_a) found.face = face_of_b;
+    if (!is_of_a && !(is_across_b && is_given(Features::Kind::kFaceOfB))) return false;
+    // Of parallel faces, rounding decides which is found.
+    if (is_across_a && is_across_b) return false;
+  } else if (couple.is_curved) {
+    if (!SetLines(couple, simplex, count, normal, found) || !is_given(Features::Kind::kLines))
+      return false;
+  } else if (!SetEdges(couple, simplex, count, normal, found) ||
+             !is_given(Features::Kind::kEdges)) {
     return false;
-  const bool are_edges = found.of_a[0] != found.of_a[1] && found.of_b[0] != found.of_b[1];
-  found.kind = are_edges ? Features::Kind::kEdges : Features::Kind::kPoints;
-  if (are_edges) {
-    const Vec3 along_a = couple.a.Vertex(found.of_a[1]) - couple.a.Vertex(found.of_a[0]),
-               along_b = couple.b.Vertex(found.of_b[1]) - couple.b.Vertex(found.of_b[0]);
-    found.is_opposite = Dot(Cross(along_a, couple.turn * along_b), normal) < 0;
   }
-  return is_given(found);
+  features = found;
+  return true;
 }
 
 Recalled Recall(const Couple& couple, const Memory& memory, double reach) {
   const Given given = Of(couple, memory.features);
   const Separation& separation = given.separation;
-  Recalled recalled{.separation = separation, .has_points = given.is_inside};
-  if (!given.is_valid) return recalled;
+  Recalled recalled{.separation = separation, .has_points = given.IsInside()};
+  if (!given.is_valid ||
+      (separation.gap <= reach && IsParallel(couple, memory.features.kind, separation.normal)))
+    return recalled;
+  if (couple.is_curved) {
+    // So far inside, no normal nearby has less overlap.
+    constexpr double kInset = 0.08;
+    recalled.is_proven = separation.gap > reach ||
+                         (given.inset >= std::max(0.0, -kInset * separation.gap) &&
+                          std::abs(separation.gap) > couple.skin && IsSolved(couple, separation));
+    return recalled;
+  }
   // Within rounding errors of touching, a search may find others.
   const double touching = kTouching * couple.rounding;
   if (separation.gap > 2 * touching)
-    recalled.is_proven = given.is_inside || separation.gap > reach;
+    recalled.is_proven = given.IsInside() || separation.gap > reach;
   else if (separation.gap < -touching)
-    recalled.is_proven = IsProven(couple, memory.hull, -separation.normal, -separation.gap);
+    recalled.is_proven = IsProven(couple, memory.shell, -separation.normal, -separation.gap);
   return recalled;
 }
 

@@ -1,4 +1,4 @@
-// What is kept of two polytopes that are near each other or overlap, from one cycle to the next, so
+// What is kept of two pieces that are near each other or overlap, from one cycle to the next, so
 // that their separation need not be searched for again: it is computed from the features that gave
 // it before, and proven.
 #pragma once
@@ -9,25 +9,27 @@
 
 namespace cdb::narrow {
 
-/// The features of two polytopes that give their separation: a face of one, two edges, or less.
+/// The features of two pieces that give their separation: a face of one, or two edges. Corners that
+/// are nearest to an edge or a corner, and what is smooth on both, are not kept.
 struct Features {
   enum class Kind : std::uint8_t {
     kNone,
     kFaceOfA,  ///< with the vertex of b that is deepest behind it
     kFaceOfB,
-    kEdges,   ///< one of each, which are not parallel
-    kPoints,  ///< two vertices, or a vertex and an edge; only of polytopes that are apart
+    kEdges,  ///< one of each, which are not parallel
+    kLines,  ///< the same as kEdges, of which at least one is on a curved surface
   };
+  static constexpr std::uint16_t kAxis = 0xffff;  ///< in place of a vertex: a line along the axis
   Kind kind = Kind::kNone;
   bool is_opposite = false;    ///< the normal is against the product of the edges
   std::uint16_t face = 0;      ///< in Piece::faces
-  std::uint16_t of_a[2] = {};  ///< ascending vertices; the same twice for a single one
+  std::uint16_t of_a[2] = {};  ///< of an edge: vertices, ascending
   std::uint16_t of_b[2] = {};
 };
 
 /// A closed surface of triangles around the origin, whose corners are vertices of the difference of
 /// two polytopes: the overlap is nowhere less than its distance from the origin.
-struct Hull3 {
+struct Shell {
   static constexpr std::uint32_t kMostVertices = 24, kMostFaces = 2 * kMostVertices - 4;
   std::uint8_t vertex_count = 0;  ///< 0: none
   std::uint8_t face_count = 0;
@@ -37,21 +39,23 @@ struct Hull3 {
 
 struct Memory {
   Features features;
-  Hull3 hull;
+  Shell shell;
 };
 
-/// The features of the simplex of `count` vertices in which the difference of two polytopes is
-/// nearest to the origin, and the separation that they give, in place of `separation`, which it is
-/// but for rounding. It depends on the features and the couple alone, whatever way led to them;
-/// only the points do not where features are parallel, so that the nearest are not in them. If
-/// there are no features that give it, returns false and changes nothing.
+/// The features of the simplex of `count` vertices in which the difference of two pieces is nearest
+/// to the origin, and the separation that they give, in place of `separation`, which it is but for
+/// rounding. Of pieces with curved surfaces, the simplex may have no vertices: then only faces are
+/// found. It depends on the features and the couple alone, whatever way led to them; only the
+/// points do not where features are parallel, so that the nearest are not in them. False, with
+/// Features::Kind::kNone, if no features give it, or if they are parallel.
 bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int count,
                  Features& features, Separation& separation);
 
 /// What Recall finds.
 struct Recalled {
   Separation separation;
-  bool is_proven = false;   ///< to the bit what Separate finds; otherwise it means nothing
+  /// What Separate finds, to the bit where it is exact; otherwise the separation means nothing.
+  bool is_proven = false;
   bool has_points = false;  ///< the same of its points; otherwise they mean nothing
 };
 

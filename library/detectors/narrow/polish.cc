@@ -92,27 +92,25 @@ bool StepAcross(const Curvature& curvature, const Vec3& edge, const Vec3& direct
   return true;
 }
 
-/// Adds an edge or line of the piece if it joins the points. `axis`, `centre`: of a piece with a
-/// curved surface.
-void AddEdge(int which, const Piece& piece, const Vec3& a, const Vec3& b, const Vec3& c,
-             const Vec3& axis, const Vec3& centre, Edges& edges) {
-  const Vec3 ab = b - a, ac = c - a;
-  Edge edge{which};
+/// Adds the edge or line of a piece along which these three of its points lie. `which`: as
+/// Edge::piece.
+void AddEdge(const Couple& couple, int which, const Vec3 (&at)[3], const std::uint32_t (&vertex)[3],
+             Edges& edges) {
+  const Piece& piece = which > 0 ? couple.a : couple.b;
+  Edge edge;
   if (IsCurved(piece.kind)) {
-    const double straight = piece.kind == Kind::kRound ? piece.straight : piece.half.y;
-    const auto is_above = [&](const Vec3& v) { return Dot(axis, v - centre) > 0; };
-    const bool is_first = is_above(a);
-    if (!(straight > 0) || (is_above(b) == is_first && is_above(c) == is_first)) return;
+    edge = AxisOf(couple, which);
+    const auto is_above = [&](const Vec3& v) { return Dot(edge.along, v - edge.middle) > 0; };
+    const bool is_first = is_above(at[0]);
+    if (!(SquaredNorm(edge.along) > 0) ||
+        (is_above(at[1]) == is_first && is_above(at[2]) == is_first))
+      return;
     if (piece.kind == Kind::kCone) edges.count = 3;
-    edge.along = 2 * straight * axis;
-    edge.middle = centre;
-    edge.is_axis = true;
   } else {
-    const bool is_b = SquaredNorm(ab) > 0, is_c = SquaredNorm(ac) > 0;
-    if (!is_b && !is_c) return;
-    if (is_b && is_c && SquaredNorm(ab - ac) > 0) edges.count = 3;
-    edge.along = is_b ? ab : ac;
-    edge.middle = a + 0.5 * edge.along;
+    const std::uint32_t other = vertex[1] != vertex[0] ? vertex[1] : vertex[2];
+    if (other == vertex[0]) return;
+    if (vertex[2] != vertex[0] && vertex[2] != other) edges.count = 3;
+    edge = EdgeOf(couple, which, vertex[0], other);
   }
   if (edges.count < 2) edges.of[edges.count] = edge;
   edges.count = std::min(edges.count + 1, 3);
@@ -133,10 +131,30 @@ bool SlideAlong(const Edge& edge, const DifferenceVertex& vertex, Separation& se
 
 }  // namespace
 
+Edge AxisOf(const Couple& couple, int which) {
+  const Piece& piece = which > 0 ? couple.a : couple.b;
+  const double straight = piece.kind == Kind::kRound ? piece.straight : piece.half.y;
+  return {.piece = which,
+          .along = 2 * straight * (which > 0 ? Vec3{0, 1, 0} : couple.turn.y),
+          .middle = which > 0 ? Vec3{0, 0, 0} : couple.place,
+          .is_axis = true};
+}
+
+Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to) {
+  const auto [low, high] = std::minmax({from, to});
+  const auto at = [&](std::uint32_t i) {
+    return which > 0 ? couple.a.Vertex(i) : couple.ToA(couple.b.Vertex(i));
+  };
+  Edge edge{
+      .piece = which, .along = at(high) - at(low), .middle = at(low), .low = low, .high = high};
+  edge.middle = edge.middle + 0.5 * edge.along;
+  return edge;
+}
+
 Edges::Edges(const Couple& couple, const DifferenceVertex& a, const DifferenceVertex& b,
              const DifferenceVertex& c) {
-  AddEdge(1, couple.a, a.on_a, b.on_a, c.on_a, {0, 1, 0}, {0, 0, 0}, *this);
-  AddEdge(-1, couple.b, a.on_b, b.on_b, c.on_b, couple.turn.y, couple.place, *this);
+  AddEdge(couple, 1, {a.on_a, b.on_a, c.on_a}, {a.vertex_a, b.vertex_a, c.vertex_a}, *this);
+  AddEdge(couple, -1, {a.on_b, b.on_b, c.on_b}, {a.vertex_b, b.vertex_b, c.vertex_b}, *this);
 }
 
 Polished Polish(const Couple& couple, const Edge& edge, int steps, Separation& separation) {

@@ -28,7 +28,6 @@ namespace {
 Separation Search(const Couple& couple, double reach, Hint& hint) {
   Vec3 axis = couple.a.centre - couple.ToA(couple.b.centre);
   if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
-  if (couple.is_curved) return Separate(couple, axis, reach, nullptr);
   Memory memory;
   const Separation separation = Separate(couple, axis, reach, &memory);
   const bool is_kept = memory.features.kind != Features::Kind::kNone;
