@@ -67,6 +67,14 @@ std::optional<plan::Race> ReadRace(const hdf5::Dataset& axis) {
   return plan::Race{*by, *tolerance};
 }
 
+/// Whether a variable is in the unit of the clock of the runs.
+bool IsByClock(std::string_view dataset) {
+  const schema::Series* series = schema::FindSeries(dataset);
+  if (series != nullptr) return series->unit == "ns";
+  const auto scalar = std::ranges::find(schema::kRunScalars, dataset, &schema::RunScalarInfo::name);
+  return scalar != std::end(schema::kRunScalars) && scalar->by_clock;
+}
+
 }  // namespace
 
 struct ResultFile::Impl {
@@ -294,6 +302,7 @@ struct ResultFile::Impl {
   std::string name;
   hdf5::File file;
   int version;
+  bool leaves_out_clock = false;
   bool has_digest = false;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
@@ -414,8 +423,11 @@ std::uint64_t ResultFile::begun_repeats() const {
 }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
-  return impl_->file.Has(impl_->PathOf(dataset));
+  return (!impl_->leaves_out_clock || !IsByClock(dataset)) &&
+         impl_->file.Has(impl_->PathOf(dataset));
 }
+
+void ResultFile::LeaveOutClock() { impl_->leaves_out_clock = true; }
 
 bool ResultFile::HasPosesOfOrigins() const {
   return impl_->Reading(

@@ -45,7 +45,8 @@ TEST(Run, CountsInstructions) {
   for (const char* name : {"a.h5", "b.h5"}) {
     const Finished run = program.Run({"run", "few.cdb", "-o", name, "--jobs", "2"});
     ASSERT_EQ(run.status, 0) << run.err;
-    EXPECT_NE(run.out.find("instructions are counted"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("Left out: the numbers of instructions"), std::string::npos) << run.out;
+    EXPECT_EQ(run.out.find("cdb report"), std::string::npos) << run.out;
   }
   const results::ResultFile file(program.folder() / "a.h5");
   for (const std::size_t detector : {0, 1})
@@ -59,10 +60,65 @@ TEST(Run, CountsInstructions) {
   EXPECT_NE(compared.out.find("Mean number of instructions of a cycle"), std::string::npos)
       << compared.out;
   EXPECT_EQ(compared.out.find("INSTRUCTIONS"), std::string::npos) << compared.out;
-  const Finished shown = program.Run({"show", "a.h5"});
-  EXPECT_EQ(shown.status, 2);
-  EXPECT_NE(shown.err.find("a.h5 has numbers of instructions, not times"), std::string::npos)
+  const Finished shown = program.Run({"show", "a.h5", "--all"});
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  EXPECT_NE(shown.err.find("Left out: the numbers of instructions"), std::string::npos)
       << shown.err;
+  for (const char* unit : {" us", " ns", " ms"})
+    EXPECT_EQ(shown.out.find(unit), std::string::npos) << shown.out;
+  const Finished budget = program.Run({"show", "a.h5", "--budget", "4ms"});
+  EXPECT_EQ(budget.status, 2);
+  EXPECT_NE(budget.err.find("--budget is about times, and a.h5 has numbers of instructions"),
+            std::string::npos)
+      << budget.err;
+  EXPECT_NE(program.Run({"report", "a.h5"}).err.find("not times"), std::string::npos);
+  const Finished estimate = program.Run({"plan", "few.cdb", "--estimate"});
+  EXPECT_EQ(estimate.status, 2);
+  EXPECT_NE(estimate.err.find("--estimate: the runs of 'few' have `clock instructions`"),
+            std::string::npos)
+      << estimate.err;
+}
+
+TEST(Run, JudgesRunsThatCountInstructions) {
+  if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
+  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
+  const Program program;
+  program.Write("gate.cdb",
+                "benchmark gate {\n  cycles 3\n  record counts, timing, stability, poses\n"
+                "  clock instructions\n  require max(pairs) < 0\n"
+                "  objects { quantity 3; size 5 }\n}\n");
+  const Finished run = program.Run({"run", "gate.cdb"});
+  EXPECT_EQ(run.status, 5) << run.err;
+  EXPECT_NE(run.out.find("max(pairs) < 0: not met"), std::string::npos) << run.out;
+  const Finished shown = program.Run({"show", "gate.h5"});
+  EXPECT_EQ(shown.status, 5) << shown.err;
+  EXPECT_NE(shown.out.find("max(pairs) < 0: not met"), std::string::npos) << shown.out;
+  ASSERT_EQ(program.Run({"view", "gate.h5", "-o", "counted.html"}).status, 0);
+  const std::string page = program.Read("counted.html");
+  EXPECT_NE(page.find("\"unit\":\"instructions\""), std::string::npos);
+  EXPECT_EQ(page.find("\"unit\":\"ns\""), std::string::npos);
+  ASSERT_EQ(program.Run({"run", "gate.cdb", "--set", "clock=time", "-o", "timed.h5"}).status, 5);
+  EXPECT_NE(program.Run({"view", "gate.h5", "timed.h5"}).err.find("cannot be side by side"),
+            std::string::npos);
+}
+
+TEST(Run, FailsIfACountIsLost) {
+  if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
+  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
+  const Program program;
+  // Empties the log of Valgrind all the time, until the run ends.
+  program.Write("valgrind",
+                "#!/bin/sh\n"
+                "fd=$(echo \"$*\" | sed 's/.*--log-fd=\\([0-9]*\\).*/\\1/')\n"
+                "(while kill -0 $$; do : > /proc/self/fd/$fd; done) 2> /dev/null &\n"
+                "PATH=${PATH#*:}\n"
+                "exec valgrind \"$@\"\n");
+  program.Write("few.cdb",
+                "benchmark few { cycles 500; clock instructions; objects { size 5 } }\n");
+  const Finished run = program.Shell("chmod +x valgrind; PATH=$PWD:$PATH $CDB run few.cdb");
+  EXPECT_EQ(run.status, 3) << run.out << run.err;
+  EXPECT_NE(run.err.find("failed: clock instructions: "), std::string::npos) << run.err;
+  EXPECT_EQ(program.Run({"check", "few.h5"}).status, 0);
 }
 
 TEST(Run, NamesWhatIsMissingToCount) {
