@@ -301,6 +301,16 @@ options::ExitStatus Suite(const SuiteArguments& arguments) {
     if (!folder->empty()) chosen.push_back(name);
   if (chosen.size() > 1)
     throw options::CommandError(fmt::format("{} cannot be combined with {}", chosen[0], chosen[1]));
+  const plans::SuiteChoice& choice = arguments.choice;
+  const std::pair<const char*, bool> of_runs[] = {
+      {"--only", !arguments.only.empty()},   {"--long", choice.is_long},
+      {"--seed", arguments.seed != 0},       {"--detector", !choice.detectors.empty()},
+      {"--plugin", !choice.plugins.empty()}, {"--retry", !arguments.retry.empty()},
+      {"--fresh", arguments.fresh}};
+  for (const auto& [name, is_given] : of_runs)
+    if (is_given && !chosen.empty())
+      throw options::CommandError(
+          fmt::format("{} is for runs, and {} executes none; remove it", name, chosen[0]));
   if (!arguments.sign.empty() && arguments.publish.empty())
     throw options::CommandError("--sign signs what is published: it needs --publish");
   if (!arguments.check.empty()) return Check(arguments.check);

@@ -157,6 +157,8 @@ TEST_F(Publish, RefusesResultsThatAreNotCompleteAndComparable) {
   EXPECT_EQ(none.status, 2);
   ExpectSays(none.err, "has no results of the standard suite");
   ExpectSays(program_.Run({"suite", "--sign", "key"}).err, "it needs --publish");
+  ExpectSays(program_.Run({"suite", "--publish", "place", "--only", "games"}).err,
+             "--only is for runs, and --publish executes none");
   ExpectSays(program_.Run({"suite", "--page", "part"}).err, "has no published results");
   ExpectSays(program_.Run({"suite", "--page", "a", "--publish", "b"}).err,
              "--publish cannot be combined with --page");

@@ -87,7 +87,8 @@ function scoreCell(score, most, isBest) {
   if (!score) return muted('–');
   if (score.score === null)
     return h('span', { class: 'muted', title: score.faults.join('; ') }, short(score.faults[0] ?? 'none', 40));
-  const width = `width: ${((100 * score.score) / most).toFixed(1)}%`;
+  // Not of the column, so that bars of all columns are comparable.
+  const width = `width: ${((6 * score.score) / most).toFixed(2)}rem`;
   const value = ratio(score.score);
   return h(
     'span',
