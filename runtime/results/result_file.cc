@@ -67,14 +67,6 @@ std::optional<plan::Race> ReadRace(const hdf5::Dataset& axis) {
   return plan::Race{*by, *tolerance};
 }
 
-/// Whether a variable is in the unit of the clock of the runs.
-bool IsByClock(std::string_view dataset) {
-  const schema::Series* series = schema::FindSeries(dataset);
-  if (series != nullptr) return series->unit == "ns";
-  const auto scalar = std::ranges::find(schema::kRunScalars, dataset, &schema::RunScalarInfo::name);
-  return scalar != std::end(schema::kRunScalars) && scalar->by_clock;
-}
-
 }  // namespace
 
 struct ResultFile::Impl {
@@ -423,8 +415,8 @@ std::uint64_t ResultFile::begun_repeats() const {
 }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
-  return (!impl_->leaves_out_clock || !IsByClock(dataset)) &&
-         impl_->file.Has(impl_->PathOf(dataset));
+  if (impl_->leaves_out_clock && IsByClock(dataset)) return false;
+  return impl_->file.Has(impl_->PathOf(dataset));
 }
 
 void ResultFile::LeaveOutClock() { impl_->leaves_out_clock = true; }
