@@ -384,31 +384,38 @@ class Expander {
     if (!clock) return false;
     if (*clock != schema::Value(schema::Word{"instructions"})) return true;
     const auto is_time = [](const plan::Figure& figure) { return figure.Unit() == "ns"; };
-    if (race_ || (search_ && is_time(search_->what.figure))) {
-      diagnostics_.Report(scenario::kContradiction, race_ ? race_->span : search_->span,
-                          fmt::format("this {} needs times, and `clock instructions` measures none",
-                                      race_ ? "race" : "search"),
-                          "use `clock time`");
+    // The memory of the process is that of Valgrind, too.
+    const auto is_unknown = [&](const plan::Figure& figure) {
+      return is_time(figure) || figure.name == "peak_rss";
+    };
+    if (race_ || (search_ && is_unknown(search_->what.figure))) {
+      const bool needs_times = race_ || is_time(search_->what.figure);
+      diagnostics_.Report(
+          scenario::kContradiction, race_ ? race_->span : search_->span,
+          fmt::format("this {} needs {}, and `clock instructions` measures none",
+                      race_ ? "race" : "search", needs_times ? "times" : "the peak memory"),
+          "use `clock time`");
       return false;
     }
-    const auto drop = [&](const text::Span& span, const std::string& what) {
+    const auto drop = [&](const text::Span& span, const std::string& what, const char* unmeasured) {
       diagnostics_.Report(
           scenario::kNoEffect, span,
-          fmt::format("{} is not checked: `clock instructions` measures no times", what),
+          fmt::format("{} is not checked: `clock instructions` measures no {}", what, unmeasured),
           "remove one of them, or use `clock time`");
     };
     if (grid_.head.budget_s)
       drop(configurations_[0]->SpanOf({"", schema::WorldParameter("budget").get()},
                                       benchmark_.benchmark->name.span),
-           "'budget'");
+           "'budget'", "times");
     grid_.head.budget_s = grid_.head.frame_s = std::nullopt;
     std::erase_if(requirements_, [&](const checks::WrittenRequirement& one) {
-      if (!is_time(one.what.figure)) return false;
-      drop(one.span, fmt::format("'{}'", one.what.text));
+      if (!is_unknown(one.what.figure)) return false;
+      drop(one.span, fmt::format("'{}'", one.what.text),
+           is_time(one.what.figure) ? "times" : "peak memory");
       return true;
     });
     std::erase_if(grid_.head.requirements,
-                  [&](const plan::Requirement& one) { return is_time(one.figure); });
+                  [&](const plan::Requirement& one) { return is_unknown(one.figure); });
     return true;
   }
 

@@ -222,17 +222,41 @@ printers::Printed PrintedOf(const results::ResultFile& file, const ShowArguments
   printers::Printed printed =
       printers::Show(file, {arguments.by, arguments.baseline, arguments.only_sound, phases,
                             statistic, arguments.plots, FormatOf(arguments), is_brief});
-  if (is_brief) printed.text += printers::MoreText(file, arguments.file);
+  if (is_brief && !figures::CountsInstructions(file))
+    printed.text += printers::MoreText(file, arguments.file);
   return printed;
+}
+
+/// Throws CommandError for options that are about times, which a file that counts instructions has
+/// not.
+void CheckCounted(const ShowArguments& a) {
+  const std::pair<const char*, bool> about_times[] = {{"--phase", !a.phases.empty()},
+                                                      {"--stat", !a.statistic.empty()},
+                                                      {"--budget", !a.budget.empty()},
+                                                      {"--plot", a.plots},
+                                                      {"--baseline", !a.baseline.empty()},
+                                                      {"--error", !a.error.empty()},
+                                                      {"--method", a.method}};
+  for (const auto& [name, is_given] : about_times)
+    if (is_given)
+      throw options::CommandError(fmt::format(
+          "{} is about times, and {} has numbers of instructions (`clock instructions`): compare "
+          "them with those of another build, cdb compare OTHER.h5 {}",
+          name, a.file, terminal::ShellWord(a.file)));
 }
 
 options::ExitStatus Show(const ShowArguments& arguments) {
   CheckOptions(arguments);
   results::ResultFile file(arguments.file);
-  figures::RequireTimes(file, arguments.file);
+  const bool is_counted = figures::CountsInstructions(file);
+  if (is_counted) {
+    CheckCounted(arguments);
+    file.LeaveOutClock();
+  }
   figures::SelectPart(file, arguments.select);
   const printers::Printed shown = PrintedOf(file, arguments);
   (arguments.json ? terminal::PrintJson : terminal::Print)(shown.text);
+  if (is_counted) terminal::Say(figures::CountsText(arguments.file));
   return options::StatusOf(shown.bad_count, shown.not_met_count);
 }
 

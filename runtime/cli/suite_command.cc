@@ -16,9 +16,13 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/plan_runner.h"
 #include "runtime/cli/plans/suite_plan.h"
+#include "runtime/cli/publish/digest.h"
+#include "runtime/cli/publish/place.h"
+#include "runtime/cli/publish/publish.h"
 #include "runtime/figures/suite.h"
 #include "runtime/pages/page/page.h"
 #include "runtime/printers/suite.h"
+#include "runtime/protocol/bytes_text.h"
 #include "runtime/terminal/console.h"
 
 namespace cdb::cli {
@@ -33,7 +37,8 @@ struct SuiteArguments {
   std::uint64_t seed = 0;          ///< 0: the published seeds
   std::vector<std::string> retry;  ///< retry runs with these endings
   std::uint64_t noisy_retries = 0;
-  std::string check, against;  ///< folders
+  std::string check, against, publish, page;  ///< folders
+  std::string sign;                           ///< file of a key; empty: not signed
   bool fresh = false;
   bool quiet = false;
 };
@@ -150,6 +155,17 @@ options::ExitStatus RunSuite(const SuiteArguments& arguments) {
   return Show(arguments);
 }
 
+/// The signature and the digest of published results, for `--check`.
+void CheckPublished(const fs::path& folder, plans::SuiteFaults& made) {
+  if (!publish::IsPublished(folder)) return;
+  for (const std::string& fault : publish::FindDigestFaults(folder)) made.faults.push_back(fault);
+  const publish::Signature signature = publish::CheckSignature(folder);
+  if (signature.state == publish::SignatureState::kBad)
+    made.faults.push_back(signature.text);
+  else
+    made.facts.push_back("signature: " + signature.text);
+}
+
 options::ExitStatus Check(const fs::path& folder) {
   options::ExitStatus status = options::ExitStatus::kGood;
   std::error_code error;
@@ -158,7 +174,8 @@ options::ExitStatus Check(const fs::path& folder) {
       status = std::max(status, CheckStored(file.string()));
   if (status == options::ExitStatus::kEnvironmentError) return status;
   const plans::SuiteFolder read = plans::ReadSuiteFolder(folder);
-  const plans::SuiteFaults made = plans::CheckSuite(read, folder);
+  plans::SuiteFaults made = plans::CheckSuite(read, folder);
+  CheckPublished(folder, made);
   std::string text = "\n";
   for (const std::string& fact : made.facts) text += terminal::Wrapped(fact, 2);
   text += made.faults.empty()
@@ -170,8 +187,76 @@ options::ExitStatus Check(const fs::path& folder) {
   return made.faults.empty() ? options::ExitStatus::kGood : options::ExitStatus::kFailedRuns;
 }
 
+/// `NAME: REASON`, with the number of the other reasons.
+std::string FirstOf(const std::string& name, const std::vector<std::string>& reasons) {
+  const std::string more =
+      reasons.size() > 1 ? fmt::format("; and {} more", reasons.size() - 1) : std::string();
+  return terminal::Wrapped(fmt::format("{}: {}{}", name, reasons[0], more), 0);
+}
+
+/// Writes the page of a place. Prints a line for each entry that is not sound, and for each that
+/// another one contradicts.
+options::ExitStatus WritePlace(const fs::path& folder) {
+  const publish::Place place = publish::ReadPlace(folder);
+  std::string text;
+  std::size_t faulty = 0, disagreements = 0;
+  for (const publish::PlaceEntry& entry : place.entries) {
+    faulty += !entry.faults.empty();
+    if (!entry.faults.empty()) text += FirstOf(entry.name, entry.faults);
+    for (const publish::Verification& of : entry.verified) {
+      if (of.outcome != publish::Verification::Outcome::kDisagrees) continue;
+      ++disagreements;
+      text += FirstOf(fmt::format("{} is contradicted by {}", entry.name, of.by), of.reasons);
+    }
+  }
+  for (const auto& [name, why] : place.left_out)
+    text += fmt::format("{}: left out: {}\n", name, why);
+  std::string page = (folder / publish::kPlacePage).string();
+  try {
+    publish::WritePlacePage(place, folder);
+  } catch (const page::PageError& error) {
+    page = fmt::format("no page: {}", error.what());
+  }
+  const std::size_t entries = place.entries.size();
+  text += fmt::format("{}: {} entr{}{}{}\n", page, entries, entries == 1 ? "y" : "ies",
+                      faulty > 0 ? fmt::format(", {} of them not sound", faulty) : "",
+                      disagreements > 0 ? fmt::format(", {} disagreements", disagreements) : "");
+  terminal::Print(text);
+  return faulty > 0          ? options::ExitStatus::kFailedRuns
+         : disagreements > 0 ? options::ExitStatus::kWorse
+                             : options::ExitStatus::kGood;
+}
+
+options::ExitStatus Publish(const SuiteArguments& arguments) {
+  using Outcome = publish::Published::Outcome;
+  const fs::path folder = arguments.out;
+  plans::RequireThisVersion(folder);
+  const publish::CheckedResults checked = publish::CheckResults(folder);
+  if (!checked.faults.empty()) {
+    std::string text =
+        fmt::format("{}: not published, because not complete and comparable:\n", folder.string());
+    for (const std::string& fault : checked.faults) text += terminal::Wrapped(fault, 2);
+    terminal::Print(text);
+    return options::ExitStatus::kFailedRuns;
+  }
+  const publish::Published made =
+      publish::Publish(checked, folder, arguments.publish, arguments.sign);
+  terminal::Print(fmt::format(
+      "{}: {}, {}\n", made.folder.string(),
+      made.outcome == Outcome::kNew
+          ? fmt::format("published: {} files, {}", made.files, protocol::BytesText(made.bytes))
+      : made.outcome == Outcome::kSigned ? "was published already"
+                                         : "was published already; nothing changed",
+      publish::CheckSignature(made.folder).text));
+  static_cast<void>(WritePlace(arguments.publish));  // other entries may have faults
+  return options::ExitStatus::kGood;
+}
+
 options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
-  for (const fs::path& folder : {other, mine}) plans::RequireThisVersion(folder);
+  for (const fs::path& folder : {other, mine}) {
+    plans::RequireThisVersion(folder);
+    publish::RequireAsPublished(folder);
+  }
   const plans::SuiteFolder claimed = plans::ReadSuiteFolder(other),
                            here = plans::ReadSuiteFolder(mine);
   std::vector<figures::SceneVerification> verified;
@@ -207,9 +292,30 @@ options::ExitStatus Against(const fs::path& other, const fs::path& mine) {
 }
 
 options::ExitStatus Suite(const SuiteArguments& arguments) {
-  if (!arguments.check.empty() && !arguments.against.empty())
-    throw options::CommandError("--check cannot be combined with --against");
+  const std::pair<const char*, const std::string*> actions[] = {{"--check", &arguments.check},
+                                                                {"--against", &arguments.against},
+                                                                {"--publish", &arguments.publish},
+                                                                {"--page", &arguments.page}};
+  std::vector<const char*> chosen;
+  for (const auto& [name, folder] : actions)
+    if (!folder->empty()) chosen.push_back(name);
+  if (chosen.size() > 1)
+    throw options::CommandError(fmt::format("{} cannot be combined with {}", chosen[0], chosen[1]));
+  const plans::SuiteChoice& choice = arguments.choice;
+  const std::pair<const char*, bool> of_runs[] = {
+      {"--only", !arguments.only.empty()},   {"--long", choice.is_long},
+      {"--seed", arguments.seed != 0},       {"--detector", !choice.detectors.empty()},
+      {"--plugin", !choice.plugins.empty()}, {"--retry", !arguments.retry.empty()},
+      {"--fresh", arguments.fresh}};
+  for (const auto& [name, is_given] : of_runs)
+    if (is_given && !chosen.empty())
+      throw options::CommandError(
+          fmt::format("{} is for runs, and {} executes none; remove it", name, chosen[0]));
+  if (!arguments.sign.empty() && arguments.publish.empty())
+    throw options::CommandError("--sign signs what is published: it needs --publish");
   if (!arguments.check.empty()) return Check(arguments.check);
+  if (!arguments.publish.empty()) return Publish(arguments);
+  if (!arguments.page.empty()) return WritePlace(arguments.page);
   if (!arguments.against.empty()) return Against(arguments.against, arguments.out);
   return RunSuite(arguments);
 }
@@ -230,6 +336,12 @@ void DeclareSuite(options::Subcommand& command) {
                    "check whether the results in this folder are complete and comparable");
   command.Optional("--against", arguments->against,
                    "verify the results of another machine, in this folder, against those of -o");
+  command.Optional("--publish", arguments->publish,
+                   "add the results in -o to this folder of many machines, and write its page");
+  command.Optional("--sign", arguments->sign,
+                   "sign what is published with this key of ssh, by ssh-keygen");
+  command.Optional("--page", arguments->page,
+                   "check all results in this folder of many machines, and write its page");
   command.Fresh(arguments->fresh, "discard results and start over");
   command.Quiet(arguments->quiet, "print only errors");
   command.Action([arguments] { return Suite(*arguments); });
@@ -238,8 +350,8 @@ void DeclareSuite(options::Subcommand& command) {
 }  // namespace
 
 /// Runs the standard suite and prints a score for each configuration and kind of application, or
-/// checks results of the suite. Safe to rerun: finished runs are skipped. Exit status 3 if runs
-/// failed or a submission is not comparable, 4 if the results of another machine disagree.
+/// checks or publishes results of the suite. Safe to rerun: finished runs are skipped. Exit status
+/// 3 if runs failed or results are not comparable, 4 if the results of another machine disagree.
 options::Command SuiteCommand() {
   return {.name = "suite",
           .help = "run the standard suite, and score each configuration",

@@ -207,6 +207,19 @@ void CheckServe(const ViewArguments& arguments) {
       throw options::CommandError(fmt::format("{} is for a page in a file, not --serve", name));
 }
 
+/// Throws CommandError for two runs whose durations have different units.
+void RequireOneClock(const std::vector<SceneRecording>& recordings) {
+  if (recordings.size() < 2 || recordings[0].durations.empty() || recordings[1].durations.empty() ||
+      recordings[0].durations[0].unit == recordings[1].durations[0].unit)
+    return;
+  const auto words = [](const SceneRecording& of) {
+    return of.durations[0].unit == view::kInstructions ? "numbers of instructions" : "times";
+  };
+  throw options::CommandError(fmt::format(
+      "{} has {} and {} has {}, which cannot be side by side: run both with the same `clock`",
+      recordings[0].file, words(recordings[0]), recordings[1].file, words(recordings[1])));
+}
+
 options::ExitStatus View(const ViewArguments& arguments) {
   CheckOptions(arguments);
   if (arguments.serve) {
@@ -227,6 +240,7 @@ options::ExitStatus View(const ViewArguments& arguments) {
     if (!viewed.axes.contains(selection.axis))
       throw options::CommandError(fmt::format("no file has the axis '{}'", selection.axis));
   const std::vector<SceneRecording>& recordings = viewed.recordings;
+  RequireOneClock(recordings);
   for (const SceneRecording& recording : recordings) {
     terminal::Say(fmt::format(
         "{}{}{}: {} objects, {}\n", recording.file, recording.name.empty() ? "" : ", ",

@@ -288,6 +288,13 @@ bool CountsInstructions(const results::ResultFile& file) {
   return plan && plan::CountsInstructions(*plan);
 }
 
+std::string CountsText(const std::string& name) {
+  return fmt::format(
+      "Left out: the numbers of instructions, which are no times; with those of another build: cdb "
+      "compare OTHER.h5 {}\n",
+      terminal::ShellWord(name));
+}
+
 void RequireTimes(const results::ResultFile& file, const std::string& name) {
   if (CountsInstructions(file))
     throw files::StoreError(

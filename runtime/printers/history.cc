@@ -28,15 +28,9 @@ using history::Series;
 
 constexpr std::size_t kMostCurves = 5, kCurveWidth = 50;
 
-/// `2026-03-01`; empty if it is unknown.
-std::string DayOf(const history::FileFigures& file) {
-  if (file.started <= 0) return {};
-  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(file.started)));
-}
-
 /// `1a2b3c (2026-03-01)`.
 std::string FileText(const History& of, std::size_t file) {
-  const std::string day = DayOf(*of.files[file]);
+  const std::string day = DayOf(of.files[file]->started);
   return day.empty() ? of.labels[file] : fmt::format("{} ({})", of.labels[file], day);
 }
 
@@ -321,6 +315,11 @@ Json HistoryJson(const PrintedHistories& printed, const History& of) {
 
 }  // namespace
 
+std::string DayOf(double started) {
+  if (started <= 0) return {};
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(static_cast<std::time_t>(started)));
+}
+
 std::size_t PrintedHistories::SinceOf(const History& of) const {
   std::size_t at = 0;
   for (std::size_t i = 0; since && i < of.files.size(); ++i)
@@ -380,7 +379,7 @@ std::string HistoriesPageJson(const PrintedHistories& printed) {
     history["section"] = sections[i];
     history["since"] = printed.SinceOf(of);
     for (std::size_t k = 0; k < of.files.size(); ++k) {
-      history["files"][k]["day"] = DayOf(*of.files[k]);
+      history["files"][k]["day"] = DayOf(of.files[k]->started);
       if (!printed.commits.empty())
         history["files"][k]["subject"] =
             printed.commits[static_cast<std::size_t>(of.files[k]->place)].subject;

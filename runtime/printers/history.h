@@ -12,6 +12,9 @@
 
 namespace cdb::printers {
 
+/// `2026-03-01`, of the seconds since 1970; empty if they are unknown (0).
+std::string DayOf(double started);
+
 /// All of a command.
 struct PrintedHistories {
   std::string folder;

@@ -1,6 +1,8 @@
 #include "runtime/printers/suite.h"
 
 #include "compiler/schema/metrics.h"
+#include "runtime/figures/history/histories.h"
+#include "runtime/printers/history.h"
 #include "runtime/printers/json_points.h"
 
 namespace cdb::printers {
@@ -88,6 +90,16 @@ Json KindJson(const figures::KindFigures& kind) {
   return json;
 }
 
+/// The day on which the first scene began.
+std::string DayOfSuite(const std::vector<const results::ResultFile*>& files) {
+  double first = 0;
+  for (const results::ResultFile* file : files)
+    if (const double started = history::StartOf(*file);
+        started > 0 && (first == 0 || started < first))
+      first = started;
+  return DayOf(first);
+}
+
 }  // namespace
 
 std::string SuiteJson(const std::vector<figures::SceneFigures>& scenes,
@@ -96,7 +108,8 @@ std::string SuiteJson(const std::vector<figures::SceneFigures>& scenes,
   Json json = {{"suite", figures::kSuiteVersion},
                {"variant", facts.is_long ? "long" : "short"},
                {"seed", facts.seed ? Json(*facts.seed) : Json(nullptr)},
-               {"missing", facts.missing}};
+               {"missing", facts.missing},
+               {"measured", DayOfSuite(files)}};
   if (!files.empty()) {
     json["machine"] = DocumentMachine(*files[0]);
     json["build"] = DocumentBuild(*files[0]);

@@ -443,4 +443,11 @@ Layout MakeLayout(const plan::Plan& plan, const PlanFacts& facts, std::uint64_t 
   return Maker(plan, facts).Make(contact_rows);
 }
 
+bool IsByClock(std::string_view dataset) {
+  if (const auto* series = schema::FindSeries(dataset)) return series->unit == "ns";
+  return std::ranges::any_of(schema::kRunScalars, [&](const schema::RunScalarInfo& scalar) {
+    return scalar.name == dataset && scalar.by_clock;
+  });
+}
+
 }  // namespace cdb::results

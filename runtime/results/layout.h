@@ -33,6 +33,8 @@ inline const std::string kRaceGroup = "race/";
 
 /// In place of `time`, in the documentation of a number from a clock that counts instructions.
 inline constexpr std::string_view kInstructions = "number of instructions in the";
+/// Whether a variable, by its name for readers, is in the unit of the clock of the runs.
+bool IsByClock(std::string_view dataset);
 
 /// A missing real number.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

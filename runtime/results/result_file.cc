@@ -294,6 +294,7 @@ struct ResultFile::Impl {
   std::string name;
   hdf5::File file;
   int version;
+  bool leaves_out_clock = false;
   bool has_digest = false;
   std::string sha256, title, benchmark, source;
   std::vector<plan::Axis> axes;
@@ -414,8 +415,11 @@ std::uint64_t ResultFile::begun_repeats() const {
 }
 std::uint64_t ResultFile::cycles() const { return impl_->cycles; }
 bool ResultFile::Has(std::string_view dataset) const {
+  if (impl_->leaves_out_clock && IsByClock(dataset)) return false;
   return impl_->file.Has(impl_->PathOf(dataset));
 }
+
+void ResultFile::LeaveOutClock() { impl_->leaves_out_clock = true; }
 
 bool ResultFile::HasPosesOfOrigins() const {
   return impl_->Reading(

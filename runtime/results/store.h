@@ -138,6 +138,10 @@ class ResultFile {
   /// `dataset`, here and below: a variable of the root, `accuracy/NAME`, or a fact of a run by its
   /// name in /run. The names are the same for files of every schema version.
   bool Has(std::string_view dataset) const;
+  /// From now on, `Has` is false for everything that was measured by the clock of the runs:
+  /// durations, and the times of queries, of placing and of building. For files that count
+  /// instructions, which are no times.
+  void LeaveOutClock();
   /// Whether `poses` are of the origins of meshes and the axes of their files. In files of cdb
   /// before that, they are of the centres of mass and the principal axes.
   bool HasPosesOfOrigins() const;

@@ -117,3 +117,71 @@ test('the suite has the first tab, and its scenes the others', async () => {
   assert.equal(await tab.$('#take b'), null);
   await clean('suite-hostile');
 });
+
+/** As written by `cdb suite --page`: two machines that disagree, one that is not sound, and an older version. */
+const placeOf = (name = 'intel-xeon-cdb-0.1.0-1f2e3d4c5b6a') => {
+  const entry = (of, cpu, more = {}) => ({
+    name: of,
+    faults: [],
+    signature: { state: 'none', text: 'not signed' },
+    variant: 'short',
+    seed: null,
+    measured: '2026-11-28',
+    machine: { cpu, host: 'a host', cores: '8', system: 'Debian' },
+    build: { cdb: '0.1.0', commit: 'c0ffeec0ffee', compiler: 'GNU 12.2.0' },
+    scores: [
+      { kind: 'games', name: 'auto', score: 2, interval: [1.9, 2.1], faults: [] },
+      { kind: 'games', name: 'sap32', score: null, interval: null, faults: ['debris: tunnelled'] },
+    ],
+    verified: [],
+    ...more,
+  });
+  const by = (other, outcome, reasons = []) => ({ by: other, outcome, scenes: 16, same_states: 4, reasons });
+  const other = 'amd-epyc-cdb-0.1.0-99aabbccdd00';
+  const key = `SHA256:${'k'.repeat(43)}`;
+  return {
+    suite: 3,
+    kinds: [{ kind: 'games', what: 'many objects' }],
+    left_out: [{ folder: 'scripts', why: 'it has no results of the suite' }],
+    versions: [
+      {
+        version: 3,
+        is_checked: true,
+        entries: [
+          entry(other, 'AMD EPYC 7B13', {
+            signature: { state: 'good', text: `signed by ann@example.org, key ${key}` },
+            verified: [by(name, 'disagrees', ['games/debris: auto: speedup 1.90, here 1.10'])],
+          }),
+          entry(name, 'Intel(R) Xeon(R) CPU @ 2.1GHz', {
+            signature: { state: 'stranger', text: `signed by key ${key}, which is not in allowed_signers` },
+            verified: [by(other, 'agrees')],
+          }),
+          entry('spoilt', 'another', { faults: ['suite.json: it is not the summary of these results'] }),
+        ],
+      },
+      { version: 2, is_checked: false, entries: [entry('old-cdb-0.1.0-123412341234', 'Old', { scores: [] })] },
+    ],
+  };
+};
+
+test('a place has the scores of each machine, and says which results are not sound', async () => {
+  const name = 'intel-xeon-cdb-0.1.0-1f2e3d4c5b6a';
+  await visit(tab, writePage('place', { place: placeOf(name) }));
+  assert.equal(await text('h1'), 'Results of 3 machines');
+  assert.match(await text('.warnings'), /1 folder of 4 not sound/);
+  assert.match(await text('.warnings'), /1 result contradicted/);
+  const section = await text('#version-3');
+  for (const part of [/Intel Xeon/, /ann@example.org/, /unknown key/, /1 of 1 disagree/, /equal states: 4 of 16 scenes/])
+    assert.match(section, part);
+  assert.match(section, /AMD EPYC 7B13 is contradicted by Intel Xeon\s+games\/debris: auto: speedup 1.90, here 1.10/);
+  assert.match(section, /spoilt.*\s+suite.json: it is not the summary/);
+  assert.match(section, /2.00 1.90 .. 2.10/);
+  assert.match(section, /debris: tunnelled/);
+  assert.match(await text('#version-2'), /Figures as they were published/);
+  assert.match(await text('#how'), /scripts: it has no results of the suite/);
+  assert.equal(await tab.$eval('#version-3 a', (link) => link.getAttribute('href')), 'amd-epyc-cdb-0.1.0-99aabbccdd00/suite.json');
+  await clean('place');
+  await visit(tab, writePage('place-hostile', { place: placeOf('<b onclick="x()">\u202e') }));
+  assert.equal(await tab.$('#version-3 b'), null);
+  await clean('place-hostile');
+});

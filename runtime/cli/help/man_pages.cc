@@ -91,7 +91,7 @@ std::string ProgramPage(std::span<const CommandInfo> commands) {
   text += Item("4",
                "cdb compare found something that fails (--fail-if, --allow), cdb history something "
                "worse than "
-               "--fail-above, or cdb suite --against a result that disagrees");
+               "--fail-above, or cdb suite --against or --page a result that disagrees");
   text += Item("5", "cdb compare did not compare a benchmark, because its scenes differ");
   text += ".SH ENVIRONMENT\n";
   text += Item(Bold("CDB_CACHE"),

@@ -153,16 +153,15 @@ namespace fs = std::filesystem;
 options::ExitStatus ShowResult(const fs::path& out, bool is_quiet) {
   printers::ShowOptions options;
   options.is_brief = true;
-  const results::ResultFile file(out, results::ProofOf::kStructure);
+  results::ResultFile file(out, results::ProofOf::kStructure);
+  const bool is_counted = figures::CountsInstructions(file);
+  if (is_counted) file.LeaveOutClock();
   const printers::Printed shown = printers::Show(file, options);
-  if (!is_quiet && figures::CountsInstructions(file)) {
-    const std::string name = terminal::ShellWord(out.string());
+  if (!is_quiet) {
     terminal::Print(fmt::format(
-        "instructions are counted; with those of another build: cdb compare OTHER.h5 {}\n{}\n",
-        name, out.string()));
-  } else if (!is_quiet) {
-    terminal::Print(fmt::format("{}{}\n{}\n", shown.text, printers::MoreText(file, out.string()),
-                                out.string()));
+        "{}{}\n{}\n", shown.text,
+        is_counted ? figures::CountsText(out.string()) : printers::MoreText(file, out.string()),
+        out.string()));
   } else {
     const auto say = [&](std::size_t count, const char* what) {
       if (count > 0)

@@ -145,12 +145,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string FileSha256(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return plan::Sha256Hex(std::string(std::istreambuf_iterator<char>(in), {}));
+bool IsLong(const results::ResultFile& file) {
+  return std::ranges::any_of(file.axes(),
+                             [](const plan::Axis& axis) { return axis.parameter == "seed"; });
 }
 
-/// The version of the suite that a summary names.
+}  // namespace
+
+std::string FileSha256(const fs::path& file) {
+  std::string why;
+  const auto bytes = plan::ReadInputFile(file.string(), why);
+  if (!bytes) throw options::CommandError(fmt::format("{}: {}", file.string(), why));
+  return plan::Sha256Hex(*bytes);
+}
+
 std::optional<int> VersionOf(const std::string& summary) {
   const auto json = printers::Json::parse(summary, nullptr, false);
   const auto version = json.is_object() ? json.find("suite") : json.end();
@@ -158,12 +166,36 @@ std::optional<int> VersionOf(const std::string& summary) {
   return version->get<int>();
 }
 
-bool IsLong(const results::ResultFile& file) {
-  return std::ranges::any_of(file.axes(),
-                             [](const plan::Axis& axis) { return axis.parameter == "seed"; });
+namespace {
+
+/// Members whose values are sentences.
+bool IsProse(const std::string& member) {
+  return member == "defaults" || member == "answer" || member == "what" || member == "doc" ||
+         member == "fault" || member == "faults";
+}
+
+bool HaveSameFigures(const printers::Json& a, const printers::Json& b) {
+  if (a.is_object() && b.is_object()) {
+    for (const auto& [name, value] : a.items())
+      if (const auto other = b.find(name);
+          other != b.end() && !IsProse(name) && !HaveSameFigures(value, *other))
+        return false;
+    return true;
+  }
+  if (!a.is_array() || !b.is_array()) return a == b;
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), HaveSameFigures);
 }
 
 }  // namespace
+
+bool HasFiguresOf(const std::string& summary, const std::string& other) {
+  const auto a = printers::Json::parse(summary, nullptr, false),
+             b = printers::Json::parse(other, nullptr, false);
+  for (const char* member : {"suite", "kinds", "scenes"})
+    if (!a.is_object() || !b.is_object() || !a.contains(member) || !b.contains(member))
+      return false;
+  return HaveSameFigures(a, b);
+}
 
 SuiteFolder ReadSuiteFolder(const fs::path& folder) {
   SuiteFolder read;
@@ -340,8 +372,12 @@ class Checker {
              version != figures::kSuiteVersion)
       Fault("{}: it is of version {} of the suite, and this cdb has version {}", kSuiteSummary,
             version, figures::kSuiteVersion);
-    else if (*text != SuiteSummary(read_))
+    else if (const std::string own = SuiteSummary(read_); !HasFiguresOf(*text, own))
       Fault("{}: it is not the summary of these results", kSuiteSummary);
+    else if (*text != own)
+      made_.facts.push_back(fmt::format(
+          "{}: the figures are those of these results; its sentences are of another version of cdb",
+          kSuiteSummary));
   }
 
   const SuiteFolder& read_;

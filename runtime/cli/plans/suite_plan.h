@@ -50,11 +50,21 @@ SuiteFolder ReadSuiteFolder(const std::filesystem::path& folder);
 /// one.
 void RequireThisVersion(const std::filesystem::path& folder);
 
+/// SHA-256 of the bytes of a file. Throws CommandError if it cannot be read.
+std::string FileSha256(const std::filesystem::path& file);
+
+/// The version of the suite that the text of a summary names.
+std::optional<int> VersionOf(const std::string& summary);
+
 /// The text of suite.json.
 std::string SuiteSummary(const SuiteFolder& read);
 /// Writes suite.json and suite.html. Throws StoreError, and, in a build without pages, PageError
 /// after suite.json has been written.
 void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
+
+/// Whether the figures and facts of two summaries are equal. Sentences and members that only one
+/// has are not compared: they may be those of another version of cdb.
+bool HasFiguresOf(const std::string& summary, const std::string& other);
 
 /// The reasons why results of the suite are not complete or not comparable; empty if there are
 /// none.

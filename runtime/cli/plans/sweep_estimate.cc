@@ -16,8 +16,10 @@
 
 #include "compiler/analysis/reference.h"
 #include "compiler/analysis/trace.h"
+#include "compiler/plan/clock.h"
 #include "compiler/yaml/plan_yaml.h"
 #include "library/content_cache.h"
+#include "runtime/cli/options/subcommand.h"
 #include "runtime/figures/searches/searches.h"
 #include "runtime/protocol/bytes_text.h"
 #include "runtime/protocol/recording.h"
@@ -216,6 +218,12 @@ SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& sto
   estimate.points = grid.point_count;
   plan::Plan plan = grid.head;
   std::vector<plan::Run> whole = SpreadRuns(grid);
+  if (!whole.empty() && plan::CountsInstructions(whole[0].scene))
+    throw options::CommandError(fmt::format(
+        "--estimate: the runs of '{}' have `clock instructions`, and take 50 to 200 times as long "
+        "as "
+        "others, depending on their code: estimate them with --set clock=time, and multiply",
+        plan.benchmark));
   for (const plan::Run& run : whole) plan.runs.push_back(Shortened(run, kSampledCycles));
   estimate.piles = CountPiles(grid, whole);
   std::set<std::string> settled;  // ids of settled piles

@@ -94,6 +94,16 @@ void CountInstructions(const plan::Scene& scene) {
   }
 }
 
+/// Throws CannotCount if the clock failed in a run that would otherwise be done.
+void RequireCounts(const protocol::Recording& recording) {
+  if (recording.header().outcome.load() != protocol::WorkerOutcome::kDone) return;
+  try {
+    world::RequireCounts();
+  } catch (const std::runtime_error& error) {
+    throw CannotCount(error.what());
+  }
+}
+
 void RunWorker(Streams streams, const Kept& kept) {
   const plan::Run run = yaml::RunFromYaml(protocol::ReadAll(protocol::kRunFd), "run");
   protocol::Recording recording = protocol::Recording::Open(protocol::kRecordingFd, run.scene);
@@ -118,6 +128,7 @@ void RunWorker(Streams streams, const Kept& kept) {
       } else {
         RunScenario(run, recording, streams, kept);
       }
+      RequireCounts(recording);
     } catch (const world::OmissionGuardTripped& tripped) {
       AskToStartAgain(recording, tripped);
     } catch (const CannotCount& cannot) {

@@ -14,4 +14,9 @@ std::int64_t Now();
 /// std::runtime_error if it does not. Threads: one in the whole process.
 void CountInstructions(int log);
 
+/// Throws std::runtime_error if the clock counts instructions and one of its readings failed, so
+/// that Now() returned no count. Nothing that was recorded since CountInstructions can be used
+/// then.
+void RequireCounts();
+
 }  // namespace cdb::world

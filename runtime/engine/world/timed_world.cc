@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <stdexcept>
@@ -20,6 +21,8 @@ namespace cdb::world {
 namespace {
 
 int g_log = -1;
+/// Whether a count could not be read.
+bool g_has_lost_count = false;
 
 #if CDB_HAS_VALGRIND
 /// The count in the answer to `status internal`: `events-1: 122514`, with the number of the thread.
@@ -33,19 +36,35 @@ std::int64_t CountIn(std::string_view answer) {
   return count;
 }
 
-/// Asks Valgrind for the count. The answer is the request of callgrind_control(1), which names the
-/// functions on the stack after the count: only its beginning is read.
+/// Reads the whole log, in which warnings of Valgrind may precede the answer, and empties it. -1:
+/// it has no count, is too long, or cannot be read.
+std::int64_t TakeCount() {
+  // Not of the heap, so that the addresses of the run are those of a run by time.
+  static std::array<char, 1 << 16> log;
+  std::size_t length = 0;
+  ssize_t size = 0;
+  do {
+    size = pread(g_log, log.data() + length, log.size() - length, static_cast<off_t>(length));
+    if (size > 0) length += static_cast<std::size_t>(size);
+  } while (size > 0 || (size < 0 && errno == EINTR));
+  // Valgrind writes at the place that its descriptor shares with ours.
+  if (size < 0 || ftruncate(g_log, 0) != 0 || lseek(g_log, 0, SEEK_SET) != 0) return -1;
+  return length < log.size() ? CountIn({log.data(), length}) : -1;
+}
+
+/// Asks Valgrind for the count. The answer is that of the request of callgrind_control(1), which
+/// names the functions on the stack after the count. A failure is remembered, and returns the last
+/// count, so that no duration is negative.
 std::int64_t ReadCount() {
+  static std::int64_t last = 0;
   CALLGRIND_TOGGLE_COLLECT;  // off: what follows is the clock's own work
   VALGRIND_MONITOR_COMMAND("status internal");
-  std::array<char, 1024> answer;
-  const ssize_t size = pread(g_log, answer.data(), answer.size(), 0);
-  const std::int64_t count =
-      CountIn({answer.data(), size > 0 ? static_cast<std::size_t>(size) : 0});
-  // Valgrind writes at the place that its descriptor shares with ours.
-  if (ftruncate(g_log, 0) != 0 || lseek(g_log, 0, SEEK_SET) != 0) return -1;
+  if (const std::int64_t count = TakeCount(); count >= 0)
+    last = count;
+  else
+    g_has_lost_count = true;
   CALLGRIND_TOGGLE_COLLECT;
-  return count;
+  return last;
 }
 #endif
 
@@ -67,7 +86,8 @@ void CountInstructions(int log) {
   if (ftruncate(log, 0) != 0 || lseek(log, 0, SEEK_SET) != 0)
     throw std::runtime_error("clock instructions: cannot read the log of Valgrind");
   g_log = log;
-  if (ReadCount() < 0)
+  ReadCount();
+  if (g_has_lost_count)
     throw std::runtime_error(
         "clock instructions: this version of Valgrind does not tell its count of instructions");
 #else
@@ -76,6 +96,13 @@ void CountInstructions(int log) {
       "clock instructions: cdb was built without the headers of Valgrind; install the package "
       "valgrind, and build cdb again");
 #endif
+}
+
+void RequireCounts() {
+  if (g_has_lost_count)
+    throw std::runtime_error(
+        "clock instructions: Valgrind did not tell its count at every stamp, so that the numbers "
+        "of instructions are not known; run it again");
 }
 
 void TimedWorld::TimedStep(btScalar timestep) {

@@ -70,6 +70,9 @@ inline constexpr FigureInfo kFigures[] = {
     {"contacts", "contacts", FigureKind::kCount},
 };
 
+/// When the first run of the file began, s since 1970; 0 if unknown.
+double StartOf(const results::ResultFile& file);
+
 /// `name`: of the file in the output. Throws StoreError.
 FileFigures ReadFigures(const std::filesystem::path& path, const std::string& name);
 

@@ -54,6 +54,8 @@ std::string StateOf(const results::ResultFile& file, const figures::MeasuredPoin
   return state;
 }
 
+}  // namespace
+
 double StartOf(const results::ResultFile& file) {
   double first = 0;
   if (!file.Has("started")) return first;
@@ -63,8 +65,6 @@ double StartOf(const results::ResultFile& file) {
       first = started;
   return first;
 }
-
-}  // namespace
 
 FileFigures ReadFigures(const std::filesystem::path& path, const std::string& name) {
   const results::ResultFile file(path);

@@ -318,13 +318,15 @@ void ReadSoftFrames(const ResultFile& file, const ResultFile::Cell& cell, const 
 void ReadAllSeries(const ResultFile& file, const ResultFile::Cell& cell,
                    SceneRecording& recording) {
   if (recording.n_cycles == 0) return;
+  const std::string unit = figures::CountsInstructions(file) ? kInstructions : "ns";
   if (file.Has("duration"))
     for (std::size_t i = 0; i < protocol::kPhaseCount; ++i)
-      recording.durations.push_back({std::string(protocol::PhaseNames()[i]), "ns",
+      recording.durations.push_back({std::string(protocol::PhaseNames()[i]), unit,
                                      file.ReadDuration(static_cast<protocol::Phase>(i), cell)});
   for (const protocol::Series& series : protocol::AllSeries()) {
     if (series.shape != protocol::SeriesShape::kScalar || !file.Has(series.name)) continue;
-    CycleSeries values{std::string(series.name), std::string(series.unit),
+    CycleSeries values{std::string(series.name),
+                       series.unit == "ns" ? unit : std::string(series.unit),
                        file.ReadSeries(series.name, cell)};
     if (series.type == protocol::SeriesType::kInt32)
       for (double& value : values.values)

@@ -31,6 +31,9 @@ std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
 
 /// A series of the run: one value for each cycle that ran, or, for an error, for each sample. NaN:
 /// no value.
+/// The unit of durations of a run that counts instructions.
+inline constexpr const char* kInstructions = "instructions";
+
 struct CycleSeries {
   std::string name, unit;
   std::vector<double> values;

@@ -177,9 +177,21 @@ void Drain(Descriptor& from, std::string& text) {
   }
 }
 
+/// While it lives, writing to a program that has ended is an error and no signal.
+class IgnoreBrokenPipes {
+ public:
+  IgnoreBrokenPipes() : before_(signal(SIGPIPE, SIG_IGN)) {}
+  ~IgnoreBrokenPipes() { signal(SIGPIPE, before_); }
+  IgnoreBrokenPipes(const IgnoreBrokenPipes&) = delete;
+  IgnoreBrokenPipes& operator=(const IgnoreBrokenPipes&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
 /// Returns 0 or an error number.
 int Spawn(const std::vector<std::string>& words, const Pipe& in, const Pipe& out, const Pipe& err,
-          pid_t& pid) {
+          ProgramGroup group, pid_t& pid) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&actions);
@@ -190,8 +202,10 @@ int Spawn(const std::vector<std::string>& words, const Pipe& in, const Pipe& out
   sigset_t all;
   sigfillset(&all);
   posix_spawnattr_setsigdefault(&attributes, &all);
+  short flags = POSIX_SPAWN_SETSIGDEF;
+  if (group == ProgramGroup::kOwn) flags |= POSIX_SPAWN_SETPGROUP;
   posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setflags(&attributes, flags);
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
@@ -205,11 +219,11 @@ int Spawn(const std::vector<std::string>& words, const Pipe& in, const Pipe& out
 
 bool IsInPath(const std::string& program) { return process::FindProgram(program).has_value(); }
 
-std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
-                                     std::string_view input) {
+std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words, std::string_view input,
+                                     ProgramGroup group) {
   Pipe in, out, err;
   pid_t pid = -1;
-  const int error = Spawn(words, in, out, err, pid);
+  const int error = Spawn(words, in, out, err, group, pid);
   if (error == ENOENT || error == EACCES) return std::nullopt;
   if (error != 0)
     throw std::system_error(error, std::generic_category(), "cannot start " + words[0]);
@@ -217,6 +231,7 @@ std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
   out.write_end.Close();
   err.write_end.Close();
   // Errors are ignored: a program that does not read its input reports the reason itself.
+  const IgnoreBrokenPipes ignore;
   static_cast<void>(protocol::TryWriteAll(in.write_end.get(), std::as_bytes(std::span(input))));
   in.write_end.Close();
   ProgramEnd end;

@@ -57,10 +57,17 @@ struct ProgramEnd {
 /// True if PATH has an executable file of that name.
 bool IsInPath(const std::string& program);
 
+/// The process group of a program that is run.
+enum class ProgramGroup {
+  kOwn,      ///< Ctrl-C does not reach it, and it cannot read from the terminal
+  kCallers,  ///< it may ask for a passphrase at the terminal
+};
+
 /// Runs the program `words[0]`, found in PATH, until it ends, with `input` (at most 64 kB) as
-/// standard input. It has its own process group, so that Ctrl-C does not reach it. Nullopt if there
-/// is no such program. Throws std::system_error if no process can be started.
+/// standard input. Nullopt if there is no such program. Throws std::system_error if no process can
+/// be started.
 std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
-                                     std::string_view input = {});
+                                     std::string_view input = {},
+                                     ProgramGroup group = ProgramGroup::kOwn);
 
 }  // namespace cdb::cluster

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -13,7 +12,6 @@
 #include "runtime/cli/options/provenance.h"
 #include "runtime/figures/points.h"
 #include "runtime/results/store.h"
-#include "runtime/sweep/cluster/slurm.h"
 #include "tests/runtime/cli/small_sweep.h"
 #include "tests/support/folders.h"
 #include "tests/support/program.h"
@@ -33,60 +31,6 @@ TEST(Run, GivesATableAFileAndNothingElse) {
   EXPECT_TRUE(program.Exists("small.h5"));
   EXPECT_FALSE(program.Exists("small.runs"));
   EXPECT_EQ(Hashes(program.folder() / "small.h5").size(), 4u);
-}
-
-TEST(Run, CountsInstructions) {
-  if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
-  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
-  const Program program;
-  program.Write("few.cdb",
-                "benchmark few {\n  cycles 4\n  detector sweep(sap, dbvt)\n  clock instructions\n"
-                "  objects { quantity 8; size 5 }\n}\n");
-  for (const char* name : {"a.h5", "b.h5"}) {
-    const Finished run = program.Run({"run", "few.cdb", "-o", name, "--jobs", "2"});
-    ASSERT_EQ(run.status, 0) << run.err;
-    EXPECT_NE(run.out.find("instructions are counted"), std::string::npos) << run.out;
-  }
-  const results::ResultFile file(program.folder() / "a.h5");
-  for (const std::size_t detector : {0, 1})
-    for (const double count : file.ReadDuration(protocol::Phase::kStep, {{detector}, 0})) {
-      EXPECT_GT(count, 5'000);
-      EXPECT_LT(count, 1'000'000) << "of 8 spheres";
-      EXPECT_EQ(count, std::round(count));
-    }
-  const Finished compared = program.Run({"compare", "a.h5", "b.h5", "--fail-if", "unsure"});
-  EXPECT_EQ(compared.status, 0) << compared.err << compared.out;
-  EXPECT_NE(compared.out.find("Mean number of instructions of a cycle"), std::string::npos)
-      << compared.out;
-  EXPECT_EQ(compared.out.find("INSTRUCTIONS"), std::string::npos) << compared.out;
-  const Finished shown = program.Run({"show", "a.h5"});
-  EXPECT_EQ(shown.status, 2);
-  EXPECT_NE(shown.err.find("a.h5 has numbers of instructions, not times"), std::string::npos)
-      << shown.err;
-}
-
-TEST(Run, NamesWhatIsMissingToCount) {
-  const Program program;
-  program.Write("few.cdb", "benchmark few { cycles 2; clock instructions; objects { size 5 } }\n");
-  const Finished run = program.Shell("PATH=/nowhere $CDB run few.cdb");
-  EXPECT_EQ(run.status, 2) << run.out;
-  EXPECT_NE(run.err.find("needs the program valgrind"), std::string::npos) << run.err;
-  program.Write(
-      "few.cdb",
-      "benchmark few { cycles 2; clock sweep(time, instructions); objects { size 5 } }\n");
-  const Finished swept = program.Run({"check", "few.cdb"});
-  EXPECT_NE((swept.out + swept.err).find("'clock' cannot be swept"), std::string::npos);
-  for (const char* judged : {"budget 4 ms", "require mean(step) < 1 s"}) {
-    program.Write("few.cdb",
-                  fmt::format("benchmark few {{ cycles 2; repeats 5; clock instructions\n"
-                              "  {}; objects {{ size 5 }} }}\n",
-                              judged));
-    const Finished checked = program.Run({"check", "few.cdb"});
-    EXPECT_EQ(checked.status, 0) << checked.err;
-    EXPECT_NE((checked.out + checked.err).find("' is not checked: `clock instructions`"),
-              std::string::npos)
-        << checked.out << checked.err;
-  }
 }
 
 TEST(Run, JudgesRequirements) {

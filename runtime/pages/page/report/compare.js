@@ -30,11 +30,15 @@ const legendOf = (rows, theme) =>
       isHollow: verdict === 'cannot tell',
     }));
 
-const columns = [
+const isCounted = (comparison) => comparison.times.clock === 'instructions';
+const what = (comparison) => (isCounted(comparison) ? 'Instructions' : 'Time');
+const unit = (comparison) => (isCounted(comparison) ? 'instructions' : 'ns');
+
+const columnsOf = (comparison) => [
   { key: 'phase', label: 'phase' },
   { key: 'name', label: 'of' },
-  { key: 'a', label: 'before, ns or instructions', isNumber: true },
-  { key: 'b', label: 'after, ns or instructions', isNumber: true },
+  { key: 'a', label: `before, ${unit(comparison)}`, isNumber: true },
+  { key: 'b', label: `after, ${unit(comparison)}`, isNumber: true },
   { key: 'value', label: 'ratio', isNumber: true },
   { key: 'low', label: 'low', isNumber: true },
   { key: 'high', label: 'high', isNumber: true },
@@ -98,7 +102,9 @@ function ratioPanel(rows, { theme, margin, x, worse, label }) {
 }
 
 /** A panel for each phase, with a row for each group or point. */
-function describeRows(given, { title, a, b, worse, notes, ratios }, { theme, width }) {
+function describeRows(given, { comparison, title, worse, notes, ratios }, { theme, width }) {
+  const { a, b } = comparison;
+  const [better, slower] = isCounted(comparison) ? ['fewer', 'more'] : ['faster', 'slower'];
   const rows = given.filter((row) => row.value > 0);
   if (rows.length === 0) return { title, empty: '' };
   const phases = [...new Set(rows.map((row) => row.phase))];
@@ -112,7 +118,7 @@ function describeRows(given, { title, a, b, worse, notes, ratios }, { theme, wid
   const ordered = phases.flatMap((phase) => rows.filter((row) => row.phase === phase));
   return {
     title,
-    columns,
+    columns: columnsOf(comparison),
     rows: ordered,
     perRow,
     legend: legendOf(rows, theme),
@@ -130,15 +136,12 @@ function describeRows(given, { title, a, b, worse, notes, ratios }, { theme, wid
           margin,
           x,
           worse,
-          label: isLast ? `← faster   ${short(b, 24)} over ${short(a, 24)}   slower →` : '',
+          label: isLast ? `← ${better}   ${short(b, 24)} over ${short(a, 24)}   ${slower} →` : '',
         }),
       };
     }),
   };
 }
-
-const isCounted = (comparison) => comparison.times.clock === 'instructions';
-const what = (comparison) => (isCounted(comparison) ? 'Instructions' : 'Time');
 
 const noteOf = (comparison, worse) => [
   isCounted(comparison)
@@ -158,7 +161,7 @@ const groupFigure = (comparison, { worse, ratios }, id) =>
         comparison.times.groups.flatMap(({ name, phases }) => phases.map((change) => rowOf(name, change))),
         {
           title: `${what(comparison)} of a cycle: ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
-          ...comparison,
+          comparison,
           worse,
           ratios,
           notes: [
@@ -194,7 +197,7 @@ const pointFigure = (comparison, { worse, ratios }, id) =>
         rows,
         {
           title: `Each point: ${phase} in ${short(comparison.b, 40)} over ${short(comparison.a, 40)}`,
-          ...comparison,
+          comparison,
           worse,
           ratios,
           notes: [
@@ -244,7 +247,7 @@ const historyFigure = (benchmark, { worse, historyRatios }, id) =>
       const at = { x: 'place', y: 'value', stroke: ink };
       return {
         title,
-        columns: [{ key: 'of', label: 'file' }, ...columns],
+        columns: [{ key: 'of', label: 'file' }, ...columnsOf(benchmark.comparisons[0])],
         rows,
         height: 320,
         legend: names.map((label, i) => {

@@ -18,7 +18,8 @@ import { describeRatios } from './ratios.js';
 import * as parts from './sections.js';
 import { describeStability } from './stability.js';
 import { decode, encode, unknownEntry } from './state.js';
-import { suiteParts } from './suite.js';
+import { placeParts } from './suite/place.js';
+import { suiteParts } from './suite/suite.js';
 
 const page = document.getElementById('page');
 
@@ -118,9 +119,11 @@ let suite = null;
 let comparison = null;
 /** The results of `cdb history`, if any, which are the only tab. */
 let history = null;
+/** The results of many machines, of `cdb suite --page`, if any, which are the only tab. */
+let place = null;
 
-/** The tab that the address need not name: that of the suite, the comparison or the history, or the first document's. */
-const firstTab = () => (suite || comparison || history ? -1 : 0);
+/** The tab that the address need not name: that of the suite, the comparison, the history or the place, or the first document's. */
+const firstTab = () => (suite || comparison || history || place ? -1 : 0);
 const tabAddress = (index) => (index === firstTab() ? '' : `doc=${index}`);
 const addressOf = (index, doc, view) => [tabAddress(index), encode(doc, view)].filter(Boolean).join('&');
 const indexIn = (address) => {
@@ -191,12 +194,13 @@ const sectionOf = (id, title, items) =>
 
 /** The parts of the first tab, and the command that wrote it. */
 function firstParts() {
+  if (place) return { ...placeParts(place), by: 'suite' };
   if (history) return { ...historyParts(history), by: 'history' };
   if (comparison) return { ...compareParts(comparison), by: 'compare' };
   return { ...suiteParts(suite, (scene) => `#${tabAddress(scene)}`), by: 'suite' };
 }
 
-/** Builds the tab of the suite, the comparison or the history, which has no controls. */
+/** Builds the tab of the suite, the comparison, the history or the place, which has no controls. */
 function showFirst() {
   const { head, sections, by, figures = [] } = firstParts();
   const links = sections.map(([id, title]) => ({ id, link: h('a', { href: `#section=${id}` }, title) }));
@@ -294,7 +298,8 @@ function start() {
   suite = data.suite ?? null;
   comparison = data.comparison ?? null;
   history = data.history ?? null;
-  if (documents.length === 0 && !comparison && !history) {
+  place = data.place ?? null;
+  if (documents.length === 0 && !comparison && !history && !place) {
     page.replaceChildren(h('p', {}, 'This page has no results.'));
     return;
   }

@@ -10,8 +10,10 @@ export function number(value) {
   return String(Number(value.toPrecision(3)));
 }
 
-export function duration(ns) {
+/** @param {string} unit  of the clock of the run: ns, or instructions */
+export function duration(ns, unit = 'ns') {
   if (!Number.isFinite(ns)) return '–';
+  if (unit !== 'ns') return `${number(ns)} ${unit}`;
   for (const [unit, size] of [['s', 1e9], ['ms', 1e6], ['µs', 1e3]])
     if (ns >= size) return `${number(ns / size)} ${unit}`;
   return `${number(ns)} ns`;

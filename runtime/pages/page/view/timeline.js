@@ -74,7 +74,7 @@ export class Timeline {
       const cycle = Math.min(Math.max(Math.round(time / timestep - warmup - 1), 0), cycles - 1);
       if (cycles === 0) return '';
       const words = recording.durations.filter(({ name }) => name === 'step' || kPhases.includes(name))
-        .map(({ name, values }) => `${name} ${duration(values[cycle])}`).reverse();
+        .map(({ name, values, unit }) => `${name} ${duration(values[cycle], unit)}`).reverse();
       const series = recording.series.find(({ name }) => name === this.series);
       if (series) words.push(`${series.name} ${number(series.values[series.interval ? Math.round(time / series.interval) : cycle])} ${series.unit}`);
       return `${this.recordings.length > 1 ? `${'AB'[run]} ` : ''}cycle ${cycle}: ${words.join(', ')}`;
@@ -162,7 +162,9 @@ export class Timeline {
   drawSteps(pen, area, run) {
     const recording = this.recordings[run];
     const tag = this.recordings.length > 1 ? `${'AB'[run]}: ` : '';
-    const y = this.drawScale(pen, area, 0, this.stepLimit, duration, `${tag}time of a cycle`);
+    const { unit } = recording.durations[0];
+    const label = `${tag}${unit === 'ns' ? 'time' : unit} of a cycle`;
+    const y = this.drawScale(pen, area, 0, this.stepLimit, (value) => duration(value, unit), label);
     const values = Object.fromEntries(recording.durations.map((each) => [each.name, each.values]));
     const columns = this.columns(run);
     const width = Math.max(1, (this.width - kLeft - kRight) / Math.max(columns.length, 1) * 1.02);

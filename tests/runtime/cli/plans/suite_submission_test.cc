@@ -8,16 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/plans/suite_plan.h"
-#include "runtime/results/files/safe_file.h"
-#include "tests/runtime/figures/suite_results.h"
-#include "tests/support/files.h"
+#include "tests/runtime/cli/plans/submission.h"
 #include "tests/support/sanitizers.h"
 
 namespace cdb::tests {
 namespace {
-
-using figures::StandardScene;
 
 plans::SuiteChoice WithDetector(const std::string& name) {
   plans::SuiteChoice choice;
@@ -29,44 +24,6 @@ plans::SuiteChoice WithSeed(std::uint64_t seed) {
   choice.seed = seed;
   return choice;
 }
-
-/// Results of every scene without faults.
-class Submission {
- public:
-  Submission() {
-    for (const StandardScene& scene : figures::StandardScenes()) Write(scene.Id());
-  }
-
-  void Write(const std::string& id, const SuiteChange& change = {},
-             const results::Provenance& provenance = kSuiteProvenance,
-             const plans::SuiteChoice& choice = {}) const {
-    const StandardScene& scene = Scene(id);
-    WriteSuiteResults(
-        plans::StandardPlan(scene, choice), std::string(scene.error),
-        [&](const plan::Run& run, SuiteRun& made) {
-          made.ns = 1e5 / (1 + static_cast<double>(run.at.back()));
-          if (change) change(run, made);
-        },
-        File(id), provenance);
-  }
-  /// Writes suite.json of the existing results.
-  void Summarise() const {
-    files::WriteWhole(plans::SuiteSummary(plans::ReadSuiteFolder(folder_.path())),
-                      folder_ / plans::kSuiteSummary);
-  }
-  std::vector<std::string> Faults() const {
-    return plans::CheckSuite(plans::ReadSuiteFolder(folder_.path()), folder_.path()).faults;
-  }
-  std::filesystem::path File(const std::string& id) const {
-    return folder_ / Scene(id).ResultName();
-  }
-
- private:
-  static const StandardScene& Scene(const std::string& id) {
-    return *std::ranges::find(figures::StandardScenes(), id, &StandardScene::Id);
-  }
-  const TemporaryFolder folder_;
-};
 
 TEST(SuiteCheck, AcceptsACompleteSubmissionAndNamesWhatSpoilsIt) {
   if (kAnySanitizer) GTEST_SKIP() << "it writes and reads 420 runs";

@@ -13,6 +13,12 @@ TEST(RunProgram, CollectsBothOutputsAndTheStatus) {
   EXPECT_EQ(end->status, 7);
 }
 
+TEST(RunProgram, InputMayBeLeftUnread) {
+  const auto end = cluster::RunProgram({"sh", "-c", "exec <&-; exit 3"}, std::string(60'000, 'x'));
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->status, 3);
+}
+
 TEST(RunProgram, OutputMayBeLongerThanAPipe) {
   const auto end =
       cluster::RunProgram({"sh", "-c", "head -c 300000 /dev/zero >&2; head -c 300000 /dev/zero"});

@@ -1,6 +1,6 @@
 // The tab of the standard suite: recommendations, the scores of each kind, and each scene.
-import { bdi, h, table } from './dom.js';
-import { byteUnit, number, plural, short, timeUnit } from './format.js';
+import { bdi, h, table } from '../dom.js';
+import { byteUnit, number, plural, short, timeUnit } from '../format.js';
 
 /** @param {number | null} ns */
 function time(ns) {
