@@ -258,6 +258,11 @@ void SoftProbes::ReadNodes() {
 }
 
 void SoftProbes::RecordStability(std::uint64_t cycle) {
+  sweeps_.assign(nodes_.size(), Eigen::AlignedBox3d());
+  if (!world_.rigid().empty())
+    for (std::size_t body = 0; body < nodes_.size(); ++body)
+      for (const auto* nodes : {&last_nodes_[body], &nodes_[body]})
+        for (const Vector3d& node : *nodes) sweeps_[body].extend(node);
   auto [fastest, escaped, removed, non_finite, passed] = RecordRigid();
   double deepest = 0;
   std::int32_t inside = 0, crossings = 0;
@@ -321,15 +326,17 @@ bool SoftProbes::HasPassed(const Obstacle& one, const Vector3d& last) const {
   const Vector3d lower = last.cwiseMin(one.pose.position), upper = last.cwiseMax(one.pose.position);
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     if (!is_finite_[body]) continue;
+    const Eigen::AlignedBox3d box(lower, upper);
+    if (!sweeps_[body].intersects(box)) continue;
     const std::vector<Vector3d>&from = last_nodes_[body], &to = nodes_[body];
     for (const auto& [a, b, c] : world_.bodies()[body].mesh.triangles) {
-      const auto box = Eigen::AlignedBox3d(from[a])
-                           .extend(from[b])
-                           .extend(from[c])
-                           .extend(to[a])
-                           .extend(to[b])
-                           .extend(to[c]);
-      if (!box.intersects(Eigen::AlignedBox3d(lower, upper))) continue;
+      const auto face = Eigen::AlignedBox3d(from[a])
+                            .extend(from[b])
+                            .extend(from[c])
+                            .extend(to[a])
+                            .extend(to[b])
+                            .extend(to[c]);
+      if (!face.intersects(box)) continue;
       if (exact::VertexMeetsFace(
               {{last, from[a], from[b], from[c]}, {one.pose.position, to[a], to[b], to[c]}}))
         return true;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -85,6 +86,7 @@ class SoftProbes {
   const bool is_closed_;             ///< nothing but gravity acts on it from outside
   std::vector<Obstacle> obstacles_;  ///< the rigid objects, then the walls
   std::vector<std::vector<Eigen::Vector3d>> nodes_, last_nodes_;  ///< m, by soft body
+  std::vector<Eigen::AlignedBox3d> sweeps_;                       ///< of both, by soft body
   std::vector<char> is_finite_;                                   ///< by soft body
   std::vector<char> fell_off_;  ///< the edge of a floor, by soft body and rigid object
   SoftMomentum first_;
