@@ -163,6 +163,8 @@ constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
                                                      "contact_damping",
                                                      "ccd",
                                                      "edges",
+                                                     "e1",
+                                                     "e2",
                                                      "links.type",
                                                      "force",
                                                      "torque"};

@@ -143,6 +143,7 @@ TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
       {"objects s { contact_stiffness 10 }", "'contact_stiffness' has no meaning"},
       {"objects s { links { type ball } }", "'links.type' has no meaning"},
       {"objects s { collides_with none }", "'collides_with' has no meaning"},
+      {"objects s { e1 0.5 }", "'e1' has no meaning"},
       {"objects s { mass fixed }", "the mass of a soft body is a number"},
       {"objects s { mass uniform(1, 2) }", "the mass of a soft body is a number"},
       {"objects s { mass density(5) }", "the mass of a soft body is a number"},
@@ -181,6 +182,21 @@ TEST(Soft, RefusesOtherTypesSizesAndPlanes) {
   };
   for (const Case& one : kCases)
     EXPECT_THAT(dsl::Render(Compiled(one.statements).diagnostics), HasSubstr(one.message));
+}
+
+/// As in scenes without soft bodies.
+TEST(Soft, SettingsWithoutEffectOnRigidObjectsBesideThemWarn) {
+  const auto said = [](const char* rigid) {
+    return dsl::Render(Compiled(std::string(kWorld) +
+                                "objects s { quantity 1; size 1; type rope(segments: 3) } objects "
+                                "r { quantity 1; size 1; " +
+                                rigid + " }")
+                           .diagnostics);
+  };
+  EXPECT_THAT(said("e1 0.5"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("mass fixed; linear_velocity (1, 0, 0)"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("mass kinematic"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("spinning_friction 0.1"), HasSubstr("no-effect"));
 }
 
 TEST(Soft, RefusesTheirSettingsWithoutThem) {
