@@ -182,8 +182,8 @@ constexpr OfOneWorld kOfOneWorld[] = {{"soft.correction", "positions"},
                                       {"soft.stiffness", "springs"},
                                       {"soft.damping", "springs"},
                                       {"soft.self_collision", "springs"}};
-constexpr std::string_view kRigidTypes[] = {"sphere", "cuboid",  "cylinder",
-                                            "cone",   "capsule", "tetrahedron"};
+constexpr std::string_view kRigidTypes[] = {"sphere",  "cuboid",      "cylinder",      "cone",
+                                            "capsule", "tetrahedron", "superellipsoid"};
 /// Nodes of a run, and of it alone: Bullet's arrays have int as their size.
 constexpr std::uint64_t kMostNodes = 10'000'000;
 
@@ -308,8 +308,8 @@ MaybeFault FindRigidFault(const Group& group) {
   const std::string_view type = group.settings.WordOr("type");
   if (std::ranges::find(kRigidTypes, type) == std::end(kRigidTypes))
     return fault("type",
-                 fmt::format("beside soft bodies, the type of {} must be convex: only there is "
-                             "known whether a node is inside",
+                 fmt::format("beside soft bodies, the type of {} must be a convex closed form: only "
+                             "of these is known whether a node is inside",
                              group.name),
                  fmt::format("use {}", fmt::join(kRigidTypes, ", ")));
   for (const schema::GroupParameter parameter : kUnusedOfRigid)

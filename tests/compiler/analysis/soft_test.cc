@@ -133,8 +133,8 @@ TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
       {"objects ball { quantity 1; location pile }", "a pile is settled without soft bodies"},
       {"objects ball { quantity 1; linear_velocity every(5, (0, 1, 0)) }",
        "schedules do not reach rigid bodies"},
-      {"objects ball { quantity 1; type bunny }", "must be convex"},
-      {"objects torus { quantity 1; mass fixed; type torus }", "must be convex"},
+      {"objects ball { quantity 1; type bunny }", "must be a convex closed form"},
+      {"objects torus { quantity 1; mass fixed; type torus }", "must be a convex closed form"},
       {"objects ball { quantity 1; mass fixed; soft { pin left } }", "ball has none"},
       {"objects s { restitution 0.5 }", "'restitution' has no meaning"},
       {"objects s { rolling_friction 0.5 }", "'rolling_friction' has no meaning"},
@@ -197,6 +197,8 @@ TEST(Soft, SettingsWithoutEffectOnRigidObjectsBesideThemWarn) {
   EXPECT_THAT(said("mass fixed; linear_velocity (1, 0, 0)"), HasSubstr("no-effect"));
   EXPECT_THAT(said("mass kinematic"), HasSubstr("no-effect"));
   EXPECT_THAT(said("spinning_friction 0.1"), HasSubstr("no-effect"));
+  EXPECT_EQ(said("type superellipsoid; e1 0.5; linear_velocity (1, 0, 0)").find("no-effect"),
+            std::string::npos);
 }
 
 TEST(Soft, RefusesTheirSettingsWithoutThem) {
