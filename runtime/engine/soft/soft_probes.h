@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "compiler/plan/plan.h"
@@ -37,6 +38,13 @@ SoftMomentum MomentumOf(const SoftWorld& world);
 
 /// Largest length of a link over its rest length, minus 1.
 double StretchOf(const SoftWorld& world);
+
+struct SoftVolume {
+  /// Of the tetrahedra of all blocks, over that of the start; nullopt without a block.
+  std::optional<double> ratio;
+  std::int32_t inverted = 0;  ///< tetrahedra that are flat or inside out
+};
+SoftVolume VolumeOf(const SoftWorld& world);
 
 /// The world must outlive it. Not thread-safe.
 class SoftProbes {
