@@ -13,7 +13,6 @@
 
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/reference.h"
-#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/block_maker.h"
 #include "compiler/checks/file_lets.h"
@@ -773,7 +772,7 @@ void GridChecks::Lint() {
         if (grid::IsLaid(scene)) return;
         configure::Configuration& configuration = choose_(sample.block, sample.local);
         findings->Add(configuration, scene, runs);
-        if (!analysis::HasSoft(scene)) idle->Add(configuration, scene);
+        idle->Add(configuration, scene);
       });
   idle->Report();
   findings->Report(looked_at, grid_.run_count());

@@ -291,13 +291,13 @@ Reason WhyNotOfSoft(Question question, const Scene& scene) {
     case Question::kLosses:
       return "the solver of soft bodies takes energy";
     case Question::kPassing:
-      return "of soft bodies, only nodes in a rigid one at the end of a cycle, and faces of cloths "
-             "that move over its centre, are found; two rigid bodies beside them are not followed";
+      return "of soft bodies, only nodes in a rigid one at the end of a cycle, and faces that move "
+             "over its centre, are found; two rigid bodies beside them are not followed";
     case Question::kStretch:
       return scene.world.WordOr("soft_world") == "springs"
                  ? Reason(
-                       "the springs of soft bodies stretch, and are not compared with their "
-                       "stiffness")
+                       "the springs and materials of soft bodies stretch, and are not compared "
+                       "with their stiffness")
                  : Reason();
     default:
       return "it is not examined of soft bodies, nor of what moves beside them";

@@ -19,69 +19,16 @@ namespace {
 using plan::Group;
 using plan::Scene;
 
+constexpr std::string_view kSoftCalls[] = {kRopeCall, kClothCall, kBlockCall};
+
+bool HasObjects(const Group& group) { return group.settings.Count("quantity") > 0; }
+
 std::size_t CountOf(const schema::Call& call, std::string_view argument) {
   return std::get<schema::Number>(schema::ArgumentOf(call, argument)).AsCount();
 }
 
-bool HasObjects(const Group& group) { return group.settings.Count("quantity") > 0; }
-
-}  // namespace
-
-bool IsSoft(const schema::Value& type) {
-  const schema::Call* call = schema::AsCall(type);
-  return call != nullptr && (call->name == kRopeCall || call->name == kClothCall);
-}
-
-bool IsSoft(const Group& group) {
-  const schema::Value& type = group.settings.Get("type");
-  const schema::Distribution* drawn = schema::AsDistribution(type);
-  return HasObjects(group) &&
-         (drawn != nullptr
-              ? std::ranges::any_of(drawn->arguments,
-                                    [](const schema::Value& choice) { return IsSoft(choice); })
-              : IsSoft(type));
-}
-
-bool HasSoft(const Scene& scene) {
-  return std::ranges::any_of(scene.groups, [](const Group& group) { return IsSoft(group); });
-}
-
-std::uint64_t NodeCount(const Scene& scene) {
-  std::uint64_t count = 0;
-  for (const Group& group : scene.groups) {
-    const schema::Value& type = group.settings.Get("type");
-    if (!IsSoft(group) || !IsSoft(type)) continue;
-    const schema::Call& call = *schema::AsCall(type);
-    const std::uint64_t nodes = call.name == kRopeCall
-                                    ? CountOf(call, "segments") + 1
-                                    : (CountOf(call, "columns") + 1) * (CountOf(call, "rows") + 1);
-    count += group.settings.Count("quantity") * nodes;
-  }
-  return count;
-}
-
-std::uint64_t FreeRigidCount(const Scene& scene) {
-  std::uint64_t count = 0;
-  for (const Group& group : scene.groups) {
-    const std::string_view mass = group.settings.WordOr("mass");
-    if (!IsSoft(group) && mass != "fixed" && mass != "kinematic")
-      count += group.settings.Count("quantity");
-  }
-  return count;
-}
-
-std::pair<double, double> SoftMesh::PlaceOf(std::size_t node) const {
-  const auto x = static_cast<double>(node % (columns + 1)) / static_cast<double>(columns);
-  const auto z = static_cast<double>(node / (columns + 1));
-  return {x, rows == 0 ? 0.5 : z / static_cast<double>(rows)};
-}
-
-SoftMesh MeshOf(const schema::Value& type) {
-  const schema::Call& call = *schema::AsCall(type);
-  SoftMesh mesh;
-  const bool is_rope = call.name == kRopeCall;
-  mesh.columns = CountOf(call, is_rope ? "segments" : "columns");
-  mesh.rows = is_rope ? 0 : CountOf(call, "rows");
+/// Of a rope or a cloth.
+void AddSheet(SoftMesh& mesh) {
   const auto node = [&](std::size_t x, std::size_t z) {
     return static_cast<std::uint32_t>(z * (mesh.columns + 1) + x);
   };
@@ -102,41 +49,197 @@ SoftMesh MeshOf(const schema::Value& type) {
         mesh.triangles.push_back({b, d, c});
       }
     }
+}
+
+/// Corners of a cell by the bits of their numbers: 1 is towards +x, 2 towards +y, 4 towards +z.
+using Tetrahedron = std::array<std::uint32_t, 4>;
+constexpr Tetrahedron kOfEvenCell[] = {
+    {0, 1, 2, 4}, {3, 2, 1, 7}, {5, 1, 4, 7}, {6, 4, 2, 7}, {1, 2, 4, 7}};
+/// The triangles of a tetrahedron of positive volume, counterclockwise from outside.
+constexpr std::array<std::size_t, 3> kFaces[] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+void AddTetrahedra(SoftMesh& mesh) {
+  for (std::size_t y = 0; y < mesh.layers; ++y)
+    for (std::size_t z = 0; z < mesh.rows; ++z)
+      for (std::size_t x = 0; x < mesh.columns; ++x) {
+        const bool is_mirrored = (x + y + z) % 2 == 1;
+        for (const Tetrahedron& corners : kOfEvenCell) {
+          Tetrahedron& made = mesh.tetrahedra.emplace_back();
+          for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t corner = is_mirrored ? corners[i] ^ 1 : corners[i];
+            made[i] = static_cast<std::uint32_t>(
+                ((y + (corner >> 1 & 1)) * (mesh.rows + 1) + z + (corner >> 2)) *
+                    (mesh.columns + 1) +
+                x + (corner & 1));
+          }
+          if (is_mirrored) std::swap(made[2], made[3]);
+        }
+      }
+}
+
+/// Of the tetrahedra, each once.
+void AddEdges(SoftMesh& mesh) {
+  for (const Tetrahedron& one : mesh.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = i + 1; j < 4; ++j)
+        mesh.links.push_back({std::min(one[i], one[j]), std::max(one[i], one[j])});
+  std::ranges::sort(mesh.links);
+  const auto repeated = std::ranges::unique(mesh.links);
+  mesh.links.erase(repeated.begin(), repeated.end());
+}
+
+/// The triangles that belong to one tetrahedron only.
+void AddSurface(SoftMesh& mesh) {
+  struct Face {
+    std::array<std::uint32_t, 3> sorted, corners;
+  };
+  std::vector<Face> faces;
+  for (const Tetrahedron& one : mesh.tetrahedra)
+    for (const auto& face : kFaces) {
+      Face& made = faces.emplace_back();
+      for (std::size_t i = 0; i < 3; ++i) made.corners[i] = one[face[i]];
+      made.sorted = made.corners;
+      std::ranges::sort(made.sorted);
+    }
+  std::ranges::sort(faces, {}, &Face::sorted);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const bool is_shared = (i > 0 && faces[i - 1].sorted == faces[i].sorted) ||
+                           (i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted);
+    if (!is_shared) mesh.triangles.push_back(faces[i].corners);
+  }
+}
+
+}  // namespace
+
+bool IsSoft(const schema::Value& type) {
+  const schema::Call* call = schema::AsCall(type);
+  return call != nullptr && std::ranges::find(kSoftCalls, call->name) != std::end(kSoftCalls);
+}
+
+bool IsSoft(const Group& group) {
+  const schema::Value& type = group.settings.Get("type");
+  const schema::Distribution* drawn = schema::AsDistribution(type);
+  return HasObjects(group) &&
+         (drawn != nullptr
+              ? std::ranges::any_of(drawn->arguments,
+                                    [](const schema::Value& choice) { return IsSoft(choice); })
+              : IsSoft(type));
+}
+
+bool HasSoft(const Scene& scene) {
+  return std::ranges::any_of(scene.groups, [](const Group& group) { return IsSoft(group); });
+}
+
+bool HasBlocks(const Group& group) {
+  const schema::Value& type = group.settings.Get("type");
+  return HasObjects(group) && IsSoft(type) && schema::AsCall(type)->name == kBlockCall;
+}
+
+std::uint64_t NodeCount(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const Group& group : scene.groups) {
+    const schema::Value& type = group.settings.Get("type");
+    if (!IsSoft(group) || !IsSoft(type)) continue;
+    const schema::Call& call = *schema::AsCall(type);
+    std::uint64_t nodes = group.settings.Count("quantity");
+    for (const schema::Value& cells : call.arguments)  // along one axis
+      nodes *= std::get<schema::Number>(cells).AsCount() + 1;
+    count += nodes;
+  }
+  return count;
+}
+
+std::uint64_t FreeRigidCount(const Scene& scene) {
+  std::uint64_t count = 0;
+  for (const Group& group : scene.groups) {
+    const std::string_view mass = group.settings.WordOr("mass");
+    if (!IsSoft(group) && mass != "fixed" && mass != "kinematic")
+      count += group.settings.Count("quantity");
+  }
+  return count;
+}
+
+Eigen::Vector3d SoftMesh::PlaceOf(std::size_t node) const {
+  const auto part = [](std::size_t place, std::size_t cells) {
+    return cells == 0 ? 0.5 : static_cast<double>(place) / static_cast<double>(cells);
+  };
+  const std::size_t x = node % (columns + 1), line = node / (columns + 1);
+  return {part(x, columns), part(line / (rows + 1), layers), part(line % (rows + 1), rows)};
+}
+
+SoftMesh BlockOf(std::size_t columns, std::size_t rows, std::size_t layers) {
+  SoftMesh mesh{columns, rows, layers, {}, {}, {}};
+  AddTetrahedra(mesh);
+  AddEdges(mesh);
+  AddSurface(mesh);
+  return mesh;
+}
+
+SoftMesh MeshOf(const schema::Value& type) {
+  const schema::Call& call = *schema::AsCall(type);
+  if (call.name == kBlockCall)
+    return BlockOf(CountOf(call, "columns"), CountOf(call, "rows"), CountOf(call, "layers"));
+  SoftMesh mesh;
+  const bool is_rope = call.name == kRopeCall;
+  mesh.columns = CountOf(call, is_rope ? "segments" : "columns");
+  mesh.rows = is_rope ? 0 : CountOf(call, "rows");
+  AddSheet(mesh);
   return mesh;
 }
 
 std::vector<double> MassShares(const SoftMesh& mesh) {
   std::vector<double> shares(mesh.NodeCount(), 0.0);
-  for (const auto& triangle : mesh.triangles)
-    for (const std::uint32_t node : triangle)
-      shares[node] += 1 / (3 * static_cast<double>(mesh.triangles.size()));
-  if (!mesh.triangles.empty()) return shares;
-  for (const auto& link : mesh.links)
-    for (const std::uint32_t node : link)
-      shares[node] += 1 / (2 * static_cast<double>(mesh.links.size()));
+  const auto add = [&](const auto& parts, double whole) {
+    for (const auto& part : parts)
+      for (const std::uint32_t node : part)
+        shares[node] += whole / static_cast<double>(part.size() * parts.size());
+  };
+  if (mesh.tetrahedra.empty()) {
+    if (mesh.triangles.empty()) {
+      add(mesh.links, 1);
+    } else {
+      add(mesh.triangles, 1);
+    }
+    return shares;
+  }
+  // The fifth of each cell is a third of it, the others are a sixth.
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    for (const std::uint32_t node : mesh.tetrahedra[i])
+      shares[node] +=
+          (i % 5 == 4 ? 2.0 : 1.0) * 5 / (24.0 * static_cast<double>(mesh.tetrahedra.size()));
   return shares;
 }
 
 std::vector<std::uint32_t> PinnedNodes(const Group& group) {
-  const SoftMesh mesh = MeshOf(group.settings.Get("type"));
-  const std::size_t width = mesh.columns + 1;
+  return PinnedNodes(group, MeshOf(group.settings.Get("type")));
+}
+
+std::vector<std::uint32_t> PinnedNodes(const Group& group, const SoftMesh& mesh) {
   std::vector<std::uint32_t> pinned;
   for (std::size_t node = 0; node < mesh.NodeCount(); ++node) {
-    const std::size_t x = node % width, z = node / width;
-    const bool is_left = x == 0, is_right = x == mesh.columns, is_back = z == 0,
-               is_front = z == mesh.rows;
+    const Eigen::Vector3d place = mesh.PlaceOf(node);
+    const bool is_left = place.x() == 0, is_right = place.x() == 1, is_back = place.z() == 0,
+               is_front = place.z() == 1, is_bottom = place.y() == 0, is_top = place.y() == 1;
     const auto is_pinned_by = [&](const std::string& word) {
       if (word == "left") return is_left;
       if (word == "right") return is_right;
       if (word == "ends") return is_left || is_right;
       if (word == "back") return is_back;
       if (word == "front") return is_front;
-      return word == "corners" && (is_left || is_right) && (is_back || is_front);
+      if (word == "bottom") return is_bottom;
+      if (word == "top") return is_top;
+      return word == "corners" && (is_left || is_right) && (is_back || is_front) &&
+             (mesh.layers == 0 || is_bottom || is_top);
     };
     if (std::ranges::any_of(group.settings.Words("soft.pin"), is_pinned_by))
       pinned.push_back(static_cast<std::uint32_t>(node));
   }
   return pinned;
+}
+
+LameConstants LameConstantsOf(double young_modulus, double poisson_ratio) {
+  return {young_modulus / (2 * (1 + poisson_ratio)),
+          young_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))};
 }
 
 namespace {
@@ -163,6 +266,8 @@ constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
                                                      "contact_damping",
                                                      "ccd",
                                                      "edges",
+                                                     "e1",
+                                                     "e2",
                                                      "links.type",
                                                      "force",
                                                      "torque"};
@@ -170,6 +275,10 @@ constexpr schema::GroupParameter kUnusedOfGroup[] = {"collides_with",
 constexpr schema::GroupParameter kUnusedOfRigid[] = {
     "collides_with", "contact_stiffness", "contact_damping", "ccd", "links.type", "force",
     "torque"};
+/// Of links, which blocks do not have; and of the material, which only blocks have.
+constexpr schema::GroupParameter kOfLinks[] = {"soft.stiffness", "soft.damping"};
+constexpr schema::GroupParameter kOfBlocks[] = {"soft.material", "soft.young_modulus",
+                                                "soft.poisson_ratio", "soft.stiffness_damping"};
 /// Of one of the two worlds.
 struct OfOneWorld {
   schema::GroupParameter parameter;
@@ -180,8 +289,8 @@ constexpr OfOneWorld kOfOneWorld[] = {{"soft.correction", "positions"},
                                       {"soft.stiffness", "springs"},
                                       {"soft.damping", "springs"},
                                       {"soft.self_collision", "springs"}};
-constexpr std::string_view kRigidTypes[] = {"sphere", "cuboid",  "cylinder",
-                                            "cone",   "capsule", "tetrahedron"};
+constexpr std::string_view kRigidTypes[] = {"sphere",  "cuboid",      "cylinder",      "cone",
+                                            "capsule", "tetrahedron", "superellipsoid"};
 /// Nodes of a run, and of it alone: Bullet's arrays have int as their size.
 constexpr std::uint64_t kMostNodes = 10'000'000;
 
@@ -199,7 +308,7 @@ MaybeFault FindIdleInGroup(const Group& group) {
           &parameter,
           {},
           fmt::format("'{}' is of soft bodies, and {} has none", parameter.name, group.name),
-          "remove it, or write type rope(…) or cloth(…)"};
+          "remove it, or write type rope(…), cloth(…) or block(…)"};
   return std::nullopt;
 }
 
@@ -207,12 +316,13 @@ MaybeFault FindIdleInGroup(const Group& group) {
 MaybeFault FindIdle(const Scene& scene) {
   if (scene.world.Lists("record", "vertices"))
     return OfWorld("record", "'vertices' are those of soft bodies, and the scene has none",
-                   "remove the word, or add objects of type rope(…) or cloth(…)", "vertices");
+                   "remove the word, or add objects of type rope(…), cloth(…) or block(…)",
+                   "vertices");
   for (const auto parameter :
        {schema::WorldParameter("soft_world"), schema::WorldParameter("soft_cell")})
     if (scene.world.Has(*parameter.get()))
       return OfWorld(parameter, "the scene has no soft bodies",
-                     "remove it, or add objects of type rope(…) or cloth(…)");
+                     "remove it, or add objects of type rope(…), cloth(…) or block(…)");
   return std::nullopt;
 }
 
@@ -305,11 +415,12 @@ MaybeFault FindRigidFault(const Group& group) {
   };
   const std::string_view type = group.settings.WordOr("type");
   if (std::ranges::find(kRigidTypes, type) == std::end(kRigidTypes))
-    return fault("type",
-                 fmt::format("beside soft bodies, the type of {} must be convex: only there is "
-                             "known whether a node is inside",
-                             group.name),
-                 fmt::format("use {}", fmt::join(kRigidTypes, ", ")));
+    return fault(
+        "type",
+        fmt::format("beside soft bodies, the type of {} must be a convex closed form: only "
+                    "of these is known whether a node is inside",
+                    group.name),
+        fmt::format("use {}", fmt::join(kRigidTypes, ", ")));
   for (const schema::GroupParameter parameter : kUnusedOfRigid)
     if (group.settings.Has(*parameter.get()))
       return fault(parameter,
@@ -326,17 +437,57 @@ MaybeFault FindRigidFault(const Group& group) {
 }
 
 MaybeFault FindPinFault(const Group& group, const schema::Call& type) {
+  const bool is_rope = type.name == kRopeCall, is_block = type.name == kBlockCall;
   for (const std::string& word : group.settings.Words("soft.pin")) {
-    const bool is_of_cloth = word == "front" || word == "back" || word == "corners";
-    if (type.name == kRopeCall && is_of_cloth)
-      return SettingFault{group.name, schema::GroupParameter("soft.pin").get(), word,
-                          fmt::format("a rope has no '{}'", word), "use left, right or ends"};
+    const bool is_of_sheet = word == "front" || word == "back" || word == "corners";
+    const bool is_of_block = word == "bottom" || word == "top";
+    if ((is_rope && is_of_sheet) || (!is_block && is_of_block))
+      return SettingFault{
+          group.name, schema::GroupParameter("soft.pin").get(), word,
+          fmt::format("a {} has no '{}'", type.name, word),
+          is_rope ? "use left, right or ends" : "use left, right, front, back, ends or corners"};
   }
   return std::nullopt;
 }
 
-/// Lengths along y, and of a rope along z, are those of its margin.
+/// What only blocks have, and what they cannot have.
+MaybeFault FindMaterialFault(const Scene& scene, const Group& group, const schema::Call& type) {
+  const auto fault = [&](schema::GroupParameter parameter, std::string message, std::string help) {
+    return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
+  };
+  const plan::GroupSettings& settings = group.settings;
+  if (type.name != kBlockCall) {
+    for (const schema::GroupParameter parameter : kOfBlocks)
+      if (settings.Has(*parameter.get()))
+        return fault(parameter,
+                     fmt::format("'{}' is of the material of blocks, and a {} has none",
+                                 parameter.name(), type.name),
+                     "remove it, or write soft { stiffness … }");
+    return std::nullopt;
+  }
+  if (scene.world.WordOr("soft_world") != "springs")
+    return fault("type",
+                 "soft_world positions knows no material: it would keep the edges of the "
+                 "tetrahedra, and neither their volume nor a stiffness",
+                 "write soft_world springs, Bullet's world of forces");
+  for (const schema::GroupParameter parameter : kOfLinks)
+    if (settings.Has(*parameter.get()))
+      return fault(parameter,
+                   fmt::format("'{}' is of links, and a block has a material", parameter.name()),
+                   "write soft { young_modulus … }");
+  if (settings.On("soft.self_collision"))
+    return fault("soft.self_collision", "the self-collision of blocks is not examined",
+                 "remove it");
+  if (settings.WordOr("soft.material") == "corotated" &&
+      settings.Has(*schema::GroupParameter("soft.stiffness_damping").get()))
+    return fault("soft.stiffness_damping", "Bullet's corotated material has no damping",
+                 "remove it, or write soft { material neo_hookean }");
+  return std::nullopt;
+}
+
+/// Lengths along y, and of a rope along z, are those of its margin, unless it is a block.
 MaybeFault FindAspectFault(const Group& group, const schema::Call& type) {
+  if (type.name == kBlockCall) return std::nullopt;
   const Eigen::Vector3d& aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
   if (aspect.y() == 1 && (type.name == kClothCall || aspect.z() == 1)) return std::nullopt;
   return SettingFault{group.name,
@@ -371,6 +522,7 @@ MaybeFault FindGroupFault(const Scene& scene, const Group& group) {
                    fmt::format("'{}' has no meaning for soft bodies, as those of {}",
                                parameter.name(), group.name),
                    "remove it");
+  if (MaybeFault material = FindMaterialFault(scene, group, call)) return material;
   const std::string_view world = scene.world.WordOr("soft_world");
   for (const OfOneWorld& one : kOfOneWorld)
     if (one.world != world && settings.Has(*one.parameter.get()))

@@ -13,6 +13,7 @@
 #include "compiler/analysis/configurations.h"
 #include "compiler/analysis/expectation.h"
 #include "compiler/analysis/model.h"
+#include "compiler/analysis/soft.h"
 #include "compiler/analysis/trace.h"
 #include "compiler/configure/configuration.h"
 #include "compiler/evaluate/sweeps.h"
@@ -43,7 +44,8 @@ void IdleSettings::Look(configure::Configuration& configuration, const scenario:
 
 void IdleSettings::Add(configure::Configuration& configuration, const plan::Scene& scene) {
   for (const plan::Group& group : scene.groups) {
-    if (group.settings.Count("quantity") == 0) continue;
+    // What soft bodies cannot have is an error.
+    if (group.settings.Count("quantity") == 0 || analysis::IsSoft(group)) continue;
     for (const auto velocity :
          {schema::GroupParameter("linear_velocity"), schema::GroupParameter("angular_velocity")}) {
       if (IsZero(group.settings.Get(velocity))) continue;

@@ -1,64 +1,167 @@
 // Lints about soft bodies.
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "compiler/analysis/soft.h"
 #include "compiler/lints/lint_facts.h"
+#include "compiler/schema/parametrised_words.h"
 
 namespace cdb::lints {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
 
-/// The highest angular frequency of the springs about the start, rad/s for a stiffness of 1 N/m and
-/// a mass of 1 kg, by the power iteration: a little too low.
-double HighestFrequency(const plan::Group& group) {
-  const analysis::SoftMesh mesh = analysis::MeshOf(group.settings.Get("type"));
-  const std::vector<double> masses = analysis::MassShares(mesh);
-  const double wide = std::get<schema::Ratio>(group.settings.Get("aspect")).parts.z();
-  const auto place = [&](std::uint32_t node) {
-    const auto [x, z] = mesh.PlaceOf(node);
-    return Vector2d(x, z * wide);
-  };
-  std::vector<Vector2d> along;
-  for (const auto& [a, b] : mesh.links) along.push_back((place(b) - place(a)).normalized());
-  std::vector<char> is_pinned(masses.size(), 0);
-  for (const std::uint32_t node : analysis::PinnedNodes(group)) is_pinned[node] = 1;
-  std::vector<Vector2d> motion(masses.size()), force;
-  for (std::size_t i = 0; i < motion.size(); ++i)  // anything that no mode is orthogonal to
-    motion[i] =
-        is_pinned[i] ? Vector2d::Zero() : Vector2d(std::sin(7.0 * i + 1), std::cos(5.0 * i));
+/// Nodes about their places at the start, and the linear forces between them.
+struct Vibration {
+  analysis::SoftMesh mesh;
+  std::vector<Vector3d> places;  ///< m
+  std::vector<double> masses;    ///< of a body of 1 kg
+  std::vector<char> is_pinned;
+
+  Vibration(const plan::Group& group, analysis::SoftMesh its_mesh, const Vector3d& sides)
+      : mesh(std::move(its_mesh)),
+        masses(analysis::MassShares(mesh)),
+        is_pinned(mesh.NodeCount(), 0) {
+    for (std::size_t i = 0; i < mesh.NodeCount(); ++i)
+      places.push_back(mesh.PlaceOf(i).cwiseProduct(sides));
+    for (const std::uint32_t node : analysis::PinnedNodes(group, mesh)) is_pinned[node] = 1;
+  }
+};
+
+/// The highest angular frequency, rad/s, by the power iteration: a little too low. `add_forces`
+/// adds minus the forces that a motion of the nodes causes.
+template <typename AddForces>
+double HighestFrequency(const Vibration& of, const AddForces& add_forces) {
+  const std::size_t count = of.masses.size();
+  std::vector<Vector3d> motion(count), force;
+  for (std::size_t i = 0; i < count; ++i)  // anything that no mode is orthogonal to
+    if (of.is_pinned[i]) {
+      motion[i].setZero();
+    } else {
+      const auto place = static_cast<double>(i);
+      motion[i] = {std::sin(7 * place + 1), std::sin(3 * place + 2), std::cos(5 * place)};
+    }
   constexpr int kRounds = 200;
   double square = 0;
   for (int round = 0; round < kRounds; ++round) {
-    force.assign(motion.size(), Vector2d::Zero());
-    for (std::size_t i = 0; i < along.size(); ++i) {
-      const auto& [a, b] = mesh.links[i];
-      const Vector2d pull = along[i].dot(motion[b] - motion[a]) * along[i];
-      force[a] -= pull;
-      force[b] += pull;
-    }
+    force.assign(count, Vector3d::Zero());
+    add_forces(motion, force);
     double largest = 0, kinetic = 0, elastic = 0;
-    for (std::size_t i = 0; i < motion.size(); ++i) {
-      kinetic += masses[i] * motion[i].squaredNorm();
+    for (std::size_t i = 0; i < count; ++i) {
+      kinetic += of.masses[i] * motion[i].squaredNorm();
       elastic += motion[i].dot(force[i]);
-      motion[i] = is_pinned[i] ? Vector2d::Zero() : Vector2d(force[i] / masses[i]);
+      motion[i] = of.is_pinned[i] ? Vector3d::Zero() : Vector3d(force[i] / of.masses[i]);
       largest = std::max(largest, motion[i].norm());
     }
     if (!(largest > 0) || !(kinetic > 0)) break;
     square = std::max(square, elastic / kinetic);
-    for (Vector2d& of_node : motion) of_node /= largest;
+    for (Vector3d& of_node : motion) of_node /= largest;
   }
   return std::sqrt(square);
 }
 
+/// Of springs of 1 N/m in a body of 1 kg.
+double HighestOfSprings(const plan::Group& group) {
+  const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
+  const Vibration of(group, analysis::MeshOf(group.settings.Get("type")), aspect);
+  std::vector<Vector3d> along;
+  for (const auto& [a, b] : of.mesh.links)
+    along.push_back((of.places[b] - of.places[a]).normalized());
+  return HighestFrequency(of,
+                          [&](const std::vector<Vector3d>& motion, std::vector<Vector3d>& force) {
+                            for (std::size_t i = 0; i < along.size(); ++i) {
+                              const auto& [a, b] = of.mesh.links[i];
+                              const Vector3d pull = along[i].dot(motion[b] - motion[a]) * along[i];
+                              force[a] -= pull;
+                              force[b] += pull;
+                            }
+                          });
+}
+
+/// Of a block of 1 kg, with a Young's modulus of 1 Pa. The highest modes are of the length of a few
+/// cells, so that a part of a large block has the same to 0.5 %, with an odd number of cells where
+/// the block has one: which corners of the mesh are in one tetrahedron only depends on it.
+double HighestOfBlock(const plan::Group& group, double size, double poisson_ratio) {
+  const analysis::LameConstants lame = analysis::LameConstantsOf(1, poisson_ratio);
+  const schema::Call& type = *schema::AsCall(group.settings.Get("type"));
+  Vector3d part;
+  const auto cells = [&](std::string_view argument, int axis) {
+    const std::size_t all = std::get<schema::Number>(schema::ArgumentOf(type, argument)).AsCount();
+    const std::size_t kept = std::min(all, 4 + all % 2);
+    part[axis] = static_cast<double>(kept) / static_cast<double>(all);
+    return kept;
+  };
+  const std::size_t columns = cells("columns", 0), layers = cells("layers", 1),
+                    rows = cells("rows", 2);
+  const Vector3d aspect = std::get<schema::Ratio>(group.settings.Get("aspect")).parts;
+  const Vibration of(group, analysis::BlockOf(columns, rows, layers),
+                     size * aspect.cwiseProduct(part));
+  std::vector<Matrix3d> inverse;
+  std::vector<double> volume;
+  const auto differences = [&](const std::array<std::uint32_t, 4>& nodes,
+                               const std::vector<Vector3d>& values) {
+    Matrix3d all;
+    for (int i = 0; i < 3; ++i)
+      all.col(i) = values[nodes[static_cast<std::size_t>(i) + 1]] - values[nodes[0]];
+    return all;
+  };
+  for (const auto& nodes : of.mesh.tetrahedra) {
+    const Matrix3d edges = differences(nodes, of.places);
+    volume.push_back(edges.determinant() / 6);
+    inverse.push_back(edges.inverse());
+  }
+  const double unit =
+      HighestFrequency(of, [&](const std::vector<Vector3d>& motion, std::vector<Vector3d>& force) {
+        for (std::size_t i = 0; i < volume.size(); ++i) {
+          const auto& nodes = of.mesh.tetrahedra[i];
+          const Matrix3d gradient = differences(nodes, motion) * inverse[i];
+          const Matrix3d stress = lame.mu * (gradient + gradient.transpose()) +
+                                  lame.lambda * gradient.trace() * Matrix3d::Identity();
+          const Matrix3d forces = volume[i] * stress * inverse[i].transpose();
+          for (int k = 0; k < 3; ++k) {
+            force[nodes[static_cast<std::size_t>(k) + 1]] += forces.col(k);
+            force[nodes[0]] -= forces.col(k);
+          }
+        }
+      });
+  // The part has its part of the mass.
+  return unit / std::sqrt(part.prod());
+}
+
+/// What makes the vibrations of a group: for the mode of the angular frequency w, damped by d w,
+/// w^2 = unit^2 stiffness / mass and d = damping w / stiffness.
+struct Vibrating {
+  double unit, stiffness, damping;
+};
+
+std::optional<Vibrating> VibratingOf(const plan::Group& group) {
+  const auto number = [&](schema::GroupParameter parameter) {
+    return schema::AsNumber(group.settings.Get(parameter))->AsReal();
+  };
+  for (const auto parameter :
+       {schema::GroupParameter("soft.stiffness"), schema::GroupParameter("soft.damping"),
+        schema::GroupParameter("soft.young_modulus"), schema::GroupParameter("soft.poisson_ratio"),
+        schema::GroupParameter("soft.stiffness_damping"), schema::GroupParameter("size")})
+    if (schema::AsNumber(group.settings.Get(parameter)) == nullptr) return std::nullopt;
+  if (!analysis::HasBlocks(group))
+    return Vibrating{HighestOfSprings(group), number("soft.stiffness"), number("soft.damping")};
+  const double modulus = number("soft.young_modulus");
+  return Vibrating{HighestOfBlock(group, number("size"), number("soft.poisson_ratio")), modulus,
+                   modulus * number("soft.stiffness_damping")};
+}
+
 }  // namespace
 
-/// The springs are explicit, and their damping implicit: a mode of the angular frequency w explodes
-/// if w timestep exceeds 2 sqrt(1 + damping w^2 timestep / (2 stiffness)).
+/// The springs and materials are explicit, and their damping implicit: a mode of the angular
+/// frequency w explodes if w timestep exceeds 2 sqrt(1 + damping w^2 timestep / (2 stiffness)).
 std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene) {
   constexpr double kLimit = 2, kFrom = 0.9;
   if (scene.world.WordOr("soft_world") != "springs") return std::nullopt;
@@ -69,13 +172,11 @@ std::optional<LintNumber> StiffSoftSpring(const plan::Scene& scene) {
     if (group.settings.Count("quantity") == 0 || !analysis::IsSoft(group.settings.Get("type")))
       continue;
     const schema::Number* mass = schema::AsNumber(group.settings.Get("mass"));
-    const schema::Number* stiffness = schema::AsNumber(group.settings.Get("soft.stiffness"));
-    const schema::Number* damping = schema::AsNumber(group.settings.Get("soft.damping"));
-    if (mass == nullptr || stiffness == nullptr || damping == nullptr) continue;
-    const double unit = HighestFrequency(group) / std::sqrt(mass->AsReal());
-    const double k = stiffness->AsReal(), c = damping->AsReal();
+    const auto vibrating = VibratingOf(group);
+    if (mass == nullptr || !vibrating) continue;
+    const double k = vibrating->stiffness, c = vibrating->damping;
     const auto value_at = [&](double step) {
-      const double square = unit * unit * step;
+      const double square = vibrating->unit * vibrating->unit / mass->AsReal() * step;
       return std::sqrt(square * k * step / (1 + square * c / 2));
     };
     const double value = value_at(timestep);

@@ -18,6 +18,7 @@ constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
 /// A soft body takes about 300 bytes for each node.
 constexpr Domain kCells = {.min = 1, .max = 10000};
+constexpr Domain kBlockCells = {.min = 1, .max = 1000};
 constexpr Domain kHulls = {.min = 1, .max = 1024};
 constexpr Domain kFraction = {.min = 0, .max = 1};
 
@@ -165,6 +166,10 @@ constexpr Parameter kRope[] = {
 constexpr Parameter kCloth[] = {
     Argument("columns", kCount, kCells, "", "rectangles along x, each of two triangles"),
     Argument("rows", kCount, kCells, "", "rectangles along z")};
+constexpr Parameter kBlock[] = {
+    Argument("columns", kCount, kBlockCells, "", "cells along x, each of five tetrahedra"),
+    Argument("rows", kCount, kBlockCells, "", "cells along z"),
+    Argument("layers", kCount, kBlockCells, "", "cells along y")};
 constexpr Parameter kPartOfList = Argument("part", kWord, kAny, "", "a part( )", {.calls = "part"});
 constexpr Parameter kTraceFile[] = {
     Argument("file", kText, kAny, "", "written by `cdb trace`, relative to the .cdb file"),
@@ -215,6 +220,7 @@ constexpr ParametrisedWord kCalls[] = {
     {"compound", "one body of several parts, compound(part(…), part(…)), each at its own place; the origin of its frame is the point that layouts place", kCompound, false, true},
     {"rope", "a soft body: a chain of nodes along x, as long as its size, and as thick as two margins", kRope},
     {"cloth", "a soft body: a sheet of triangles over x and z, as thick as two margins", kCloth},
+    {"block", "a soft body: a solid of tetrahedra, with the sides of a cuboid and a margin around it", kBlock},
     {"part", "of a compound: a closed form, or the hulls of a mesh", kPart},
     {"file", "a recorded run; equivalent to its name in quotes", kTraceFile},
     {"same", "one value for all sides of an object", kSame},

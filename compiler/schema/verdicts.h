@@ -47,7 +47,8 @@ inline constexpr VerdictInfo kVerdicts[] = {
      "or an object moved by > 0.25 S"},
     {Verdict::kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
-     "pressed in; nodes of a soft body end inside a rigid one, or a cloth crosses itself; or, if "
+     "pressed in; nodes of a soft body end inside a rigid one, a body crosses itself, or a "
+     "tetrahedron ends inside out; or, if "
      "the scene must rest, any depth > 0.25 "
      "S"},
     {Verdict::kCollapsed, "collapsed",

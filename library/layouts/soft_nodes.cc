@@ -11,9 +11,8 @@ std::vector<Eigen::Vector3d> NodesAbout(const plan::Scene& scene, const ObjectSt
   std::vector<Eigen::Vector3d> nodes;
   nodes.reserve(mesh.NodeCount());
   for (std::size_t node = 0; node < mesh.NodeCount(); ++node) {
-    const auto [x, z] = mesh.PlaceOf(node);
-    nodes.push_back(object.pose.orientation *
-                    Eigen::Vector3d((x - 0.5) * extent.x(), 0, (z - 0.5) * extent.z()));
+    const Eigen::Vector3d place = mesh.PlaceOf(node) - Eigen::Vector3d::Constant(0.5);
+    nodes.push_back(object.pose.orientation * place.cwiseProduct(extent));
   }
   return nodes;
 }

@@ -92,7 +92,8 @@ class Case {
                           Late("joint_stretch", kStretch),
                           Count("pressed"),
                           {"inside", LastStretch("inside")},
-                          {"self_crossings", LastStretch("self_crossings")}},
+                          {"self_crossings", LastStretch("self_crossings")},
+                          {"inverted_tetrahedra", LastStretch("inverted_tetrahedra")}},
                          {Above("penetration_ratio", kPeakDepth)});
       case kDrifting: {
         std::vector<Found> all =

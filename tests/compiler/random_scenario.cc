@@ -177,8 +177,9 @@ class Maker {
              call == schema::kRelativeCall ||                            // there is no other group
              call == schema::kTableCall || call == schema::kHeightsCall ||
              call == schema::kHeightCall || call == schema::kImplicitCall ||
-             call == analysis::kSurfaceWord ||                             // for fixed objects only
-             call == analysis::kRopeCall || call == analysis::kClothCall;  // soft_test.cc has them
+             call == analysis::kSurfaceWord ||  // for fixed objects only
+             call == analysis::kRopeCall || call == analysis::kClothCall ||
+             call == analysis::kBlockCall;  // soft_test.cc has them
     });
     return calls;
   }

@@ -63,6 +63,31 @@ void AddSprings(const SoftObject& one, double half_timestep, probes::SpringEnerg
   }
 }
 
+void AddStrains(const SoftObject& one, double half_timestep, probes::SpringEnergies& energy) {
+  for (std::size_t i = 0; i < one.elements.size(); ++i) {
+    const auto& corners = one.mesh.tetrahedra[i];
+    const Element& element = one.elements[i];
+    const auto gradient = [&](const auto& value_of) -> Eigen::Matrix3d {
+      return EdgesOf(corners, [&](std::uint32_t node) { return value_of(*one.body, node); }) *
+             element.inverse;
+    };
+    const Strained strained = StrainedBy(one.material, gradient(PlaceOf));
+    const double plain = element.volume * strained.energy;
+    energy.plain += plain;
+    energy.with_term += plain - half_timestep * element.volume *
+                                    strained.stress.cwiseProduct(gradient(VelocityOf)).sum();
+  }
+}
+
+/// N/m: what energy of deformation a displacement of all nodes by its square has, at most.
+double StiffnessOf(const SoftObject& one) {
+  double sum = static_cast<double>(one.mesh.links.size()) * one.stiffness;
+  const double modulus = one.material.lame.lambda + 2 * one.material.lame.mu;
+  for (const Element& element : one.elements)
+    sum += modulus * element.volume * element.inverse.squaredNorm();
+  return sum;
+}
+
 /// J: of nodes and springs, with the places of all rounded a few times.
 double RoundingEnergyOf(const SoftObject& one, double timestep) {
   constexpr double kTimes = 64;
@@ -71,9 +96,7 @@ double RoundingEnergyOf(const SoftObject& one, double timestep) {
     farthest = std::max(farthest, PlaceOf(*one.body, node).cwiseAbs().maxCoeff());
   const double off =
       kTimes * farthest * static_cast<double>(std::numeric_limits<btScalar>::epsilon());
-  return (MassOf(one) / (timestep * timestep) +
-          static_cast<double>(one.mesh.links.size()) * one.stiffness) *
-         off * off / 2;
+  return (MassOf(one) / (timestep * timestep) + StiffnessOf(one)) * off * off / 2;
 }
 
 bool IsFinite(const btRigidBody& body) {
@@ -110,6 +133,7 @@ SoftEnergy EnergyOf(const SoftWorld& world) {
       energy.weight_with_term += weight + one.masses[node] * half_timestep * g.dot(v);
     }
     if (one.stiffness > 0) AddSprings(one, half_timestep, energy.springs);
+    if (!one.elements.empty()) AddStrains(one, half_timestep, energy.springs);
   }
   for (const auto& body : world.rigid()) {
     if (!IsFree(*body)) continue;
@@ -157,6 +181,24 @@ double StretchOf(const SoftWorld& world) {
   return largest;
 }
 
+SoftVolume VolumeOf(const SoftWorld& world) {
+  SoftVolume sum;
+  double start = 0, now = 0;
+  for (const SoftObject& one : world.bodies()) {
+    for (std::size_t i = 0; i < one.elements.size(); ++i) {
+      const double volume = EdgesOf(one.mesh.tetrahedra[i],
+                                    [&](std::uint32_t node) { return PlaceOf(*one.body, node); })
+                                .determinant() /
+                            6;
+      start += one.elements[i].volume;
+      now += volume;
+      sum.inverted += !(volume > 0);
+    }
+  }
+  if (start > 0) sum.ratio = now / start;
+  return sum;
+}
+
 SoftProbes::Obstacle::Obstacle(objects::Solid of, const btRigidBody& its_body)
     : solid(std::move(of)), body(&its_body) {
   ReadPose();
@@ -195,7 +237,7 @@ void SoftProbes::Begin() {
   scales.energy_scale = energy.kinetic;
   scales.least_side = std::numeric_limits<double>::infinity();
   for (const SoftObject& one : world_.bodies()) {
-    const double side = 2 * MarginOf(*one.body);
+    const double side = world_.initial_state().objects[one.object].solid.sides.minCoeff();
     scales.least_side = std::min(scales.least_side, side);
     scales.energy_scale += MassOf(one) * (kFall * pull * side + std::pow(0.01 * side, 2) / 2);
     scales.energy_scale += RoundingEnergyOf(one, world_.timestep());
@@ -258,10 +300,15 @@ void SoftProbes::ReadNodes() {
 }
 
 void SoftProbes::RecordStability(std::uint64_t cycle) {
+  sweeps_.assign(nodes_.size(), Eigen::AlignedBox3d());
+  if (!world_.rigid().empty())
+    for (std::size_t body = 0; body < nodes_.size(); ++body)
+      for (const auto* nodes : {&last_nodes_[body], &nodes_[body]})
+        for (const Vector3d& node : *nodes) sweeps_[body].extend(node);
   auto [fastest, escaped, removed, non_finite, passed] = RecordRigid();
   double deepest = 0;
   std::int32_t inside = 0, crossings = 0;
-  bool has_cloth = false;
+  bool has_faces = false;
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     const SoftObject& one = world_.bodies()[body];
     if (!is_finite_[body]) {
@@ -278,7 +325,7 @@ void SoftProbes::RecordStability(std::uint64_t cycle) {
     const Depths depths = DepthsOf(body);
     deepest = std::max(deepest, depths.deepest);
     inside += depths.inside;
-    has_cloth = has_cloth || !one.mesh.triangles.empty();
+    has_faces = has_faces || !one.mesh.triangles.empty();
     crossings += static_cast<std::int32_t>(CountCrossings(one.mesh, nodes_[body]));
   }
   const double stretch = StretchOf(world_);
@@ -291,7 +338,10 @@ void SoftProbes::RecordStability(std::uint64_t cycle) {
   recording_.Put("passed", cycle, passed);
   recording_.Put("momentum_error", cycle, is_closed_ ? MomentumError(cycle) : kNone);
   recording_.Put("stretch", cycle, std::isfinite(stretch) ? stretch : kNone);
-  if (has_cloth) recording_.Put("self_crossings", cycle, crossings);
+  if (has_faces) recording_.Put("self_crossings", cycle, crossings);
+  const SoftVolume volume = VolumeOf(world_);
+  recording_.Put("volume_ratio", cycle, volume.ratio.value_or(kNone));
+  if (volume.ratio) recording_.Put("inverted_tetrahedra", cycle, volume.inverted);
 }
 
 SoftProbes::RigidCounts SoftProbes::RecordRigid() {
@@ -321,15 +371,17 @@ bool SoftProbes::HasPassed(const Obstacle& one, const Vector3d& last) const {
   const Vector3d lower = last.cwiseMin(one.pose.position), upper = last.cwiseMax(one.pose.position);
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     if (!is_finite_[body]) continue;
+    const Eigen::AlignedBox3d box(lower, upper);
+    if (!sweeps_[body].intersects(box)) continue;
     const std::vector<Vector3d>&from = last_nodes_[body], &to = nodes_[body];
     for (const auto& [a, b, c] : world_.bodies()[body].mesh.triangles) {
-      const auto box = Eigen::AlignedBox3d(from[a])
-                           .extend(from[b])
-                           .extend(from[c])
-                           .extend(to[a])
-                           .extend(to[b])
-                           .extend(to[c]);
-      if (!box.intersects(Eigen::AlignedBox3d(lower, upper))) continue;
+      const auto face = Eigen::AlignedBox3d(from[a])
+                            .extend(from[b])
+                            .extend(from[c])
+                            .extend(to[a])
+                            .extend(to[b])
+                            .extend(to[c]);
+      if (!face.intersects(box)) continue;
       if (exact::VertexMeetsFace(
               {{last, from[a], from[b], from[c]}, {one.pose.position, to[a], to[b], to[c]}}))
         return true;

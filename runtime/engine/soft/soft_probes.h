@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "compiler/plan/plan.h"
@@ -36,6 +38,13 @@ SoftMomentum MomentumOf(const SoftWorld& world);
 
 /// Largest length of a link over its rest length, minus 1.
 double StretchOf(const SoftWorld& world);
+
+struct SoftVolume {
+  /// Of the tetrahedra of all blocks, over that of the start; nullopt without a block.
+  std::optional<double> ratio;
+  std::int32_t inverted = 0;  ///< tetrahedra that are flat or inside out
+};
+SoftVolume VolumeOf(const SoftWorld& world);
 
 /// The world must outlive it. Not thread-safe.
 class SoftProbes {
@@ -85,6 +94,7 @@ class SoftProbes {
   const bool is_closed_;             ///< nothing but gravity acts on it from outside
   std::vector<Obstacle> obstacles_;  ///< the rigid objects, then the walls
   std::vector<std::vector<Eigen::Vector3d>> nodes_, last_nodes_;  ///< m, by soft body
+  std::vector<Eigen::AlignedBox3d> sweeps_;                       ///< of both, by soft body
   std::vector<char> is_finite_;                                   ///< by soft body
   std::vector<char> fell_off_;  ///< the edge of a floor, by soft body and rigid object
   SoftMomentum first_;

@@ -8,6 +8,7 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -173,12 +174,14 @@ class SpringWorld final : public BulletSoftWorld {
 
  private:
   /// Bullet's addForce would keep the stiffness of the first group for all.
-  btDeformableMassSpringForce& ForceOf(const plan::Group& group) {
+  btDeformableLagrangianForce& ForceOf(const plan::Group& group) {
     auto& force = forces_[&group];
     if (force == nullptr) {
-      force = std::make_unique<btDeformableMassSpringForce>(
-          static_cast<btScalar>(group.settings.Real("soft.stiffness")),
-          static_cast<btScalar>(group.settings.Real("soft.damping")), true, 0);
+      force = analysis::HasBlocks(group)
+                  ? MakeForce(MaterialOf(group))
+                  : std::make_unique<btDeformableMassSpringForce>(
+                        static_cast<btScalar>(group.settings.Real("soft.stiffness")),
+                        static_cast<btScalar>(group.settings.Real("soft.damping")), true, 0);
       force->setIndices(solver_.getIndices());
       solver_.getLagrangianForceArray()->push_back(force.get());
     }
@@ -189,8 +192,29 @@ class SpringWorld final : public BulletSoftWorld {
   btDeformableMultiBodyConstraintSolver contact_solver_;
   TimedSpringWorld world_;
   btDeformableGravityForce gravity_;
-  std::map<const plan::Group*, std::unique_ptr<btDeformableMassSpringForce>> forces_;
+  std::map<const plan::Group*, std::unique_ptr<btDeformableLagrangianForce>> forces_;
 };
+
+/// Gives the body of a block its tetrahedra, and their volumes.
+void AddElements(const plan::Group& group, const std::vector<Vector3d>& places, SoftObject& one) {
+  btSoftBody& body = *one.body;
+  one.material = MaterialOf(group);
+  for (const auto& corners : one.mesh.tetrahedra) {
+    body.appendTetra(static_cast<int>(corners[0]), static_cast<int>(corners[1]),
+                     static_cast<int>(corners[2]), static_cast<int>(corners[3]));
+    const Eigen::Matrix3d edges = EdgesOf(corners, [&](std::uint32_t i) { return places[i]; });
+    one.elements.push_back({edges.determinant() / 6, edges.inverse()});
+  }
+  // What Bullet's readers of files do after the last tetrahedron.
+  btSoftBody::TetraScratch at_rest;
+  for (btMatrix3x3* matrix : {&at_rest.m_F, &at_rest.m_cofF, &at_rest.m_corotation})
+    matrix->setIdentity();
+  at_rest.m_trace = 3;
+  at_rest.m_J = 1;
+  body.m_tetraScratches.resize(body.m_tetras.size(), at_rest);
+  body.m_tetraScratchesTn.resize(body.m_tetras.size(), at_rest);
+  body.initializeDmInverse();
+}
 
 /// m: where sweep and prune counts its steps from.
 double Reach(const plan::Scene& scene, const layouts::InitialState& state) {
@@ -351,6 +375,7 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   }
   for (const auto& [a, b, c] : one.mesh.triangles)
     body.appendFace(static_cast<int>(a), static_cast<int>(b), static_cast<int>(c));
+  if (!one.mesh.tetrahedra.empty()) AddElements(group, places, one);
   body.getCollisionShape()->setMargin(static_cast<btScalar>(margin));
   body.m_cfg.kDF = static_cast<btScalar>(object.numbers["friction"]);
   // Bullet takes the fraction of a step.
@@ -362,7 +387,7 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
           ToBullet(object.linear_velocity + object.angular_velocity.cross(places[node]));
   body.setActivationState(DISABLE_DEACTIVATION);
   body.setUserIndex(static_cast<int>(index));
-  if (has_springs_) one.stiffness = group.settings.Real("soft.stiffness");
+  if (has_springs_ && one.elements.empty()) one.stiffness = group.settings.Real("soft.stiffness");
   world_->Add(body, group);
   bodies_.push_back(std::move(one));
 }

@@ -5,9 +5,9 @@
 //   broad      boxes updated, pairs found and lost
 //   narrow     contacts of the pairs
 //   detect     both
-//   solve      positions: constraints of the soft bodies; springs: contacts and forces
+//   solve      positions: constraints of the soft bodies; springs: contacts and damping
 //   integrate  positions: gravity and the motion of the nodes without constraints, which comes
-//              before detection; springs: nodes moved
+//              before detection; springs: forces, and nodes moved
 //   step       all of stepSimulation; with springs, also collisions between soft bodies and of a
 //              body with itself, which are in none of the others
 #pragma once
@@ -29,6 +29,7 @@
 #include "compiler/analysis/soft.h"
 #include "compiler/plan/plan.h"
 #include "library/layouts/initial_state.h"
+#include "runtime/engine/soft/material.h"
 #include "runtime/engine/world/engine.h"
 #include "runtime/engine/world/shapes.h"
 #include "runtime/protocol/series.h"
@@ -70,13 +71,15 @@ struct SoftObject {
   analysis::SoftMesh mesh;
   std::vector<double> rest;    ///< m: length of each link
   std::vector<double> masses;  ///< kg: of each node, 0 if it is pinned
-  double stiffness = 0;        ///< N/m: of each link; 0 in the world of positions
+  double stiffness = 0;        ///< N/m: of each link; 0 of a block and in the world of positions
+  Material material = {};      ///< of a block
+  std::vector<Element> elements = {};  ///< its tetrahedra
 };
 
 /// Rigid objects are convex, and never sleep; kinematic ones follow their velocities or path.
 /// Nodes share the mass of their body: those of a rope, that of the halves of its links; those of a
-/// cloth, that of thirds of their triangles. Pinned nodes keep their place, and their mass is that
-/// of the pin. Not thread-safe.
+/// cloth, that of thirds of their triangles; those of a block, that of quarters of their
+/// tetrahedra. Pinned nodes keep their place, and their mass is that of the pin. Not thread-safe.
 class SoftWorld {
  public:
   /// Throws library::SceneError for values that the precision cannot represent.

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include "compiler/analysis/coverage.h"
@@ -25,7 +28,7 @@ TEST(SoftMesh, RopeIsAChain) {
   EXPECT_EQ(mesh.NodeCount(), 4u);
   EXPECT_TRUE(mesh.triangles.empty());
   EXPECT_THAT(mesh.links, ElementsAre(std::array{0u, 1u}, std::array{1u, 2u}, std::array{2u, 3u}));
-  EXPECT_EQ(mesh.PlaceOf(3), (std::pair{1.0, 0.5}));
+  EXPECT_EQ(mesh.PlaceOf(3), Eigen::Vector3d(1, 0.5, 0.5));
 }
 
 // Euler: nodes - links + triangles = 1 for a disc, each link of which has one or two triangles.
@@ -41,8 +44,8 @@ TEST(SoftMesh, ClothIsADisc) {
     for (const auto& link : {std::set{a, b}, std::set{b, c}, std::set{c, a}})
       EXPECT_TRUE(links.contains(link));
     const auto at = [&](std::uint32_t node) {
-      const auto [x, z] = mesh.PlaceOf(node);
-      return Eigen::Vector2d(x, z);
+      const Eigen::Vector3d place = mesh.PlaceOf(node);
+      return Eigen::Vector2d(place.x(), place.z());
     };
     const Eigen::Vector2d ab = at(b) - at(a), ac = at(c) - at(a);
     const double twice = ab.x() * ac.y() - ab.y() * ac.x();
@@ -50,6 +53,60 @@ TEST(SoftMesh, ClothIsADisc) {
     area -= twice / 2;
   }
   EXPECT_NEAR(area, 1, 1e-12);
+}
+
+// The tetrahedra fill the box: each triangle belongs to two of them, or to one and the surface,
+// which is a sphere: nodes - links + triangles = 2.
+TEST(SoftMesh, BlockIsABall) {
+  const analysis::SoftMesh mesh = analysis::BlockOf(4, 3, 2);
+  EXPECT_EQ(mesh.NodeCount(), 60u);
+  ASSERT_EQ(mesh.tetrahedra.size(), 5u * 24);
+  const Eigen::Vector3d sides(4, 2, 3);  // cubes
+  const auto at = [&](std::uint32_t node) {
+    return Eigen::Vector3d(mesh.PlaceOf(node).cwiseProduct(sides));
+  };
+  std::set<std::set<std::uint32_t>> links;
+  for (const auto& [a, b] : mesh.links) EXPECT_TRUE(links.insert({a, b}).second);
+  double volume = 0;
+  std::map<std::set<std::uint32_t>, int> faces;
+  std::set<std::set<std::uint32_t>> edges;
+  for (const auto& [a, b, c, d] : mesh.tetrahedra) {
+    const double own = (at(b) - at(a)).cross(at(c) - at(a)).dot(at(d) - at(a)) / 6;
+    EXPECT_TRUE(std::abs(own - 1.0 / 6) < 1e-12 || std::abs(own - 1.0 / 3) < 1e-12) << own;
+    volume += own;
+    for (const auto& face : {std::set{a, b, c}, {a, b, d}, {a, c, d}, {b, c, d}}) ++faces[face];
+    for (const auto& edge : {std::set{a, b}, {a, c}, {a, d}, {b, c}, {b, d}, {c, d}})
+      edges.insert(edge);
+  }
+  EXPECT_NEAR(volume, 24, 1e-9);
+  EXPECT_EQ(edges, links);
+  std::size_t once = 0;
+  for (const auto& [face, count] : faces) {
+    EXPECT_LE(count, 2);
+    once += count == 1;
+  }
+  EXPECT_EQ(once, mesh.triangles.size());
+  EXPECT_EQ(mesh.triangles.size(), 4u * (4 * 3 + 4 * 2 + 3 * 2));
+  std::set<std::set<std::uint32_t>> around;
+  std::set<std::uint32_t> outer;
+  double enclosed = 0, area = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    EXPECT_EQ((faces[{a, b, c}]), 1);
+    enclosed += at(a).dot(at(b).cross(at(c))) / 6;
+    area += (at(b) - at(a)).cross(at(c) - at(a)).norm() / 2;
+    for (const auto& edge : {std::set{a, b}, {b, c}, {a, c}}) around.insert(edge);
+    outer.insert({a, b, c});
+  }
+  EXPECT_NEAR(enclosed, 24, 1e-9) << "they face outwards";
+  EXPECT_NEAR(area, 2 * (4 * 2 + 4 * 3 + 2 * 3), 1e-9);
+  EXPECT_EQ(outer.size() + mesh.triangles.size(), around.size() + 2);
+  const std::vector<double> shares = analysis::MassShares(mesh);
+  double sum = 0;
+  for (const double share : shares) sum += share;
+  EXPECT_NEAR(sum, 1, 1e-12);
+  // A node between cells is a corner of one tetrahedron, or of four, in each of eight cells.
+  EXPECT_THAT(24 * 24 * shares[20 + 5 + 1],
+              testing::AnyOf(testing::DoubleNear(8, 1e-9), testing::DoubleNear(40, 1e-9)));
 }
 
 compiler::Compilation Compiled(const std::string& statements) {
@@ -66,8 +123,9 @@ constexpr const char* kWorld = "world { side 10; wall_shape box } ";
 
 TEST(Soft, PinsAreNamedByTheSides) {
   const auto pinned = [](const std::string& type, const std::string& pins) {
-    const plan::Scene scene = SceneOf(std::string(kWorld) + "objects { quantity 1; size 1; type " +
-                                      type + "; soft { pin " + pins + " } }");
+    const plan::Scene scene =
+        SceneOf(std::string(kWorld) + "soft_world springs; objects { quantity 1; size 1; type " +
+                type + "; soft { pin " + pins + " } }");
     return analysis::PinnedNodes(scene.groups[0]);
   };
   EXPECT_THAT(pinned("rope(segments: 5)", "none"), ElementsAre());
@@ -78,6 +136,12 @@ TEST(Soft, PinsAreNamedByTheSides) {
   EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "front"), ElementsAre(3, 4, 5));
   EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "corners"), ElementsAre(0, 2, 3, 5));
   EXPECT_THAT(pinned("cloth(columns: 2, rows: 1)", "left, right"), ElementsAre(0, 2, 3, 5));
+  const std::string block = "block(columns: 2, rows: 1, layers: 1)";
+  EXPECT_THAT(pinned(block, "left"), ElementsAre(0, 3, 6, 9));
+  EXPECT_THAT(pinned(block, "back"), ElementsAre(0, 1, 2, 6, 7, 8));
+  EXPECT_THAT(pinned(block, "bottom"), ElementsAre(0, 1, 2, 3, 4, 5));
+  EXPECT_THAT(pinned(block, "top"), ElementsAre(6, 7, 8, 9, 10, 11));
+  EXPECT_THAT(pinned(block, "corners"), ElementsAre(0, 2, 3, 5, 6, 8, 9, 11));
 }
 
 TEST(Soft, NodesAreCounted) {
@@ -87,6 +151,10 @@ TEST(Soft, NodesAreCounted) {
                 "objects a { quantity 3; size 1; type rope(segments: 4) } objects b { quantity 2; "
                 "size 1; type cloth(columns: 2, rows: 3) } objects c { quantity 1; mass fixed }")),
             3u * 5 + 2 * 12);
+  EXPECT_EQ(analysis::NodeCount(SceneOf(std::string(kWorld) +
+                                        "soft_world springs; objects { quantity 3; size 1; type "
+                                        "block(columns: 4, rows: 3, layers: 2) }")),
+            3u * 60);
 }
 
 TEST(Soft, RigidObjectsBesideThemMayMove) {
@@ -133,8 +201,8 @@ TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
       {"objects ball { quantity 1; location pile }", "a pile is settled without soft bodies"},
       {"objects ball { quantity 1; linear_velocity every(5, (0, 1, 0)) }",
        "schedules do not reach rigid bodies"},
-      {"objects ball { quantity 1; type bunny }", "must be convex"},
-      {"objects torus { quantity 1; mass fixed; type torus }", "must be convex"},
+      {"objects ball { quantity 1; type bunny }", "must be a convex closed form"},
+      {"objects torus { quantity 1; mass fixed; type torus }", "must be a convex closed form"},
       {"objects ball { quantity 1; mass fixed; soft { pin left } }", "ball has none"},
       {"objects s { restitution 0.5 }", "'restitution' has no meaning"},
       {"objects s { rolling_friction 0.5 }", "'rolling_friction' has no meaning"},
@@ -143,6 +211,12 @@ TEST(Soft, RefusesByNameWhatSoftBodiesCannotHave) {
       {"objects s { contact_stiffness 10 }", "'contact_stiffness' has no meaning"},
       {"objects s { links { type ball } }", "'links.type' has no meaning"},
       {"objects s { collides_with none }", "'collides_with' has no meaning"},
+      {"objects s { e1 0.5 }", "'e1' has no meaning"},
+      {"objects s { soft { young_modulus 2e5 } }", "is of the material of blocks"},
+      {"objects s { soft { poisson_ratio 0.4 } }", "is of the material of blocks"},
+      {"objects s { soft { material linear } }", "is of the material of blocks"},
+      {"objects s { soft { stiffness_damping 0.1 } }", "is of the material of blocks"},
+      {"objects s { soft { pin top } }", "a rope has no 'top'"},
       {"objects s { mass fixed }", "the mass of a soft body is a number"},
       {"objects s { mass uniform(1, 2) }", "the mass of a soft body is a number"},
       {"objects s { mass density(5) }", "the mass of a soft body is a number"},
@@ -183,10 +257,74 @@ TEST(Soft, RefusesOtherTypesSizesAndPlanes) {
     EXPECT_THAT(dsl::Render(Compiled(one.statements).diagnostics), HasSubstr(one.message));
 }
 
+TEST(Soft, RefusesByNameWhatBlocksCannotHave) {
+  struct Case {
+    const char *world, *settings, *message;
+  };
+  constexpr Case kCases[] = {
+      {"soft_world positions", "", "soft_world positions knows no material"},
+      {"soft_world springs", "soft { stiffness 5 }", "'soft.stiffness' is of links"},
+      {"soft_world springs", "soft { damping 5 }", "'soft.damping' is of links"},
+      {"soft_world springs", "soft { self_collision on }",
+       "the self-collision of blocks is not examined"},
+      {"soft_world springs", "soft { material corotated; stiffness_damping 0.1 }",
+       "corotated material has no damping"},
+      {"soft_world springs", "soft { correction 0.5 }",
+       "'soft.correction' has a meaning only with soft_world positions"},
+      {"soft_world springs", "mass fixed", "the mass of a soft body is a number"},
+      {"soft_world springs", "size uniform(1, 2)", "the size of a soft body is a number"},
+      {"soft_world springs", "restitution 0.5", "'restitution' has no meaning"},
+  };
+  for (const Case& one : kCases) {
+    const bool has_size = std::string_view(one.settings).starts_with("size");
+    EXPECT_THAT(
+        dsl::Render(
+            Compiled(std::string(kWorld) + one.world +
+                     "; objects { quantity 1; type block(columns: 2, rows: 2, layers: 2); " +
+                     (has_size ? "" : "size 1; ") + one.settings + " }")
+                .diagnostics),
+        HasSubstr(one.message))
+        << one.settings;
+  }
+  EXPECT_THAT(dsl::Render(Compiled(std::string(kWorld) +
+                                   "objects { quantity 1; size 1; type cloth(columns: 2, rows: 2); "
+                                   "soft { pin bottom } }")
+                              .diagnostics),
+              HasSubstr("a cloth has no 'bottom'"));
+  EXPECT_THAT(
+      dsl::Render(Compiled(std::string(kWorld) +
+                           "soft_world springs; objects { quantity 1; size 1; type block(columns: "
+                           "1000, rows: 1000, layers: 1000) }")
+                      .diagnostics),
+      HasSubstr("1003003001 nodes"));
+  EXPECT_FALSE(Compiled(std::string(kWorld) +
+                        "soft_world springs; objects { quantity 1; size 1; type block(columns: 2, "
+                        "rows: 2, layers: 2); aspect 1 : 2 : 3; soft { pin bottom, corners; "
+                        "young_modulus 1 MPa } }")
+                   .diagnostics.has_errors());
+}
+
+/// As in scenes without soft bodies.
+TEST(Soft, SettingsWithoutEffectOnRigidObjectsBesideThemWarn) {
+  const auto said = [](const char* rigid) {
+    return dsl::Render(Compiled(std::string(kWorld) +
+                                "objects s { quantity 1; size 1; type rope(segments: 3) } objects "
+                                "r { quantity 1; size 1; " +
+                                rigid + " }")
+                           .diagnostics);
+  };
+  EXPECT_THAT(said("e1 0.5"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("mass fixed; linear_velocity (1, 0, 0)"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("mass kinematic"), HasSubstr("no-effect"));
+  EXPECT_THAT(said("spinning_friction 0.1"), HasSubstr("no-effect"));
+  EXPECT_EQ(said("type superellipsoid; e1 0.5; linear_velocity (1, 0, 0)").find("no-effect"),
+            std::string::npos);
+}
+
 TEST(Soft, RefusesTheirSettingsWithoutThem) {
   for (const char* statements :
        {"soft_world springs", "soft_cell 0.1", "record vertices", "objects { soft { pin ends } }",
-        "objects { soft { stiffness 5 } }"}) {
+        "objects { soft { stiffness 5 } }", "objects { soft { young_modulus 5 } }"}) {
     const compiler::Compilation result =
         Compiled(std::string("objects { quantity 1 } ") + statements);
     EXPECT_TRUE(result.diagnostics.has_errors()) << statements;

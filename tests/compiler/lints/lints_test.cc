@@ -147,6 +147,28 @@ TEST(Lints, SoftSpringsExplodeWhereTheHighestFrequencyIsTooHigh) {
                "cloth(columns: 2, rows: 2) }"));
 }
 
+/// Cells of 0.1 m with sqrt(E / density) = 10 m/s, a Poisson's ratio of 0.3 and no pins: 413 rad/s
+/// by the eigenvalues of the assembled stiffness (block_test.cc), however many they are.
+TEST(Lints, BlocksExplodeWhereTheirHighestFrequencyIsTooHigh) {
+  const auto number = [](int cells, const std::string& soft) {
+    return NumberOf(
+        lints::Lint::kStiffSpring,
+        fmt::format("timestep 0.006; soft_world springs; world.walls none; objects {{ quantity 1; "
+                    "size {}; mass {}; type block(columns: {}, rows: 3, layers: 3); aspect 1 : "
+                    "{:.12g} : {:.12g}; soft {{ {} }} }}",
+                    0.1 * cells, 9 * cells, cells, 3.0 / cells, 3.0 / cells, soft));
+  };
+  for (const int cells : {3, 40}) {
+    const auto beyond = number(cells, "young_modulus 1e5");
+    ASSERT_TRUE(beyond);
+    EXPECT_NEAR(beyond->value, 413 * 0.006, 0.01);
+    EXPECT_TRUE(beyond->IsBad());
+    EXPECT_NEAR(beyond->remedy, 0.9 * 2 / 413, 0.0001);
+  }
+  EXPECT_FALSE(number(3, "young_modulus 5e4")) << "0.88 of the limit";
+  EXPECT_LT(number(3, "young_modulus 1e5; stiffness_damping 0.001")->value, 413 * 0.006 * 0.9);
+}
+
 TEST(Lints, SayNothingWhereNothingCanHappen) {
   EXPECT_FALSE(NumberOf(lints::Lint::kTallStack, "acceleration 0; objects.location stack"));
   EXPECT_FALSE(NumberOf(lints::Lint::kLongStep, "world.walls none"));

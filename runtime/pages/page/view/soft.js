@@ -1,4 +1,4 @@
-// The soft bodies of a run: a cloth as its triangles, a rope as a cylinder for each link.
+// The soft bodies of a run: a cloth as its triangles, a block as those of its surface, a rope as a cylinder for each link.
 import {
   BufferAttribute, BufferGeometry, CylinderGeometry, DoubleSide, DynamicDrawUsage, Group, InstancedMesh, Matrix4, Mesh,
   MeshLambertMaterial, Quaternion, Vector3,

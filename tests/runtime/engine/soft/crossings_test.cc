@@ -18,8 +18,8 @@ analysis::SoftMesh Strip() {
 std::vector<Vector3d> Flat(const analysis::SoftMesh& mesh) {
   std::vector<Vector3d> nodes;
   for (std::size_t i = 0; i < mesh.NodeCount(); ++i) {
-    const auto [x, z] = mesh.PlaceOf(i);
-    nodes.emplace_back(12 * x, 0, 2 * z);
+    const Vector3d place = mesh.PlaceOf(i);
+    nodes.emplace_back(12 * place.x(), 0, 2 * place.z());
   }
   return nodes;
 }

@@ -158,6 +158,21 @@ TEST(RigidBesideSoft, DepthIsThatInTheMovedBody) {
   EXPECT_GE(recording.Ints("inside").back(), 1);
 }
 
+// The faces of an octahedron with half sides of 0.3 m are 0.3 / sqrt(3) m from its centre, where a
+// rope is pinned. Bullet keeps another rope out of it.
+TEST(RigidBesideSoft, SuperellipsoidsHoldNodesInsideThem) {
+  const plan::Run run = SoftRun(
+      "cycles 200; timestep 1/480; soft_cell 0.02; world { side 100; walls none } objects rigid { "
+      "quantity 1; type superellipsoid; e1 2; e2 2; size 0.6; mass fixed; location at(-1, 0, 0); "
+      "overlap on } objects rope { quantity 1; size 2; mass 2; margin 0.01; type rope(segments: "
+      "4); location at(0, 0, 0); overlap on; soft { pin left } } objects falls { quantity 1; size "
+      "1; mass 1; margin 0.02; type rope(segments: 30); location at(-1, 0.5, 0) }");
+  const protocol::Recording recording = RecordSoft(run);
+  EXPECT_EQ(recording.Ints("inside")[0], 1);
+  EXPECT_NEAR(recording.Reals("max_penetration")[0], 0.3 / std::sqrt(3) + 0.01, 1e-5);
+  EXPECT_GT(std::ranges::max(recording.Ints("contacts")), 0);
+}
+
 TEST(RigidBesideSoft, PosesAreThoseOfBodiesAndTheMiddleOfNodes) {
   const plan::Run run = SoftRun(
       "record vertices; cycles 30; timestep 1/240; " +

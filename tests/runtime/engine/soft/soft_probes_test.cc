@@ -31,9 +31,10 @@ constexpr const char* kHanging =
 TEST(SoftProbes, EverySeriesHasAValueInEveryCycle) {
   plan::Run run = SoftRun(
       "cycles 30; world { side 4; wall_shape box } record timing, counts, energy, stability, "
-      "memory, vertices; objects { quantity 2; size 1; mass 1; margin 0.02; type cloth(columns: "
-      "4, rows: 3) } objects rope { quantity 1; size 1; mass 1; margin 0.02; type rope(segments: "
-      "5) }");
+      "memory, vertices; soft_world springs; objects { quantity 2; size 1; mass 1; margin 0.02; "
+      "type cloth(columns: 4, rows: 3) } objects rope { quantity 1; size 1; mass 1; margin 0.02; "
+      "type rope(segments: 5) } objects block { quantity 1; size 1; mass 1; margin 0.02; type "
+      "block(columns: 1, rows: 1, layers: 2); soft { young_modulus 100 } }");
   const protocol::Recording recording = RecordSoft(run);
   std::size_t recorded = 0;
   for (const protocol::Series& series : protocol::AllSeries()) {
@@ -50,13 +51,15 @@ TEST(SoftProbes, EverySeriesHasAValueInEveryCycle) {
     }
   }
   EXPECT_GE(recorded, 15u);
-  EXPECT_EQ(recording.Reals("vertex_positions").size(), 30u * (2 * 20 + 6) * 3);
+  EXPECT_EQ(recording.Reals("vertex_positions").size(), 30u * (2 * 20 + 6 + 12) * 3);
 }
 
 TEST(SoftProbes, RopesHaveNoCrossings) {
   const plan::Run run = SoftRun(kHanging + std::string("soft { pin right } } cycles 5"));
   const protocol::Recording recording = RecordSoft(run);
   for (const std::int32_t count : recording.Ints("self_crossings")) EXPECT_EQ(count, -1);
+  for (const std::int32_t count : recording.Ints("inverted_tetrahedra")) EXPECT_EQ(count, -1);
+  for (const double ratio : recording.Reals("volume_ratio")) EXPECT_TRUE(std::isnan(ratio));
 }
 
 TEST(SoftProbes, VerticesAreTheNodes) {

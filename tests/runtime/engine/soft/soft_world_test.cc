@@ -30,12 +30,18 @@ std::string Rope(const std::string& world, const std::string& more, int segments
 // g dt^2 n (n + 1) / 2.
 TEST(SoftWorld, FallsFreely) {
   for (const char* kind : {"positions", "springs"}) {
-    for (const char* type : {"rope(segments: 20)", "cloth(columns: 8, rows: 5)"}) {
+    for (const std::string type : {"rope(segments: 20)", "cloth(columns: 8, rows: 5)",
+                                   "block(columns: 3, rows: 2, layers: 2)"}) {
+      const bool is_block = type.starts_with("block");
+      if (is_block && std::string(kind) == "positions") continue;
       const plan::Run run = SoftRun(
           "world { side 100; walls none } timestep 0.01; soft_world " + std::string(kind) +
           "; objects { quantity 1; size 2; mass 3; margin 0.01; location at(0, 4, 0); type " +
           type + "; linear_velocity (1, 0, -0.5)" +
-          (std::string(kind) == "springs" ? "; soft { stiffness 10 }" : "") + " }");
+          (is_block                         ? "; soft { young_modulus 10 }"
+           : std::string(kind) == "springs" ? "; soft { stiffness 10 }"
+                                            : "") +
+          " }");
       soft::SoftWorld world = MakeSoftWorld(run);
       std::vector<Vector3d> start;
       const int count = world.bodies()[0].body->m_nodes.size();
