@@ -26,13 +26,15 @@ constexpr SuiteKind kKinds[] = {
     {"extreme", "unequal sizes, a large world, a fast gas"},
     {"joints", "bodies held together by joints, in maximal and in reduced coordinates"},
     {"stiff", "settings of Bullet in place of detectors: contacts, joints, time steps"},
+    {"soft", "settings of Bullet's worlds of soft bodies: iterations, time steps, springs"},
 };
 
 // One missed pair is one collision that does not happen. The other bounds are rounded values
 // between the errors of settings that a viewer accepts and those of settings that visibly fail: a
 // stack that slides by a fiftieth of a box, a ball that loses a tenth of its energy, a pendulum
-// that gains or loses a twentieth. If hundreds of bodies move, it is a matter of chance whether a
-// few overlap by a twentieth of their size: with another seed, the same work gets another verdict.
+// that gains or loses a twentieth, a rope that is off by a twentieth of its length. If hundreds of
+// bodies move, it is a matter of chance whether a few overlap by a twentieth of their size: with
+// another seed, the same work gets another verdict.
 constexpr auto kPenetrating = protocol::Verdict::kPenetrating;
 constexpr StandardScene kScenes[] = {
     {"games", "debris", "3000 pieces of debris in orbit", "pairs_missed", 0, kPenetrating},
@@ -51,6 +53,7 @@ constexpr StandardScene kScenes[] = {
     {"stiff", "stack", "a stack of five boxes that should remain standing", "position", 0.02},
     {"stiff", "bounce", "a ball that bounces without loss", "energy", 0.1},
     {"stiff", "pendulum", "a pendulum on a ball joint", "energy", 0.05},
+    {"soft", "rope", "a rope that swings", "position", 0.05},
 };
 
 /// Fraction of the cycles that a step counted as slow exceeds.

@@ -94,7 +94,7 @@ Given Of(const Couple& couple, const Features& features) {
 
 /// The face across a direction, if there is one.
 bool FindFace(const Piece& piece, const Vec3& direction, double square_sine, std::uint16_t& index) {
-  if (piece.faces.empty()) return false;
+  if (piece.faces.empty() || piece.faces.size() > 0xffff) return false;
   const FlatFace& face = FacingFace(piece, direction);
   index = static_cast<std::uint16_t>(&face - piece.faces.data());
   return SquaredNorm(Cross(face.normal, direction)) <= square_sine &&

@@ -121,7 +121,7 @@ class Publish : public testing::Test {
 
 TEST_F(Publish, MakesAFolderThatOthersCanCheck) {
   UsePlace();
-  ExpectSays(first_.out, "published: 18 files");
+  ExpectSays(first_.out, "published: 19 files");
   ExpectSays(first_.out, "not signed");
   const fs::path folder = Only();
   EXPECT_TRUE(folder.filename().string().starts_with("intel-xeon-gold-6230-cdb-0.1.0-"))
