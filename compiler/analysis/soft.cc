@@ -88,25 +88,16 @@ void AddEdges(SoftMesh& mesh) {
   mesh.links.erase(repeated.begin(), repeated.end());
 }
 
-/// The triangles that belong to one tetrahedron only.
+/// The faces of tetrahedra that lie in a side of the block.
 void AddSurface(SoftMesh& mesh) {
-  struct Face {
-    std::array<std::uint32_t, 3> sorted, corners;
-  };
-  std::vector<Face> faces;
   for (const Tetrahedron& one : mesh.tetrahedra)
     for (const auto& face : kFaces) {
-      Face& made = faces.emplace_back();
-      for (std::size_t i = 0; i < 3; ++i) made.corners[i] = one[face[i]];
-      made.sorted = made.corners;
-      std::ranges::sort(made.sorted);
+      const std::array<std::uint32_t, 3> corners = {one[face[0]], one[face[1]], one[face[2]]};
+      const Eigen::Array3d a = mesh.PlaceOf(corners[0]), b = mesh.PlaceOf(corners[1]),
+                           c = mesh.PlaceOf(corners[2]);
+      const Eigen::Array3d least = a.min(b).min(c), most = a.max(b).max(c);
+      if (most.minCoeff() == 0 || least.maxCoeff() == 1) mesh.triangles.push_back(corners);
     }
-  std::ranges::sort(faces, {}, &Face::sorted);
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const bool is_shared = (i > 0 && faces[i - 1].sorted == faces[i].sorted) ||
-                           (i + 1 < faces.size() && faces[i + 1].sorted == faces[i].sorted);
-    if (!is_shared) mesh.triangles.push_back(faces[i].corners);
-  }
 }
 
 }  // namespace
@@ -135,16 +126,18 @@ bool HasBlocks(const Group& group) {
   return HasObjects(group) && IsSoft(type) && schema::AsCall(type)->name == kBlockCall;
 }
 
+std::uint64_t NodeCount(const schema::Value& type) {
+  std::uint64_t count = 1;
+  for (const schema::Value& cells : schema::AsCall(type)->arguments)  // along one axis
+    count *= std::get<schema::Number>(cells).AsCount() + 1;
+  return count;
+}
+
 std::uint64_t NodeCount(const Scene& scene) {
   std::uint64_t count = 0;
   for (const Group& group : scene.groups) {
     const schema::Value& type = group.settings.Get("type");
-    if (!IsSoft(group) || !IsSoft(type)) continue;
-    const schema::Call& call = *schema::AsCall(type);
-    std::uint64_t nodes = group.settings.Count("quantity");
-    for (const schema::Value& cells : call.arguments)  // along one axis
-      nodes *= std::get<schema::Number>(cells).AsCount() + 1;
-    count += nodes;
+    if (IsSoft(group) && IsSoft(type)) count += group.settings.Count("quantity") * NodeCount(type);
   }
   return count;
 }
@@ -175,14 +168,18 @@ SoftMesh BlockOf(std::size_t columns, std::size_t rows, std::size_t layers) {
   return mesh;
 }
 
-SoftMesh MeshOf(const schema::Value& type) {
+SoftMesh LatticeOf(const schema::Value& type) {
   const schema::Call& call = *schema::AsCall(type);
-  if (call.name == kBlockCall)
-    return BlockOf(CountOf(call, "columns"), CountOf(call, "rows"), CountOf(call, "layers"));
   SoftMesh mesh;
-  const bool is_rope = call.name == kRopeCall;
-  mesh.columns = CountOf(call, is_rope ? "segments" : "columns");
-  mesh.rows = is_rope ? 0 : CountOf(call, "rows");
+  mesh.columns = CountOf(call, call.name == kRopeCall ? "segments" : "columns");
+  if (call.name != kRopeCall) mesh.rows = CountOf(call, "rows");
+  if (call.name == kBlockCall) mesh.layers = CountOf(call, "layers");
+  return mesh;
+}
+
+SoftMesh MeshOf(const schema::Value& type) {
+  SoftMesh mesh = LatticeOf(type);
+  if (mesh.layers > 0) return BlockOf(mesh.columns, mesh.rows, mesh.layers);
   AddSheet(mesh);
   return mesh;
 }
@@ -208,10 +205,6 @@ std::vector<double> MassShares(const SoftMesh& mesh) {
       shares[node] +=
           (i % 5 == 4 ? 2.0 : 1.0) * 5 / (24.0 * static_cast<double>(mesh.tetrahedra.size()));
   return shares;
-}
-
-std::vector<std::uint32_t> PinnedNodes(const Group& group) {
-  return PinnedNodes(group, MeshOf(group.settings.Get("type")));
 }
 
 std::vector<std::uint32_t> PinnedNodes(const Group& group, const SoftMesh& mesh) {
@@ -462,7 +455,9 @@ MaybeFault FindMaterialFault(const Scene& scene, const Group& group, const schem
         return fault(parameter,
                      fmt::format("'{}' is of the material of blocks, and a {} has none",
                                  parameter.name(), type.name),
-                     "remove it, or write soft { stiffness … }");
+                     scene.world.WordOr("soft_world") == "springs"
+                         ? "remove it, or write soft { stiffness … }"
+                         : "remove it");
     return std::nullopt;
   }
   if (scene.world.WordOr("soft_world") != "springs")

@@ -43,6 +43,8 @@ struct SoftMesh {
 
 /// `type`: that of a soft body.
 SoftMesh MeshOf(const schema::Value& type);
+/// The same with its nodes alone.
+SoftMesh LatticeOf(const schema::Value& type);
 SoftMesh BlockOf(std::size_t columns, std::size_t rows, std::size_t layers);
 
 /// Of each node, in the mass of its body, which it has if it is not pinned: of a rope, that of the
@@ -58,15 +60,13 @@ bool IsSoft(const plan::Group& group);
 bool HasSoft(const plan::Scene& scene);
 /// True if the objects of the group are blocks.
 bool HasBlocks(const plan::Group& group);
-/// Of all soft bodies.
+/// Of one soft body of this type, and of all those of a scene.
+std::uint64_t NodeCount(const schema::Value& type);
 std::uint64_t NodeCount(const plan::Scene& scene);
 /// Objects beside the soft ones that contacts move.
 std::uint64_t FreeRigidCount(const plan::Scene& scene);
 
-/// The pinned nodes of each object of the group, ascending.
-std::vector<std::uint32_t> PinnedNodes(const plan::Group& group);
-
-/// Of a mesh with the sides of the group's own.
+/// The nodes of a mesh that the sides which the group pins have, ascending.
 std::vector<std::uint32_t> PinnedNodes(const plan::Group& group, const SoftMesh& mesh);
 
 /// Pa: the constants of Hooke's law, stress = 2 mu strain + lambda trace(strain).

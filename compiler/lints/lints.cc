@@ -69,9 +69,10 @@ constexpr LintInfo kLints[] = {
     {.lint = Lint::kStiffSpring, .kind = {"W0310", "stiff-spring"},
      .number = "w timestep, w the highest angular frequency of a group's springs, or of a block",
      .threshold = "2",
-     .predicts = "springs {} explode",
+     .predicts = "springs or blocks {} explode",
      .remedy = "timestep {} or less, or a lower stiffness",
-     .about = "links.stiffness soft.stiffness soft.young_modulus links.damping timestep mass"},
+     .about = "links.stiffness links.damping soft.stiffness soft.damping soft.young_modulus "
+              "soft.poisson_ratio soft.stiffness_damping size timestep mass"},
     {.lint = Lint::kThinShape, .kind = {"W0311", "thin-shape"},
      .number = "longest side / shortest side, of objects that touch more than planes",
      .threshold = "30, and never certain",

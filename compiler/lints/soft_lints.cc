@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -146,13 +147,17 @@ std::optional<Vibrating> VibratingOf(const plan::Group& group) {
   const auto number = [&](schema::GroupParameter parameter) {
     return schema::AsNumber(group.settings.Get(parameter))->AsReal();
   };
-  for (const auto parameter :
-       {schema::GroupParameter("soft.stiffness"), schema::GroupParameter("soft.damping"),
-        schema::GroupParameter("soft.young_modulus"), schema::GroupParameter("soft.poisson_ratio"),
-        schema::GroupParameter("soft.stiffness_damping"), schema::GroupParameter("size")})
-    if (schema::AsNumber(group.settings.Get(parameter)) == nullptr) return std::nullopt;
-  if (!analysis::HasBlocks(group))
+  const auto are_constant = [&](std::initializer_list<schema::GroupParameter> parameters) {
+    return std::ranges::all_of(parameters, [&](schema::GroupParameter parameter) {
+      return schema::AsNumber(group.settings.Get(parameter)) != nullptr;
+    });
+  };
+  if (!analysis::HasBlocks(group)) {
+    if (!are_constant({"soft.stiffness", "soft.damping"})) return std::nullopt;
     return Vibrating{HighestOfSprings(group), number("soft.stiffness"), number("soft.damping")};
+  }
+  if (!are_constant({"soft.young_modulus", "soft.poisson_ratio", "soft.stiffness_damping", "size"}))
+    return std::nullopt;
   const double modulus = number("soft.young_modulus");
   return Vibrating{HighestOfBlock(group, number("size"), number("soft.poisson_ratio")), modulus,
                    modulus * number("soft.stiffness_damping")};

@@ -5,7 +5,8 @@
 namespace cdb::layouts {
 
 std::vector<Eigen::Vector3d> NodesAbout(const plan::Scene& scene, const ObjectState& object) {
-  const analysis::SoftMesh mesh = analysis::MeshOf(scene.groups[object.group].settings.Get("type"));
+  const analysis::SoftMesh mesh =
+      analysis::LatticeOf(scene.groups[object.group].settings.Get("type"));
   const Eigen::Vector3d extent =
       object.solid.sides - Eigen::Vector3d::Constant(2 * object.numbers["margin"]);
   std::vector<Eigen::Vector3d> nodes;

@@ -212,17 +212,20 @@ options::ExitStatus WritePlace(const fs::path& folder) {
   for (const auto& [name, why] : place.left_out)
     text += fmt::format("{}: left out: {}\n", name, why);
   std::string page = (folder / publish::kPlacePage).string();
+  bool is_written = true;
   try {
     publish::WritePlacePage(place, folder);
   } catch (const page::PageError& error) {
     page = fmt::format("no page: {}", error.what());
+    is_written = false;
   }
   const std::size_t entries = place.entries.size();
   text += fmt::format("{}: {} entr{}{}{}\n", page, entries, entries == 1 ? "y" : "ies",
                       faulty > 0 ? fmt::format(", {} of them not sound", faulty) : "",
                       disagreements > 0 ? fmt::format(", {} disagreements", disagreements) : "");
   terminal::Print(text);
-  return faulty > 0          ? options::ExitStatus::kFailedRuns
+  return !is_written         ? options::ExitStatus::kEnvironmentError
+         : faulty > 0        ? options::ExitStatus::kFailedRuns
          : disagreements > 0 ? options::ExitStatus::kWorse
                              : options::ExitStatus::kGood;
 }
@@ -302,15 +305,23 @@ options::ExitStatus Suite(const SuiteArguments& arguments) {
   if (chosen.size() > 1)
     throw options::CommandError(fmt::format("{} cannot be combined with {}", chosen[0], chosen[1]));
   const plans::SuiteChoice& choice = arguments.choice;
-  const std::pair<const char*, bool> of_runs[] = {
-      {"--only", !arguments.only.empty()},   {"--long", choice.is_long},
-      {"--seed", arguments.seed != 0},       {"--detector", !choice.detectors.empty()},
-      {"--plugin", !choice.plugins.empty()}, {"--retry", !arguments.retry.empty()},
-      {"--fresh", arguments.fresh}};
+  const std::pair<const char*, bool> of_runs[] = {{"--only", !arguments.only.empty()},
+                                                  {"--long", choice.is_long},
+                                                  {"--seed", arguments.seed != 0},
+                                                  {"--detector", !choice.detectors.empty()},
+                                                  {"--plugin", !choice.plugins.empty()},
+                                                  {"--retry", !arguments.retry.empty()},
+                                                  {"--retry-noisy", arguments.noisy_retries > 0},
+                                                  {"--fresh", arguments.fresh},
+                                                  {"--quiet", arguments.quiet}};
   for (const auto& [name, is_given] : of_runs)
     if (is_given && !chosen.empty())
       throw options::CommandError(
           fmt::format("{} is for runs, and {} executes none; remove it", name, chosen[0]));
+  if (arguments.out != SuiteArguments().out &&
+      (!arguments.check.empty() || !arguments.page.empty()))
+    throw options::CommandError(
+        fmt::format("-o is not used by {}, which has a folder of its own; remove it", chosen[0]));
   if (!arguments.sign.empty() && arguments.publish.empty())
     throw options::CommandError("--sign signs what is published: it needs --publish");
   if (!arguments.check.empty()) return Check(arguments.check);

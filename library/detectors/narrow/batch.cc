@@ -38,6 +38,7 @@ class Hints {
     current_ = std::move(memory);
     place_ = place;
     is_first_ = true;
+    misses_ = 0;
     list_ = index_ = 0;
   }
   /// That of the last cycle, to be changed for the next. Valid until the next call.
@@ -45,15 +46,12 @@ class Hints {
     current_.push_back({pair, piece_a, piece_b, {}});
     PairHint& entry = current_.back();
     if (std::exchange(is_first_, false)) Seek(entry);
-    constexpr int kSoon = 16;
-    std::size_t list = list_, index = index_;
-    for (int i = 0; i < kSoon && SkipEnds(list, index); ++i, ++index) {
-      PairHint& old = (*last_)[list][index];
-      if (!old.IsOf(entry)) continue;
-      entry.hint = std::move(old.hint);
-      list_ = list;
-      index_ = index + 1;
-      break;
+    // Where many pairs came or went, the next ones are farther on.
+    constexpr int kSoon = 16, kFar = 512;
+    if (TakeFrom(entry, kSoon)) {
+      misses_ = 0;
+    } else if (++misses_ % kSoon == 0 && TakeFrom(entry, kFar)) {
+      misses_ = 0;
     }
     return entry.hint;
   }
@@ -61,6 +59,19 @@ class Hints {
   std::vector<PairHint> Take() { return std::move(current_); }
 
  private:
+  /// Looks at so many of the last cycle. False if that of the pair is not among them.
+  bool TakeFrom(PairHint& entry, int most) {
+    std::size_t list = list_, index = index_;
+    for (int i = 0; i < most && SkipEnds(list, index); ++i, ++index) {
+      PairHint& old = (*last_)[list][index];
+      if (!old.IsOf(entry)) continue;
+      entry.hint = std::move(old.hint);
+      list_ = list;
+      index_ = index + 1;
+      return true;
+    }
+    return false;
+  }
   /// From the end of a list to the next one that is not empty. False at the end of the last.
   bool SkipEnds(std::size_t& list, std::size_t& index) const {
     while (list < last_->size() && index >= (*last_)[list].size()) ++list, index = 0;
@@ -88,6 +99,7 @@ class Hints {
   std::vector<PairHint> current_;
   double place_ = 0;
   bool is_first_ = true;
+  int misses_ = 0;                    ///< one after the other
   std::size_t list_ = 0, index_ = 0;  ///< in those of the last cycle
 };
 

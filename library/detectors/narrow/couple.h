@@ -159,6 +159,8 @@ struct Couple {
   }
 };
 
+struct Memory;
+
 /// The shortest translation that separates two cores, or their distance.
 struct Separation {
   Vec3 normal;      ///< unit, from b to a
@@ -169,8 +171,7 @@ struct Separation {
 /// The distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), or their
 /// depth by an expanding polytope (van den Bergen 2001). If they are farther apart than `reach`,
 /// the normal and gap are those of an axis along which they are. `axis`: a direction from b to a to
-/// begin with, not zero. `memory`: null, or of two polytopes, for the next cycle.
-struct Memory;
+/// begin with, not zero. `memory`: null, or what is kept for the next cycle.
 Separation Separate(const Couple& couple, const Vec3& axis, double reach, Memory* memory);
 
 /// A straight edge or line on a surface, in the frame of a: of a if `piece` is 1, of b if it is -1;

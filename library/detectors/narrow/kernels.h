@@ -10,12 +10,13 @@
 namespace cdb::narrow {
 
 /// What a kernel keeps of a pair of pieces from one cycle to the next: an axis along which they
-/// were apart, or the features that touched. It saves time and changes no result.
+/// were apart, or the features that touched. It saves time, and changes no more than last digits
+/// (batch.h).
 struct Hint {
   /// Of two boxes, its number in box_axes.h; -1: none.
   std::int32_t box_axis = -1;
   float axis[3] = {0, 0, 0};       ///< otherwise, in the frame of a, from b to a; zero: none
-  std::unique_ptr<Memory> memory;  ///< of two polytopes that are near or overlap; null: none
+  std::unique_ptr<Memory> memory;  ///< of pieces that are near or overlap; null: none
 
   void Set(const Vec3& of) {
     axis[0] = static_cast<float>(of.x);

@@ -18,9 +18,9 @@ constexpr double kTie = 1e-9;
 struct Given {
   Separation separation;
   bool is_valid;  ///< along the normal, no vertex is farther than they are
-  /// m: how far the origin's foot is from the boundary of the face of the difference that the
-  /// features make. Not negative: the points nearest to each other are in the features, and a gap
-  /// is the distance of the pieces.
+  /// How far the origin's foot is from the boundary of the face of the difference that the features
+  /// make: of curved pieces m, of edges of polytopes in edges. Not negative: the points nearest to
+  /// each other are in the features, and a gap is the distance of the pieces.
   double inset;
 
   bool IsInside() const { return inset >= 0; }

@@ -28,7 +28,8 @@ struct Features {
 };
 
 /// A closed surface of triangles around the origin, whose corners are vertices of the difference of
-/// two polytopes: the overlap is nowhere less than its distance from the origin.
+/// two polytopes. No way out of the overlap is shorter than the distance of its nearest triangle
+/// from the origin.
 struct Shell {
   static constexpr std::uint32_t kMostVertices = 24, kMostFaces = 2 * kMostVertices - 4;
   std::uint8_t vertex_count = 0;  ///< 0: none

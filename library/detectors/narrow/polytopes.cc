@@ -30,8 +30,13 @@ Separation Search(const Couple& couple, double reach, Hint& hint) {
   if (SquaredNorm(axis) == 0) axis = {0, 1, 0};
   Memory memory;
   const Separation separation = Separate(couple, axis, reach, &memory);
-  const bool is_kept = memory.features.kind != Features::Kind::kNone;
-  hint.memory = is_kept ? std::make_unique<Memory>(memory) : nullptr;
+  if (memory.features.kind == Features::Kind::kNone) {
+    hint.memory = nullptr;
+  } else if (hint.memory == nullptr) {
+    hint.memory = std::make_unique<Memory>(memory);
+  } else {
+    *hint.memory = memory;
+  }
   return separation;
 }
 

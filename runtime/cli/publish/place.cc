@@ -46,18 +46,31 @@ PlaceEntry ReadEntry(const fs::path& folder) {
     entry.signature = CheckSignature(folder);
     entry.faults = FindDigestFaults(folder);
     if (!entry.faults.empty()) return entry;
-    // So that no results are here twice, and verify themselves.
-    if (const std::string word = ResultsWord(ComputeDigest(folder)); !entry.name.ends_with(word))
-      entry.faults.push_back(fmt::format(
-          "the name of the folder should end with {}, the digest of its results", word));
     if (!entry.version) {
       entry.faults.push_back(
           fmt::format("{}: it is not a summary of the suite", plans::kSuiteSummary));
+    } else if (*entry.version > figures::kSuiteVersion) {
+      entry.faults.push_back(fmt::format(
+          "{}: it is of version {} of the suite, which this cdb does not know; it has version {}",
+          plans::kSuiteSummary, *entry.version, figures::kSuiteVersion));
     } else if (IsThisVersion(entry)) {
       CheckedResults checked = CheckResults(folder);
       entry.faults.insert(entry.faults.end(), checked.faults.begin(), checked.faults.end());
+      // So that no results are here twice, and verify themselves.
+      if (const std::string name = NameOf(checked.read); entry.name != name)
+        entry.faults.push_back(fmt::format("the name of the folder should be {}", name));
+      for (const auto& [name, hex] : ComputeDigest(folder))
+        if (name != plans::kSuiteSummary && !checked.read.facts.sha256.contains(name))
+          entry.faults.push_back(fmt::format("{}: it is not a file of the suite", name));
       entry.summary = std::move(checked.summary);
     } else {
+      const Digest digest = ComputeDigest(folder);
+      if (const std::string word = ResultsWord(digest); !entry.name.ends_with(word))
+        entry.faults.push_back(fmt::format(
+            "the name of the folder should end with {}, the digest of its results", word));
+      if (std::ranges::none_of(digest,
+                               [](const auto& file) { return file.first.ends_with(".h5"); }))
+        entry.faults.emplace_back("it has no results files");
       entry.summary = *summary;
     }
   } catch (const std::exception& error) {

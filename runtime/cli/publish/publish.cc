@@ -95,7 +95,11 @@ class TemporaryFolder {
     fs::rename(path_, final_, error);
     if (error) FailWriting(final_, error.message());
     is_ours_ = false;
-    Sync(final_.parent_path());
+    // The results are there, whole. Until the disk knows their name, a power cut can remove it.
+    if (const plan::Descriptor place(
+            open(final_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+        place.get() >= 0)
+      static_cast<void>(fsync(place.get()));
   }
 
  private:
@@ -171,6 +175,7 @@ std::string NameOf(const plans::SuiteFolder& read) {
 
 Published Publish(const CheckedResults& results, const fs::path& folder, const fs::path& place,
                   const std::string& key) {
+  if (!key.empty()) RequireKey(key);
   std::error_code error;
   fs::create_directories(place, error);
   if (error) FailWriting(place, error.message());

@@ -23,7 +23,11 @@ constexpr const char* kProgram = "ssh-keygen";
 /// What RunProgram passes as standard input.
 constexpr std::size_t kMostInput = 1 << 16;
 
-std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
+/// The last line that is not empty: that of the cause. Warnings in frames of @ come before it.
+std::string LastLine(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
 
 /// `SHA256:…`, in `Good "cdb-suite" signature with ED25519 key SHA256:…`; empty if there is none.
 std::string FingerprintIn(const std::string& text) {
@@ -46,6 +50,8 @@ std::string SignerOf(const fs::path& signers, const fs::path& signature,
   return verified && verified->status == 0 ? name : std::string();
 }
 
+}  // namespace
+
 void RequireKey(const std::string& key) {
   if (!process::FindProgram(kProgram))
     throw options::CommandError(
@@ -59,8 +65,6 @@ void RequireKey(const std::string& key) {
         key, why));
 }
 
-}  // namespace
-
 Signature CheckSignature(const fs::path& folder) {
   const fs::path signature = fs::absolute(folder / kSignatureFile).lexically_normal();
   std::error_code error;
@@ -72,7 +76,15 @@ Signature CheckSignature(const fs::path& folder) {
       {kProgram, "-Y", "check-novalidate", "-n", kNamespace, "-s", signature.string()}, *digest);
   if (!checked)
     return {SignatureState::kUnchecked, "signed, but ssh-keygen is not installed, which checks it"};
-  if (checked->status != 0) return {SignatureState::kBad, "the signature does not match"};
+  if (checked->status != 0) {
+    // Of other failures, such as of an ssh-keygen that is too old, the author is not to blame.
+    const std::string cause = LastLine(checked->err);
+    const bool is_verdict = why.find("ignature") != std::string::npos ||
+                            why.find("parse") != std::string::npos ||
+                            checked->out.find("Could not verify") != std::string::npos;
+    if (is_verdict) return {SignatureState::kBad, "the signature does not match"};
+    return {SignatureState::kUnchecked, "signed, but ssh-keygen cannot check it: " + cause};
+  }
   const std::string key = FingerprintIn(checked->out);
   const fs::path signers = signature.parent_path().parent_path() / kSignersFile;
   if (!fs::exists(signers, error)) return {SignatureState::kGood, "signed by key " + key, key};
@@ -97,12 +109,12 @@ void Sign(const fs::path& folder, const std::string& key) {
   const auto digest = plan::ReadInputFile((folder / kDigestFile).string(), why, kMostInput);
   if (!digest)
     throw options::CommandError(fmt::format("{}: {}", (folder / kDigestFile).string(), why));
-  const auto made = cluster::RunProgram({kProgram, "-Y", "sign", "-f", key, "-n", kNamespace},
+  const auto made = cluster::RunProgram({kProgram, "-q", "-Y", "sign", "-f", key, "-n", kNamespace},
                                         *digest, cluster::ProgramGroup::kCallers);
   if (!made || made->status != 0)
     throw options::CommandError(
         fmt::format("--sign {}: ssh-keygen cannot sign with it: {}", key,
-                    made ? FirstLine(made->err) : std::string("it was removed")));
+                    made ? LastLine(made->err) : std::string("it was removed")));
   files::WriteWhole(made->out, folder / kSignatureFile);
 }
 

@@ -4,7 +4,7 @@
 // `allowed_signers`, a file of ssh-keygen beside the published folders; without it, a reader
 // compares fingerprints.
 //
-// Threads: any.
+// Threads: one.
 #pragma once
 
 #include <filesystem>
@@ -19,9 +19,9 @@ inline constexpr const char* kSignersFile = "allowed_signers";
 enum class SignatureState {
   kNone,       ///< there is no signature
   kGood,       ///< by a signer that is known, if there are known ones
-  kStranger,   ///< by a key that `allowed_signers` has not
+  kStranger,   ///< by a key that is not in `allowed_signers`
   kBad,        ///< not of this digest, or not a signature
-  kUnchecked,  ///< ssh-keygen is not installed
+  kUnchecked,  ///< ssh-keygen is not installed, or cannot check it
 };
 
 struct Signature {
@@ -32,6 +32,9 @@ struct Signature {
 
 /// Verifies the signature of the digest in `folder`.
 Signature CheckSignature(const std::filesystem::path& folder);
+
+/// Throws CommandError if ssh-keygen is not installed, or the file of a key cannot be read.
+void RequireKey(const std::string& key);
 
 /// `SHA256:…`. Throws CommandError if it is not a key, or ssh-keygen is not installed.
 std::string FingerprintOf(const std::string& key);

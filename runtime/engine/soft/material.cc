@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
+#include <limits>
 
 namespace cdb::soft {
 namespace {
@@ -24,6 +25,9 @@ Matrix3d Cofactors(const Matrix3d& m) {
   for (int i = 0; i < 3; ++i) cofactors.col(i) = m.col((i + 1) % 3).cross(m.col((i + 2) % 3));
   return cofactors;
 }
+
+/// Bullet's corotated law takes no rotation from a tetrahedron that is flat or inside out.
+constexpr double kLeastGrowth = 1024 * std::numeric_limits<btScalar>::epsilon();
 
 /// The rotation of the polar decomposition.
 Matrix3d RotationOf(const Matrix3d& gradient) {
@@ -44,8 +48,9 @@ Strained NeoHookean(const Material& material, const Matrix3d& gradient) {
 
 Strained Corotated(const Material& material, const Matrix3d& gradient) {
   const auto [mu, lambda] = material.lame;
-  const Matrix3d off = gradient - RotationOf(gradient);
   const double growth = gradient.determinant() - 1;
+  const Matrix3d off = growth + 1 < kLeastGrowth ? Matrix3d(gradient - Matrix3d::Identity())
+                                                 : Matrix3d(gradient - RotationOf(gradient));
   return {mu * off.squaredNorm() + lambda / 2 * growth * growth,
           2 * mu * off + lambda * growth * Cofactors(gradient)};
 }

@@ -79,7 +79,8 @@ void AddStrains(const SoftObject& one, double half_timestep, probes::SpringEnerg
   }
 }
 
-/// N/m: what energy of deformation a displacement of all nodes by its square has, at most.
+/// N/m: an upper bound of twice the strain energy over the square of the largest displacement of a
+/// node.
 double StiffnessOf(const SoftObject& one) {
   double sum = static_cast<double>(one.mesh.links.size()) * one.stiffness;
   const double modulus = one.material.lame.lambda + 2 * one.material.lame.mu;

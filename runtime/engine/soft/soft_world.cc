@@ -358,7 +358,7 @@ void SoftWorld::MakeSoft(const ObjectState& object, std::size_t index) {
   const double margin = object.numbers["margin"];
   one.masses = analysis::MassShares(one.mesh);
   for (double& mass : one.masses) mass *= object.mass;
-  for (const std::uint32_t node : analysis::PinnedNodes(group)) one.masses[node] = 0;
+  for (const std::uint32_t node : analysis::PinnedNodes(group, one.mesh)) one.masses[node] = 0;
   const std::vector<Vector3d> places = layouts::NodesAbout(scene_, object);
   btAlignedObjectArray<btVector3> points;
   btAlignedObjectArray<btScalar> masses;

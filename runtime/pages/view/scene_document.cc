@@ -82,7 +82,8 @@ void AddSoft(const SceneRecording& recording, Json& run) {
     std::vector<std::int32_t> triangles, links;
     for (const auto& triangle : mesh.triangles)
       triangles.insert(triangles.end(), triangle.begin(), triangle.end());
-    for (const auto& link : mesh.links) links.insert(links.end(), link.begin(), link.end());
+    if (mesh.triangles.empty())  // a rope
+      for (const auto& link : mesh.links) links.insert(links.end(), link.begin(), link.end());
     bodies.push_back({{"body", i},
                       {"first", first},
                       {"count", mesh.NodeCount()},

@@ -281,9 +281,9 @@ void AddSoftPoses(std::span<const double> nodes, std::span<const double> poses,
       p = {pose[0], pose[1], pose[2]};
       q = {pose[6], pose[3], pose[4], pose[5]};
     } else if (analysis::IsSoft(group)) {
-      const std::size_t count = analysis::MeshOf(group.settings.Get("type")).NodeCount();
+      const std::uint64_t count = analysis::NodeCount(group.settings.Get("type"));
       p.setZero();
-      for (std::size_t node = 0; node < count; ++node, at += 3)
+      for (std::uint64_t node = 0; node < count; ++node, at += 3)
         p += Eigen::Vector3d(nodes[at], nodes[at + 1], nodes[at + 2]) / static_cast<double>(count);
       q.setIdentity();
     }

@@ -29,11 +29,11 @@ std::string CellName(const std::vector<plan::Axis>& axes, std::uint64_t repeats,
 // A frame shows the state after a recorded cycle. Without poses there is one frame, the start.
 // Lengths in m, times in s.
 
-/// A series of the run: one value for each cycle that ran, or, for an error, for each sample. NaN:
-/// no value.
 /// The unit of durations of a run that counts instructions.
 inline constexpr const char* kInstructions = "instructions";
 
+/// A series of the run: one value for each cycle that ran, or, for an error, for each sample. NaN:
+/// no value.
 struct CycleSeries {
   std::string name, unit;
   std::vector<double> values;

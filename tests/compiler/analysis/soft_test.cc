@@ -126,7 +126,8 @@ TEST(Soft, PinsAreNamedByTheSides) {
     const plan::Scene scene =
         SceneOf(std::string(kWorld) + "soft_world springs; objects { quantity 1; size 1; type " +
                 type + "; soft { pin " + pins + " } }");
-    return analysis::PinnedNodes(scene.groups[0]);
+    return analysis::PinnedNodes(scene.groups[0],
+                                 analysis::LatticeOf(scene.groups[0].settings.Get("type")));
   };
   EXPECT_THAT(pinned("rope(segments: 5)", "none"), ElementsAre());
   EXPECT_THAT(pinned("rope(segments: 5)", "left"), ElementsAre(0));

@@ -16,6 +16,7 @@
 #include "runtime/cli/publish/place.h"
 #include "runtime/cli/publish/publish.h"
 #include "runtime/cli/publish/signature.h"
+#include "runtime/printers/json_points.h"
 #include "runtime/sweep/process/find_program.h"
 #include "tests/runtime/cli/plans/submission.h"
 #include "tests/support/program.h"
@@ -207,20 +208,43 @@ TEST_F(Publish, FindsMissingAndForeignFiles) {
   fs::remove(folder / "standard_bounce.h5");
   ExpectFault("standard_bounce.h5: it is missing");
   RenewDigest(folder);
-  ExpectFault("the name of the folder should end with ");
+  ExpectFault("stiff/bounce: there are no results");
   WriteFile(folder / "digest.txt", "../../etc/passwd\n");
   ExpectFault("digest.txt: it is not a list as `sha256sum` prints it");
 }
 
 TEST_F(Publish, TheSameResultsAreNotVerifiedByACopy) {
   UsePlace();
-  fs::copy(Only(), place() / "another-machine");
+  // With the same digits, or with those of a folder that has one more file.
+  const fs::path mine = Only();
+  const std::string name = mine.filename();
+  const fs::path copy = place() / ("amd" + name.substr(name.find('-')));
+  fs::copy(mine, copy);
+  WriteFile(copy / "more.h5", "");
+  RenewDigest(copy);
   const publish::Place read = publish::ReadPlace(place());
   ASSERT_EQ(read.entries.size(), 2u);
-  EXPECT_EQ(read.entries[0].name, "another-machine");
-  ASSERT_EQ(read.entries[0].faults.size(), 1u);
-  ExpectSays(read.entries[0].faults[0], "the name of the folder should end with ");
+  ASSERT_EQ(read.entries[0].faults.size(), 2u);
+  ExpectSays(read.entries[0].faults[0], "the name of the folder should be " + name);
+  ExpectSays(read.entries[0].faults[1], "more.h5: it is not a file of the suite");
+  EXPECT_TRUE(read.entries[1].faults.empty());
   EXPECT_TRUE(read.entries[1].verified.empty());
+}
+
+TEST_F(Publish, ASummaryWithoutFiguresOrOfALaterVersionIsNone) {
+  UsePlace();
+  const fs::path summary = Only() / "suite.json";
+  auto json = printers::Json::parse(ReadFile(summary));
+  const std::string whole = json.dump();
+  for (auto& kind : json["kinds"]) kind = printers::Json::object();
+  WriteFile(summary, json.dump());
+  RenewDigest(Only());
+  ExpectFault("suite.json: it is not the summary of these results");
+  json = printers::Json::parse(whole);
+  json["suite"] = figures::kSuiteVersion + 1;
+  WriteFile(summary, json.dump());
+  RenewDigest(Only());
+  ExpectFault("which this cdb does not know");
 }
 
 TEST_F(Publish, EntriesOfOneVersionVerifyEachOther) {
@@ -310,8 +334,7 @@ TEST_F(SignedPublish, WithoutTheProgramItIsRefused) {
       "PATH=/nowhere \"$CDB\" suite -o {} --publish place --sign ann", mine_->folder().string()));
   EXPECT_EQ(refused.status, 2);
   ExpectSays(refused.err, "--sign needs the program ssh-keygen");
-  for (const auto& entry : fs::directory_iterator(place()))
-    ADD_FAILURE() << entry.path() << " was left";
+  EXPECT_FALSE(fs::exists(place()));
 }
 
 TEST_F(Publish, AKillLeavesTheWholeFolderOrNone) {
