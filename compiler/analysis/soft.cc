@@ -286,6 +286,8 @@ constexpr std::string_view kRigidTypes[] = {"sphere",  "cuboid",      "cylinder"
                                             "capsule", "tetrahedron", "superellipsoid"};
 /// Nodes of a run, and of it alone: Bullet's arrays have int as their size.
 constexpr std::uint64_t kMostNodes = 10'000'000;
+/// Of one block: a node takes 7 kB with its tetrahedra and links.
+constexpr std::uint64_t kMostBlockNodes = 1'000'000;
 
 MaybeFault OfWorld(schema::WorldParameter parameter, std::string message, std::string help,
                    std::string word = {}) {
@@ -449,6 +451,10 @@ MaybeFault FindMaterialFault(const Scene& scene, const Group& group, const schem
     return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
   };
   const plan::GroupSettings& settings = group.settings;
+  if (const schema::Value& value = settings.Get("type");
+      type.name == kBlockCall && NodeCount(value) > kMostBlockNodes)
+    return fault("type", fmt::format("the block has {} nodes", NodeCount(value)),
+                 fmt::format("a block may have {}", kMostBlockNodes));
   if (type.name != kBlockCall) {
     for (const schema::GroupParameter parameter : kOfBlocks)
       if (settings.Has(*parameter.get()))

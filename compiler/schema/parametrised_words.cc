@@ -16,7 +16,7 @@ constexpr Domain kNotNegative = ParameterTable::kNotNegative;
 constexpr Domain kNotZero = {.not_zero = true};
 constexpr Domain kCountFromZero = ParameterTable::kCountFromZero;
 constexpr Domain kCountFromOne = ParameterTable::kCountFromOne;
-/// A soft body takes about 300 bytes for each node.
+/// Ropes and cloths take about 300 bytes for each node.
 constexpr Domain kCells = {.min = 1, .max = 10000};
 constexpr Domain kBlockCells = {.min = 1, .max = 1000};
 constexpr Domain kHulls = {.min = 1, .max = 1024};

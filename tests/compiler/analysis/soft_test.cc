@@ -295,9 +295,9 @@ TEST(Soft, RefusesByNameWhatBlocksCannotHave) {
   EXPECT_THAT(
       dsl::Render(Compiled(std::string(kWorld) +
                            "soft_world springs; objects { quantity 1; size 1; type block(columns: "
-                           "1000, rows: 1000, layers: 1000) }")
+                           "99, rows: 99, layers: 100) }")
                       .diagnostics),
-      HasSubstr("1003003001 nodes"));
+      HasSubstr("the block has 1010000 nodes"));
   EXPECT_FALSE(Compiled(std::string(kWorld) +
                         "soft_world springs; objects { quantity 1; size 1; type block(columns: 2, "
                         "rows: 2, layers: 2); aspect 1 : 2 : 3; soft { pin bottom, corners; "
