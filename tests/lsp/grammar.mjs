@@ -55,7 +55,7 @@ assert.deepEqual(tokens('benchmark b "t \\n" { cycles 1_000 } # c'), [
 assert.equal(scopeOf("let n = sweep(1 .. 5) as z", "n"), "variable.other.constant.cdb");
 assert.equal(scopeOf("seed 0xAA_BB", "0xAA_BB"), "constant.numeric.cdb");
 assert.equal(scopeOf("timestep 1.5e-3", "1.5e-3"), "constant.numeric.cdb");
-assert.equal(scopeOf("any(bottom 3)", "bottom"), undefined, "part of a word");
+assert.equal(scopeOf("any(bottomless 3)", "bottomless"), undefined, "part of a word");
 
 // In the examples, every parameter and statement has a scope.
 for (const name of readdirSync(examples).filter((one) => one.endsWith(".cdb"))) {
