@@ -130,9 +130,10 @@ bool SetPair(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint16_t (&
 /// Of polytopes: the edges that cross.
 bool SetEdges(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
               Features& found) {
-  // Two vertices may be opposite corners of the face that the edges make.
-  const DifferenceVertex &one = simplex[0], &two = simplex[count > 1 ? 1 : 0],
-                         &three = simplex[count - 1];
+  // Two vertices may be opposite corners of the face that the edges make. There are none of poses
+  // that are not finite.
+  if (count < 2) return false;
+  const DifferenceVertex &one = simplex[0], &two = simplex[1], &three = simplex[count - 1];
   if (!SetPair(one.vertex_a, two.vertex_a, three.vertex_a, found.of_a) ||
       !SetPair(one.vertex_b, two.vertex_b, three.vertex_b, found.of_b))
     return false;
