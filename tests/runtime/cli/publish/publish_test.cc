@@ -283,7 +283,7 @@ class SignedPublish : public Publish {
   void SetUp() override {
     Publish::SetUp();
     if (IsSkipped()) return;
-    if (!process::FindProgram("ssh-keygen")) GTEST_SKIP() << "without ssh-keygen";
+    if (!process::FindProgram("ssh-keygen")) GTEST_SKIP() << "without ssh-keygen (./setup --test)";
     for (const char* key : {"ann", "bob"})
       ASSERT_EQ(
           program_.Shell(fmt::format("ssh-keygen -q -t ed25519 -N '' -C x -f {}", key)).status, 0);
