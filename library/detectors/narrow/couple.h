@@ -191,8 +191,8 @@ struct Edge {
   }
 };
 
-/// The line on the surface of a piece that is parallel to its axis, wherever it is, or the edge
-/// between two vertices. `which`: as Edge::piece.
+/// A line on the surface of a piece, parallel to its axis, of which only the direction is known;
+/// and the edge between two vertices. `which`: as Edge::piece.
 Edge AxisOf(const Couple& couple, int which);
 Edge EdgeOf(const Couple& couple, int which, std::uint32_t from, std::uint32_t to);
 
@@ -206,6 +206,11 @@ struct Edges {
   Edges(const Couple& couple, const DifferenceVertex& a, const DifferenceVertex& b,
         const DifferenceVertex& c);
 };
+
+/// The separation of a face of one piece, `which` as Edge::piece, and the point of the other that
+/// is deepest behind it. Returns how far, m, this point is from the boundary of the face, seen
+/// along its normal, or somewhat less; negative if it is not over the face.
+double MeetFace(const Couple& couple, int which, const FlatFace& face, Separation& found);
 
 /// The separation of an edge of each piece, if they are nearest, or overlap least of all nearby,
 /// where they cross; then returns how far, m, the origin's foot is from the boundary of the face of

@@ -146,40 +146,21 @@ Separation Apart(const Couple& couple, const Simplex& simplex, const Vec3& neare
   return Kept(couple, simplex, memory, found);
 }
 
-/// The point of the other piece that is deepest behind the face of one that faces along about
-/// `way`, in its frame, if it is above that face. `turn` and `place`: of the other.
-struct OverFace {
-  bool is_found = false;
-  Vec3 normal = {}, point = {};
-  double gap = 0;
-
-  OverFace(const Piece& piece, const Vec3& way, double facing, const Piece& other,
-           const Rotation& turn, const Vec3& place) {
-    if (piece.faces.empty()) return;
-    const FlatFace* const face = &FacingFace(piece, way);
-    if (!(Dot(face->normal, way) > facing)) return;
-    normal = face->normal;
-    point = turn * FarthestPoint(other, Inverse(turn, -normal)) + place;
-    gap = Dot(normal, point) - face->offset;
-    is_found = InsetOf(piece, *face, point) >= 0;
-  }
-};
-
 /// The gap of a point of one piece and a face of the other, if it is over that face. `direction`:
 /// about that from a to b; `facing`: least cosine of it and the face.
 bool TryFace(const Couple& couple, const Vec3& direction, double facing, Separation& found) {
-  const OverFace of_a(couple.a, direction, facing, couple.b, couple.turn, couple.place);
-  if (of_a.is_found) {
-    found = {-of_a.normal, of_a.gap, of_a.point - of_a.gap * of_a.normal, of_a.point};
+  for (const int which : {1, -1}) {
+    const Piece& piece = which > 0 ? couple.a : couple.b;
+    if (piece.faces.empty()) continue;
+    const Vec3 way = which > 0 ? direction : Inverse(couple.turn, -direction);
+    const FlatFace& face = FacingFace(piece, way);
+    Separation separation;
+    if (!(Dot(face.normal, way) > facing) || !(MeetFace(couple, which, face, separation) >= 0))
+      continue;
+    found = separation;
     return true;
   }
-  const Rotation& turn = couple.turn;
-  const OverFace of_b(couple.b, Inverse(turn, -direction), facing, couple.a, couple.TurnOfA(),
-                      couple.PlaceOfA());
-  if (!of_b.is_found) return false;
-  const Vec3 on_a = couple.ToA(of_b.point), normal = turn * of_b.normal;
-  found = {normal, of_b.gap, on_a, on_a - of_b.gap * normal};
-  return true;
+  return false;
 }
 
 /// Of pieces with curved surfaces: guesses from a simplex about the nearest where their gap is
@@ -248,6 +229,22 @@ class Crown {
 constexpr int kMostSteps = 100;
 
 }  // namespace
+
+double MeetFace(const Couple& couple, int which, const FlatFace& face, Separation& found) {
+  const bool is_of_a = which > 0;
+  const Piece &piece = is_of_a ? couple.a : couple.b, &other = is_of_a ? couple.b : couple.a;
+  const Rotation turn = is_of_a ? couple.turn : couple.TurnOfA();
+  const Vec3 place = is_of_a ? couple.place : couple.PlaceOfA();
+  const Vec3 deepest = turn * FarthestPoint(other, Inverse(turn, -face.normal)) + place;
+  const double gap = Dot(face.normal, deepest) - face.offset;
+  if (is_of_a) {
+    found = {-face.normal, gap, deepest - gap * face.normal, deepest};
+  } else {
+    const Vec3 on_a = couple.ToA(deepest), normal = couple.turn * face.normal;
+    found = {normal, gap, on_a, on_a - gap * normal};
+  }
+  return InsetOf(piece, face, deepest);
+}
 
 double CrossEdges(const Couple& couple, const Edge& first, const Edge& second,
                   const Vec3& direction, Separation& found) {

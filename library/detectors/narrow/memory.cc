@@ -8,88 +8,51 @@
 namespace cdb::narrow {
 namespace {
 
-/// Squares of the sines of angles within which a face is across the normal, and edges are parallel.
-/// A search knows the normal of pieces with curved surfaces less well.
-constexpr double kAcross = 1e-12, kAcrossCurved = 1e-6, kParallel = 1e-6;
+/// Squares of the sines of angles within which a face is across the normal. A search knows the
+/// normal of pieces with curved surfaces less well.
+constexpr double kAcross = 1e-12, kAcrossCurved = 1e-6;
 /// In radii of the smaller piece: of two ways out whose lengths differ by less, rounding decides.
 constexpr double kTie = 1e-9;
 
 /// What features give.
 struct Given {
-  Separation separation;
-  bool is_valid;  ///< along the normal, no vertex is farther than they are
-  /// How far the origin's foot is from the boundary of the face of the difference that the features
-  /// make: of curved pieces m, of edges of polytopes in edges. Not negative: the points nearest to
-  /// each other are in the features, and a gap is the distance of the pieces.
-  double inset;
+  Separation separation = {};
+  /// m: how far the origin's foot is from the boundary of the face of the difference that the
+  /// features make. Not negative: the points nearest to each other are in the features, and a gap
+  /// is the distance of the pieces.
+  double inset = -1;
+  bool is_valid = false;  ///< along the normal, no vertex is farther than they are
 
   bool IsInside() const { return inset >= 0; }
 };
 
-Given OfFace(const Piece& piece, const Piece& other, std::uint16_t index, const Rotation& turn,
-             const Vec3& place) {
-  const FlatFace& face = piece.faces[index];
-  const Vec3 deepest = turn * FarthestPoint(other, Inverse(turn, -face.normal)) + place;
-  const double gap = Dot(face.normal, deepest) - face.offset;
-  return {{face.normal, gap, deepest - gap * face.normal, deepest},
-          true,
-          InsetOf(piece, face, deepest)};
-}
-
-Given OfFace(const Couple& couple, const Features& features) {
-  if (features.kind == Features::Kind::kFaceOfA) {
-    Given given = OfFace(couple.a, couple.b, features.face, couple.turn, couple.place);
-    given.separation.normal = -given.separation.normal;
-    return given;
-  }
-  Given given = OfFace(couple.b, couple.a, features.face, couple.TurnOfA(), couple.PlaceOfA());
-  const auto& [normal, gap, on_face, deepest] = given.separation;
-  given.separation = {couple.turn * normal, gap, couple.ToA(deepest), couple.ToA(on_face)};
-  return given;
-}
-
-Given OfEdges(const Couple& couple, const Features& features) {
-  const Vec3 a = couple.a.Vertex(features.of_a[0]), along_a = couple.a.Vertex(features.of_a[1]) - a,
-             b = couple.ToA(couple.b.Vertex(features.of_b[0])),
-             along_b = couple.ToA(couple.b.Vertex(features.of_b[1])) - b;
-  const Vec3 across = Cross(along_a, along_b), between = b - a;
-  const double square = SquaredNorm(across);
-  if (!(square > kParallel * SquaredNorm(along_a) * SquaredNorm(along_b))) return {{}, false, -1};
-  const Vec3 normal = (features.is_opposite ? -1 : 1) / std::sqrt(square) * across;
-  const double gap = couple.Gap(normal), of_edges = -Dot(normal, between);
-  const double s = Dot(Cross(between, along_b), across) / square,
-               t = Dot(Cross(between, along_a), across) / square;
-  return {{normal, gap, a + s * along_a, b + t * along_b},
-          of_edges - gap <= couple.skin,
-          std::min({s, 1 - s, t, 1 - t})};
-}
-
-Edge LineOf(const Couple& couple, int which, const std::uint16_t (&of)[2]) {
+Edge EdgeOf(const Couple& couple, int which, const std::uint16_t (&of)[2]) {
   return of[0] == Features::kAxis ? AxisOf(couple, which) : EdgeOf(couple, which, of[0], of[1]);
 }
 
-Given OfLines(const Couple& couple, const Features& features) {
-  const Edge a = LineOf(couple, 1, features.of_a), b = LineOf(couple, -1, features.of_b);
-  const Vec3 across = Cross(a.along, b.along);
-  Given given{};
-  given.inset = CrossEdges(couple, a, b, features.is_opposite ? across : -across, given.separation);
-  given.is_valid = given.IsInside();
-  return given;
-}
-
 Given Of(const Couple& couple, const Features& features) {
+  Given given;
   switch (features.kind) {
     case Features::Kind::kFaceOfA:
+      given.inset = MeetFace(couple, 1, couple.a.faces[features.face], given.separation);
+      given.is_valid = true;
+      break;
     case Features::Kind::kFaceOfB:
-      return OfFace(couple, features);
-    case Features::Kind::kEdges:
-      return OfEdges(couple, features);
-    case Features::Kind::kLines:
-      return OfLines(couple, features);
+      given.inset = MeetFace(couple, -1, couple.b.faces[features.face], given.separation);
+      given.is_valid = true;
+      break;
+    case Features::Kind::kEdges: {
+      const Edge a = EdgeOf(couple, 1, features.of_a), b = EdgeOf(couple, -1, features.of_b);
+      const Vec3 across = Cross(a.along, b.along);
+      given.inset =
+          CrossEdges(couple, a, b, features.is_opposite ? across : -across, given.separation);
+      given.is_valid = given.IsInside();
+      break;
+    }
     case Features::Kind::kNone:
       break;
   }
-  return {{}, false, -1};
+  return given;
 }
 
 /// The face across a direction, if there is one.
@@ -101,11 +64,11 @@ bool FindFace(const Piece& piece, const Vec3& direction, double square_sine, std
          Dot(face.normal, direction) > 0;
 }
 
-/// Of pieces of which at least one has a curved surface: the lines or edges that cross.
-bool SetLines(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
+/// The edges that cross. Two vertices may be opposite corners of the face that they make.
+bool SetEdges(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
               Features& found) {
   if (count < 2) return false;
-  const Edges edges(couple, simplex[0], simplex[1], simplex[std::min(2, count - 1)]);
+  const Edges edges(couple, simplex[0], simplex[1], simplex[count - 1]);
   const Edge &a = edges.of[0], &b = edges.of[1];
   if (edges.count != 2 || a.piece == b.piece) return false;
   const auto set = [](const Edge& edge, std::uint16_t(&of)[2]) {
@@ -115,31 +78,6 @@ bool SetLines(const Couple& couple, const DifferenceVertex* simplex, int count, 
   set(a, found.of_a);
   set(b, found.of_b);
   found.is_opposite = Dot(Cross(a.along, b.along), normal) < 0;
-  return true;
-}
-
-/// The different numbers of three, ascending, if they are two.
-bool SetPair(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint16_t (&pair)[2]) {
-  const auto [least, most] = std::minmax({a, b, c});
-  pair[0] = static_cast<std::uint16_t>(least);
-  pair[1] = static_cast<std::uint16_t>(most);
-  return least != most && (a == least || a == most) && (b == least || b == most) &&
-         (c == least || c == most);
-}
-
-/// Of polytopes: the edges that cross.
-bool SetEdges(const Couple& couple, const DifferenceVertex* simplex, int count, const Vec3& normal,
-              Features& found) {
-  // Two vertices may be opposite corners of the face that the edges make. There are none of poses
-  // that are not finite.
-  if (count < 2) return false;
-  const DifferenceVertex &one = simplex[0], &two = simplex[1], &three = simplex[count - 1];
-  if (!SetPair(one.vertex_a, two.vertex_a, three.vertex_a, found.of_a) ||
-      !SetPair(one.vertex_b, two.vertex_b, three.vertex_b, found.of_b))
-    return false;
-  const Vec3 along_a = couple.a.Vertex(found.of_a[1]) - couple.a.Vertex(found.of_a[0]),
-             along_b = couple.b.Vertex(found.of_b[1]) - couple.b.Vertex(found.of_b[0]);
-  found.is_opposite = Dot(Cross(along_a, couple.turn * along_b), normal) < 0;
   return true;
 }
 
@@ -205,9 +143,6 @@ bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int coun
     if (!is_of_a && !(is_across_b && is_given(Features::Kind::kFaceOfB))) return false;
     // Of parallel faces, rounding decides which is found.
     if (is_across_a && is_across_b) return false;
-  } else if (couple.is_curved) {
-    if (!SetLines(couple, simplex, count, normal, found) || !is_given(Features::Kind::kLines))
-      return false;
   } else if (!SetEdges(couple, simplex, count, normal, found) ||
              !is_given(Features::Kind::kEdges)) {
     return false;

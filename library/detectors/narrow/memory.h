@@ -16,8 +16,7 @@ struct Features {
     kNone,
     kFaceOfA,  ///< with the vertex of b that is deepest behind it
     kFaceOfB,
-    kEdges,  ///< one of each, which are not parallel
-    kLines,  ///< the same as kEdges, of which at least one is on a curved surface
+    kEdges,  ///< one of each, which are not parallel; of a curved surface, a line on it
   };
   static constexpr std::uint16_t kAxis = 0xffff;  ///< in place of a vertex: a line along the axis
   Kind kind = Kind::kNone;
@@ -45,10 +44,10 @@ struct Memory {
 
 /// The features of the simplex of `count` vertices in which the difference of two pieces is nearest
 /// to the origin, and the separation that they give, in place of `separation`, which it is but for
-/// rounding. Of pieces with curved surfaces, the simplex may have no vertices: then only faces are
-/// found. It depends on the features and the couple alone, whatever way led to them; only the
-/// points do not where features are parallel, so that the nearest are not in them. False, with
-/// Features::Kind::kNone, if no features give it, or if they are parallel.
+/// rounding. The simplex may have no vertices: then only faces are found. It depends on the
+/// features and the couple alone, whatever way led to them; only the points do not where features
+/// are parallel, so that the nearest are not in them. False, with Features::Kind::kNone, if no
+/// features give it, or if they are parallel.
 bool SetFeatures(const Couple& couple, const DifferenceVertex* simplex, int count,
                  Features& features, Separation& separation);
 
