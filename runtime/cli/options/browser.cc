@@ -16,7 +16,7 @@
 
 #include "dsl/text/utf8.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/sweep/cluster/slurm.h"
+#include "runtime/sweep/process/program.h"
 
 extern char** environ;
 
@@ -93,7 +93,8 @@ class BrowserProfile {
 };
 
 std::string RequireDrawing() {
-  const auto* found = std::ranges::find_if(kDrawing, cluster::IsInPath);
+  const auto* found = std::ranges::find_if(
+      kDrawing, [](const char* name) { return process::FindProgram(name).has_value(); });
   if (found == std::end(kDrawing))
     throw CommandError(fmt::format(
         "--svg needs a browser that runs without a window, because scripts of the page draw its "
@@ -190,7 +191,7 @@ std::vector<std::pair<std::string, std::string>> DrawFigures(const fs::path& pag
                                     AddressOf(page) + fragment};
   // Chromium refuses to confine itself as root.
   if (geteuid() == 0) words.insert(words.begin() + 1, "--no-sandbox");
-  const auto end = cluster::RunProgram(words, "");
+  const auto end = process::RunProgram(words, "");
   const auto json = nlohmann::ordered_json::parse(end ? FiguresIn(end->out) : "", nullptr, false);
   if (!json.is_object())
     throw CommandError(fmt::format("{} did not draw the figures of {}{}", browser, page.string(),

@@ -11,7 +11,7 @@
 
 #include "dsl/text/utf8.h"
 #include "runtime/cli/options/subcommand.h"
-#include "runtime/sweep/cluster/slurm.h"
+#include "runtime/sweep/process/program.h"
 
 namespace cdb::plans {
 namespace {
@@ -52,7 +52,7 @@ std::optional<std::size_t> CommitIn(const Places& places, std::string_view name)
 }  // namespace
 
 std::vector<history::Commit> ReadCommits(const std::string& repository) {
-  const auto end = cluster::RunProgram({"git", "-C", repository, "log", "--no-show-signature",
+  const auto end = process::RunProgram({"git", "-C", repository, "log", "--no-show-signature",
                                         "--topo-order", "--reverse", "--format=%H %s"});
   if (!end)
     throw options::CommandError(

@@ -10,14 +10,15 @@
 #include "compiler/plan/input_file.h"
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/plans/suite_plan.h"
+#include "runtime/sweep/process/program.h"
 
 namespace cdb::publish {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// No digest of a folder of the suite is near this size.
-constexpr std::size_t kMostDigestBytes = 1 << 16;
+/// A digest must be small enough to be signed.
+constexpr std::size_t kMostDigestBytes = process::kMostInput;
 constexpr std::size_t kHexDigits = 64;
 /// Two of a million folders share so many with a probability below 1 %.
 constexpr std::size_t kWordDigits = 12;

@@ -11,8 +11,7 @@
 #include "runtime/cli/options/subcommand.h"
 #include "runtime/cli/publish/digest.h"
 #include "runtime/results/files/safe_file.h"
-#include "runtime/sweep/cluster/slurm.h"
-#include "runtime/sweep/process/find_program.h"
+#include "runtime/sweep/process/program.h"
 
 namespace cdb::publish {
 namespace {
@@ -20,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "ssh-keygen";
-/// What RunProgram passes as standard input.
-constexpr std::size_t kMostInput = 1 << 16;
-
-/// The last line that is not empty: that of the cause. Warnings in frames of @ come before it.
-std::string LastLine(std::string text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-  return text.substr(text.rfind('\n') + 1);
-}
-
 /// `SHA256:…`, in `Good "cdb-suite" signature with ED25519 key SHA256:…`; empty if there is none.
 std::string FingerprintIn(const std::string& text) {
   const std::size_t begin = text.find("SHA256:");
@@ -40,11 +30,11 @@ std::string FingerprintIn(const std::string& text) {
 /// them, or not valid for this use now.
 std::string SignerOf(const fs::path& signers, const fs::path& signature,
                      const std::string& digest) {
-  const auto found = cluster::RunProgram(
+  const auto found = process::RunProgram(
       {kProgram, "-Y", "find-principals", "-f", signers.string(), "-s", signature.string()});
   if (!found || found->status != 0) return {};
   const std::string name = found->out.substr(0, found->out.find_first_of(",\n"));
-  const auto verified = cluster::RunProgram({kProgram, "-Y", "verify", "-f", signers.string(), "-I",
+  const auto verified = process::RunProgram({kProgram, "-Y", "verify", "-f", signers.string(), "-I",
                                              name, "-n", kNamespace, "-s", signature.string()},
                                             digest);
   return verified && verified->status == 0 ? name : std::string();
@@ -70,15 +60,16 @@ Signature CheckSignature(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(signature, error))) return {.text = "not signed"};
   std::string why;
-  const auto digest = plan::ReadInputFile((folder / kDigestFile).string(), why, kMostInput);
+  const auto digest =
+      plan::ReadInputFile((folder / kDigestFile).string(), why, process::kMostInput);
   if (!digest) return {SignatureState::kBad, "the signature is of no digest"};
-  const auto checked = cluster::RunProgram(
+  const auto checked = process::RunProgram(
       {kProgram, "-Y", "check-novalidate", "-n", kNamespace, "-s", signature.string()}, *digest);
   if (!checked)
     return {SignatureState::kUnchecked, "signed, but ssh-keygen is not installed, which checks it"};
   if (checked->status != 0) {
-    // Of other failures, such as of an ssh-keygen that is too old, the author is not to blame.
-    const std::string cause = LastLine(checked->err);
+    // The author is not to blame for other failures, such as an ssh-keygen that is too old.
+    const std::string cause = process::LastLine(checked->err);
     const bool is_verdict = why.find("ignature") != std::string::npos ||
                             why.find("parse") != std::string::npos ||
                             checked->out.find("Could not verify") != std::string::npos;
@@ -96,7 +87,7 @@ Signature CheckSignature(const fs::path& folder) {
 
 std::string FingerprintOf(const std::string& key) {
   RequireKey(key);
-  const auto printed = cluster::RunProgram({kProgram, "-l", "-f", key});
+  const auto printed = process::RunProgram({kProgram, "-l", "-f", key});
   std::string fingerprint = printed ? FingerprintIn(printed->out) : std::string();
   if (fingerprint.empty())
     throw options::CommandError(fmt::format("--sign {}: it is not a key of ssh", key));
@@ -106,15 +97,16 @@ std::string FingerprintOf(const std::string& key) {
 void Sign(const fs::path& folder, const std::string& key) {
   RequireKey(key);
   std::string why;
-  const auto digest = plan::ReadInputFile((folder / kDigestFile).string(), why, kMostInput);
+  const auto digest =
+      plan::ReadInputFile((folder / kDigestFile).string(), why, process::kMostInput);
   if (!digest)
     throw options::CommandError(fmt::format("{}: {}", (folder / kDigestFile).string(), why));
-  const auto made = cluster::RunProgram({kProgram, "-q", "-Y", "sign", "-f", key, "-n", kNamespace},
-                                        *digest, cluster::ProgramGroup::kCallers);
+  const auto made = process::RunProgram({kProgram, "-q", "-Y", "sign", "-f", key, "-n", kNamespace},
+                                        *digest, process::ProgramGroup::kCallers);
   if (!made || made->status != 0)
     throw options::CommandError(
         fmt::format("--sign {}: ssh-keygen cannot sign with it: {}", key,
-                    made ? LastLine(made->err) : std::string("it was removed")));
+                    made ? process::LastLine(made->err) : std::string("it was removed")));
   files::WriteWhole(made->out, folder / kSignatureFile);
 }
 

@@ -6,8 +6,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "runtime/sweep/cluster/submission.h"
 
@@ -46,28 +44,5 @@ struct Capacity {
 /// `partition`: empty for the default one. Values that Slurm does not report keep the defaults
 /// above.
 Capacity FindCapacity(const std::string& partition);
-
-// Runs a program of the system and collects its output.
-
-struct ProgramEnd {
-  int status = 0;  ///< exit status; 128 + signal if a signal ended it
-  std::string out, err;
-};
-
-/// True if PATH has an executable file of that name.
-bool IsInPath(const std::string& program);
-
-/// The process group of a program that is run.
-enum class ProgramGroup {
-  kOwn,      ///< Ctrl-C does not reach it, and it cannot read from the terminal
-  kCallers,  ///< it may ask for a passphrase at the terminal
-};
-
-/// Runs the program `words[0]`, found in PATH, until it ends, with `input` (at most 64 kB) as
-/// standard input. Nullopt if there is no such program. Throws std::system_error if no process can
-/// be started.
-std::optional<ProgramEnd> RunProgram(const std::vector<std::string>& words,
-                                     std::string_view input = {},
-                                     ProgramGroup group = ProgramGroup::kOwn);
 
 }  // namespace cdb::cluster

@@ -30,9 +30,9 @@
 #include "runtime/protocol/machine/machine.h"
 #include "runtime/protocol/recording.h"
 #include "runtime/results/trace_file.h"
-#include "runtime/sweep/process/find_program.h"
 #include "runtime/sweep/process/launcher.h"
 #include "runtime/sweep/process/process.h"
+#include "runtime/sweep/process/program.h"
 
 namespace cdb::process {
 namespace {

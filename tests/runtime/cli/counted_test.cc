@@ -7,7 +7,7 @@
 
 #include "runtime/protocol/recording.h"
 #include "runtime/results/store.h"
-#include "runtime/sweep/cluster/slurm.h"
+#include "runtime/sweep/process/program.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 TEST(Counted, HasCountsInPlaceOfTimes) {
   if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
-  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
+  if (!process::FindProgram("valgrind")) GTEST_SKIP() << "there is no Valgrind";
   const Program program;
   program.Write("few.cdb",
                 "benchmark few {\n  cycles 4\n  detector sweep(sap, dbvt)\n  clock instructions\n"
@@ -60,7 +60,7 @@ TEST(Counted, HasCountsInPlaceOfTimes) {
 
 TEST(Counted, RunsAreJudged) {
   if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
-  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
+  if (!process::FindProgram("valgrind")) GTEST_SKIP() << "there is no Valgrind";
   const Program program;
   program.Write("gate.cdb",
                 "benchmark gate {\n  cycles 3\n  record counts, timing, stability, poses\n"
@@ -83,7 +83,7 @@ TEST(Counted, RunsAreJudged) {
 
 TEST(Counted, RunsFailIfACountIsLost) {
   if (kAnySanitizer) GTEST_SKIP() << "Valgrind cannot run what a sanitizer watches";
-  if (!cluster::IsInPath("valgrind")) GTEST_SKIP() << "there is no Valgrind";
+  if (!process::FindProgram("valgrind")) GTEST_SKIP() << "there is no Valgrind";
   const Program program;
   // Empties the log of Valgrind all the time, until the run ends.
   program.Write("valgrind",

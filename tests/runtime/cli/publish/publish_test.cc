@@ -17,7 +17,7 @@
 #include "runtime/cli/publish/publish.h"
 #include "runtime/cli/publish/signature.h"
 #include "runtime/printers/json_points.h"
-#include "runtime/sweep/process/find_program.h"
+#include "runtime/sweep/process/program.h"
 #include "tests/runtime/cli/plans/submission.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitizers.h"

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "runtime/sweep/cluster/slurm.h"
+#include "runtime/sweep/process/program.h"
 #include "tests/support/files.h"
 
 namespace cdb::tests {
@@ -46,9 +47,9 @@ class JobScript : public testing::Test {
                                         "'\n" + body + "\n");
     fs::permissions(sweep_.files.program, fs::perms::owner_all);
   }
-  cluster::ProgramEnd Run(const cluster::Job& job) const {
+  process::ProgramEnd Run(const cluster::Job& job) const {
     setenv("SLURM_ARRAY_TASK_ID", "2", 1);
-    return *cluster::RunProgram({"sh"}, job.script);
+    return *process::RunProgram({"sh"}, job.script);
   }
   std::string Noted() const { return ReadFile(noted_); }
 
@@ -125,7 +126,7 @@ TEST_F(JobScript, TheDryRunIsAScriptThatSubmitsBoth) {
   const std::string script =
       "PATH='" + binaries.string() + "':$PATH\n" + cluster::DryRunText(sweep_, options_, "true");
   setenv("SLURM_ARRAY_TASK_ID", "1", 1);
-  const auto end = cluster::RunProgram({"sh"}, script);
+  const auto end = process::RunProgram({"sh"}, script);
   EXPECT_EQ(end->status, 0) << end->err;
   EXPECT_THAT(Noted(), HasSubstr("--shard\n1/3\n"));
   EXPECT_THAT(Noted(), HasSubstr("--dependency=afterany:12\n"));
