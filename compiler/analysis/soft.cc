@@ -451,10 +451,6 @@ MaybeFault FindMaterialFault(const Scene& scene, const Group& group, const schem
     return SettingFault{group.name, parameter.get(), {}, std::move(message), std::move(help)};
   };
   const plan::GroupSettings& settings = group.settings;
-  if (const schema::Value& value = settings.Get("type");
-      type.name == kBlockCall && NodeCount(value) > kMostBlockNodes)
-    return fault("type", fmt::format("the block has {} nodes", NodeCount(value)),
-                 fmt::format("a block may have {}", kMostBlockNodes));
   if (type.name != kBlockCall) {
     for (const schema::GroupParameter parameter : kOfBlocks)
       if (settings.Has(*parameter.get()))
@@ -466,6 +462,9 @@ MaybeFault FindMaterialFault(const Scene& scene, const Group& group, const schem
                          : "remove it");
     return std::nullopt;
   }
+  if (const std::uint64_t nodes = NodeCount(settings.Get("type")); nodes > kMostBlockNodes)
+    return fault("type", fmt::format("the block has {} nodes", nodes),
+                 fmt::format("a block may have {}", kMostBlockNodes));
   if (scene.world.WordOr("soft_world") != "springs")
     return fault("type",
                  "soft_world positions knows no material: it would keep the edges of the "

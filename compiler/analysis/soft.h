@@ -47,6 +47,16 @@ SoftMesh MeshOf(const schema::Value& type);
 SoftMesh LatticeOf(const schema::Value& type);
 SoftMesh BlockOf(std::size_t columns, std::size_t rows, std::size_t layers);
 
+/// The edges of a tetrahedron from its first corner to the others, or differences of another vector
+/// that `value_of` gives for each node.
+template <typename ValueOf>
+Eigen::Matrix3d EdgesOf(const std::array<std::uint32_t, 4>& corners, const ValueOf& value_of) {
+  Eigen::Matrix3d edges;
+  for (int i = 0; i < 3; ++i)
+    edges.col(i) = value_of(corners[static_cast<std::size_t>(i) + 1]) - value_of(corners[0]);
+  return edges;
+}
+
 /// Of each node, in the mass of its body, which it has if it is not pinned: of a rope, that of the
 /// halves of its links; of a cloth, a third of each triangle; of a block, a quarter of each
 /// tetrahedron.
@@ -66,7 +76,7 @@ std::uint64_t NodeCount(const plan::Scene& scene);
 /// Objects beside the soft ones that contacts move.
 std::uint64_t FreeRigidCount(const plan::Scene& scene);
 
-/// The nodes of a mesh that the sides which the group pins have, ascending.
+/// The nodes of a mesh on the sides that the group pins, ascending.
 std::vector<std::uint32_t> PinnedNodes(const plan::Group& group, const SoftMesh& mesh);
 
 /// Pa: the constants of Hooke's law, stress = 2 mu strain + lambda trace(strain).

@@ -107,12 +107,9 @@ double HighestOfBlock(const plan::Group& group, double size, double poisson_rati
                      size * aspect.cwiseProduct(part));
   std::vector<Matrix3d> inverse;
   std::vector<double> volume;
-  const auto differences = [&](const std::array<std::uint32_t, 4>& nodes,
-                               const std::vector<Vector3d>& values) {
-    Matrix3d all;
-    for (int i = 0; i < 3; ++i)
-      all.col(i) = values[nodes[static_cast<std::size_t>(i) + 1]] - values[nodes[0]];
-    return all;
+  const auto differences = [](const std::array<std::uint32_t, 4>& nodes,
+                              const std::vector<Vector3d>& values) {
+    return analysis::EdgesOf(nodes, [&](std::uint32_t node) { return values[node]; });
   };
   for (const auto& nodes : of.mesh.tetrahedra) {
     const Matrix3d edges = differences(nodes, of.places);

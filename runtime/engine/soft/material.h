@@ -42,16 +42,6 @@ struct Element {
   Eigen::Matrix3d inverse;  ///< 1/m: of the edges from its first corner to the others
 };
 
-/// The edges of a tetrahedron from its first corner to the others, or differences of another vector
-/// that `value_of` gives for each node.
-template <typename ValueOf>
-Eigen::Matrix3d EdgesOf(const std::array<std::uint32_t, 4>& corners, const ValueOf& value_of) {
-  Eigen::Matrix3d edges;
-  for (int i = 0; i < 3; ++i)
-    edges.col(i) = value_of(corners[static_cast<std::size_t>(i) + 1]) - value_of(corners[0]);
-  return edges;
-}
-
 /// Of a deformation, whose gradient maps the edges at the start to those now.
 struct Strained {
   double energy = 0;       ///< J/m^3, 0 at rest

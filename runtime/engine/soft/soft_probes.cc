@@ -68,7 +68,8 @@ void AddStrains(const SoftObject& one, double half_timestep, probes::SpringEnerg
     const auto& corners = one.mesh.tetrahedra[i];
     const Element& element = one.elements[i];
     const auto gradient = [&](const auto& value_of) -> Eigen::Matrix3d {
-      return EdgesOf(corners, [&](std::uint32_t node) { return value_of(*one.body, node); }) *
+      return analysis::EdgesOf(corners,
+                               [&](std::uint32_t node) { return value_of(*one.body, node); }) *
              element.inverse;
     };
     const Strained strained = StrainedBy(one.material, gradient(PlaceOf));
@@ -187,10 +188,11 @@ SoftVolume VolumeOf(const SoftWorld& world) {
   double start = 0, now = 0;
   for (const SoftObject& one : world.bodies()) {
     for (std::size_t i = 0; i < one.elements.size(); ++i) {
-      const double volume = EdgesOf(one.mesh.tetrahedra[i],
-                                    [&](std::uint32_t node) { return PlaceOf(*one.body, node); })
-                                .determinant() /
-                            6;
+      const double volume =
+          analysis::EdgesOf(one.mesh.tetrahedra[i],
+                            [&](std::uint32_t node) { return PlaceOf(*one.body, node); })
+              .determinant() /
+          6;
       start += one.elements[i].volume;
       now += volume;
       sum.inverted += !(volume > 0);
@@ -369,10 +371,9 @@ SoftProbes::RigidCounts SoftProbes::RecordRigid() {
 
 /// `last`: the centre of mass before the cycle.
 bool SoftProbes::HasPassed(const Obstacle& one, const Vector3d& last) const {
-  const Vector3d lower = last.cwiseMin(one.pose.position), upper = last.cwiseMax(one.pose.position);
+  const auto box = Eigen::AlignedBox3d(last).extend(one.pose.position);
   for (std::size_t body = 0; body < nodes_.size(); ++body) {
     if (!is_finite_[body]) continue;
-    const Eigen::AlignedBox3d box(lower, upper);
     if (!sweeps_[body].intersects(box)) continue;
     const std::vector<Vector3d>&from = last_nodes_[body], &to = nodes_[body];
     for (const auto& [a, b, c] : world_.bodies()[body].mesh.triangles) {

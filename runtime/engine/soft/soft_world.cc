@@ -202,7 +202,8 @@ void AddElements(const plan::Group& group, const std::vector<Vector3d>& places, 
   for (const auto& corners : one.mesh.tetrahedra) {
     body.appendTetra(static_cast<int>(corners[0]), static_cast<int>(corners[1]),
                      static_cast<int>(corners[2]), static_cast<int>(corners[3]));
-    const Eigen::Matrix3d edges = EdgesOf(corners, [&](std::uint32_t i) { return places[i]; });
+    const Eigen::Matrix3d edges =
+        analysis::EdgesOf(corners, [&](std::uint32_t i) { return places[i]; });
     one.elements.push_back({edges.determinant() / 6, edges.inverse()});
   }
   // What Bullet's readers of files do after the last tetrahedron.

@@ -130,7 +130,7 @@ TEST(Block, BulletsForcesAreThoseOfTheLaws) {
       const auto& corners = one.mesh.tetrahedra[i];
       const soft::Element& element = one.elements[i];
       const Matrix3d gradient =
-          soft::EdgesOf(corners, [&](std::uint32_t node) { return places[node]; }) *
+          analysis::EdgesOf(corners, [&](std::uint32_t node) { return places[node]; }) *
           element.inverse;
       const Matrix3d pull = -element.volume * soft::StrainedBy(one.material, gradient).stress *
                             element.inverse.transpose();
@@ -379,14 +379,7 @@ double HighestFrequencyOfBlock(const soft::SoftWorld& world) {
         stiffness.block<3, 3>(3 * one.mesh.tetrahedra[e][i], 3 * one.mesh.tetrahedra[e][j]) +=
             own.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double mass = one.masses[static_cast<std::size_t>(i)];
-    const double scale = mass > 0 ? 1 / std::sqrt(mass) : 0;
-    stiffness.middleRows<3>(3 * i) *= scale;
-    stiffness.middleCols<3>(3 * i) *= scale;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, Eigen::EigenvaluesOnly);
-  return std::sqrt(solver.eigenvalues().maxCoeff());
+  return HighestFrequency(one.masses, std::move(stiffness));
 }
 
 /// Random blocks, from a third of the limit to three times it: those beyond it explode, and only

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+#include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "dsl/diagnostics.h"
 #include "library/layouts/initial_state.h"
@@ -47,6 +50,19 @@ inline Eigen::Vector3d NodeAt(const soft::SoftWorld& world, int node, std::size_
 }
 inline Eigen::Vector3d NodeVelocity(const soft::SoftWorld& world, int node, std::size_t body = 0) {
   return world::ToEigen(world.bodies()[body].body->m_nodes[node].m_v);
+}
+
+/// rad/s: the square root of the largest eigenvalue of small motions. `masses`: kg, of the nodes, 0
+/// of pinned ones; `stiffness`: N/m, 3 rows and columns for each node.
+inline double HighestFrequency(const std::vector<double>& masses, Eigen::MatrixXd stiffness) {
+  for (std::size_t node = 0; node < masses.size(); ++node) {
+    const double scale = masses[node] > 0 ? 1 / std::sqrt(masses[node]) : 0;
+    const auto first = static_cast<Eigen::Index>(3 * node);
+    stiffness.middleRows<3>(first) *= scale;
+    stiffness.middleCols<3>(first) *= scale;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, Eigen::EigenvaluesOnly);
+  return std::sqrt(solver.eigenvalues().maxCoeff());
 }
 
 }  // namespace cdb::tests

@@ -136,14 +136,7 @@ double HighestFrequencyOf(const soft::SoftWorld& world) {
     for (const auto& [i, j, sign] : {std::tuple{a, a, 1}, {b, b, 1}, {a, b, -1}, {b, a, -1}})
       stiffness.block<3, 3>(3 * i, 3 * j) += sign * block;
   }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double mass = one.masses[static_cast<std::size_t>(i)];
-    const double scale = mass > 0 ? 1 / std::sqrt(mass) : 0;
-    stiffness.middleRows<3>(3 * i) *= scale;
-    stiffness.middleCols<3>(3 * i) *= scale;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, Eigen::EigenvaluesOnly);
-  return std::sqrt(solver.eigenvalues().maxCoeff());
+  return HighestFrequency(one.masses, std::move(stiffness));
 }
 
 /// Random ropes and cloths, from a third of the limit to three times it: those beyond it explode,
