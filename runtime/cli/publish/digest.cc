@@ -71,6 +71,12 @@ Digest ComputeDigest(const fs::path& folder) {
   return digest;
 }
 
+Digest ReadDigest(const fs::path& folder) {
+  std::string why;
+  const auto text = plan::ReadInputFile((folder / kDigestFile).string(), why, kMostDigestBytes);
+  return text ? ParseDigest(*text).value_or(Digest()) : Digest();
+}
+
 std::string DigestText(const Digest& digest) {
   std::string text;
   for (const auto& [name, hex] : digest) text += fmt::format("{}  {}\n", hex, name);

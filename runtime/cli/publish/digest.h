@@ -21,6 +21,9 @@ using Digest = std::map<std::string, std::string>;
 /// one cannot be read.
 Digest ComputeDigest(const std::filesystem::path& folder);
 
+/// The digest as it is written in `folder`; empty if there is none that can be read.
+Digest ReadDigest(const std::filesystem::path& folder);
+
 /// A line for each file: `HEX  NAME`.
 std::string DigestText(const Digest& digest);
 

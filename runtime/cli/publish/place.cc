@@ -46,6 +46,7 @@ PlaceEntry ReadEntry(const fs::path& folder) {
     entry.signature = CheckSignature(folder);
     entry.faults = FindDigestFaults(folder);
     if (!entry.faults.empty()) return entry;
+    const Digest digest = ReadDigest(folder);  // that of the files, as they have no faults
     if (!entry.version) {
       entry.faults.push_back(
           fmt::format("{}: it is not a summary of the suite", plans::kSuiteSummary));
@@ -59,12 +60,11 @@ PlaceEntry ReadEntry(const fs::path& folder) {
       // So that no results are here twice, and verify themselves.
       if (const std::string name = NameOf(checked.read); entry.name != name)
         entry.faults.push_back(fmt::format("the name of the folder should be {}", name));
-      for (const auto& [name, hex] : ComputeDigest(folder))
+      for (const auto& [name, hex] : digest)
         if (name != plans::kSuiteSummary && !checked.read.facts.sha256.contains(name))
           entry.faults.push_back(fmt::format("{}: it is not a file of the suite", name));
       entry.summary = std::move(checked.summary);
     } else {
-      const Digest digest = ComputeDigest(folder);
       if (const std::string word = ResultsWord(digest); !entry.name.ends_with(word))
         entry.faults.push_back(fmt::format(
             "the name of the folder should end with {}, the digest of its results", word));
