@@ -48,9 +48,7 @@ inline constexpr VerdictInfo kVerdicts[] = {
     {Verdict::kPenetrating, "penetrating",
      "late depth or joint gap > 0.05 S; joints late bent by > 0.05 rad or stretched by > 0.02; "
      "pressed in; nodes of a soft body end inside a rigid one, a body crosses itself, or a "
-     "tetrahedron ends inside out; or, if "
-     "the scene must rest, any depth > 0.25 "
-     "S"},
+     "tetrahedron ends inside out; or, if the scene must rest, any depth > 0.25 S"},
     {Verdict::kCollapsed, "collapsed",
      "the scene must rest, and at least 1 % of its objects moved by > 0.25 S; a load ends below "
      "its support; an object sleeps unheld"},

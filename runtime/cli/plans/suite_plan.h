@@ -62,8 +62,8 @@ std::string SuiteSummary(const SuiteFolder& read);
 /// after suite.json has been written.
 void WriteSuiteSummary(const SuiteFolder& read, const std::filesystem::path& folder);
 
-/// Whether the figures and facts of two summaries are equal. Sentences and members that only one
-/// has are not compared: they may be those of another version of cdb.
+/// Whether the figures and facts of two summaries are equal. Sentences, which may be those of
+/// another version of cdb, need not be the same, but one has them where the other does.
 bool HasFiguresOf(const std::string& summary, const std::string& other);
 
 /// The reasons why results of the suite are not complete or not comparable; empty if there are

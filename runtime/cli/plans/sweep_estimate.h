@@ -44,8 +44,8 @@ struct SweepEstimate {
 
 /// Executes runs at about kSampledRuns points, spread over the grid, one after the other, for
 /// kSampledCycles and then for as many more as take a few seconds. Writes a journal to a folder in
-/// the current one, which it removes. Throws ScheduleError, and CommandError for
-/// runs that count instructions.
+/// the current one, which it removes. Throws ScheduleError, and CommandError for runs
+/// that count instructions.
 SweepEstimate EstimateSweep(const grid::Grid& grid, const process::StopFlag& stop);
 inline constexpr std::size_t kSampledRuns = 9;
 inline constexpr std::uint64_t kSampledCycles = 30;

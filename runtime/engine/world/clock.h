@@ -15,8 +15,8 @@ std::int64_t Now();
 void CountInstructions(int log);
 
 /// Throws std::runtime_error if the clock counts instructions and one of its readings failed, so
-/// that Now() returned no count. Nothing that was recorded since CountInstructions can be used
-/// then.
+/// that Now() returned the count before it. Nothing that was recorded since CountInstructions can
+/// be used then.
 void RequireCounts();
 
 }  // namespace cdb::world

@@ -14,8 +14,8 @@ export function number(value) {
 export function duration(ns, unit = 'ns') {
   if (!Number.isFinite(ns)) return '–';
   if (unit !== 'ns') return `${number(ns)} ${unit}`;
-  for (const [unit, size] of [['s', 1e9], ['ms', 1e6], ['µs', 1e3]])
-    if (ns >= size) return `${number(ns / size)} ${unit}`;
+  for (const [name, size] of [['s', 1e9], ['ms', 1e6], ['µs', 1e3]])
+    if (ns >= size) return `${number(ns / size)} ${name}`;
   return `${number(ns)} ns`;
 }
 
