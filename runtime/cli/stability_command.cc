@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 
 struct StabilityArguments {
   std::vector<std::string> scenes;  ///< of the suite; empty: all
-  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"};
+  std::vector<std::string> precisions = {"single", "double"}, detectors = {"dbvt"},
+                           narrow_phases = {"own"};
   std::string out = "stability";  ///< folder of the results
   std::uint64_t jobs = 1;
   bool has_boundaries = false;  ///< search them, instead of running the grids
@@ -66,6 +67,7 @@ std::vector<std::string> Choose(const StabilityArguments& arguments) {
 options::ExitStatus RunSuite(const StabilityArguments& arguments) {
   options::CheckWords("precision", arguments.precisions);
   options::CheckWords("detector", arguments.detectors);
+  options::CheckWords("narrow_phase", arguments.narrow_phases);
   std::vector<plan::Plan> plans;
   for (const std::string& name : Choose(arguments)) {
     const std::string file = fmt::format("{}/{}", arguments.suite(), name);
@@ -73,8 +75,10 @@ options::ExitStatus RunSuite(const StabilityArguments& arguments) {
     const auto loaded = options::LoadPlans(file, {}, options::LintText::kNone);
     if (loaded.empty()) return options::ExitStatus::kScenarioError;
     for (const plan::Plan& plan : loaded)
-      plans.push_back(compiler::Cross(compiler::Cross(plan, "detector", arguments.detectors),
-                                      "precision", arguments.precisions));
+      plans.push_back(compiler::Cross(
+          compiler::Cross(compiler::Cross(plan, "narrow_phase", arguments.narrow_phases),
+                          "detector", arguments.detectors),
+          "precision", arguments.precisions));
   }
   plans::MakeResultsFolder(arguments.out);
   const plans::PlanRunner runner({arguments.jobs, arguments.fresh, arguments.quiet});
@@ -94,6 +98,7 @@ void DeclareStability(options::Subcommand& command) {
   command.Optional("SCENE", arguments->scenes, "scenes of the suite (default: all)");
   command.List("--precision", arguments->precisions, "precisions (default: single,double)");
   command.List("--detector", arguments->detectors, "detectors (default: dbvt)");
+  command.List("--narrow-phase", arguments->narrow_phases, "narrow phases (default: own)");
   command.Out(arguments->out, "folder for the results (default: stability)");
   command.Jobs(arguments->jobs, "number of parallel runs (default: 1)");
   command.Flag("--boundaries", arguments->has_boundaries,

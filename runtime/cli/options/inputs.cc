@@ -372,18 +372,20 @@ std::vector<grid::Grid> LoadGrids(const std::string& file,
 
 void CheckWords(schema::WorldParameter parameter, const std::vector<std::string>& words,
                 std::span<const schema::PluginDetector> plugins) {
+  std::string option(parameter.name());
+  std::ranges::replace(option, '_', '-');
   std::set<std::string_view> seen;
   for (const std::string& word : words) {
     const auto all = (*parameter).AllWords(plugins);
     if (!(*parameter).HasWord(word, plugins))
       throw CommandError(
-          fmt::format("--{} {}: {}", parameter.name(), word,
+          fmt::format("--{} {}: {}", option, word,
                       Suggestion(word, all, fmt::format("there are {}", fmt::join(all, ", "))) +
                           (parameter.get()->TakesDetectors() && plugins.empty()
                                ? "; your own detector needs --plugin FILE.so"
                                : "")));
     if (!seen.insert(word).second)
-      throw CommandError(fmt::format("--{} names '{}' twice", parameter.name(), word));
+      throw CommandError(fmt::format("--{} names '{}' twice", option, word));
   }
 }
 
