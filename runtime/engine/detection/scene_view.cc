@@ -85,10 +85,13 @@ void SceneView::CutPlanes() {
 
 void SceneView::TakePoses() {
   poses_.resize(size());
+  was_asleep_.resize(size(), 0);
   const double work = kWorkOfPose * static_cast<double>(size());
   const kernels::ThreadPool::Session session = parts_.Begin(work);
   parts_.ForEach(work, 0, size(), 1, [&](unsigned, std::size_t from, std::size_t to) {
     for (std::size_t id = from; id < to; ++id) {
+      if (was_asleep_[id] != 0 && is_asleep_[id] != 0) continue;
+      was_asleep_[id] = is_asleep_[id];
       const btTransform& pose = bodies_[id]->getWorldTransform();
       const btMatrix3x3& basis = pose.getBasis();
       poses_[id] = {bullet::ToVec3(pose.getOrigin()), bullet::ToVec3(basis.getColumn(0)),

@@ -54,7 +54,8 @@ class SceneView {
   }
   /// From 1, including the warm-up; 0 before the first cycle.
   std::uint64_t cycle() const { return cycle_; }
-  /// The current input of a detector. Poses are read once per cycle, and only on request.
+  /// The current input of a detector. Poses are read once per cycle, and only on request; those of
+  /// bodies that have been asleep since they were read, and of fixed ones, are kept.
   Scene For(bool wants_poses);
 
  private:
@@ -70,7 +71,8 @@ class SceneView {
   std::vector<Filter> filters_;
   std::vector<Pose> poses_;
   std::vector<std::uint8_t> is_asleep_;
-  std::optional<BoxPass> box_pass_;  ///< of all bodies but planes
+  std::vector<std::uint8_t> was_asleep_;  ///< as is_asleep_ was when the poses were read
+  std::optional<BoxPass> box_pass_;       ///< of all bodies but planes
   std::uint64_t cycle_ = 0;
   bool has_poses_ = false;
 };

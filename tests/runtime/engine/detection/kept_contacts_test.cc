@@ -226,6 +226,44 @@ TEST(Manifolds, ComeWithTheFirstContactAndGoWithThePair) {
   EXPECT_TRUE(Manifolds(engine).empty());
 }
 
+// The poses of sleeping bodies are read once. Where one that has woken were taken to be where it
+// slept, its contacts would be inside of it, or outside.
+TEST(Manifolds, AreOnTheSurfacesOfBodiesThatSlept) {
+  plan::Scene scene = OfBatch(3, "sorted");
+  SetWorld(scene, "timestep", 1.0 / 60);
+  SetWorld(scene, "sleeping", true);
+  layouts::InitialState state = layouts::DrawObjects(scene);
+  const double height = -0.5 * 20 + 0.5;
+  state.objects[0].pose.position = {0, height, 0};
+  state.objects[1].pose.position = {3, height, 0};
+  state.objects[2].pose.position = {-6, height, 0};
+  world::Engine engine = WholeEngine(scene, state);
+  Steps(engine, 200);
+  const double slept_at = Position(engine, 1).x();
+  const auto off_surface = [](const btCollisionObject* body, const btVector3& at) {
+    if (body->getCollisionShape()->getShapeType() != BOX_SHAPE_PROXYTYPE) return 0.0;
+    return std::abs(static_cast<double>(at.absolute()[at.absolute().maxAxis()]) - 0.5);
+  };
+  int contacts = 0;
+  for (const double speed : {12.0, -12.0}) {
+    ASSERT_FALSE(engine.objects()[0]->isActive());
+    ASSERT_FALSE(engine.objects()[1]->isActive());
+    engine.objects()[2]->activate(true);
+    engine.objects()[2]->setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+    for (int cycle = 0; cycle < 300; ++cycle) {
+      engine.Step();
+      for (const btPersistentManifold* manifold : Manifolds(engine))
+        for (int i = 0; i < manifold->getNumContacts(); ++i, ++contacts) {
+          const btManifoldPoint& point = manifold->getContactPoint(i);
+          ASSERT_LT(off_surface(manifold->getBody0(), point.m_localPointA), 1e-3) << cycle;
+          ASSERT_LT(off_surface(manifold->getBody1(), point.m_localPointB), 1e-3) << cycle;
+        }
+    }
+  }
+  EXPECT_GT(contacts, 1000);
+  EXPECT_GT(Position(engine, 1).x(), slept_at + 0.1) << "it was pushed";
+}
+
 TEST(Manifolds, ComeWithThePairIfItsOrderIsListed) {
   plan::Scene scene = OfBatch(2, "listed");
   layouts::InitialState state = layouts::DrawObjects(scene);
