@@ -26,7 +26,7 @@ namespace cdb::figures {
 
 /// Increase it with every change of a scene, of a bound or of the score: results of different
 /// versions are not comparable. tests/golden/suite/ has the plans of each version.
-inline constexpr int kSuiteVersion = 4;
+inline constexpr int kSuiteVersion = 5;
 
 /// A kind of application. Its scenes sweep the same configurations.
 struct SuiteKind {
