@@ -85,7 +85,8 @@ void DeclareHistory(options::Subcommand& command) {
   const auto arguments = std::make_shared<HistoryArguments>();
   command.Required("FOLDER", arguments->folder,
                    "folder of results files, one or more for each commit");
-  command.Optional("--least", arguments->least, "the least change that is reported (default: 1%)");
+  command.Optional("--least", arguments->least,
+                   "the least change that is reported (default: 1%, and 0.1% of instructions)");
   command.Optional("--since", arguments->since,
                    "only changes after this file, by its label (default: the first)");
   command.Optional("--fail-above", arguments->fail_above,
