@@ -1,8 +1,8 @@
 #!/bin/sh
 # Builds and measures each commit of a range, and prints the history: history_range.sh BENCH.cdb RANGE [FOLDER]
 # Call it in the repository; RANGE is one of git, such as v1.0..main, and FOLDER (default: history) is kept. Of branches
-# that were merged, the merge is measured. The newest commits are the first, and those that have results are passed over,
-# so stop it at any time, and call it again.
+# that were merged, the merge is measured. The newest commits are the first, and those that have results are passed
+# over, so stop it at any time, and call it again.
 # Commits are checked out and built in one folder beside, FOLDER.tree, so that a build compiles what changed. Delete it
 # with `git worktree remove --force FOLDER.tree`.
 # BUILD: the command that builds a commit, in its folder (default: cmake, into build/).
