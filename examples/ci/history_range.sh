@@ -7,6 +7,7 @@
 # with `git worktree remove --force FOLDER.tree`.
 # BUILD: the command that builds a commit, in its folder (default: cmake, into build/).
 # PLUGIN: the plug-in that this makes, such as build/libmy_detector.so; or PROGRAM: `cdb` itself, build/cdb.
+# CDB: the program that prints the history, and measures a plug-in (default: cdb).
 # RUN: options of `cdb run`, such as '--set clock=instructions --set repeats=1'. HISTORY: those of `cdb history`.
 # Exit status: that of `cdb history`; or else 3 if a commit could not be built or a run failed, which is named.
 set -eu
